@@ -1,0 +1,219 @@
+//! What can go wrong, each with the value, the limit and the remedy in its text.
+//!
+//! An error means that no usable result was written; whatever was pushed before stays in place. Doubtful
+//! results (no convergence, a weakly determined radius, ignored edges) are not errors but fields of the
+//! result. Texts are lower-case ASCII without a trailing period and fit a 512-byte buffer.
+
+/// The result of a call that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// A failed call.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An argument has a value outside its documented range.
+    #[error("{name} is {value}; it must {requirement}")]
+    InvalidArgument {
+        /// The argument or field.
+        name: String,
+        /// The value that was given.
+        value: String,
+        /// The condition that the value must meet, worded to follow "it must".
+        requirement: String,
+    },
+    /// A camera parameter has a value with which no camera model works.
+    #[error("intrinsics: {name} is {value}; it must {requirement}")]
+    InvalidIntrinsics {
+        /// The parameter.
+        name: String,
+        /// The value that was given.
+        value: String,
+        /// The condition that the value must meet, worded to follow "it must".
+        requirement: String,
+    },
+    /// Two images that share one pixel grid have different sizes.
+    #[error(
+        "{name} is {width} x {height} but {other} is {other_width} x {other_height}; both must have the same size"
+    )]
+    SizeMismatch {
+        /// The image that was given.
+        name: &'static str,
+        /// Its width in pixels.
+        width: usize,
+        /// Its height in pixels.
+        height: usize,
+        /// What it must match.
+        other: &'static str,
+        /// The width to match.
+        other_width: usize,
+        /// The height to match.
+        other_height: usize,
+    },
+    /// A call came before something that it needs.
+    #[error("{call} needs {missing}; {remedy}")]
+    BadState {
+        /// The call.
+        call: &'static str,
+        /// What is missing.
+        missing: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A combination of settings or data that the chosen method does not define.
+    #[error("{what}; {remedy}")]
+    Unsupported {
+        /// What was asked for.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// Memory for the data could not be had.
+    #[error("out of memory: {bytes} bytes for {what} could not be allocated")]
+    OutOfMemory {
+        /// What the memory was for.
+        what: &'static str,
+        /// How much was asked for.
+        bytes: usize,
+    },
+    /// Fewer usable points than a cylinder has degrees of freedom.
+    #[error("{usable} of {given} points are usable but a cylinder needs at least {needed}; {remedy}")]
+    TooFewPoints {
+        /// Points that can be used.
+        usable: usize,
+        /// Points that were given.
+        given: usize,
+        /// The least number.
+        needed: usize,
+        /// What to check.
+        remedy: &'static str,
+    },
+    /// The points are as flat as a plane: the radius runs away.
+    #[error(
+        "the points lie on a plane: the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis; give points that cover more of the circumference"
+    )]
+    PlanarPoints {
+        /// The radius at which the fit was given up.
+        radius: f64,
+        /// The spread of the points across the axis.
+        spread: f64,
+        /// The largest ratio of the two that counts as a cylinder.
+        limit: f64,
+    },
+    /// The points lie on one straight line, such as a single generator of the cylinder.
+    #[error(
+        "the points lie on one line: they spread {across:.3e} across a line of length {along:.3e}; give points that cover more of the circumference"
+    )]
+    CollinearPoints {
+        /// Root mean square spread along the line.
+        along: f64,
+        /// Root mean square spread across it.
+        across: f64,
+    },
+    /// No pixel of the mask is set.
+    #[error(
+        "all {width} x {height} pixels of the mask are zero; set the pixels of the cylinder to a non-zero value"
+    )]
+    EmptyMask {
+        /// Width of the mask in pixels.
+        width: usize,
+        /// Height of the mask in pixels.
+        height: usize,
+    },
+    /// No pixel in the region has a usable depth.
+    #[error(
+        "none of the {pixels} pixels in the region has a usable depth: {missing} without a measurement, {out_of_range} out of range; check the depth scale and the mask"
+    )]
+    NoDepth {
+        /// Pixels in the region.
+        pixels: usize,
+        /// Pixels with a depth of zero, below zero or not finite.
+        missing: usize,
+        /// Pixels outside the range of depths or of the camera model.
+        out_of_range: usize,
+    },
+    /// No start could be found for the iteration.
+    #[error("no start was found: {reason}; give a start model")]
+    NoStart {
+        /// Why the starts that were tried failed.
+        reason: String,
+    },
+    /// The limb lines cannot be formed from the model and the segments although they are needed.
+    #[error("the edges cannot be used: {reason}; {remedy}")]
+    EdgeGeometry {
+        /// Why.
+        reason: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The arithmetic left the range of numbers.
+    #[error("numerical failure: {what}; scale the data to ordinary numbers")]
+    Numerical {
+        /// Where.
+        what: &'static str,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled by the caller after {iterations} iterations")]
+    Cancelled {
+        /// Iterations done by then.
+        iterations: usize,
+    },
+}
+
+impl Error {
+    /// An [`Error::InvalidArgument`].
+    pub(crate) fn argument(
+        name: impl Into<String>,
+        value: impl ToString,
+        requirement: impl Into<String>,
+    ) -> Self {
+        Error::InvalidArgument {
+            name: name.into(),
+            value: value.to_string(),
+            requirement: requirement.into(),
+        }
+    }
+
+    /// The number of this failure in the C interface. Numbers are never reused.
+    #[must_use]
+    pub const fn code(&self) -> i32 {
+        match self {
+            Error::InvalidArgument { .. } => -1,
+            Error::BadState { .. } => -5,
+            Error::OutOfMemory { .. } => -8,
+            Error::Unsupported { .. } => -9,
+            Error::SizeMismatch { .. } => -10,
+            Error::InvalidIntrinsics { .. } => -11,
+            Error::TooFewPoints { .. } => -20,
+            Error::PlanarPoints { .. } => -21,
+            Error::CollinearPoints { .. } => -22,
+            Error::EmptyMask { .. } => -23,
+            Error::NoDepth { .. } => -24,
+            Error::NoStart { .. } => -25,
+            Error::EdgeGeometry { .. } => -26,
+            Error::Numerical { .. } => -27,
+            Error::Cancelled { .. } => -40,
+        }
+    }
+
+    /// The name of this failure: the C constant without its prefix.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Error::InvalidArgument { .. } => "INVALID_ARGUMENT",
+            Error::BadState { .. } => "BAD_STATE",
+            Error::OutOfMemory { .. } => "OUT_OF_MEMORY",
+            Error::Unsupported { .. } => "UNSUPPORTED",
+            Error::SizeMismatch { .. } => "SIZE_MISMATCH",
+            Error::InvalidIntrinsics { .. } => "INVALID_INTRINSICS",
+            Error::TooFewPoints { .. } => "TOO_FEW_POINTS",
+            Error::PlanarPoints { .. } => "PLANAR_POINTS",
+            Error::CollinearPoints { .. } => "COLLINEAR_POINTS",
+            Error::EmptyMask { .. } => "EMPTY_MASK",
+            Error::NoDepth { .. } => "NO_DEPTH",
+            Error::NoStart { .. } => "NO_START",
+            Error::EdgeGeometry { .. } => "EDGE_GEOMETRY",
+            Error::Numerical { .. } => "NUMERICAL",
+            Error::Cancelled { .. } => "CANCELLED",
+        }
+    }
+}

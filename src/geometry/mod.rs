@@ -1,0 +1,24 @@
+//! Lines, rotations and cylinders in space: no camera, no data.
+//!
+//! Notation of the paper and its words here:
+//!
+//! | paper | here |
+//! |---|---|
+//! | d̂, direction of the axis | `direction` |
+//! | c, axis point nearest the origin | [`Line::nearest_to_origin`] |
+//! | m = c × d̂, moment (5) | [`PluckerLine::moment`] |
+//! | {U, W}, orthonormal representation (6) | [`OrthonormalLine`] |
+//! | r | `radius` |
+//! | γ, half the angle between the limb planes (11) | [`LimbFrame`] |
+
+mod chart;
+mod cylinder;
+mod limbs;
+mod line;
+mod rotation;
+
+pub use chart::{Chart, LocalFrame, Tangent, TangentMap};
+pub use cylinder::{Cylinder, CylinderComparison, Walls};
+pub use limbs::LimbFrame;
+pub use line::{Line, OrthonormalLine, PluckerLine};
+pub use rotation::{any_orthogonal, exp_so2, exp_so3, hat, rotate_direction};

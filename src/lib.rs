@@ -1,0 +1,4 @@
+//! Measures a cylinder from one RGB-D view.
+pub mod camera;
+pub mod error;
+pub mod geometry;
