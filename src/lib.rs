@@ -2,3 +2,6 @@
 pub mod camera;
 pub mod error;
 pub mod geometry;
+pub mod observations;
+pub mod residuals;
+pub mod solver;

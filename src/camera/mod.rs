@@ -1,1 +1,276 @@
-//! placeholder
+//! The camera: from a point in the camera frame to a pixel and back.
+//!
+//! Frame: x to the right, y down, z forward along the optical axis, origin at the centre of projection, any
+//! unit of length. Pixels: x to the right, y down, the centre of the first pixel at (0, 0), as in OpenCV.
+//!
+//! A point p goes to the pixel of the image in three steps, and a pixel comes back in reverse order:
+//!
+//! 1. to the plane z = 1: x = (p.x, p.y) / p.z,
+//! 2. through the lens ([`Distortion`]): x_d = F(x), the identity for a pinhole,
+//! 3. to pixels: (fx x_d + cx, fy y_d + cy).
+//!
+//! **Valid field.** The formulas of F describe a lens only near the axis: further out they fold over, so that
+//! two rays share a pixel. The valid field is the largest circle on the plane z = 1 about the optical axis in
+//! which F can be inverted with ordinary precision: everywhere in it F stretches every direction by at least
+//! 1/100 of what it does at the centre. It ends at 89° from the axis at the latest; a pinhole has no such end.
+//! Within the field F is one to one, [`Camera::project`] and [`Camera::unproject`] are inverse to each other to
+//! 1e-9 pixels, and outside they answer `None`.
+//!
+//! An *ideal pixel* is what a pinhole with the same fx, fy, cx, cy would see: straight lines in space are
+//! straight lines in ideal pixels, which is what the equations of the limbs need.
+
+mod brown_conrady;
+mod kannala_brandt;
+mod radial;
+
+use crate::error::{Error, Result};
+use brown_conrady::BrownConrady;
+use kannala_brandt::KannalaBrandt;
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+/// The largest image in pixels; more is taken for a mistake in the numbers.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// How far the pixel of a ray may be from the pixel that the ray was computed from.
+const REPROJECTION_TOLERANCE: f64 = 1e-10;
+
+/// The distortion of the lens, F on the plane z = 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Distortion {
+    /// A pinhole: F is the identity.
+    None,
+    /// Brown–Conrady with the rational radial term, coefficients k1 k2 p1 p2 k3 k4 k5 k6 in the order of
+    /// OpenCV, without unit:
+    ///
+    /// x_d = x (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + 2 p1 x y + p2 (r² + 2 x²),
+    /// y_d = y (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + p1 (r² + 2 y²) + 2 p2 x y,
+    ///
+    /// r² = x² + y².
+    BrownConrady([f64; 8]),
+    /// Kannala–Brandt (the fisheye model of OpenCV), coefficients k1 k2 k3 k4, without unit:
+    ///
+    /// x_d = (θ_d / r) x with θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸) and θ = atan r.
+    ///
+    /// Only rays less than 89° from the axis are in the valid field, because a ray is given by its point on
+    /// the plane z = 1.
+    KannalaBrandt([f64; 4]),
+}
+
+impl Distortion {
+    /// Brown–Conrady from 0, 4, 5 or 8 coefficients in the order k1 k2 p1 p2 k3 k4 k5 k6; the missing ones
+    /// are zero.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidIntrinsics`] for any other number of coefficients. Their values are checked by
+    /// [`Camera::new`].
+    pub fn brown_conrady(coefficients: &[f64]) -> Result<Self> {
+        if !matches!(coefficients.len(), 0 | 4 | 5 | 8) {
+            let name = "the number of Brown-Conrady coefficients";
+            return Err(invalid(name, coefficients.len(), "be 0, 4, 5 or 8"));
+        }
+        let mut all = [0.0; 8];
+        all[..coefficients.len()].copy_from_slice(coefficients);
+        Ok(Self::BrownConrady(all))
+    }
+
+    /// Kannala–Brandt from the 4 coefficients k1 k2 k3 k4, or from none for the equidistant fisheye θ_d = θ.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidIntrinsics`] for any other number of coefficients. Their values are checked by
+    /// [`Camera::new`].
+    pub fn kannala_brandt(coefficients: &[f64]) -> Result<Self> {
+        if !matches!(coefficients.len(), 0 | 4) {
+            let name = "the number of Kannala-Brandt coefficients";
+            return Err(invalid(name, coefficients.len(), "be 0 or 4"));
+        }
+        let mut all = [0.0; 4];
+        all[..coefficients.len()].copy_from_slice(coefficients);
+        Ok(Self::KannalaBrandt(all))
+    }
+}
+
+/// The parameters of a camera as a calibration gives them. [`Camera::new`] checks them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// Focal length in pixel widths.
+    pub fx: f64,
+    /// Focal length in pixel heights.
+    pub fy: f64,
+    /// Principal point in pixels from the centre of the first pixel, to the right.
+    pub cx: f64,
+    /// Principal point in pixels from the centre of the first pixel, down.
+    pub cy: f64,
+    /// Distortion of the lens.
+    pub distortion: Distortion,
+}
+
+impl Intrinsics {
+    fn check(&self) -> Result<()> {
+        for (name, value) in [("width", self.width), ("height", self.height)] {
+            if value == 0 {
+                return Err(invalid(name, value, "be at least 1 pixel"));
+            }
+        }
+        if u64::from(self.width) * u64::from(self.height) > MAX_PIXELS {
+            let size = format!("{} x {}", self.width, self.height);
+            return Err(invalid("width x height", size, format!("be at most {MAX_PIXELS} pixels")));
+        }
+        for (name, value) in [("fx", self.fx), ("fy", self.fy)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(invalid_number(name, value, "be finite and above 0"));
+            }
+        }
+        for (name, value) in [("cx", self.cx), ("cy", self.cy)] {
+            if !value.is_finite() {
+                return Err(invalid_number(name, value, "be finite"));
+            }
+        }
+        let (names, values): (&[&str], &[f64]) = match &self.distortion {
+            Distortion::None => (&[], &[]),
+            Distortion::BrownConrady(k) => (&["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"], k),
+            Distortion::KannalaBrandt(k) => (&["k1", "k2", "k3", "k4"], k),
+        };
+        for (name, &value) in names.iter().zip(values) {
+            if !value.is_finite() {
+                return Err(invalid_number(name, value, "be finite"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The lens with what its valid field needs, on the plane z = 1.
+#[derive(Clone, Debug)]
+enum Lens {
+    Pinhole,
+    BrownConrady(BrownConrady),
+    KannalaBrandt(KannalaBrandt),
+}
+
+/// A camera: checked [`Intrinsics`] and the valid field of the lens.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    intrinsics: Intrinsics,
+    lens: Lens,
+}
+
+impl Camera {
+    /// Checks the parameters and finds the valid field.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidIntrinsics`] with the name, the value and the limit when fx or fy is not finite and
+    /// positive, cx, cy or a coefficient is not finite, or the image has no pixels or more than 2²⁸.
+    pub fn new(intrinsics: Intrinsics) -> Result<Self> {
+        intrinsics.check()?;
+        let lens = match intrinsics.distortion {
+            Distortion::None => Lens::Pinhole,
+            // Calibrations without distortion often come as zeros: exact and fast as a pinhole.
+            Distortion::BrownConrady(k) if k == [0.0; 8] => Lens::Pinhole,
+            Distortion::BrownConrady(k) => Lens::BrownConrady(BrownConrady::new(&k)),
+            Distortion::KannalaBrandt(k) => Lens::KannalaBrandt(KannalaBrandt::new(&k)),
+        };
+        Ok(Self { intrinsics, lens })
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn intrinsics(&self) -> &Intrinsics {
+        &self.intrinsics
+    }
+
+    /// The pixel of the (distorted) image that sees the point `p` of the camera frame, in the image or beyond
+    /// its border ([`Camera::contains`]). `None` when z ≤ 0, outside the valid field, or not finite.
+    #[must_use]
+    pub fn project(&self, p: &Vector3<f64>) -> Option<Vector2<f64>> {
+        let ideal = on_unit_plane(p)?;
+        let distorted = match &self.lens {
+            Lens::Pinhole => ideal,
+            Lens::BrownConrady(lens) => lens.distort(&ideal)?,
+            Lens::KannalaBrandt(lens) => lens.distort(&ideal)?,
+        };
+        finite(self.to_pixel(&distorted))
+    }
+
+    /// The ray with z = 1 that the pixel of the (distorted) image sees, for pixels in the image and beyond its
+    /// border. `None` when no ray of the valid field goes there, or not finite.
+    #[must_use]
+    pub fn unproject(&self, pixel: &Vector2<f64>) -> Option<Vector3<f64>> {
+        let distorted = finite(self.on_image_plane(pixel))?;
+        let ideal = match &self.lens {
+            Lens::Pinhole => return Some(distorted.push(1.0)),
+            Lens::BrownConrady(lens) => lens.undistort(&distorted),
+            Lens::KannalaBrandt(lens) => lens.undistort(&distorted),
+        };
+        // The lens gives the best ray of its valid field, which for a pixel outside is not the ray of that
+        // pixel: only this comparison tells the two apart.
+        let ray = ideal.push(1.0);
+        let distance = (self.project(&ray)? - pixel).amax();
+        // Rounding grows with the coordinates; it counts only far outside any image.
+        let tolerance = REPROJECTION_TOLERANCE * (1e-3 * pixel.amax()).max(1.0);
+        (distance <= tolerance).then_some(ray)
+    }
+
+    /// The ideal pixel K ray / z, without distortion. `None` when z ≤ 0 or not finite.
+    #[must_use]
+    pub fn ideal_pixel(&self, ray: &Vector3<f64>) -> Option<Vector2<f64>> {
+        finite(self.to_pixel(&on_unit_plane(ray)?))
+    }
+
+    /// The ray K⁻¹ (u, v, 1) of an ideal pixel; its z is 1.
+    #[must_use]
+    pub fn ideal_ray(&self, ideal: &Vector2<f64>) -> Vector3<f64> {
+        self.on_image_plane(ideal).push(1.0)
+    }
+
+    /// The matrix K_L of (9) and (10): a line in space with the moment m is the line l = K_L m in ideal
+    /// pixels, l · (u, v, 1) = 0.
+    ///
+    /// K_L = det(K) K⁻ᵀ = [[fy, 0, 0], [0, fx, 0], [−fy cx, −fx cy, fx fy]].
+    #[must_use]
+    pub fn line_projection(&self) -> Matrix3<f64> {
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        Matrix3::new(fy, 0.0, 0.0, 0.0, fx, 0.0, -fy * cx, -fx * cy, fx * fy)
+    }
+
+    /// Whether a pixel position lies in the image: −0.5 ≤ x < width − 0.5 and likewise y.
+    #[must_use]
+    pub fn contains(&self, pixel: &Vector2<f64>) -> bool {
+        let inside = |x: f64, size: u32| -0.5 <= x && x < f64::from(size) - 0.5;
+        inside(pixel.x, self.intrinsics.width) && inside(pixel.y, self.intrinsics.height)
+    }
+
+    fn to_pixel(&self, plane: &Vector2<f64>) -> Vector2<f64> {
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        Vector2::new(fx * plane.x + cx, fy * plane.y + cy)
+    }
+
+    fn on_image_plane(&self, pixel: &Vector2<f64>) -> Vector2<f64> {
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        Vector2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy)
+    }
+}
+
+/// Where the ray to `p` meets the plane z = 1, if `p` is in front of the camera.
+fn on_unit_plane(p: &Vector3<f64>) -> Option<Vector2<f64>> {
+    (p.z > 0.0).then(|| p.xy() / p.z)
+}
+
+fn finite(v: Vector2<f64>) -> Option<Vector2<f64>> {
+    (v.x.is_finite() && v.y.is_finite()).then_some(v)
+}
+
+fn invalid(name: &str, value: impl ToString, requirement: impl Into<String>) -> Error {
+    Error::InvalidIntrinsics { name: name.into(), value: value.to_string(), requirement: requirement.into() }
+}
+
+fn invalid_number(name: &str, value: f64, requirement: &str) -> Error {
+    // This notation keeps 1e300 short.
+    invalid(name, format!("{value:?}"), requirement)
+}

@@ -1,0 +1,97 @@
+//! A region of the image, owned.
+
+use super::views::MaskView;
+use crate::error::{Error, Result};
+
+/// The pixels of the image that belong to the visible lateral surface. Its boundary is a hint, never a
+/// measurement of the limbs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mask {
+    width: usize,
+    height: usize,
+    pixels: Vec<bool>,
+}
+
+impl Mask {
+    /// Copies a mask.
+    ///
+    /// # Errors
+    /// `EmptyMask` when no pixel is set, `OutOfMemory`.
+    pub fn copy(view: &MaskView<'_>) -> Result<Self> {
+        let (width, height) = (view.width(), view.height());
+        let mut pixels = Vec::new();
+        let bytes = width * height;
+        pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
+        for row in 0..height {
+            pixels.extend((0..width).map(|column| view.contains(column, row)));
+        }
+        if !pixels.contains(&true) {
+            return Err(Error::EmptyMask { width, height });
+        }
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Whether a pixel belongs to the cylinder; false outside the image.
+    #[must_use]
+    pub fn contains(&self, column: usize, row: usize) -> bool {
+        column < self.width && row < self.height && self.pixels[row * self.width + column]
+    }
+
+    /// How many pixels are set.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.pixels.iter().filter(|&&set| set).count()
+    }
+
+    /// The set pixels as (column, row), row by row.
+    pub fn set_pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let at = |(index, &set): (usize, &bool)| set.then_some((index % self.width, index / self.width));
+        self.pixels.iter().enumerate().filter_map(at)
+    }
+
+    /// Checks that the mask lies on a grid of the given size.
+    ///
+    /// # Errors
+    /// `SizeMismatch`.
+    pub fn check_size(&self, other: &'static str, (other_width, other_height): (usize, usize)) -> Result<()> {
+        if (self.width, self.height) == (other_width, other_height) {
+            return Ok(());
+        }
+        let Self { width, height, .. } = *self;
+        Err(Error::SizeMismatch { name: "mask", width, height, other, other_width, other_height })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_pixels_are_listed_row_by_row() {
+        let memory = [0, 7, 0, 255, 0, 1];
+        let mask = Mask::copy(&MaskView::from_u8(&memory, (3, 2)).unwrap()).unwrap();
+        assert_eq!(mask.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
+        assert_eq!(mask.count(), 3);
+        assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
+        let error = mask.check_size("depth image", (3, 3)).unwrap_err();
+        assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");
+    }
+
+    #[test]
+    fn an_empty_mask_is_an_error_of_its_own() {
+        let view = MaskView::from_u8(&[0; 6], (3, 2)).unwrap();
+        assert_eq!(Mask::copy(&view), Err(Error::EmptyMask { width: 3, height: 2 }));
+    }
+}

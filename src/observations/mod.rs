@@ -1,0 +1,16 @@
+//! What was measured: points, depth images, masks and edge segments, checked and copied in.
+//!
+//! Views borrow the caller's memory as it lies, with byte strides, so that a PCL cloud, an OpenCV matrix or a
+//! plain array pass without conversion. Pushing copies what is usable and counts the rest by reason.
+
+mod depth;
+mod mask;
+mod points;
+mod segments;
+mod views;
+
+pub use depth::{DepthImage, DepthRange};
+pub use mask::Mask;
+pub use points::{Dropped, Offsets, PointCloud};
+pub use segments::{EdgeSegment, check_segments};
+pub use views::{DepthView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView};

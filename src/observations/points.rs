@@ -1,0 +1,363 @@
+//! The points of a fit: structure of arrays, relative to an origin near the data.
+
+use super::mask::Mask;
+use super::views::{PointsView, Scalar};
+use crate::error::{Error, Result};
+use nalgebra::Vector3;
+
+/// How many points were left out, by reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Dropped {
+    /// A coordinate or weight is not finite.
+    pub not_finite: usize,
+    /// The weight is 0.
+    pub zero_weight: usize,
+    /// The mask is zero there.
+    pub outside_mask: usize,
+    /// No depth was measured there: zero, negative or not finite.
+    pub no_depth: usize,
+    /// The depth is outside the range that was asked for.
+    pub out_of_range: usize,
+    /// The camera model has no ray for the pixel.
+    pub outside_camera: usize,
+}
+
+impl Dropped {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.not_finite
+            + self.zero_weight
+            + self.outside_mask
+            + self.no_depth
+            + self.out_of_range
+            + self.outside_camera
+    }
+
+    pub(super) fn add(&mut self, other: &Dropped) {
+        self.not_finite += other.not_finite;
+        self.zero_weight += other.zero_weight;
+        self.outside_mask += other.outside_mask;
+        self.no_depth += other.no_depth;
+        self.out_of_range += other.out_of_range;
+        self.outside_camera += other.outside_camera;
+    }
+}
+
+/// Coordinates relative to the origin of a [`PointCloud`].
+#[derive(Debug, Clone)]
+pub enum Offsets {
+    /// From depth images and f32 clouds: half the memory traffic, and the offsets of a small object keep
+    /// more digits than the input had.
+    F32([Vec<f32>; 3]),
+    /// From f64 clouds.
+    F64([Vec<f64>; 3]),
+}
+
+/// Points in structure-of-arrays form. Coordinates are `origin` + offset.
+#[derive(Debug, Clone)]
+pub struct PointCloud {
+    origin: Vector3<f64>,
+    offsets: Offsets,
+    /// Empty while every weight is 1.
+    weights: Vec<f32>,
+    dropped: Dropped,
+    given: usize,
+    /// The largest distance between neighbouring representable numbers of the input, over all coordinates.
+    resolution: f64,
+}
+
+impl Default for PointCloud {
+    fn default() -> Self {
+        Self {
+            origin: Vector3::zeros(),
+            offsets: Offsets::F32(Default::default()),
+            weights: Vec::new(),
+            dropped: Dropped::default(),
+            given: 0,
+            resolution: 0.0,
+        }
+    }
+}
+
+impl PointCloud {
+    /// Forgets all points and counts but keeps the memory.
+    pub fn clear(&mut self) {
+        match &mut self.offsets {
+            Offsets::F32(axes) => axes.iter_mut().for_each(Vec::clear),
+            Offsets::F64(axes) => axes.iter_mut().for_each(Vec::clear),
+        }
+        self.weights.clear();
+        self.dropped = Dropped::default();
+        self.given = 0;
+        self.resolution = 0.0;
+    }
+
+    /// Makes room for that many points.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub fn reserve(&mut self, additional: usize) -> Result<()> {
+        let size = if matches!(self.offsets, Offsets::F32(_)) { 4 } else { 8 };
+        let outcome = match &mut self.offsets {
+            Offsets::F32(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
+            Offsets::F64(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
+        };
+        let bytes = additional.saturating_mul(3 * size);
+        outcome.map_err(|_| Error::OutOfMemory { what: "the points", bytes })
+    }
+
+    /// Usable points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match &self.offsets {
+            Offsets::F32(axes) => axes[0].len(),
+            Offsets::F64(axes) => axes[0].len(),
+        }
+    }
+
+    /// Whether there is no usable point.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Points that were pushed, usable or not.
+    #[must_use]
+    pub fn given(&self) -> usize {
+        self.given
+    }
+
+    /// Points that were left out.
+    #[must_use]
+    pub fn dropped(&self) -> &Dropped {
+        &self.dropped
+    }
+
+    /// The point that the offsets count from.
+    #[must_use]
+    pub fn origin(&self) -> &Vector3<f64> {
+        &self.origin
+    }
+
+    /// The coordinates relative to the origin.
+    #[must_use]
+    pub fn offsets(&self) -> &Offsets {
+        &self.offsets
+    }
+
+    /// One weight a point, or `None` while all are 1.
+    #[must_use]
+    pub fn weights(&self) -> Option<&[f32]> {
+        (!self.weights.is_empty()).then_some(&self.weights)
+    }
+
+    /// The distance between neighbouring numbers of the input at its largest coordinate: what the input could
+    /// resolve. An f32 cloud 10 km from the origin has 1 mm.
+    #[must_use]
+    pub fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    /// One point.
+    #[must_use]
+    pub fn point(&self, index: usize) -> Vector3<f64> {
+        let offset = match &self.offsets {
+            Offsets::F32([x, y, z]) => Vector3::new(x[index], y[index], z[index]).cast(),
+            Offsets::F64([x, y, z]) => Vector3::new(x[index], y[index], z[index]),
+        };
+        self.origin + offset
+    }
+
+    /// The weight of one point.
+    #[must_use]
+    pub fn weight(&self, index: usize) -> f64 {
+        self.weights().map_or(1.0, |weights| f64::from(weights[index]))
+    }
+
+    /// All points.
+    pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
+        (0..self.len()).map(|index| self.point(index))
+    }
+
+    /// At most `count` points, evenly spread over the order in which they were pushed.
+    #[must_use]
+    pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
+        let count = count.min(self.len());
+        (0..count).map(|k| self.point(k * self.len() / count)).collect()
+    }
+
+    /// Copies the usable points of a cloud. A mask selects pixels of an organised one.
+    ///
+    /// # Errors
+    /// `SizeMismatch` when the mask has another size than the cloud, `InvalidArgument` for a negative weight,
+    /// `OutOfMemory`. Nothing is added then.
+    pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
+        let (width, height) = (view.width(), view.height());
+        if let Some(mask) = mask {
+            mask.check_size("organised cloud", (width, height))?;
+        }
+        let mut batch = Batch { given: width * height, ..Batch::default() };
+        for row in 0..height {
+            for column in 0..width {
+                let (point, weight) = (view.points.at(column, row), view.weight(column, row));
+                if mask.is_some_and(|mask| !mask.contains(column, row)) {
+                    batch.dropped.outside_mask += 1;
+                } else if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
+                    batch.dropped.not_finite += 1;
+                } else if weight < 0.0 {
+                    let name = format!("the weight of point {}", row * width + column);
+                    return Err(Error::argument(name, weight, "be at least 0"));
+                } else if weight == 0.0 {
+                    batch.dropped.zero_weight += 1;
+                } else {
+                    batch.push(point, weight)?;
+                }
+            }
+        }
+        self.append(&batch, view.scalar())
+    }
+
+    /// Adds the points of a batch whose input had the given type.
+    pub(super) fn append(&mut self, batch: &Batch, scalar: Scalar) -> Result<()> {
+        let first = self.is_empty();
+        let (origin, offsets) = if first {
+            let empty = match (scalar, &self.offsets) {
+                (Scalar::F32, Offsets::F64(_)) => Some(Offsets::F32(Default::default())),
+                (Scalar::F64, Offsets::F32(_)) => Some(Offsets::F64(Default::default())),
+                _ => None,
+            };
+            (batch.middle(), empty)
+        } else {
+            // One f64 cloud makes the whole f64: mixing costs nothing but memory.
+            let wide = match (scalar, &self.offsets) {
+                (Scalar::F64, Offsets::F32(axes)) => {
+                    Some(Offsets::F64(axes.each_ref().map(|a| a.iter().map(|&x| f64::from(x)).collect())))
+                }
+                _ => None,
+            };
+            (self.origin, wide)
+        };
+        if let Some(offsets) = offsets {
+            self.offsets = offsets;
+        }
+        self.reserve(batch.points.len())?;
+        let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
+        if weighted {
+            let total = self.len() + batch.points.len();
+            let out_of_memory = |_| Error::OutOfMemory { what: "the weights", bytes: total * 4 };
+            self.weights.try_reserve(total - self.weights.len()).map_err(out_of_memory)?;
+            self.weights.resize(self.len(), 1.0);
+            self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
+        }
+        self.origin = origin;
+        for point in &batch.points {
+            let offset = point - origin;
+            match &mut self.offsets {
+                Offsets::F32(axes) => (0..3).for_each(|k| axes[k].push(offset[k] as f32)),
+                Offsets::F64(axes) => (0..3).for_each(|k| axes[k].push(offset[k])),
+            }
+        }
+        self.given += batch.given;
+        self.dropped.add(&batch.dropped);
+        let largest = batch.points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+        let epsilon = match scalar {
+            Scalar::F32 => f64::from(f32::EPSILON),
+            Scalar::F64 => f64::EPSILON,
+        };
+        self.resolution = self.resolution.max(largest * epsilon);
+        Ok(())
+    }
+}
+
+/// Usable points on their way into a cloud.
+#[derive(Default)]
+pub(super) struct Batch {
+    pub points: Vec<Vector3<f64>>,
+    pub weights: Vec<f64>,
+    pub dropped: Dropped,
+    pub given: usize,
+}
+
+impl Batch {
+    pub fn push(&mut self, point: Vector3<f64>, weight: f64) -> Result<()> {
+        let bytes = self.points.len() * 64;
+        let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
+        self.points.try_reserve(1).map_err(out_of_memory)?;
+        self.weights.try_reserve(1).map_err(out_of_memory)?;
+        self.points.push(point);
+        self.weights.push(weight);
+        Ok(())
+    }
+
+    /// A point in the middle of most of them: the median of a few in each coordinate, which single far
+    /// points do not carry away.
+    fn middle(&self) -> Vector3<f64> {
+        const SAMPLES: usize = 255;
+        let count = self.points.len().min(SAMPLES);
+        if count == 0 {
+            return Vector3::zeros();
+        }
+        let sample: Vec<_> = (0..count).map(|k| self.points[k * self.points.len() / count]).collect();
+        Vector3::from_fn(|axis, _| {
+            let mut values: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
+            *values.select_nth_unstable_by(count / 2, f64::total_cmp).1
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::views::MaskView;
+    use super::*;
+
+    #[test]
+    fn what_is_dropped_is_counted_by_reason() {
+        let nan = f64::NAN;
+        let points = [[1.0, 2.0, 3.0], [nan, 0.0, 0.0], [4.0, 5.0, 6.0], [7.0, 8.0, f64::INFINITY]];
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+        assert_eq!((cloud.len(), cloud.given(), cloud.dropped().not_finite), (2, 4, 2));
+        assert_eq!(cloud.point(1), Vector3::new(4.0, 5.0, 6.0));
+        let mask = Mask::copy(&MaskView::from_u8(&[1, 0, 0, 1], (4, 1)).unwrap()).unwrap();
+        cloud.push_points(&PointsView::from_f64(&points), Some(&mask)).unwrap();
+        assert_eq!(*cloud.dropped(), Dropped { not_finite: 3, outside_mask: 2, ..Dropped::default() });
+        let small = Mask::copy(&MaskView::from_u8(&[1], (1, 1)).unwrap()).unwrap();
+        assert!(cloud.push_points(&PointsView::from_f64(&points), Some(&small)).is_err());
+        assert_eq!((cloud.len(), cloud.given()), (3, 8));
+    }
+
+    #[test]
+    fn weights_are_kept_only_when_one_differs_from_1() {
+        let points = [[1.0_f32, 2.0, 3.0]; 3];
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f32(&points), None).unwrap();
+        assert!(cloud.weights().is_none());
+        let memory = [2.0_f32, 0.0, 0.5].map(f32::to_ne_bytes).concat();
+        let weights = Strided::new(&memory, 0, (3, 1), 4, (4, 0)).unwrap();
+        let view = PointsView { weights: Some(weights), ..PointsView::from_f32(&points) };
+        cloud.push_points(&view, None).unwrap();
+        assert_eq!(cloud.weights().unwrap(), [1.0, 1.0, 1.0, 2.0, 0.5]);
+        assert_eq!(cloud.dropped().zero_weight, 1);
+    }
+    use super::super::views::Strided;
+
+    #[test]
+    fn f64_input_keeps_its_digits_whatever_came_before() {
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f32(&[[10_000.0, 0.0, 0.0]]), None).unwrap();
+        assert!((cloud.resolution() - 1.19e-3).abs() < 1e-5);
+        cloud.push_points(&PointsView::from_f64(&[[10_000.123_456_789, 0.25, 0.5]]), None).unwrap();
+        assert!((cloud.point(1).x - 10_000.123_456_789).abs() < 2e-12);
+        assert_eq!(cloud.point(0).x, 10_000.0);
+    }
+
+    #[test]
+    fn the_origin_is_near_the_data_in_spite_of_far_points() {
+        let mut points = vec![[10.0, 20.0, 30.0]; 9];
+        points.insert(0, [1e6, 0.0, 0.0]);
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+        assert_eq!(*cloud.origin(), Vector3::new(10.0, 20.0, 30.0));
+    }
+}

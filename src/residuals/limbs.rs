@@ -1,0 +1,168 @@
+//! The edge alignment term of the paper (17)–(25).
+//!
+//! In the plane across the axis, with ĉ towards the axis and ŝ = d̂ × ĉ, the reference plane Π through both
+//! limb lines is ĉ · x = A with A = ‖c‖ cos²γ, and limb line j lies in it at ŝ · x = σ_j B with
+//! B = ‖c‖ sin γ cos γ, σ₁ = 1, σ₂ = −1. The ray v of an endpoint meets Π at A v / (ĉ · v), so that
+//! e = A τ − σ_j B with τ = (ŝ · v) / (ĉ · v): the signed distance within Π from limb line j.
+
+use super::NormalEquations;
+use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent};
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+/// The two observed edge segments, without distortion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbPair {
+    /// Rays v = K⁻¹ q̃ through the endpoints (22), by segment.
+    pub rays: [[Vector3<f64>; 2]; 2],
+    /// The endpoints q in ideal pixels, by segment.
+    pub pixels: [[Vector2<f64>; 2]; 2],
+}
+
+/// The edge alignment energy E_L.
+#[derive(Debug, Clone, Copy)]
+pub struct LimbTerm {
+    pair: LimbPair,
+    line_projection: Matrix3<f64>,
+}
+
+/// One endpoint: its residual and its Jacobian in the tangent of the frame.
+pub(super) type LimbRow = (f64, Tangent);
+
+impl LimbTerm {
+    /// The term of two segments seen by a camera with the line projection K_L (10).
+    #[must_use]
+    pub fn new(pair: LimbPair, line_projection: Matrix3<f64>) -> Self {
+        Self { pair, line_projection }
+    }
+
+    /// Whether the observed segments go with the limb lines in the direct order (true) or swapped: the smaller
+    /// sum of the pixel distances of the endpoints wins (17)–(20), the direct order when they are equal.
+    #[must_use]
+    pub fn associate(&self, limbs: &LimbFrame) -> bool {
+        let lines = limbs.limb_plane_normals().map(|moment| self.line_projection * moment);
+        let sum = |segment: usize, line: &Vector3<f64>| -> f64 {
+            let norm = line.x.hypot(line.y);
+            self.pair.pixels[segment].iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
+        };
+        sum(0, &lines[0]) + sum(1, &lines[1]) <= sum(0, &lines[1]) + sum(1, &lines[0])
+    }
+
+    /// The mean over the four endpoints: cost = E_L / unit². `None` where the energy is infinite: an observer
+    /// inside the cylinder, or an endpoint whose ray meets Π behind the camera.
+    #[must_use]
+    pub fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
+        let mut equations = NormalEquations::zero();
+        for (residual, jacobian) in self.rows(frame)?.iter().flatten() {
+            equations.add_residual(0.25, *residual, jacobian);
+        }
+        Some(equations)
+    }
+
+    /// The same for w_L = 1, where the scale of the model is not observable: every residual is multiplied by
+    /// ‖c₀‖ / ‖c‖ with the distance ‖c₀‖ of the start, which takes the descent along the scale away.
+    #[must_use]
+    pub fn linearise_at_scale(&self, frame: &LocalFrame, start_distance: f64) -> Option<NormalEquations> {
+        let limbs = LimbFrame::new(&frame.cylinder)?;
+        let factor = start_distance / limbs.distance;
+        let distance_row = DistanceRow::new(frame, &limbs).jacobian() / limbs.distance * frame.unit;
+        let mut equations = NormalEquations::zero();
+        for (residual, jacobian) in self.rows(frame)?.iter().flatten() {
+            let scaled = (jacobian - distance_row * *residual) * factor;
+            equations.add_residual(0.25, residual * factor, &scaled);
+        }
+        Some(equations)
+    }
+
+    /// E_L in the caller's unit squared; `None` where it is infinite.
+    #[must_use]
+    pub fn energy(&self, cylinder: &Cylinder) -> Option<f64> {
+        let frame = LocalFrame::new(cylinder, &cylinder.axis.point, 1.0);
+        Some(self.linearise(&frame)?.cost)
+    }
+
+    /// Distances in ideal pixels of the endpoints from the projected limb lines they go with, by segment.
+    #[must_use]
+    pub fn pixel_distances(&self, cylinder: &Cylinder) -> Option<[[f64; 2]; 2]> {
+        let limbs = LimbFrame::new(cylinder)?;
+        let direct = self.associate(&limbs);
+        let lines = limbs.limb_plane_normals().map(|moment| self.line_projection * moment);
+        Some([0, 1].map(|segment: usize| {
+            let line = lines[if direct { segment } else { 1 - segment }];
+            self.pair.pixels[segment].map(|q| line.dot(&q.push(1.0)) / line.x.hypot(line.y))
+        }))
+    }
+
+    /// The residuals of the endpoints by observed segment, with their Jacobians.
+    pub(super) fn rows(&self, frame: &LocalFrame) -> Option<[[LimbRow; 2]; 2]> {
+        let limbs = LimbFrame::new(&frame.cylinder)?;
+        let direct = self.associate(&limbs);
+        let shared = DistanceRow::new(frame, &limbs);
+        let LimbFrame { distance, sin_gamma, cos_gamma, .. } = limbs;
+        let radius = frame.cylinder.radius;
+        let plane = distance * cos_gamma * cos_gamma;
+        let half_width = radius * cos_gamma;
+        // Derivatives of A and B in ‖c‖ and r.
+        let plane_distance = 1.0 + sin_gamma * sin_gamma;
+        let plane_radius = -2.0 * sin_gamma;
+        let width_distance = sin_gamma.powi(3) / cos_gamma;
+        let width_radius = (1.0 - 2.0 * sin_gamma * sin_gamma) / cos_gamma;
+
+        let mut rows = [[(0.0, Tangent::zeros()); 2]; 2];
+        for (segment, endpoints) in self.pair.rays.iter().enumerate() {
+            // Limb line 1 lies on the side of ŝ.
+            let side = if (segment == 0) == direct { 1.0 } else { -1.0 };
+            for (k, ray) in endpoints.iter().enumerate() {
+                let ahead = limbs.toward.dot(ray);
+                if ahead <= 0.0 {
+                    return None;
+                }
+                let tau = limbs.sideways.dot(ray) / ahead;
+                let slope = limbs.direction.dot(ray) / ahead;
+                let residual = (plane * tau - side * half_width) / frame.unit;
+                // A τ − σ B, with δτ = −(1 + τ²) ŝ·δc / ‖c‖ − (d̂·v / ĉ·v) (ŝ·δd − τ ĉ·δd).
+                let in_distance = plane_distance * tau - side * width_distance;
+                let in_sideways = -plane * (1.0 + tau * tau) / distance;
+                let mut jacobian = shared.toward * in_distance + shared.sideways * in_sideways;
+                jacobian -= (shared.tilt_sideways - shared.tilt_toward * tau) * (plane * slope / frame.unit);
+                jacobian[4] = plane_radius * tau - side * width_radius;
+                rows[segment][k] = (residual, jacobian);
+            }
+        }
+        rows.iter().flatten().all(|(residual, _)| residual.is_finite()).then_some(rows)
+    }
+}
+
+/// How the axis point nearest to the observer and the direction move with the tangent of a frame, in units of
+/// the frame.
+struct DistanceRow {
+    /// ĉ · δc, which is δ‖c‖.
+    toward: Tangent,
+    /// ŝ · δc.
+    sideways: Tangent,
+    /// ĉ · δd.
+    tilt_toward: Tangent,
+    /// ŝ · δd.
+    tilt_sideways: Tangent,
+}
+
+impl DistanceRow {
+    fn new(frame: &LocalFrame, limbs: &LimbFrame) -> Self {
+        let axis = &frame.cylinder.axis;
+        // The frame sits this far along the axis from the point nearest to the observer, which a tilt moves
+        // back by as much.
+        let along = axis.point.dot(&axis.direction) / frame.unit;
+        let row = |across: &Vector3<f64>| {
+            let (u, v) = (across.dot(&frame.u), across.dot(&frame.v));
+            let tilt = Tangent::new(0.0, 0.0, u, v, 0.0);
+            (Tangent::new(u, v, -along * u, -along * v, 0.0), tilt)
+        };
+        let (toward, tilt_toward) = row(&limbs.toward);
+        let (sideways, tilt_sideways) = row(&limbs.sideways);
+        Self { toward, sideways, tilt_toward, tilt_sideways }
+    }
+
+    /// δ‖c‖ / unit.
+    fn jacobian(&self) -> Tangent {
+        self.toward
+    }
+}

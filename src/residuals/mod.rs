@@ -1,0 +1,56 @@
+//! Residuals, their analytic Jacobians and their weighted sums.
+//!
+//! Every residual is divided by the unit of the [`LocalFrame`](crate::geometry::LocalFrame) it is linearised
+//! in, and every Jacobian is taken in the tangent of that frame; a term hands over its part of the normal
+//! equations and a solver adds the parts up. An objective is a choice of terms and weights.
+
+mod limbs;
+mod paper;
+mod points;
+
+pub use limbs::{LimbPair, LimbTerm};
+pub use paper::PaperObjective;
+pub use points::{Loss, PointTerm, Squared};
+
+use crate::geometry::{LocalFrame, Tangent, TangentMap};
+
+/// What a solver minimises.
+pub trait Objective {
+    /// The cost and its linearisation at the cylinder of a frame; `None` where the cost is infinite.
+    fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations>;
+}
+
+/// The sums of one linearisation: with residuals e, weights Ω and Jacobian J,
+/// `cost` = eᵀΩe, `gradient` = JᵀΩe and `hessian` = JᵀΩJ (so that the gradient of the cost is twice
+/// `gradient`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalEquations {
+    /// eᵀΩe.
+    pub cost: f64,
+    /// JᵀΩe.
+    pub gradient: Tangent,
+    /// JᵀΩJ.
+    pub hessian: TangentMap,
+}
+
+impl NormalEquations {
+    /// No residuals.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self { cost: 0.0, gradient: Tangent::zeros(), hessian: TangentMap::zeros() }
+    }
+
+    /// Adds one residual.
+    pub fn add_residual(&mut self, weight: f64, residual: f64, jacobian: &Tangent) {
+        self.cost += weight * residual * residual;
+        self.gradient += jacobian * (weight * residual);
+        self.hessian += jacobian * jacobian.transpose() * weight;
+    }
+
+    /// Adds the sums of a term times a factor.
+    pub fn add_scaled(&mut self, factor: f64, other: &NormalEquations) {
+        self.cost += factor * other.cost;
+        self.gradient += other.gradient * factor;
+        self.hessian += other.hessian * factor;
+    }
+}

@@ -1,0 +1,304 @@
+//! The point-to-cylinder term: e_i = ‖m − p_i × d̂‖ − r (15), (16).
+//!
+//! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
+//! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
+
+use super::NormalEquations;
+use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::observations::{Offsets, PointCloud};
+use nalgebra::{Matrix3, Vector3};
+
+/// How a residual counts.
+pub trait Loss: Copy + Sync {
+    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations.
+    fn loss_and_weight(&self, residual: f64) -> (f64, f64);
+}
+
+/// The plain square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Squared;
+
+impl Loss for Squared {
+    #[inline(always)]
+    fn loss_and_weight(&self, residual: f64) -> (f64, f64) {
+        (residual * residual, 1.0)
+    }
+}
+
+/// The points of a fit with the sum of their weights.
+#[derive(Debug, Clone, Copy)]
+pub struct PointTerm<'a> {
+    cloud: &'a PointCloud,
+    total_weight: f64,
+    threads: usize,
+}
+
+/// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
+const CHUNK: usize = 4096;
+
+/// Partial sums that run side by side, so that the compiler can use vector instructions.
+const LANES: usize = 8;
+
+/// Distinct sums: loss, weights, residual times Jacobian, Jacobian times Jacobian.
+const SUMS: usize = 20;
+
+impl<'a> PointTerm<'a> {
+    /// The term of a cloud, summed on up to `threads` threads.
+    #[must_use]
+    pub fn new(cloud: &'a PointCloud, threads: usize) -> Self {
+        let total_weight = match cloud.weights() {
+            None => cloud.len() as f64,
+            Some(weights) => weights.iter().map(|&weight| f64::from(weight)).sum(),
+        };
+        Self { cloud, total_weight, threads: threads.max(1) }
+    }
+
+    /// The number of points.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.cloud.len()
+    }
+
+    /// The mean over the points: cost = Σ w ρ(e) / Σ w, which is E_P / unit² for the plain square.
+    #[must_use]
+    pub fn linearise(&self, frame: &LocalFrame, loss: impl Loss) -> NormalEquations {
+        if self.cloud.is_empty() {
+            return NormalEquations::zero();
+        }
+        let kernel = Kernel::new(self.cloud.origin(), frame);
+        let weights = self.cloud.weights();
+        let sums = match self.cloud.offsets() {
+            Offsets::F32(axes) => self.sum(|range| kernel.chunk(axes, weights, range, loss)),
+            Offsets::F64(axes) => self.sum(|range| kernel.chunk(axes, weights, range, loss)),
+        };
+        let mut equations = NormalEquations::zero();
+        equations.add_scaled(1.0 / self.total_weight, &unpack(&sums));
+        equations
+    }
+
+    /// E_P: the weighted mean of the squared residuals, in the caller's unit squared.
+    #[must_use]
+    pub fn energy(&self, frame: &LocalFrame) -> f64 {
+        self.linearise(frame, Squared).cost * frame.unit * frame.unit
+    }
+
+    /// Sums over all chunks, always added in the order of the chunks.
+    fn sum(&self, chunk: impl Fn(std::ops::Range<usize>) -> [f64; SUMS] + Sync) -> [f64; SUMS] {
+        let count = self.cloud.len();
+        let chunks = count.div_ceil(CHUNK);
+        let one = |index: usize| chunk(index * CHUNK..((index + 1) * CHUNK).min(count));
+        let mut total = [0.0; SUMS];
+        let mut add = |part: &[f64; SUMS]| total.iter_mut().zip(part).for_each(|(t, p)| *t += p);
+        // Starting a thread costs about as much as ten chunks.
+        let threads = self.threads.min(chunks / 16).max(1);
+        if threads == 1 {
+            (0..chunks).for_each(|index| add(&one(index)));
+            return total;
+        }
+        let mut parts = vec![[0.0; SUMS]; chunks];
+        let share = chunks.div_ceil(threads);
+        std::thread::scope(|scope| {
+            for (block, slots) in parts.chunks_mut(share).enumerate() {
+                let one = &one;
+                scope.spawn(move || {
+                    for (offset, slot) in slots.iter_mut().enumerate() {
+                        *slot = one(block * share + offset);
+                    }
+                });
+            }
+        });
+        parts.iter().for_each(add);
+        total
+    }
+}
+
+/// What all points share: the motion into the local frame.
+struct Kernel {
+    rotation: Matrix3<f64>,
+    shift: Vector3<f64>,
+    radius: f64,
+}
+
+impl Kernel {
+    fn new(origin: &Vector3<f64>, frame: &LocalFrame) -> Self {
+        let rotation = frame.rotation() / frame.unit;
+        // The difference of two nearby points first: both may be far from the origin of coordinates.
+        let shift = rotation * (origin - frame.cylinder.axis.point);
+        Self { rotation, shift, radius: frame.cylinder.radius / frame.unit }
+    }
+
+    fn chunk<T: Copy + Into<f64>>(
+        &self,
+        axes: &[Vec<T>; 3],
+        weights: Option<&[f32]>,
+        range: std::ops::Range<usize>,
+        loss: impl Loss,
+    ) -> [f64; SUMS] {
+        let [xs, ys, zs] = axes.each_ref().map(|axis| &axis[range.clone()]);
+        let weights = weights.map(|weights| &weights[range]);
+        let mut lanes = [[0.0; LANES]; SUMS];
+        let whole = xs.len() - xs.len() % LANES;
+        let mut block = [[0.0; LANES]; 4];
+        for start in (0..whole).step_by(LANES) {
+            for lane in 0..LANES {
+                block[0][lane] = xs[start + lane].into();
+                block[1][lane] = ys[start + lane].into();
+                block[2][lane] = zs[start + lane].into();
+                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[start + lane]));
+            }
+            self.add_block(&block, &mut lanes, loss);
+        }
+        if whole < xs.len() {
+            // The rest, filled up with points of weight 0.
+            block = [[0.0; LANES]; 4];
+            for (lane, index) in (whole..xs.len()).enumerate() {
+                block[0][lane] = xs[index].into();
+                block[1][lane] = ys[index].into();
+                block[2][lane] = zs[index].into();
+                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[index]));
+            }
+            self.add_block(&block, &mut lanes, loss);
+        }
+        lanes.map(|sums| sums.iter().sum())
+    }
+
+    #[inline(always)]
+    fn add_block(&self, block: &[[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
+        let [px, py, pz, weights] = block;
+        let r = &self.rotation;
+        for lane in 0..LANES {
+            let (px, py, pz) = (px[lane], py[lane], pz[lane]);
+            let x = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
+            let y = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
+            let h = r[(2, 0)] * px + r[(2, 1)] * py + r[(2, 2)] * pz + self.shift.z;
+            let rho = (x * x + y * y).sqrt();
+            // On the axis the direction of the gradient is undefined; 0 is the mean over all of them.
+            let inverse = 1.0 / rho.max(f64::MIN_POSITIVE);
+            let (a, b) = (x * inverse, y * inverse);
+            let e = rho - self.radius;
+            let (value, weight) = loss.loss_and_weight(e);
+            let w = weights[lane] * weight;
+            let (wa, wb, we) = (w * a, w * b, w * e);
+            let (aa, ab, bb) = (wa * a, wa * b, wb * b);
+            let terms = [
+                weights[lane] * value,
+                w,
+                we,
+                we * a,
+                we * b,
+                we * a * h,
+                we * b * h,
+                wa,
+                wb,
+                wa * h,
+                wb * h,
+                aa,
+                ab,
+                bb,
+                aa * h,
+                ab * h,
+                bb * h,
+                aa * h * h,
+                ab * h * h,
+                bb * h * h,
+            ];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                sum[lane] += term;
+            }
+        }
+    }
+}
+
+/// The sums as normal equations of the Jacobian (−a, −b, −h a, −h b, −1).
+fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
+    let [loss, w, e, ea, eb, eah, ebh, a, b, ah, bh, aa, ab, bb, aah, abh, bbh, aahh, abhh, bbhh] = *sums;
+    let hessian = TangentMap::new(
+        aa, ab, aah, abh, a, //
+        ab, bb, abh, bbh, b, //
+        aah, abh, aahh, abhh, ah, //
+        abh, bbh, abhh, bbhh, bh, //
+        a, b, ah, bh, w,
+    );
+    NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian }
+}
+
+/// One residual and its Jacobian, by the formula and without the sums: for the stacked system and for tests.
+pub(super) fn point_row(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Tangent) {
+    let q = frame.rotation() * (point - frame.cylinder.axis.point) / frame.unit;
+    let rho = q.x.hypot(q.y);
+    let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
+    let residual = rho - frame.cylinder.radius / frame.unit;
+    (residual, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Cylinder;
+    use crate::observations::PointsView;
+
+    fn scene(count: usize) -> (Vec<[f64; 3]>, LocalFrame) {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.1, -0.2, 0.9), Vector3::new(0.4, 0.8, 0.3), 0.07).unwrap();
+        let points = (0..count)
+            .map(|k| {
+                let t = k as f64;
+                [0.1 + 0.09 * (t * 0.37).sin(), -0.2 + 0.1 * (t * 0.11).cos(), 0.85 + 0.03 * (t * 1.7).sin()]
+            })
+            .collect();
+        (points, LocalFrame::new(&cylinder, &Vector3::new(0.1, -0.1, 0.8), 0.05))
+    }
+
+    #[test]
+    fn the_jacobian_agrees_with_central_differences() {
+        let (points, frame) = scene(50);
+        let h = 1e-6;
+        for point in points {
+            let point = Vector3::from(point);
+            let (residual, jacobian) = point_row(&frame, &point);
+            assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
+            for k in 0..5 {
+                let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
+                let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h * frame.unit);
+                assert!((difference - jacobian[k]).abs() < 1e-8, "{k}: {difference} {}", jacobian[k]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_sums_are_those_of_the_rows_and_the_same_for_any_number_of_threads() {
+        let (points, frame) = scene(150_003);
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let mut expected = NormalEquations::zero();
+        for point in &points {
+            let (residual, jacobian) = point_row(&frame, &Vector3::from(*point));
+            expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
+        }
+        let one = PointTerm::new(&cloud, 1).linearise(&frame, Squared);
+        assert!((one.cost - expected.cost).abs() < 1e-12 * expected.cost);
+        assert!((one.gradient - expected.gradient).norm() < 1e-12 * expected.gradient.norm());
+        assert!((one.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
+        for threads in [2, 3, 8] {
+            assert_eq!(PointTerm::new(&cloud, threads).linearise(&frame, Squared), one);
+        }
+    }
+
+    #[test]
+    fn weights_count_as_repeated_points() {
+        let (mut points, frame) = scene(20);
+        let mut weighted = PointCloud::default();
+        let memory: Vec<u8> =
+            (0..20).flat_map(|k| if k == 3 { 3.0_f64 } else { 1.0 }.to_ne_bytes()).collect();
+        let weights = crate::observations::Strided::new(&memory, 0, (20, 1), 8, (8, 0)).unwrap();
+        let view = PointsView { weights: Some(weights), ..PointsView::from_f64(&points) };
+        weighted.push_points(&view, None).unwrap();
+        points.extend([points[3]; 2]);
+        let mut repeated = PointCloud::default();
+        repeated.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let a = PointTerm::new(&weighted, 1).linearise(&frame, Squared);
+        let b = PointTerm::new(&repeated, 1).linearise(&frame, Squared);
+        assert!((a.cost - b.cost).abs() < 1e-14 * b.cost);
+        assert!((a.hessian - b.hessian).norm() < 1e-13 * b.hessian.norm());
+    }
+}

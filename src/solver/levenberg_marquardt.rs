@@ -1,0 +1,201 @@
+//! Algorithm 2 of the paper: Levenberg–Marquardt on the five degrees of freedom (26)–(29).
+
+use crate::error::{Error, Result};
+use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent, TangentMap};
+use crate::residuals::{NormalEquations, Objective};
+use nalgebra::Vector3;
+use std::ops::ControlFlow;
+
+/// The constants of the iteration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IterationLimits {
+    /// Most linear solves.
+    pub max_iterations: usize,
+    /// Damping λ₀ of the first step.
+    pub initial_lambda: f64,
+    /// Factor ν by which the damping falls after an accepted step and grows after a rejected one.
+    pub lambda_factor: f64,
+    /// Damping at which no smaller step is tried any more.
+    pub max_lambda: f64,
+    /// Smallest relative decrease of the cost that counts as progress.
+    pub cost_tolerance: f64,
+    /// The coordinates of the steps.
+    pub chart: Chart,
+}
+
+impl Default for IterationLimits {
+    fn default() -> Self {
+        Self {
+            max_iterations: 500,
+            initial_lambda: 1e-3,
+            lambda_factor: 10.0,
+            max_lambda: 1e12,
+            cost_tolerance: 1e-12,
+            chart: Chart::Local,
+        }
+    }
+}
+
+/// Why an iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Termination {
+    /// The cost no longer fell by more than the tolerance, or reached the rounding error of the data.
+    Cost,
+    /// No step down to the largest damping lowered the cost: a minimum to rounding.
+    Stalled,
+    /// The limit of iterations was reached.
+    MaxIterations,
+    /// The radius left all proportion to the data: they are flat.
+    RadiusRanAway,
+}
+
+/// One linear solve, for progress reports.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iteration {
+    /// Solves so far.
+    pub iteration: usize,
+    /// The lowest cost so far, in the caller's unit squared.
+    pub cost: f64,
+    /// The damping of the next step.
+    pub lambda: f64,
+    /// The best cylinder so far.
+    pub cylinder: Cylinder,
+}
+
+/// Where an iteration ended.
+#[derive(Debug, Clone, Copy)]
+pub struct Convergence {
+    /// The minimum.
+    pub cylinder: Cylinder,
+    /// Its cost, in the caller's unit squared.
+    pub cost: f64,
+    /// The cost of the start.
+    pub initial_cost: f64,
+    /// Linear solves.
+    pub iterations: usize,
+    /// Solves whose step was rejected.
+    pub rejected_steps: usize,
+    /// Why it ended.
+    pub termination: Termination,
+    /// The last damping.
+    pub lambda: f64,
+    /// Norm of half the gradient of the cost at the end, in units of the frame.
+    pub gradient_norm: f64,
+    /// Norm of the last accepted step, in units of the frame.
+    pub step_norm: f64,
+    /// The frame at the minimum.
+    pub frame: LocalFrame,
+    /// The linearisation at the minimum.
+    pub equations: NormalEquations,
+}
+
+/// The radius, in units of the size of the data, at which the iteration is given up.
+const LARGEST_RADIUS: f64 = 1e4;
+
+/// Minimises an objective from a start. `data_center` and `unit` are the middle and the size of the data;
+/// the orthonormal chart takes the caller's unit of length instead, as the paper does. `report` hears of every
+/// solve and may stop the iteration.
+///
+/// # Errors
+/// `NoStart` when the cost of the start is infinite, `Cancelled` when `report` breaks.
+pub fn minimise(
+    objective: &impl Objective,
+    start: &Cylinder,
+    data_center: &Vector3<f64>,
+    unit: f64,
+    limits: &IterationLimits,
+    report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+) -> Result<Convergence> {
+    let data_unit = unit;
+    let unit = match limits.chart {
+        Chart::Local => data_unit,
+        Chart::Orthonormal => 1.0,
+    };
+    let squared = unit * unit;
+    let linearise = |cylinder: &Cylinder| {
+        let frame = LocalFrame::new(cylinder, data_center, unit);
+        objective.linearise(&frame).map(|equations| (frame, equations))
+    };
+    let Some((mut frame, mut equations)) = linearise(start) else {
+        return Err(Error::NoStart { reason: "the cost of the start model is infinite".into() });
+    };
+    let initial_cost = equations.cost * squared;
+    // The residuals of exact data are rounding errors of the coordinates: nothing is gained below.
+    let extent = data_center.amax().max(data_unit);
+    let floor = (4.0 * f64::EPSILON * extent / unit).powi(2);
+
+    let mut lambda = limits.initial_lambda;
+    let mut step_norm = 0.0;
+    let (mut iterations, mut rejected_steps) = (0, 0);
+    let termination = loop {
+        let iteration = Iteration {
+            iteration: iterations,
+            cost: equations.cost * squared,
+            lambda,
+            cylinder: frame.cylinder,
+        };
+        if report(&iteration).is_break() {
+            return Err(Error::Cancelled { iterations });
+        }
+        if equations.cost <= floor {
+            break Termination::Cost;
+        }
+        if frame.cylinder.radius > LARGEST_RADIUS * data_unit {
+            break Termination::RadiusRanAway;
+        }
+        if iterations == limits.max_iterations {
+            break Termination::MaxIterations;
+        }
+        iterations += 1;
+        let step = match limits.chart {
+            Chart::Local => damped_step(&equations.hessian, &equations.gradient, lambda)
+                .map(|step| (step, frame.retract(&step))),
+            Chart::Orthonormal => {
+                let map = frame.orthonormal_tangent_map();
+                let hessian = map.transpose() * equations.hessian * map;
+                damped_step(&hessian, &(map.transpose() * equations.gradient), lambda)
+                    .map(|step| (step, frame.retract_orthonormal(&step)))
+            }
+        };
+        let trial = step.and_then(|(step, cylinder)| Some((step, linearise(&cylinder)?)));
+        match trial {
+            Some((step, (trial_frame, trial_equations))) if trial_equations.cost < equations.cost => {
+                let decrease = equations.cost - trial_equations.cost;
+                let converged = decrease < limits.cost_tolerance * equations.cost;
+                (frame, equations) = (trial_frame, trial_equations);
+                step_norm = step.norm();
+                lambda /= limits.lambda_factor;
+                if converged {
+                    break Termination::Cost;
+                }
+            }
+            _ => {
+                rejected_steps += 1;
+                lambda *= limits.lambda_factor;
+                if lambda > limits.max_lambda {
+                    break Termination::Stalled;
+                }
+            }
+        }
+    };
+    Ok(Convergence {
+        cylinder: frame.cylinder,
+        cost: equations.cost * squared,
+        initial_cost,
+        iterations,
+        rejected_steps,
+        termination,
+        lambda,
+        gradient_norm: equations.gradient.norm(),
+        step_norm,
+        frame,
+        equations,
+    })
+}
+
+/// The step of (29): (JᵀΩJ + λI) δ = −JᵀΩe.
+fn damped_step(hessian: &TangentMap, gradient: &Tangent, lambda: f64) -> Option<Tangent> {
+    let damped = hessian + TangentMap::identity() * lambda;
+    let step = -damped.cholesky()?.solve(gradient);
+    step.iter().all(|x| x.is_finite()).then_some(step)
+}
