@@ -1,6 +1,6 @@
 //! Exponential maps on SO(3), SO(2) and the unit sphere.
 
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// The skew-symmetric matrix of a vector: `hat(a) * b == a.cross(&b)`.
 #[must_use]
@@ -48,15 +48,10 @@ fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-3 { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
 
-/// The unit vector of an angle, (cos φ, sin φ).
-pub(crate) fn unit_vector(angle: f64) -> Vector2<f64> {
-    let (s, c) = angle.sin_cos();
-    Vector2::new(c, s)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector2;
 
     #[test]
     fn exponential_of_so3_is_a_rotation_with_the_right_generator() {
@@ -82,7 +77,8 @@ mod tests {
     #[test]
     fn exponential_of_so2_adds_angles() {
         assert!((exp_so2(0.4) * exp_so2(-1.1) - exp_so2(-0.7)).norm() < 1e-15);
-        assert!((exp_so2(0.3) * unit_vector(0.2) - unit_vector(0.5)).norm() < 1e-15);
+        let unit = |angle: f64| Vector2::new(angle.cos(), angle.sin());
+        assert!((exp_so2(0.3) * unit(0.2) - unit(0.5)).norm() < 1e-15);
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl LimbTerm {
     pub fn linearise_at_scale(&self, frame: &LocalFrame, start_distance: f64) -> Option<NormalEquations> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let factor = start_distance / limbs.distance;
-        let distance_row = DistanceRow::new(frame, &limbs).jacobian() / limbs.distance * frame.unit;
+        let distance_row = AxisMotion::new(frame, &limbs).toward * (frame.unit / limbs.distance);
         let mut equations = NormalEquations::zero();
         for (residual, jacobian) in self.rows(frame)?.iter().flatten() {
             let scaled = (jacobian - distance_row * *residual) * factor;
@@ -96,7 +96,7 @@ impl LimbTerm {
     pub(super) fn rows(&self, frame: &LocalFrame) -> Option<[[LimbRow; 2]; 2]> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let direct = self.associate(&limbs);
-        let shared = DistanceRow::new(frame, &limbs);
+        let shared = AxisMotion::new(frame, &limbs);
         let LimbFrame { distance, sin_gamma, cos_gamma, .. } = limbs;
         let radius = frame.cylinder.radius;
         let plane = distance * cos_gamma * cos_gamma;
@@ -134,19 +134,19 @@ impl LimbTerm {
 
 /// How the axis point nearest to the observer and the direction move with the tangent of a frame, in units of
 /// the frame.
-struct DistanceRow {
+pub(super) struct AxisMotion {
     /// ĉ · δc, which is δ‖c‖.
-    toward: Tangent,
+    pub(super) toward: Tangent,
     /// ŝ · δc.
-    sideways: Tangent,
+    pub(super) sideways: Tangent,
     /// ĉ · δd.
-    tilt_toward: Tangent,
+    pub(super) tilt_toward: Tangent,
     /// ŝ · δd.
-    tilt_sideways: Tangent,
+    pub(super) tilt_sideways: Tangent,
 }
 
-impl DistanceRow {
-    fn new(frame: &LocalFrame, limbs: &LimbFrame) -> Self {
+impl AxisMotion {
+    pub(super) fn new(frame: &LocalFrame, limbs: &LimbFrame) -> Self {
         let axis = &frame.cylinder.axis;
         // The frame sits this far along the axis from the point nearest to the observer, which a tilt moves
         // back by as much.
@@ -159,10 +159,5 @@ impl DistanceRow {
         let (toward, tilt_toward) = row(&limbs.toward);
         let (sideways, tilt_sideways) = row(&limbs.sideways);
         Self { toward, sideways, tilt_toward, tilt_sideways }
-    }
-
-    /// δ‖c‖ / unit.
-    fn jacobian(&self) -> Tangent {
-        self.toward
     }
 }

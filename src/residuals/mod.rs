@@ -6,18 +6,27 @@
 
 mod limbs;
 mod paper;
+mod pixels;
 mod points;
+mod robust;
 
 pub use limbs::{LimbPair, LimbTerm};
 pub use paper::PaperObjective;
+pub use pixels::{PixelSegment, PixelTerm};
 pub use points::{Loss, PointTerm, Squared};
+pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::observations::PointCloud;
 
 /// What a solver minimises.
 pub trait Objective {
     /// The cost and its linearisation at the cylinder of a frame; `None` where the cost is infinite.
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations>;
+
+    /// The whole stacked system Ω^½ e, Ω^½ J (27), (28) row by row, points first: what the normal equations
+    /// sum, without squaring the condition of the problem. `None` where the cost is infinite.
+    fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>>;
 }
 
 /// The sums of one linearisation: with residuals e, weights Ω and Jacobian J,

@@ -46,27 +46,6 @@ impl<'a> PaperObjective<'a> {
     pub fn limbs(&self) -> Option<&LimbTerm> {
         self.limbs.as_ref().map(|(term, _)| term)
     }
-
-    /// The whole stacked system Ω^½ e, Ω^½ J (27), (28) row by row, points first: the normal equations without
-    /// squaring the condition of the problem.
-    #[must_use]
-    pub fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
-        let edge_weight = self.edge_weight();
-        let mut rows = Vec::with_capacity(cloud.len() + 4);
-        if edge_weight < 1.0 {
-            let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
-            for (index, point) in cloud.points().enumerate() {
-                let root = ((1.0 - edge_weight) * cloud.weight(index) / total).sqrt();
-                let (residual, jacobian) = point_row(frame, &point);
-                rows.push((residual * root, jacobian * root));
-            }
-        }
-        if let Some((limbs, weight)) = &self.limbs {
-            let root = (weight / 4.0).sqrt();
-            rows.extend(limbs.rows(frame)?.iter().flatten().map(|(e, j)| (e * root, j * root)));
-        }
-        Some(rows)
-    }
 }
 
 impl Objective for PaperObjective<'_> {
@@ -88,6 +67,24 @@ impl Objective for PaperObjective<'_> {
             equations.add_scaled(1.0 - edge_weight, &self.points.linearise(frame, Squared));
         }
         equations.cost.is_finite().then_some(equations)
+    }
+
+    fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
+        let edge_weight = self.edge_weight();
+        let mut rows = Vec::with_capacity(cloud.len() + 4);
+        if edge_weight < 1.0 {
+            let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
+            for (index, point) in cloud.points().enumerate() {
+                let root = ((1.0 - edge_weight) * cloud.weight(index) / total).sqrt();
+                let (residual, jacobian) = point_row(frame, &point);
+                rows.push((residual * root, jacobian * root));
+            }
+        }
+        if let Some((limbs, weight)) = &self.limbs {
+            let root = (weight / 4.0).sqrt();
+            rows.extend(limbs.rows(frame)?.iter().flatten().map(|(e, j)| (e * root, j * root)));
+        }
+        Some(rows)
     }
 }
 

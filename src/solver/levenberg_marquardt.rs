@@ -62,6 +62,15 @@ pub struct Iteration {
     pub cylinder: Cylinder,
 }
 
+impl Iteration {
+    /// What is known before the first solve: nothing.
+    #[must_use]
+    pub fn before_start() -> Self {
+        let axis = crate::geometry::Line { point: Vector3::zeros(), direction: Vector3::z() };
+        Self { iteration: 0, cost: f64::INFINITY, lambda: 0.0, cylinder: Cylinder { axis, radius: 0.0 } }
+    }
+}
+
 /// Where an iteration ended.
 #[derive(Debug, Clone, Copy)]
 pub struct Convergence {
@@ -99,7 +108,7 @@ const LARGEST_RADIUS: f64 = 1e4;
 /// # Errors
 /// `NoStart` when the cost of the start is infinite, `Cancelled` when `report` breaks.
 pub fn minimise(
-    objective: &impl Objective,
+    objective: &(impl Objective + ?Sized),
     start: &Cylinder,
     data_center: &Vector3<f64>,
     unit: f64,

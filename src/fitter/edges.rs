@@ -1,0 +1,97 @@
+//! From pushed segments to the limbs of an objective.
+
+use super::result::Flags;
+use crate::camera::Camera;
+use crate::observations::EdgeSegment;
+use crate::residuals::{LimbPair, LimbTerm, PixelSegment, PixelTerm};
+use nalgebra::{Vector2, Vector3};
+
+/// Two limbs of a cylinder that can be measured are farther apart than this many pixels.
+const SAME_LIMB_PIXELS: f64 = 2.0;
+
+/// The usable segments, without distortion.
+#[derive(Debug, Clone)]
+pub(super) struct UsableEdges {
+    pub segments: Vec<PixelSegment>,
+    pub rays: Vec<[Vector3<f64>; 2]>,
+    pub flags: Flags,
+}
+
+impl UsableEdges {
+    /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason.
+    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment]) -> Self {
+        let mut usable = Self { segments: Vec::new(), rays: Vec::new(), flags: Flags::empty() };
+        for segment in segments.iter().filter(|segment| segment.weight > 0.0) {
+            let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
+            match (a, b) {
+                (Some((a, ray_a)), Some((b, ray_b))) if (a - b).norm() > 0.0 => {
+                    usable.segments.push(PixelSegment { endpoints: [a, b], weight: segment.weight });
+                    usable.rays.push([ray_a, ray_b]);
+                }
+                _ => usable.flags |= Flags::SEGMENTS_UNUSABLE,
+            }
+        }
+        if let [first, second] = &usable.segments[..] {
+            let doubt = if cross(first, second) {
+                Flags::EDGES_CROSS
+            } else if coincide(first, second) {
+                Flags::EDGES_COINCIDE
+            } else {
+                Flags::empty()
+            };
+            if !doubt.is_empty() {
+                usable.flags |= doubt;
+                usable.drop_all();
+            }
+        }
+        if usable.segments.is_empty() && !segments.is_empty() {
+            usable.flags |= Flags::EDGES_IGNORED;
+        }
+        usable
+    }
+
+    pub fn drop_all(&mut self) {
+        self.segments.clear();
+        self.rays.clear();
+        self.flags |= Flags::EDGES_IGNORED;
+    }
+
+    /// The paper's edge term, for exactly two segments.
+    pub fn limb_term(&self, camera: Option<&Camera>) -> Option<LimbTerm> {
+        let ([first, second], [a, b]) = (&self.rays[..], &self.segments[..]) else { return None };
+        let pair = LimbPair { rays: [*first, *second], pixels: [a.endpoints, b.endpoints] };
+        Some(LimbTerm::new(pair, camera?.line_projection()))
+    }
+
+    /// The pixel distances of any number of segments.
+    pub fn pixel_term(&self, camera: Option<&Camera>) -> Option<PixelTerm> {
+        if self.segments.is_empty() {
+            return None;
+        }
+        Some(PixelTerm::new(self.segments.clone(), camera?.line_projection()))
+    }
+}
+
+fn undistort(camera: &Camera, pixel: &Vector2<f64>) -> Option<(Vector2<f64>, Vector3<f64>)> {
+    let ray = camera.unproject(pixel)?;
+    Some((camera.ideal_pixel(&ray)?, ray))
+}
+
+/// Twice the signed area of a triangle.
+fn area(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
+    (b - a).perp(&(c - a))
+}
+
+/// Whether two segments cross between their endpoints.
+fn cross(first: &PixelSegment, second: &PixelSegment) -> bool {
+    let ([a, b], [c, d]) = (&first.endpoints, &second.endpoints);
+    area(a, b, c) * area(a, b, d) < 0.0 && area(c, d, a) * area(c, d, b) < 0.0
+}
+
+/// Whether two segments lie on one line.
+fn coincide(first: &PixelSegment, second: &PixelSegment) -> bool {
+    let length = |segment: &PixelSegment| (segment.endpoints[1] - segment.endpoints[0]).norm();
+    let (long, short) = if length(first) >= length(second) { (first, second) } else { (second, first) };
+    let [a, b] = &long.endpoints;
+    short.endpoints.iter().all(|q| area(a, b, q).abs() < SAME_LIMB_PIXELS * length(long))
+}

@@ -1,0 +1,432 @@
+//! The fitter: takes observations, finds a start, minimises, and says how far to trust the result.
+
+mod edges;
+mod options;
+mod problem;
+mod result;
+mod solve;
+mod starts;
+
+pub use options::{Method, NearWall, ObjectiveKind, Options, StartKind};
+pub use result::{FitResult, Flags, Seconds};
+
+use crate::camera::{Camera, Intrinsics};
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::observations::{
+    DepthImage, DepthRange, DepthView, EdgeSegment, Mask, MaskView, PointCloud, PointsView, check_segments,
+};
+use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
+use problem::Problem;
+use starts::Candidate;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// A radius is called weak when its standard deviation would be more than this part of it, even if the noise
+/// of all points were independent.
+const WEAK_RADIUS: f64 = 0.05;
+
+/// The input resolution, as a part of the radius, from which on digits are missing.
+const COARSE: f64 = 1e-4;
+
+/// Which residuals to list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResidualKind {
+    /// Signed distance of every used point from the surface, in the unit of length.
+    Points,
+    /// Signed distance of every endpoint of the used segments from its limb line, in pixels.
+    Edges,
+}
+
+/// Estimates one cylinder. Set intrinsics, push observations, call [`Fitter::fit`]; whatever fails leaves
+/// everything as it was.
+#[derive(Debug, Clone, Default)]
+pub struct Fitter {
+    options: Options,
+    camera: Option<Camera>,
+    start: Option<Cylinder>,
+    cloud: PointCloud,
+    segments: Vec<EdgeSegment>,
+    mask: Option<Mask>,
+    depth: Option<DepthImage>,
+    result: Option<FitResult>,
+}
+
+impl Fitter {
+    /// A fitter with default options and no data.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The options.
+    #[must_use]
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Replaces the options.
+    ///
+    /// # Errors
+    /// `InvalidArgument`; the old options stay then.
+    pub fn set_options(&mut self, options: Options) -> Result<()> {
+        options.check()?;
+        self.options = options;
+        Ok(())
+    }
+
+    /// Sets the camera. Points that were pushed before stay as they are.
+    ///
+    /// # Errors
+    /// `InvalidIntrinsics`; the old camera stays then.
+    pub fn set_intrinsics(&mut self, intrinsics: Intrinsics) -> Result<()> {
+        self.camera = Some(Camera::new(intrinsics)?);
+        Ok(())
+    }
+
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.as_ref()
+    }
+
+    /// Sets or takes away the start model.
+    pub fn set_start(&mut self, start: Option<Cylinder>) {
+        self.start = start;
+    }
+
+    /// Adds points; a mask selects pixels of an organised cloud.
+    ///
+    /// # Errors
+    /// See [`PointCloud::push_points`]. Nothing is added then.
+    pub fn push_points(&mut self, points: &PointsView<'_>, mask: Option<&MaskView<'_>>) -> Result<()> {
+        let mask = mask.map(Mask::copy).transpose()?;
+        self.cloud.push_points(points, mask.as_ref())
+    }
+
+    /// Adds the points of a depth image; a mask selects pixels. Image and mask are kept, in place of earlier
+    /// ones, for the extent and the completion.
+    ///
+    /// # Errors
+    /// `BadState` without intrinsics, else see [`PointCloud::push_depth`]. Nothing is added then.
+    pub fn push_depth(
+        &mut self,
+        depth: &DepthView<'_>,
+        mask: Option<&MaskView<'_>>,
+        range: &DepthRange,
+    ) -> Result<()> {
+        let camera = self.camera.as_ref().ok_or(Error::BadState {
+            call: "pushing a depth image",
+            missing: "intrinsics",
+            remedy: "set the intrinsics first",
+        })?;
+        let mask = mask.map(Mask::copy).transpose()?;
+        let image = DepthImage::copy(depth)?;
+        self.cloud.push_depth(camera, depth, mask.as_ref(), range)?;
+        self.depth = Some(image);
+        self.mask = mask;
+        Ok(())
+    }
+
+    /// Adds edge segments in pixels of the (distorted) image.
+    ///
+    /// # Errors
+    /// `InvalidArgument` for a bad number, `OutOfMemory`. Nothing is added then.
+    pub fn push_edges(&mut self, segments: &[EdgeSegment]) -> Result<()> {
+        check_segments(segments)?;
+        let bytes = std::mem::size_of_val(segments);
+        let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
+        self.segments.try_reserve(segments.len()).map_err(out_of_memory)?;
+        self.segments.extend_from_slice(segments);
+        Ok(())
+    }
+
+    /// Forgets data and result; keeps options, camera, start model and memory.
+    pub fn clear(&mut self) {
+        self.cloud.clear();
+        self.segments.clear();
+        self.mask = None;
+        self.depth = None;
+        self.result = None;
+    }
+
+    /// Makes room for that many more points and segments.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub fn reserve(&mut self, points: usize, segments: usize) -> Result<()> {
+        self.cloud.reserve(points)?;
+        let bytes = segments.saturating_mul(std::mem::size_of::<EdgeSegment>());
+        let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
+        self.segments.try_reserve(segments).map_err(out_of_memory)
+    }
+
+    /// The points that were pushed.
+    #[must_use]
+    pub fn cloud(&self) -> &PointCloud {
+        &self.cloud
+    }
+
+    /// The segments that were pushed.
+    #[must_use]
+    pub fn segments(&self) -> &[EdgeSegment] {
+        &self.segments
+    }
+
+    /// The mask of the last depth image.
+    #[must_use]
+    pub fn mask(&self) -> Option<&Mask> {
+        self.mask.as_ref()
+    }
+
+    /// The last depth image.
+    #[must_use]
+    pub fn depth(&self) -> Option<&DepthImage> {
+        self.depth.as_ref()
+    }
+
+    /// The last successful fit.
+    #[must_use]
+    pub fn result(&self) -> Option<&FitResult> {
+        self.result.as_ref()
+    }
+
+    /// Estimates the cylinder.
+    ///
+    /// # Errors
+    /// The data do not determine a cylinder (`TooFewPoints`, `PlanarPoints`, `CollinearPoints`, `NoStart`), or
+    /// do not go with the options (`Unsupported`, `BadState`, `EdgeGeometry`).
+    pub fn fit(&mut self) -> Result<FitResult> {
+        self.fit_with(&mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same; `report` hears of every linear solve and may stop the fit.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
+    pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
+        let clock = Instant::now();
+        let mut problem = self.problem()?;
+        if report(&Iteration::before_start()).is_break() {
+            return Err(Error::Cancelled { iterations: 0 });
+        }
+        let mut result = match self.options.method {
+            Method::Eberly => {
+                let cylinder = problem.from_moments().ok_or_else(|| Error::NoStart {
+                    reason: "the moments of the points give no cylinder".into(),
+                })?;
+                problem.check_radius(&cylinder)?;
+                self.describe(&problem, &Candidate { kind: StartKind::Moments, cylinder }, &cylinder)?
+            }
+            Method::Ransac => {
+                let cylinder = problem.ransac()?.cylinder;
+                problem.check_radius(&cylinder)?;
+                self.describe(&problem, &Candidate { kind: StartKind::Ransac, cylinder }, &cylinder)?
+            }
+            Method::Fused | Method::Points => {
+                let candidates = problem.candidates(self.start.as_ref())?;
+                let started = clock.elapsed().as_secs_f64();
+                let (start, convergence) = best_minimum(&mut problem, &candidates, report)?;
+                let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
+                result.add_convergence(&convergence);
+                result.seconds.start = started;
+                result.seconds.solve = clock.elapsed().as_secs_f64() - started;
+                result
+            }
+        };
+        result.seconds.total = clock.elapsed().as_secs_f64();
+        self.result = Some(result);
+        Ok(result)
+    }
+
+    /// What a fit would report for a given model, without iterating.
+    ///
+    /// # Errors
+    /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
+    pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
+        let problem = self.problem()?;
+        self.describe(&problem, &Candidate { kind: StartKind::Model, cylinder: *cylinder }, cylinder)
+    }
+
+    /// Residuals of a model, or of the last fit.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs.
+    pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
+        let cylinder = self.model_or_result("listing residuals", cylinder)?;
+        match kind {
+            ResidualKind::Points => Ok(self.cloud.points().map(|p| cylinder.distance(&p)).collect()),
+            ResidualKind::Edges => {
+                let problem = self.problem()?;
+                let Some(pixels) = &problem.pixels else { return Ok(Vec::new()) };
+                let distances = pixels.distances(&cylinder).ok_or_else(|| Error::EdgeGeometry {
+                    reason: "the camera is inside the cylinder, which has no limbs then".into(),
+                    remedy: "ask for the residuals of the points",
+                })?;
+                Ok(distances.into_iter().flatten().collect())
+            }
+        }
+    }
+
+    /// Rank, condition and the weakest direction of the stacked Jacobian at a model, or at the last fit, by
+    /// orthogonal factorisation.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result, `EdgeGeometry` where the cost is infinite, `Numerical`.
+    pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Rank> {
+        let cylinder = self.model_or_result("diagnosing", cylinder)?;
+        let rows = self.problem()?.stacked_rows(&cylinder).ok_or_else(infinite_cost)?;
+        LeastSquares::new(&rows)?.rank()
+    }
+
+    /// The given model, or that of the last fit.
+    pub(crate) fn model_or_result(
+        &self,
+        call: &'static str,
+        cylinder: Option<&Cylinder>,
+    ) -> Result<Cylinder> {
+        let missing = Error::BadState { call, missing: "a model", remedy: "give one or fit first" };
+        cylinder.copied().or(self.result.map(|result| result.cylinder)).ok_or(missing)
+    }
+
+    fn problem(&self) -> Result<Problem<'_>> {
+        let Self { options, cloud, camera, segments, start, .. } = self;
+        Problem::new(options, cloud, camera.as_ref(), segments, start.as_ref())
+    }
+
+    /// Everything about a cylinder but how it was reached.
+    fn describe(&self, problem: &Problem<'_>, start: &Candidate, cylinder: &Cylinder) -> Result<FitResult> {
+        let equations = problem.linearise(cylinder).ok_or_else(infinite_cost)?;
+        let squared = problem.unit * problem.unit;
+        let energy_points = if self.cloud.is_empty() {
+            0.0
+        } else {
+            let frame = crate::geometry::LocalFrame::new(cylinder, &problem.center, problem.unit);
+            problem.points.energy(&frame)
+        };
+        let eigenvalues = equations.hessian.symmetric_eigenvalues();
+        let weak = {
+            // As if the weights were the inverse variances and the noise independent.
+            let freedom = self.cloud.len().saturating_sub(problem::LEAST_POINTS).max(1) as f64;
+            let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
+            let deviation = problem.unit * (equations.cost * variance / freedom).sqrt();
+            !(deviation <= WEAK_RADIUS * cylinder.radius)
+        };
+        let scale_held = problem.edge_weight == 1.0;
+        let inside = cylinder.contains_origin() && problem.near_wall;
+        let walls = problem.near_wall.then(|| cylinder.visible_wall(self.cloud.points()));
+        let mut flags = problem.edges.flags;
+        flags.set(Flags::SCALE_HELD, scale_held);
+        flags.set(Flags::WEAK_RADIUS, weak || scale_held);
+        flags.set(Flags::RESOLUTION_LOST, self.cloud.resolution() > COARSE * cylinder.radius);
+        flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
+        flags.set(Flags::CAMERA_INSIDE, inside);
+        flags.set(Flags::POINTS_NOT_FINITE, self.cloud.dropped().not_finite > 0);
+        let distances = problem.pixels.as_ref().and_then(|pixels| pixels.distances(cylinder));
+        let edge_rms_pixels = distances.map(|distances| {
+            let sum: f64 = distances.iter().flatten().map(|d| d * d).sum();
+            (sum / (2 * distances.len()) as f64).sqrt()
+        });
+        Ok(FitResult {
+            cylinder: problem.canonical(cylinder),
+            start: start.cylinder,
+            start_kind: start.kind,
+            termination: None,
+            iterations: 0,
+            rejected_steps: 0,
+            initial_cost: equations.cost * squared,
+            cost: equations.cost * squared,
+            energy_points,
+            energy_edges: problem.limbs.and_then(|limbs| limbs.energy(cylinder)),
+            edge_weight: problem.has_edge_weight().then_some(problem.edge_weight),
+            points_used: self.cloud.len(),
+            points_given: self.cloud.given(),
+            dropped: *self.cloud.dropped(),
+            segments_used: problem.segments_used(),
+            segments_given: self.segments.len(),
+            point_rms: energy_points.sqrt(),
+            edge_rms_pixels,
+            near_wall_fraction: walls.map(|walls| walls.fraction()),
+            condition: (eigenvalues.max() / eigenvalues.min().max(0.0)).sqrt(),
+            lambda: 0.0,
+            gradient_norm: equations.gradient.norm(),
+            step_norm: 0.0,
+            flags,
+            seconds: Seconds::default(),
+        })
+    }
+}
+
+fn infinite_cost() -> Error {
+    Error::EdgeGeometry {
+        reason: "the cost of the model is infinite: the camera is inside it, or an endpoint lies behind it"
+            .into(),
+        remedy: "give another model or clear the segments",
+    }
+}
+
+impl FitResult {
+    fn add_convergence(&mut self, convergence: &Convergence) {
+        self.termination = Some(convergence.termination);
+        self.iterations = convergence.iterations;
+        self.rejected_steps = convergence.rejected_steps;
+        self.initial_cost = convergence.initial_cost;
+        self.lambda = convergence.lambda;
+        self.step_norm = convergence.step_norm;
+        self.flags.set(Flags::NOT_CONVERGED, convergence.termination == Termination::MaxIterations);
+    }
+}
+
+/// The minimum that the first good candidate leads to. A candidate is good when its cost is finite, the radius
+/// does not run away and the points lie on the visible wall; the next one is tried only when it is not.
+fn best_minimum(
+    problem: &mut Problem<'_>,
+    candidates: &[Candidate],
+    report: solve::Report<'_>,
+) -> Result<(Candidate, Convergence)> {
+    if !candidates.iter().any(|candidate| problem.linearise(&candidate.cylinder).is_some()) {
+        let inside = candidates.iter().all(|candidate| candidate.cylinder.contains_origin());
+        problem.ignore_edges(if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND });
+    }
+    let mut hidden: Option<(Candidate, Convergence)> = None;
+    let mut failure = None;
+    for candidate in candidates {
+        match minimum_on_visible_wall(problem, &candidate.cylinder, report) {
+            Ok((convergence, true)) => return Ok((*candidate, convergence)),
+            Ok((convergence, false)) => {
+                if hidden.as_ref().is_none_or(|(_, best)| convergence.cost < best.cost) {
+                    hidden = Some((*candidate, convergence));
+                }
+            }
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    let nothing = || Error::NoStart { reason: "no candidate was given".into() };
+    hidden.ok_or_else(|| failure.unwrap_or_else(nothing))
+}
+
+/// The near-wall rule: when most points of a minimum lie on the wall that the camera cannot see, its mirror
+/// image is tried too. Of the two, the one with its points on the visible wall wins, then the lower cost.
+fn minimum_on_visible_wall(
+    problem: &Problem<'_>,
+    start: &Cylinder,
+    report: solve::Report<'_>,
+) -> Result<(Convergence, bool)> {
+    let mut solve = |start: &Cylinder| -> Result<(Convergence, bool)> {
+        let convergence = problem.minimise(start, &mut *report)?;
+        problem.check_radius(&convergence.cylinder)?;
+        let visible =
+            !problem.near_wall || convergence.cylinder.visible_wall(problem.cloud.points()).fraction() >= 0.5;
+        Ok((convergence, visible))
+    };
+    let first = solve(start)?;
+    if first.1 {
+        return Ok(first);
+    }
+    match solve(&first.0.cylinder.mirrored_away()) {
+        Ok(second) if second.1 || second.0.cost < first.0.cost => Ok(second),
+        Err(error @ Error::Cancelled { .. }) => Err(error),
+        _ => Ok(first),
+    }
+}

@@ -1,0 +1,140 @@
+//! The settings of a fit, each with its default, unit and reason.
+
+use crate::error::{Error, Result};
+use crate::solver::IterationLimits;
+
+/// How the cylinder is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Points and edges together, by the chosen [`ObjectiveKind`].
+    #[default]
+    Fused,
+    /// Points alone by plain least squares, w_L = 0: Zhang et al., the paper's strongest baseline.
+    Points,
+    /// RANSAC with local optimisation, no final iteration.
+    Ransac,
+    /// Eberly's algebraic fit by moments, no final iteration.
+    Eberly,
+}
+
+/// What the fused method minimises.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ObjectiveKind {
+    /// Robust points and the endpoints' pixel distances, each weighted by its own scale. Takes any number of
+    /// segments, none included.
+    #[default]
+    Robust,
+    /// The paper's F = (1 − w_L) E_P + w_L E_L, exactly. Takes two segments, or w_L = 0.
+    Paper,
+}
+
+/// Where the iteration starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StartKind {
+    /// The candidate of the kinds below that explains the data best.
+    #[default]
+    Auto,
+    /// From two limb segments, scaled by the depth points.
+    Limbs,
+    /// Eberly's algebraic fit.
+    Moments,
+    /// RANSAC.
+    Ransac,
+    /// The model that the user gave.
+    Model,
+}
+
+/// Whether the points must lie on the wall that the camera sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NearWall {
+    /// On when intrinsics are set: only then is the origin known to be a camera.
+    #[default]
+    Auto,
+    /// On: the origin is the observer.
+    On,
+    /// Off: the minimum nearest to the start stays.
+    Off,
+}
+
+/// The settings of a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// How the cylinder is estimated.
+    pub method: Method,
+    /// What the fused method minimises.
+    pub objective: ObjectiveKind,
+    /// w_L of the paper's objective, 0.6 by default (its section 5.3).
+    pub edge_weight: f64,
+    /// Where the iteration starts.
+    pub start: StartKind,
+    /// Whether the points must lie on the wall that the camera sees.
+    pub near_wall: NearWall,
+    /// The constants of the iteration.
+    pub limits: IterationLimits,
+    /// Most threads for the sums over the points, 0 for as many as the machine has. Small clouds take one. The
+    /// result has the same bits for any number.
+    pub threads: usize,
+    /// Seed of the random samples of RANSAC.
+    pub seed: u64,
+    /// Most random samples of RANSAC.
+    pub ransac_iterations: usize,
+    /// Distance within which RANSAC counts a point as an inlier, in the unit of the data; 0 = from the data.
+    pub ransac_threshold: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: Method::Fused,
+            objective: ObjectiveKind::Robust,
+            edge_weight: 0.6,
+            start: StartKind::Auto,
+            near_wall: NearWall::Auto,
+            limits: IterationLimits::default(),
+            threads: 0,
+            seed: 0,
+            ransac_iterations: 1000,
+            ransac_threshold: 0.0,
+        }
+    }
+}
+
+impl Options {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// `InvalidArgument` that names the option, its value and its limit.
+    pub fn check(&self) -> Result<()> {
+        if !(0.0..=1.0).contains(&self.edge_weight) {
+            return Err(Error::argument("edge weight", self.edge_weight, "lie in [0, 1]"));
+        }
+        let IterationLimits {
+            max_iterations, initial_lambda, lambda_factor, max_lambda, cost_tolerance, ..
+        } = self.limits;
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        if !positive(initial_lambda) {
+            return Err(Error::argument("initial lambda", initial_lambda, "be finite and greater than 0"));
+        }
+        if !(lambda_factor > 1.0 && lambda_factor.is_finite()) {
+            return Err(Error::argument("lambda factor", lambda_factor, "be finite and greater than 1"));
+        }
+        if !(max_lambda >= initial_lambda && max_lambda.is_finite()) {
+            let requirement = format!("be finite and at least the initial lambda {initial_lambda}");
+            return Err(Error::argument("max lambda", max_lambda, requirement));
+        }
+        if !(0.0..1.0).contains(&cost_tolerance) {
+            return Err(Error::argument("cost tolerance", cost_tolerance, "lie in [0, 1)"));
+        }
+        if max_iterations == 0 {
+            return Err(Error::argument("max iterations", max_iterations, "be at least 1"));
+        }
+        if !(self.ransac_threshold >= 0.0 && self.ransac_threshold.is_finite()) {
+            let value = self.ransac_threshold;
+            return Err(Error::argument("ransac threshold", value, "be finite and at least 0"));
+        }
+        if self.ransac_iterations == 0 {
+            return Err(Error::argument("ransac iterations", 0, "be at least 1"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,170 @@
+//! What is fitted: the checked data of one fit with its size and middle.
+
+use super::edges::UsableEdges;
+use super::options::{Method, NearWall, ObjectiveKind, Options};
+use super::result::Flags;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::observations::PointCloud;
+use crate::residuals::{LimbTerm, PixelTerm, PointTerm};
+use nalgebra::{Matrix3, Vector3};
+
+/// Degrees of freedom of a cylinder, so the least number of points.
+pub(super) const LEAST_POINTS: usize = 5;
+
+/// Spread across a line, relative to the spread along it, below which points are collinear.
+const COLLINEAR: f64 = 1e-4;
+
+/// Spread across a plane, relative to the largest spread, below which points are exactly coplanar: the surface
+/// of a cylinder over an arc of 1° still has ten times as much.
+const COPLANAR: f64 = 1e-6;
+
+/// A radius of more than this many times the spread of the points across the axis is no radius: over such an
+/// arc, 1° and less, the surface is a plane.
+const LARGEST_RADIUS: f64 = 100.0;
+
+/// The data of one fit.
+pub(super) struct Problem<'a> {
+    pub options: &'a Options,
+    pub cloud: &'a PointCloud,
+    pub edges: UsableEdges,
+    pub points: PointTerm<'a>,
+    /// The paper's edge term, where exactly two segments are usable.
+    pub limbs: Option<LimbTerm>,
+    /// The pixel distances of the robust objective, where any segment is usable.
+    pub pixels: Option<PixelTerm>,
+    /// Mean of the points.
+    pub center: Vector3<f64>,
+    /// Root mean square distance of the points from their mean.
+    pub unit: f64,
+    pub near_wall: bool,
+    /// w_L, 0 where no edges count.
+    pub edge_weight: f64,
+}
+
+impl<'a> Problem<'a> {
+    pub fn new(
+        options: &'a Options,
+        cloud: &'a PointCloud,
+        camera: Option<&'a Camera>,
+        segments: &'a [crate::observations::EdgeSegment],
+        start: Option<&Cylinder>,
+    ) -> Result<Self> {
+        let paper = options.method == Method::Fused && options.objective == ObjectiveKind::Paper;
+        let fused = options.method == Method::Fused;
+        if fused && !segments.is_empty() && camera.is_none() {
+            return Err(Error::BadState {
+                call: "fit",
+                missing: "intrinsics to use the edge segments",
+                remedy: "set the intrinsics or clear the segments",
+            });
+        }
+        if paper && options.edge_weight > 0.0 && segments.len() != 2 {
+            return Err(Error::Unsupported {
+                what: format!("the paper's objective takes exactly 2 edge segments, not {}", segments.len()),
+                remedy: "push two segments, set the edge weight to 0, or use the robust objective",
+            });
+        }
+        let edges = UsableEdges::new(camera, if fused { segments } else { &[] });
+        let limbs = edges.limb_term(camera);
+        let edge_weight = if paper && limbs.is_some() { options.edge_weight } else { 0.0 };
+        let edges_alone = edge_weight == 1.0 && start.is_some();
+        if cloud.len() < LEAST_POINTS && !edges_alone {
+            return Err(Error::TooFewPoints {
+                usable: cloud.len(),
+                given: cloud.given(),
+                needed: LEAST_POINTS,
+                remedy: "push more points, or check mask, depth scale and depth range",
+            });
+        }
+        let (center, unit) = if cloud.len() < LEAST_POINTS {
+            let start = start.map_or(Vector3::zeros(), |start| start.axis.nearest_to_origin());
+            (start, start.norm().max(f64::MIN_POSITIVE))
+        } else {
+            size(cloud)?
+        };
+        let threads = match options.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            count => count,
+        };
+        let near_wall = match options.near_wall {
+            NearWall::Auto => camera.is_some(),
+            NearWall::On => true,
+            NearWall::Off => false,
+        };
+        let pixels = edges.pixel_term(camera);
+        let points = PointTerm::new(cloud, threads);
+        Ok(Self { options, cloud, edges, points, limbs, pixels, center, unit, near_wall, edge_weight })
+    }
+
+    /// Whether the objective has the weight w_L.
+    pub fn has_edge_weight(&self) -> bool {
+        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Paper
+    }
+
+    /// Segments that count in the objective.
+    pub fn segments_used(&self) -> usize {
+        if self.has_edge_weight() && self.edge_weight == 0.0 { 0 } else { self.edges.segments.len() }
+    }
+
+    /// Gives the edges up for the whole fit.
+    pub fn ignore_edges(&mut self, reason: Flags) {
+        self.edges.drop_all();
+        self.edges.flags |= reason;
+        self.limbs = None;
+        self.pixels = None;
+        self.edge_weight = 0.0;
+    }
+
+    /// The cylinder with its axis point nearest to the middle of the points and the largest component of its
+    /// direction positive, so that the same axis always reads the same.
+    pub fn canonical(&self, cylinder: &Cylinder) -> Cylinder {
+        let mut moved = *cylinder;
+        moved.axis.point = cylinder.axis.nearest_to(&self.center);
+        let direction = cylinder.axis.direction;
+        if direction[direction.iamax()] < 0.0 {
+            moved.axis.direction = -direction;
+        }
+        moved
+    }
+
+    /// Refuses a radius that is out of proportion to the points.
+    pub fn check_radius(&self, cylinder: &Cylinder) -> Result<()> {
+        if self.cloud.is_empty() {
+            return Ok(());
+        }
+        // Spread across the axis, seen at most a few hundred points: this is a proportion, not a measurement.
+        let sample = self.cloud.sample(500);
+        let across = |p: &Vector3<f64>| (p - self.center).cross(&cylinder.axis.direction).norm_squared();
+        let spread = (sample.iter().map(across).sum::<f64>() / sample.len() as f64).sqrt();
+        if cylinder.radius > LARGEST_RADIUS * spread {
+            return Err(Error::PlanarPoints { radius: cylinder.radius, spread, limit: LARGEST_RADIUS });
+        }
+        Ok(())
+    }
+}
+
+/// Mean and size of the points; refuses those that no cylinder is determined by.
+fn size(cloud: &PointCloud) -> Result<(Vector3<f64>, f64)> {
+    let count = cloud.len() as f64;
+    let origin = *cloud.origin();
+    let mean = cloud.points().fold(Vector3::zeros(), |sum, p| sum + (p - origin)) / count;
+    let covariance = cloud.points().fold(Matrix3::zeros(), |sum, p| {
+        let q = p - origin - mean;
+        sum + q * q.transpose()
+    }) / count;
+    let mut spreads = covariance.symmetric_eigenvalues().map(|value| value.max(0.0).sqrt());
+    spreads.as_mut_slice().sort_unstable_by(|a, b| b.total_cmp(a));
+    let unit = covariance.trace().sqrt();
+    if !(unit.is_finite() && (origin + mean).iter().all(|x| x.is_finite())) {
+        return Err(Error::Numerical { what: "the spread of the points overflows" });
+    }
+    if spreads[1] <= COLLINEAR * spreads[0] {
+        return Err(Error::CollinearPoints { along: spreads[0], across: spreads[1] });
+    }
+    if spreads[2] <= COPLANAR * spreads[0] {
+        return Err(Error::PlanarPoints { radius: f64::INFINITY, spread: spreads[1], limit: LARGEST_RADIUS });
+    }
+    Ok((origin + mean, unit))
+}

@@ -1,0 +1,104 @@
+//! What a fit returns.
+
+use super::options::StartKind;
+use crate::geometry::Cylinder;
+use crate::observations::Dropped;
+use crate::solver::Termination;
+
+bitflags::bitflags! {
+    /// Doubts about a result. None of them is an error.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Flags: u32 {
+        /// Segments were given but none of them counts; the other flags and counts say why.
+        const EDGES_IGNORED = 1;
+        /// Some segments have no length or lie outside the field of the camera model.
+        const SEGMENTS_UNUSABLE = 1 << 1;
+        /// Two segments cross each other: they can't be the two limbs.
+        const EDGES_CROSS = 1 << 2;
+        /// Two segments lie on one line to within 2 px: they are the same limb.
+        const EDGES_COINCIDE = 1 << 3;
+        /// The rays of the endpoints do not meet the plane of the limbs in front of the camera.
+        const EDGES_BEHIND = 1 << 4;
+        /// The edges alone (w_L = 1) do not tell the scale: that of the start was kept.
+        const SCALE_HELD = 1 << 5;
+        /// The data hardly determine the radius: see the condition.
+        const WEAK_RADIUS = 1 << 6;
+        /// The coordinates are coarser than 0.01 % of the radius: an f32 cloud far from the origin.
+        const RESOLUTION_LOST = 1 << 7;
+        /// The limit of iterations came before convergence.
+        const NOT_CONVERGED = 1 << 8;
+        /// Most points lie on the wall that the camera cannot see.
+        const HIDDEN_WALL = 1 << 9;
+        /// The camera is inside the cylinder: there are no limbs.
+        const CAMERA_INSIDE = 1 << 10;
+        /// Points with coordinates that are not finite were left out.
+        const POINTS_NOT_FINITE = 1 << 11;
+    }
+}
+
+/// Wall-clock seconds by phase.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Seconds {
+    /// Finding the start.
+    pub start: f64,
+    /// Iterating.
+    pub solve: f64,
+    /// Everything, checks included.
+    pub total: f64,
+}
+
+/// The outcome of a fit, with the numbers to judge it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitResult {
+    /// The cylinder. Its axis point is the one nearest to the middle of the points; the largest component of
+    /// its direction is positive.
+    pub cylinder: Cylinder,
+    /// The model that the iteration started from.
+    pub start: Cylinder,
+    /// How that start was found; never `Auto`.
+    pub start_kind: StartKind,
+    /// Why the iteration ended; `None` for the methods that do not iterate.
+    pub termination: Option<Termination>,
+    /// Linear solves.
+    pub iterations: usize,
+    /// Solves whose step was rejected.
+    pub rejected_steps: usize,
+    /// The cost F of the start, in the unit of length squared.
+    pub initial_cost: f64,
+    /// The cost F of the cylinder, in the unit of length squared.
+    pub cost: f64,
+    /// E_P: mean squared distance of the points (16).
+    pub energy_points: f64,
+    /// E_L: mean squared distance of the back-projected endpoints (25); `None` without two usable segments.
+    pub energy_edges: Option<f64>,
+    /// The w_L that was used: 0 when no edges count. `None` where the objective has no such weight.
+    pub edge_weight: Option<f64>,
+    /// Points that took part.
+    pub points_used: usize,
+    /// Points that were pushed.
+    pub points_given: usize,
+    /// Points that were left out, by reason.
+    pub dropped: Dropped,
+    /// Segments that took part.
+    pub segments_used: usize,
+    /// Segments that were pushed.
+    pub segments_given: usize,
+    /// Root of E_P.
+    pub point_rms: f64,
+    /// Root mean square distance in pixels of the endpoints from the limb lines; `None` without edges.
+    pub edge_rms_pixels: Option<f64>,
+    /// The part of the points on the wall that the camera sees; `None` when the origin is no camera.
+    pub near_wall_fraction: Option<f64>,
+    /// Condition number of the Jacobian at the cylinder, in units of the size of the data.
+    pub condition: f64,
+    /// The last damping.
+    pub lambda: f64,
+    /// Norm of half the gradient of the cost at the end, in units of the size of the data.
+    pub gradient_norm: f64,
+    /// Norm of the last accepted step, in units of the size of the data.
+    pub step_norm: f64,
+    /// Doubts.
+    pub flags: Flags,
+    /// Time spent.
+    pub seconds: Seconds,
+}

@@ -1,0 +1,146 @@
+//! From a start to the minimum of the chosen objective.
+
+use super::options::{Method, ObjectiveKind};
+use super::problem::Problem;
+use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, LocalFrame};
+use crate::residuals::{
+    NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, TUKEY_EFFICIENT,
+};
+use crate::solver::{Convergence, Iteration, Termination, minimise};
+use std::ops::ControlFlow;
+
+/// Hears of every linear solve and may stop the fit.
+pub(super) type Report<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
+
+/// Standard deviation of a hand-set endpoint across its limb, in pixels: people set edges to half a pixel.
+const ENDPOINT_PIXELS: f64 = 0.5;
+
+/// The scale of the point residuals is settled when it changes by less than this part.
+const SCALE_TOLERANCE: f64 = 1e-3;
+
+/// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
+const SCALE_ROUNDS: usize = 20;
+
+/// A residual correlation below this is taken as the end of the correlated range.
+const UNCORRELATED: f64 = 0.1;
+
+/// Longest range of correlation that is looked for, in points.
+const LONGEST_CORRELATION: usize = 50;
+
+impl Problem<'_> {
+    /// Whether the objective is that of the paper (or its points alone).
+    fn is_paper(&self) -> bool {
+        self.options.method == Method::Points || self.options.objective == ObjectiveKind::Paper
+    }
+
+    /// The objective at scales that fit the residuals of `cylinder`.
+    fn with_objective<T>(&self, cylinder: &Cylinder, run: impl FnOnce(&dyn Objective) -> T) -> T {
+        if self.is_paper() {
+            run(&self.paper_objective(cylinder))
+        } else {
+            run(&RobustObjective::new(self.points, self.pixels.as_ref(), self.scales(cylinder)))
+        }
+    }
+
+    fn paper_objective(&self, start: &Cylinder) -> PaperObjective<'_> {
+        match self.limbs {
+            Some(limbs) if self.edge_weight > 0.0 => {
+                let distance = start.distance_of_axis_from_origin();
+                PaperObjective::new(self.points, limbs, self.edge_weight, distance)
+            }
+            _ => PaperObjective::points_only(self.points),
+        }
+    }
+
+    /// The linearisation at a cylinder in the frame of the data; `None` where the cost is infinite.
+    pub fn linearise(&self, cylinder: &Cylinder) -> Option<NormalEquations> {
+        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
+        self.with_objective(cylinder, |objective| objective.linearise(&frame))
+    }
+
+    /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
+    pub fn stacked_rows(&self, cylinder: &Cylinder) -> Option<Vec<(f64, crate::geometry::Tangent)>> {
+        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
+        self.with_objective(cylinder, |objective| objective.stacked_rows(self.cloud, &frame))
+    }
+
+    /// Iterates from a start. The near-wall rule is not applied.
+    pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
+        if self.is_paper() {
+            let objective = self.paper_objective(start);
+            let mut convergence = self.run(&objective, start, report)?;
+            if self.edge_weight == 1.0 {
+                let drift = start.distance_of_axis_from_origin()
+                    / convergence.cylinder.distance_of_axis_from_origin();
+                convergence.cylinder.radius *= drift;
+                convergence.cylinder.axis.point *= drift;
+            }
+            return Ok(convergence);
+        }
+        let mut cylinder = *start;
+        let mut scales = self.scales(&cylinder);
+        let mut total: Option<Convergence> = None;
+        for _ in 0..SCALE_ROUNDS {
+            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales);
+            let mut round = self.run(&objective, &cylinder, &mut *report)?;
+            if let Some(before) = &total {
+                round.iterations += before.iterations;
+                round.rejected_steps += before.rejected_steps;
+                round.initial_cost = before.initial_cost;
+            }
+            cylinder = round.cylinder;
+            let ran_away = round.termination == Termination::RadiusRanAway;
+            total = Some(round);
+            let next = self.scales(&cylinder);
+            let settled = (next.point - scales.point).abs() <= SCALE_TOLERANCE * scales.point;
+            scales = next;
+            if settled || ran_away {
+                break;
+            }
+        }
+        total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })
+    }
+
+    fn run(&self, objective: &impl Objective, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
+        minimise(objective, start, &self.center, self.unit, &self.options.limits, report)
+    }
+
+    /// Scale of the point residuals by their median absolute deviation, and the number of independent points
+    /// by their correlation along the order in which they were pushed: neighbours in a row of a depth image
+    /// share matching windows and interpolation. In a cloud without order the correlation vanishes.
+    fn scales(&self, cylinder: &Cylinder) -> RobustScales {
+        let residuals: Vec<f64> = self.cloud.points().map(|p| cylinder.distance(&p)).collect();
+        let mut sizes: Vec<f64> = residuals.iter().map(|e| e.abs()).collect();
+        let middle = sizes.len() / 2;
+        let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+        // Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
+        let floor = 64.0 * f64::EPSILON * self.center.amax().max(self.unit);
+        let point = (1.4826 * median).max(floor);
+        let range = correlated_range(&residuals, TUKEY_EFFICIENT * point);
+        // A row of the image repeats the correlation of a column.
+        let independent_points = (residuals.len() as f64 / (range * range)).max(1.0);
+        RobustScales { point, independent_points, pixel: ENDPOINT_PIXELS }
+    }
+}
+
+/// How many neighbours in the sequence count as one, 1 + 2 Σ ρ_k over the correlated range; residuals beyond
+/// the cutoff are left out.
+fn correlated_range(residuals: &[f64], cutoff: f64) -> f64 {
+    let clipped = |e: &f64| if e.abs() <= cutoff { *e } else { 0.0 };
+    let values: Vec<f64> = residuals.iter().map(clipped).collect();
+    let variance: f64 = values.iter().map(|e| e * e).sum();
+    if variance == 0.0 {
+        return 1.0;
+    }
+    let mut range = 1.0;
+    for lag in 1..=LONGEST_CORRELATION.min(values.len() / 4) {
+        let covariance: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
+        let correlation = covariance / variance;
+        if correlation < UNCORRELATED {
+            break;
+        }
+        range += 2.0 * correlation;
+    }
+    range
+}

@@ -1,0 +1,139 @@
+//! Candidates for the start, and the choice among them.
+
+use super::options::StartKind;
+use super::problem::Problem;
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::start::limbs::from_limbs;
+use crate::start::moments::Moments;
+use crate::start::ransac::{RansacFit, RansacOptions, ransac};
+use nalgebra::Vector3;
+
+/// Points that starts are judged on: a start needs no more.
+const SAMPLE: usize = 500;
+
+/// A distance from the limb line beyond which an endpoint contradicts a start altogether, in pixels: ten times
+/// what a hand-set edge is off.
+const CONTRADICTION_PIXELS: f64 = 5.0;
+
+/// A start and how it was found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub kind: StartKind,
+    pub cylinder: Cylinder,
+}
+
+impl Problem<'_> {
+    /// The starts that the options ask for, the most promising first.
+    pub fn candidates(&self, given: Option<&Cylinder>) -> Result<Vec<Candidate>> {
+        let found = |kind: StartKind, cylinder: Option<Cylinder>| {
+            cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
+        };
+        let sample = self.cloud.sample(SAMPLE);
+        match self.options.start {
+            StartKind::Model => found(StartKind::Model, given.copied()).ok_or(Error::BadState {
+                call: "fit from a given model",
+                missing: "a start model",
+                remedy: "set one or choose another kind of start",
+            }),
+            StartKind::Limbs => found(StartKind::Limbs, self.from_limbs(&sample)).ok_or_else(|| {
+                let reason = "the edges and points do not give a cylinder".to_string();
+                let remedy = "push two segments on the two limbs, or choose another kind of start";
+                Error::EdgeGeometry { reason, remedy }
+            }),
+            StartKind::Moments => found(StartKind::Moments, self.from_moments()).ok_or_else(|| {
+                Error::NoStart { reason: "the moments of the points give no cylinder".into() }
+            }),
+            StartKind::Ransac => {
+                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac()?.cylinder }])
+            }
+            StartKind::Auto => self.choose(given, &sample),
+        }
+    }
+
+    pub fn from_moments(&self) -> Option<Cylinder> {
+        let weighted = (0..self.cloud.len()).map(|k| (self.cloud.point(k), self.cloud.weight(k)));
+        Some(Moments::new(weighted)?.best()?.cylinder)
+    }
+
+    pub fn ransac(&self) -> Result<RansacFit> {
+        let points: Vec<Vector3<f64>> = self.cloud.points().collect();
+        let options = RansacOptions {
+            max_iterations: self.options.ransac_iterations,
+            threshold: self.options.ransac_threshold,
+            seed: self.options.seed,
+            ..RansacOptions::default()
+        };
+        ransac(&points, None, self.near_wall, &options)
+    }
+
+    fn from_limbs(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
+        // The two longest segments say most about the limbs.
+        let mut order: Vec<usize> = (0..self.edges.segments.len()).collect();
+        let length = |k: &usize| {
+            let [a, b] = self.edges.segments[*k].endpoints;
+            (a - b).norm()
+        };
+        order.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        let [first, second, ..] = order[..] else { return None };
+        from_limbs(&self.edges.rays[first], &self.edges.rays[second], sample)
+    }
+
+    /// All candidates, the one that explains the sample best first.
+    fn choose(&self, given: Option<&Cylinder>, sample: &[Vector3<f64>]) -> Result<Vec<Candidate>> {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let mut add = |kind, cylinder: Option<Cylinder>| {
+            candidates.extend(cylinder.map(|cylinder| Candidate { kind, cylinder }));
+        };
+        add(StartKind::Model, given.copied());
+        add(StartKind::Limbs, self.from_limbs(sample));
+        add(StartKind::Moments, self.from_moments());
+        let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
+        match self.ransac() {
+            Ok(fit) => add(StartKind::Ransac, Some(fit.cylinder)),
+            Err(error) => failure = error.to_string(),
+        }
+        if candidates.is_empty() {
+            return Err(Error::NoStart { reason: failure });
+        }
+        let scale = self.common_scale(&candidates, sample);
+        let cost = |candidate: &Candidate| self.robust_cost(&candidate.cylinder, sample, scale);
+        let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
+        judged.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
+    }
+
+    /// Three times the smallest scale of the point residuals of any candidate.
+    fn common_scale(&self, candidates: &[Candidate], sample: &[Vector3<f64>]) -> f64 {
+        let median = |cylinder: &Cylinder| {
+            let mut sizes: Vec<f64> = sample.iter().map(|p| cylinder.distance(p).abs()).collect();
+            let middle = sizes.len() / 2;
+            if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 }
+        };
+        let smallest = candidates.iter().map(|c| median(&c.cylinder)).fold(f64::INFINITY, f64::min);
+        (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE)
+    }
+
+    /// Truncated squares of points and endpoints, each part in [0, 1]; 1 more when most points are on the wall
+    /// that the camera cannot see.
+    fn robust_cost(&self, cylinder: &Cylinder, sample: &[Vector3<f64>], scale: f64) -> f64 {
+        let truncated = |ratio: f64| (ratio * ratio).min(1.0);
+        let mut cost = 0.0;
+        if !sample.is_empty() {
+            let sum: f64 = sample.iter().map(|p| truncated(cylinder.distance(p) / scale)).sum();
+            cost += sum / sample.len() as f64;
+            let walls = cylinder.visible_wall(sample.iter().copied());
+            if self.near_wall && walls.fraction() < 0.5 {
+                cost += 1.0;
+            }
+        }
+        if let Some(pixels) = &self.pixels {
+            cost += pixels.distances(cylinder).map_or(1.0, |distances| {
+                let count = 2 * distances.len();
+                let all = distances.iter().flatten();
+                all.map(|d| truncated(d / CONTRADICTION_PIXELS)).sum::<f64>() / count as f64
+            });
+        }
+        cost
+    }
+}

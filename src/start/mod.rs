@@ -1,0 +1,4 @@
+//! Starts.
+pub mod limbs;
+pub mod moments;
+pub mod ransac;
