@@ -12,9 +12,17 @@ const STEPS: u32 = 8192;
 /// The least factor, against that at the centre, by which the lens stretches any direction in the valid
 /// field.
 ///
-/// At zero the image folds over. The factor is also by how much rounding grows from the pixel to the ray, so
+/// At zero the image folds over. Rounding grows by the inverse of the factor from the pixel to the ray, so
 /// staying a little away from zero keeps the ray exact, at the cost of some hundredths of a pixel at the fold.
 pub(super) const MIN_STRETCH: f64 = 0.01;
+
+/// The greatest such factor. It is infinite where a denominator vanishes; rounding grows by it from the ray to
+/// the pixel.
+pub(super) const MAX_STRETCH: f64 = 100.0;
+
+/// The relative length of a step of Newton's method after which only rounding is left, as each step squares the
+/// error.
+pub(super) const LAST_STEP: f64 = 1e-9;
 
 /// The greatest angle in radians up to which `holds` is true of all angles from the optical axis, at most
 /// 89°; zero when it is true of none.
@@ -30,10 +38,14 @@ pub(super) fn end_of_field(holds: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// The x in [0, end] at which an increasing function that vanishes at zero takes the value `target` ≥ 0; `end`
-/// when it stays below. `function` gives the value and the derivative, which must be positive.
+/// when it stays below. `function` gives the value and the derivative, which must be in
+/// [[`MIN_STRETCH`], [`MAX_STRETCH`]].
 ///
 /// Newton's method; wherever it does not at least halve the error the bracket is halved instead.
 pub(super) fn solve_increasing(function: impl Fn(f64) -> (f64, f64), target: f64, end: f64) -> f64 {
+    if function(end).0 <= target {
+        return end;
+    }
     let (mut low, mut high) = (0.0, end);
     let mut last_error = f64::INFINITY;
     let mut x = target.min(end);
@@ -43,8 +55,7 @@ pub(super) fn solve_increasing(function: impl Fn(f64) -> (f64, f64), target: f64
         let error = value - target;
         *(if error > 0.0 { &mut high } else { &mut low }) = x;
         let newton = x - error / slope;
-        // Newton's method squares the relative error: after this step nothing but rounding is left.
-        if (newton - x).abs() <= 1e-12 * x {
+        if (newton - x).abs() <= LAST_STEP * x {
             return newton.clamp(0.0, end);
         }
         let halved = error.abs() <= 0.5 * last_error;
@@ -85,7 +96,7 @@ mod tests {
 
     #[test]
     fn beyond_the_end_the_end_is_returned() {
-        assert!((solve_increasing(|x| (x, 1.0), 3.0, 1.0) - 1.0).abs() < 1e-15);
+        assert_eq!(solve_increasing(|x| (x, 1.0), 3.0, 1.0), 1.0);
         assert_eq!(solve_increasing(|x| (x, 1.0), 3.0, 0.0), 0.0);
     }
 }
