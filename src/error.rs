@@ -163,7 +163,7 @@ impl Error {
     /// An [`Error::InvalidArgument`].
     pub(crate) fn argument(
         name: impl Into<String>,
-        value: impl ToString,
+        value: impl std::fmt::Display,
         requirement: impl Into<String>,
     ) -> Self {
         Error::InvalidArgument {
