@@ -1,0 +1,3 @@
+//! Starts for the iteration: cylinders found without one.
+
+pub mod limbs;
