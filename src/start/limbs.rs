@@ -28,11 +28,12 @@ const CENTRAL_PART: f64 = 0.9;
 const TRIALS: usize = 24;
 /// Least angle between the axis and the rays to the ends of the segments, in radians.
 const LEAST_ANGLE: f64 = 0.05;
-/// Rounds of the refinement at most; six are enough for a start, the rest is for data without noise.
+/// Rounds of the refinement at most.
 const MAX_ROUNDS: usize = 8;
 /// Largest change of the tilt in one round, in radians.
 const MAX_TURN: f64 = 0.2;
-/// A change of the tilt below this ends the refinement: the next would be far smaller.
+/// A change of the tilt below this ends the refinement, in radians: far below what depth noise leaves, and
+/// where the next change is of the order of its square when there is no noise.
 const SMALL_TURN: f64 = 1e-4;
 /// Step of the difference quotient in the tilt, in radians.
 const DIFFERENCE_STEP: f64 = 1e-5;
@@ -215,7 +216,7 @@ fn shortest_half(votes: &mut [f64]) -> (f64, f64) {
     best
 }
 
-/// Tilt and logarithmic scale μ by iteratively reweighted least squares: ln s_i(tilt) = μ for all points, with
+/// Tilt and logarithmic scale μ by iteratively reweighted least squares: ln s = μ for all votes s, with
 /// Tukey's weights and the standard deviation from the median residual.
 ///
 /// Logarithms, because a view along the axis shortens all distances alike, and should gain nothing by that.
@@ -230,7 +231,7 @@ fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Optio
         rows.clear();
         rows.extend(points.iter().filter_map(|p| {
             let (s, moved) = (vote(&here, p), vote(&beside, p));
-            let row = (s.ln() - log_scale, (moved / s).ln() / DIFFERENCE_STEP);
+            let row = (s.ln() - log_scale, (moved - s) / (s * DIFFERENCE_STEP));
             (row.0.is_finite() && row.1.is_finite()).then_some(row)
         }));
         if rows.len() < MIN_VOTES {
@@ -271,8 +272,184 @@ fn regress(rows: &[(f64, f64)], cutoff: f64) -> (f64, f64) {
         covariance += w * (residual - residual_mean) * (slope - slope_mean);
         variance += w * (slope - slope_mean).powi(2);
     }
-    // The slopes are about the cotangents of the angles between ray and axis: all alike for points across the
-    // axis, where the difference quotient leaves noise of 1e-11.
+    // A slope is about the cotangent of the angle between ray and axis. All are alike when the points lie across
+    // the axis: what is left below 1e-8 is rounding in the difference quotient.
     let turn = if variance > 1e-16 * total { -covariance / variance } else { 0.0 };
     (turn, residual_mean + slope_mean * turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Segment = [Vector3<f64>; 2];
+
+    /// Rays to the ends of both limbs and the visible points of a piece of a cylinder around `center`.
+    fn view(cylinder: &Cylinder, center: &Vector3<f64>, length: f64) -> ([Segment; 2], Vec<Vector3<f64>>) {
+        let d = cylinder.axis.direction;
+        let segments = LimbFrame::new(cylinder).unwrap().limb_lines().map(|line| {
+            [-0.5, 0.5].map(|side| {
+                let end = line.nearest_to(center) + d * (side * length);
+                end / end.z
+            })
+        });
+        let mut points = Vec::new();
+        for i in -80_i32..=80 {
+            for j in -80_i32..=80 {
+                let ray = center / center.z + Vector3::new(f64::from(i), f64::from(j), 0.0) * 0.002;
+                let hit = cylinder.first_hit(&ray);
+                points.extend(hit.filter(|p| ((p - center).dot(&d)).abs() < 0.5 * length));
+            }
+        }
+        assert!(points.len() > 100, "{}", points.len());
+        (segments, points)
+    }
+
+    /// Cylinders at all orientations in the image and tilts in depth up to 75°.
+    fn views() -> Vec<(Cylinder, [Segment; 2], Vec<Vector3<f64>>)> {
+        let mut views = Vec::new();
+        for (i, tilt) in [-75.0, -60.0, -45.0, -20.0, 0.0, 10.0, 35.0, 60.0, 75.0_f64].iter().enumerate() {
+            for turn in [0.0, 40.0, 90.0, 155.0_f64] {
+                let radius = [0.012, 0.03, 0.06][i % 3];
+                let center = Vector3::new(0.05, -0.03, 0.7) + Vector3::new(0.1, 0.1, 0.2) * (turn / 200.0);
+                let (sine, cosine) = turn.to_radians().sin_cos();
+                let (depth, lateral) = tilt.to_radians().sin_cos();
+                let d = Vector3::new(cosine * lateral, sine * lateral, depth);
+                let cylinder = Cylinder::new(center, d, radius).unwrap();
+                let (segments, points) = view(&cylinder, &center, 0.15);
+                views.push((cylinder, segments, points));
+            }
+        }
+        views
+    }
+
+    /// Numbers in [−1, 1) without apparent order.
+    fn noise(seed: usize) -> impl Iterator<Item = f64> {
+        let mut state = seed as u64;
+        std::iter::repeat_with(move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        })
+    }
+
+    fn assert_close(truth: &Cylinder, found: &Cylinder, angle: f64, relative: f64) {
+        let difference = truth.compare(found);
+        let text = format!("{truth:?} {found:?} {difference:?}");
+        assert!(difference.angle < angle, "{text}");
+        assert!(difference.radius_relative.abs() < relative, "{text}");
+        let center = truth.axis.point;
+        assert!(found.axis.distance(&center) < relative * center.norm(), "{text}");
+    }
+
+    #[test]
+    fn exact_limbs_and_points_give_back_the_cylinder() {
+        for (cylinder, [first, second], points) in views() {
+            let found = from_limbs(&first, &second, &points).unwrap();
+            assert_close(&cylinder, &found, 1e-6, 1e-6);
+        }
+    }
+
+    #[test]
+    fn order_and_direction_of_the_segments_do_not_matter() {
+        for (cylinder, [first, second], points) in views() {
+            let [flipped_first, flipped_second] = [[first[1], first[0]], [second[1], second[0]]];
+            for (a, b) in [(second, first), (flipped_first, second), (first, flipped_second)] {
+                assert_close(&cylinder, &from_limbs(&a, &b, &points).unwrap(), 1e-6, 1e-6);
+            }
+            // The lengths of the rays do not matter either, nor does the unit of length of the points.
+            let millimetres: Vec<_> = points.iter().map(|p| p * 1000.0).collect();
+            let longer = first.map(|v| v * 3.0);
+            let found = from_limbs(&longer, &second, &millimetres).unwrap();
+            assert!((found.radius / (1000.0 * cylinder.radius) - 1.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn noise_and_a_third_of_outliers_leave_a_useful_start() {
+        for (i, (cylinder, [first, second], mut points)) in views().into_iter().enumerate() {
+            let count = points.len();
+            for (k, (p, e)) in points.iter_mut().zip(noise(i)).enumerate() {
+                *p *= 1.0 + 0.002 * e;
+                // A bar in front, a wall behind, and single wrong depths, a tenth of the points each.
+                match (10 * k / count, k % 8) {
+                    (2, _) => *p *= 0.5 / p.z,
+                    (5, _) => *p *= 1.1 / p.z,
+                    (_, 3) => *p *= 1.0 + 0.4 * e,
+                    _ => {}
+                }
+            }
+            let found = from_limbs(&first, &second, &points).unwrap();
+            assert_close(&cylinder, &found, 0.02, 0.01);
+        }
+    }
+
+    #[test]
+    fn the_tilt_comes_from_the_points_when_the_segments_are_off_by_a_pixel() {
+        for (i, (cylinder, segments, points)) in views().into_iter().enumerate() {
+            let tilt = cylinder.axis.direction.z.abs();
+            if cylinder.radius < 0.03 || tilt > 0.8 {
+                continue;
+            }
+            let mut errors = noise(i);
+            let mut error = || errors.next().unwrap() / 600.0;
+            let [first, second] = segments.map(|s| s.map(|v| v + Vector3::new(error(), error(), 0.0)));
+            assert_close(&cylinder, &from_limbs(&first, &second, &points).unwrap(), 0.03, 0.1);
+        }
+    }
+
+    #[test]
+    fn segments_that_bound_no_cylinder_give_none() {
+        let (_, [first, second], points) = views().swap_remove(17);
+        let none = |a: &Segment, b: &Segment, p: &[Vector3<f64>]| assert_eq!(from_limbs(a, b, p), None);
+        none(&[first[0], first[0]], &second, &points);
+        none(&first, &[Vector3::zeros(), second[1]], &points);
+        none(&first, &[Vector3::repeat(f64::NAN), second[1]], &points);
+        none(&first, &first, &points);
+        none(&first, &[first[1], first[0].lerp(&first[1], 0.3)], &points);
+        none(&first, &second, &[]);
+        none(&first, &second, &points[..MIN_VOTES - 1]);
+        let behind: Vec<_> = points.iter().map(|p| -p).collect();
+        none(&first, &second, &behind);
+        none(&first, &second, &vec![Vector3::repeat(f64::NAN); 50]);
+        none(&first, &second, &vec![Vector3::zeros(); 50]);
+        // All around the direction of the axis.
+        let corner = |x: f64, y: f64| Vector3::new(x, y, 1.0);
+        let wide = 1e3;
+        none(&[corner(wide, -0.1), corner(-wide, -0.1)], &[corner(wide, 0.1), corner(-wide, 0.1)], &points);
+    }
+
+    #[test]
+    fn crossing_and_odd_segments_give_a_finite_cylinder_or_none() {
+        let mut given = 0;
+        for (i, (_, [first, second], mut points)) in views().into_iter().enumerate() {
+            points.extend([f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-300].map(Vector3::repeat));
+            let crossing = ([first[0], second[1]], [second[0], first[1]]);
+            let mut numbers = noise(i);
+            let mut any = || [(); 2].map(|()| Vector3::from_fn(|_, _| numbers.next().unwrap()));
+            let mut pairs = vec![crossing, (first, [second[0], first[1]]), (first, first.map(|v| v * 1.001))];
+            pairs.extend((0..30).map(|_| (any(), any())));
+            pairs.extend((0..30).map(|_| (first.map(|v| v + any()[0] * 0.1), any())));
+            for (a, b) in pairs {
+                for cloud in [&points[..], &points[points.len() - 12..]] {
+                    if let Some(found) = from_limbs(&a, &b, cloud) {
+                        let Cylinder { axis, radius } = found;
+                        assert!(Cylinder::new(axis.point, axis.direction, radius).is_ok(), "{found:?}");
+                        given += 1;
+                    }
+                }
+            }
+        }
+        assert!(given > 100, "{given}");
+    }
+
+    #[test]
+    fn points_in_one_image_column_per_stride_are_not_the_sample() {
+        // 300 rows of 64: a constant stride of 64 would take one column.
+        let points: Vec<_> = (0..300 * 64).map(|i| Vector3::new(f64::from(i % 64), 0.0, 1.0)).collect();
+        let columns: Vec<_> = spread_sample(&points, 300).map(|p| p.x).collect();
+        assert_eq!(columns.len(), 300);
+        let mean = columns.iter().sum::<f64>() / 300.0;
+        assert!((mean - 31.5).abs() < 2.0, "{mean}");
+        assert_eq!(spread_sample(&points[..7], 300).collect::<Vec<_>>(), points[..7]);
+    }
 }

@@ -1,4 +1,3 @@
-//! Starts.
+//! Starts for the iteration: cylinders found without one.
+
 pub mod limbs;
-pub mod moments;
-pub mod ransac;
