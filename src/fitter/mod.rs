@@ -29,6 +29,10 @@ const WEAK_RADIUS: f64 = 0.05;
 /// The input resolution, as a part of the radius, from which on digits are missing.
 const COARSE: f64 = 1e-4;
 
+/// The part of the points on the visible wall from which on a minimum is beyond doubt: noise near the limbs
+/// puts a few on the other side.
+const MOSTLY_VISIBLE: f64 = 0.8;
+
 /// Which residuals to list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResidualKind {
@@ -406,27 +410,37 @@ fn best_minimum(
     hidden.ok_or_else(|| failure.unwrap_or_else(nothing))
 }
 
-/// The near-wall rule: when most points of a minimum lie on the wall that the camera cannot see, its mirror
-/// image is tried too. Of the two, the one with its points on the visible wall wins, then the lower cost.
+/// The near-wall rule: when many points of a minimum lie on the wall that the camera cannot see, its mirror
+/// image is tried too. Of the two, the one with most of its points on the visible wall wins, then the lower
+/// cost. Besides the mirror image, with all points on the hidden wall, there are minima that cross the surface
+/// at a slant with half of them there.
 fn minimum_on_visible_wall(
     problem: &Problem<'_>,
     start: &Cylinder,
     report: solve::Report<'_>,
 ) -> Result<(Convergence, bool)> {
-    let mut solve = |start: &Cylinder| -> Result<(Convergence, bool)> {
+    let mut solve = |start: &Cylinder| -> Result<(Convergence, f64)> {
         let convergence = problem.minimise(start, &mut *report)?;
         problem.check_radius(&convergence.cylinder)?;
-        let visible =
-            !problem.near_wall || convergence.cylinder.visible_wall(problem.cloud.points()).fraction() >= 0.5;
-        Ok((convergence, visible))
+        let fraction = if problem.near_wall {
+            convergence.cylinder.visible_wall(problem.cloud.points()).fraction()
+        } else {
+            1.0
+        };
+        Ok((convergence, fraction))
     };
-    let first = solve(start)?;
-    if first.1 {
-        return Ok(first);
+    let (first, fraction) = solve(start)?;
+    let visible = fraction >= 0.5;
+    if fraction >= MOSTLY_VISIBLE {
+        return Ok((first, visible));
     }
-    match solve(&first.0.cylinder.mirrored_away()) {
-        Ok(second) if second.1 || second.0.cost < first.0.cost => Ok(second),
+    match solve(&first.cylinder.mirrored_away()) {
+        Ok((second, other)) => {
+            let second_visible = other >= 0.5;
+            let better = if second_visible == visible { second.cost < first.cost } else { second_visible };
+            Ok(if better { (second, second_visible) } else { (first, visible) })
+        }
         Err(error @ Error::Cancelled { .. }) => Err(error),
-        _ => Ok(first),
+        Err(_) => Ok((first, visible)),
     }
 }

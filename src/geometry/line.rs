@@ -48,8 +48,9 @@ impl Line {
         let normal = self.direction.cross(&other.direction);
         let between = other.point - self.point;
         let sine = normal.norm();
-        // Parallel to rounding: the common normal is lost in noise, any point gives the distance.
-        if sine < 1e-12 { self.distance(&other.point) } else { (between.dot(&normal) / sine).abs() }
+        // Rounding turns the common normal by ε / sine: of nearly parallel lines any point gives the distance
+        // better than their normal.
+        if sine < 1e-8 { self.distance(&other.point) } else { (between.dot(&normal) / sine).abs() }
     }
 
     /// Angle between two lines in [0, π/2], whatever the signs of their directions.
@@ -184,5 +185,7 @@ mod tests {
         let parallel = Line::new(Vector3::new(9.0, 3.0, 4.0), -Vector3::x());
         assert!((x.distance_to_line(&parallel) - 5.0).abs() < 1e-15);
         assert_eq!(x.angle(&parallel), 0.0);
+        let almost = Line::new(Vector3::new(9.0, 3.0, 4.0), Vector3::new(1.0, 1e-11, -2e-11));
+        assert!((x.distance_to_line(&almost) - 5.0).abs() < 1e-9);
     }
 }

@@ -29,7 +29,7 @@ const BLOCK: usize = 1024;
 const FLAT_VARIANCE: f64 = 1e-13;
 
 /// Directions of the grid that [`Moments::best`] searches.
-const DEFAULT_SEEDS: usize = 64;
+const DEFAULT_SEEDS: usize = 128;
 
 /// Grid minima that are refined. G has a handful of minima on the half sphere.
 const REFINED_SEEDS: usize = 6;
