@@ -429,7 +429,11 @@ fn minimum_on_visible_wall(
         };
         Ok((convergence, fraction))
     };
-    let (first, fraction) = solve(start)?;
+    let (first, fraction) = match solve(start) {
+        // Points on the hidden wall have the wrong curvature: the radius may run away from there.
+        Err(Error::PlanarPoints { .. }) if problem.near_wall => solve(&start.mirrored_away())?,
+        other => other?,
+    };
     let visible = fraction >= 0.5;
     if fraction >= MOSTLY_VISIBLE {
         return Ok((first, visible));

@@ -17,7 +17,7 @@ pub(super) type Report<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
 const ENDPOINT_PIXELS: f64 = 0.5;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
-const SCALE_TOLERANCE: f64 = 1e-3;
+const SCALE_TOLERANCE: f64 = 1e-4;
 
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
