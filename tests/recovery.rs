@@ -154,7 +154,12 @@ fn the_near_wall_rule_leaves_the_mirror_minimum() {
         fitter.set_intrinsics(intrinsics()).unwrap();
         fitter.set_start(Some(mirrored));
         fitter
-            .set_options(Options { near_wall, start: StartKind::Model, method: Method::Points, ..Options::default() })
+            .set_options(Options {
+                near_wall,
+                start: StartKind::Model,
+                method: Method::Points,
+                ..Options::default()
+            })
             .unwrap();
         fitter.fit()
     };

@@ -38,7 +38,8 @@ fn one_edge_three_edges_and_none_are_ordinary() {
         .flat_map(|whole| {
             let [a, b] = whole.endpoints;
             let middle = (a + b) * 0.5;
-            [[a, middle], [middle, b]].map(|endpoints| cylfuse::observations::EdgeSegment { endpoints, weight: 1.0 })
+            [[a, middle], [middle, b]]
+                .map(|endpoints| cylfuse::observations::EdgeSegment { endpoints, weight: 1.0 })
         })
         .collect();
     for segments in [&both[..0], &both[..1], &both[1..], &halves[..3], &halves[..]] {
@@ -151,7 +152,8 @@ fn an_f32_cloud_10_km_away_has_lost_its_resolution() {
 #[test]
 fn planes_lines_and_handfuls_of_points_are_errors_of_their_own() {
     let mut noise = support::Noise::new(1);
-    let grid: Vec<(f64, f64)> = (0..900).map(|k| (f64::from(k % 30) * 0.003, f64::from(k / 30) * 0.003)).collect();
+    let grid: Vec<(f64, f64)> =
+        (0..900).map(|k| (f64::from(k % 30) * 0.003, f64::from(k / 30) * 0.003)).collect();
     let plane: Vec<[f64; 3]> = grid.iter().map(|(x, y)| [*x, *y, 0.7 + 0.3 * x - 0.1 * y]).collect();
     let rough: Vec<[f64; 3]> =
         grid.iter().map(|(x, y)| [*x, *y, 0.7 + 0.3 * x + 0.0005 * noise.normal()]).collect();

@@ -16,6 +16,10 @@ const SAMPLE: usize = 500;
 /// what a hand-set edge is off.
 const CONTRADICTION_PIXELS: f64 = 5.0;
 
+/// A start explains the points when their median distance is at most this part of its radius: depth noise on
+/// the smallest cylinders that can be measured is half of it.
+const EXPLAINED: f64 = 0.1;
+
 /// A start and how it was found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
@@ -64,7 +68,9 @@ impl Problem<'_> {
             seed: self.options.seed,
             ..RansacOptions::default()
         };
-        ransac(&points, None, self.near_wall, &options)
+        let normals: Option<Vec<Vector3<f64>>> =
+            self.cloud.normals().map(|normals| normals.iter().map(|n| n.cast()).collect());
+        ransac(&points, normals.as_deref(), self.near_wall, &options)
     }
 
     fn from_limbs(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
@@ -85,33 +91,30 @@ impl Problem<'_> {
         let mut add = |kind, cylinder: Option<Cylinder>| {
             candidates.extend(cylinder.map(|cylinder| Candidate { kind, cylinder }));
         };
+        let from_limbs = self.from_limbs(sample);
         add(StartKind::Model, given.copied());
-        add(StartKind::Limbs, self.from_limbs(sample));
+        add(StartKind::Limbs, from_limbs);
         add(StartKind::Moments, self.from_moments());
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
-        match self.ransac() {
-            Ok(fit) => add(StartKind::Ransac, Some(fit.cylinder)),
-            Err(error) => failure = error.to_string(),
+        // Random samples take longer than all the rest: only where the limbs do not explain the points.
+        let explained = |start: &Cylinder| median_distance(start, sample) <= EXPLAINED * start.radius;
+        if !from_limbs.as_ref().is_some_and(explained) {
+            match self.ransac() {
+                Ok(fit) => add(StartKind::Ransac, Some(fit.cylinder)),
+                Err(error) => failure = error.to_string(),
+            }
         }
         if candidates.is_empty() {
             return Err(Error::NoStart { reason: failure });
         }
-        let scale = self.common_scale(&candidates, sample);
+        let smallest =
+            candidates.iter().map(|c| median_distance(&c.cylinder, sample)).fold(f64::INFINITY, f64::min);
+        // Three standard deviations of the noise around the best candidate.
+        let scale = (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE);
         let cost = |candidate: &Candidate| self.robust_cost(&candidate.cylinder, sample, scale);
         let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
         judged.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
-    }
-
-    /// Three times the smallest scale of the point residuals of any candidate.
-    fn common_scale(&self, candidates: &[Candidate], sample: &[Vector3<f64>]) -> f64 {
-        let median = |cylinder: &Cylinder| {
-            let mut sizes: Vec<f64> = sample.iter().map(|p| cylinder.distance(p).abs()).collect();
-            let middle = sizes.len() / 2;
-            if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 }
-        };
-        let smallest = candidates.iter().map(|c| median(&c.cylinder)).fold(f64::INFINITY, f64::min);
-        (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE)
     }
 
     /// Truncated squares of points and endpoints, each part in [0, 1]; 1 more when most points are on the wall
@@ -136,4 +139,14 @@ impl Problem<'_> {
         }
         cost
     }
+}
+
+/// Median distance of points from a surface, 0 for no points.
+fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
+    if points.is_empty() {
+        return 0.0;
+    }
+    let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -194,19 +194,22 @@ pub struct PointsView<'a> {
     pub points: VectorsView<'a>,
     /// One weight a point, in the scalar type of the points; `None` = 1 each. A point of weight 0 is dropped.
     pub weights: Option<Strided<'a>>,
+    /// Directions across the surface at the points, of any length and sign; `None` when unknown. Only random
+    /// sampling uses them. A normal of zero length or with a component that is not finite counts as unknown.
+    pub normals: Option<VectorsView<'a>>,
 }
 
 impl<'a> PointsView<'a> {
     /// An unorganised cloud of packed f64 coordinates.
     #[must_use]
     pub fn from_f64(points: &'a [[f64; 3]]) -> Self {
-        Self { points: VectorsView::packed(points, Scalar::F64), weights: None }
+        Self { points: VectorsView::packed(points, Scalar::F64), weights: None, normals: None }
     }
 
     /// An unorganised cloud of packed f32 coordinates.
     #[must_use]
     pub fn from_f32(points: &'a [[f32; 3]]) -> Self {
-        Self { points: VectorsView::packed(points, Scalar::F32), weights: None }
+        Self { points: VectorsView::packed(points, Scalar::F32), weights: None, normals: None }
     }
 
     /// Columns of an organised cloud, or the number of points.

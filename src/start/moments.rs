@@ -122,6 +122,18 @@ impl Moments {
         (variances.min() > FLAT_VARIANCE * variances.max()).then_some(moments)
     }
 
+    /// The weighted mean of the points.
+    #[must_use]
+    pub fn center(&self) -> Vector3<f64> {
+        self.center
+    }
+
+    /// The size of the cloud: the weighted root mean square distance of the points from their mean.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.unit
+    }
+
     /// The best cylinder with the axis along `direction`, which need not have unit length.
     ///
     /// `None` when the direction vanishes or is not finite.
@@ -139,7 +151,8 @@ impl Moments {
     }
 
     /// The minima of G that are reached from the lowest local minima of a grid of `seeds` directions on the
-    /// half sphere, best first.
+    /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
+    /// the thinner of two cylinders.
     #[must_use]
     pub fn minima(&self, seeds: usize) -> Vec<AlgebraicFit> {
         let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
@@ -164,11 +177,12 @@ impl Moments {
                 minima.push(minimum);
             }
         }
-        minima.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
-        minima.iter().map(|slice| self.fit(slice)).collect()
+        let mut fits: Vec<AlgebraicFit> = minima.iter().map(|slice| self.fit(slice)).collect();
+        fits.sort_by(|a, b| a.distance_rms().total_cmp(&b.distance_rms()));
+        fits
     }
 
-    /// The lowest of the minima.
+    /// The first of the minima.
     #[must_use]
     pub fn best(&self) -> Option<AlgebraicFit> {
         self.minima(DEFAULT_SEEDS).into_iter().next()
