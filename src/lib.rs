@@ -2,3 +2,4 @@
 pub mod camera;
 pub mod error;
 pub mod geometry;
+pub mod start;

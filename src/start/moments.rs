@@ -1,0 +1,396 @@
+//! The algebraic least-squares cylinder from moments: one pass over the points, then a cost per direction
+//! that does not depend on their number.
+//!
+//! After D. Eberly, "Fitting 3D Data with a Cylinder" (Geometric Tools). For an axis direction d̂ and (u, v)
+//! across it, with x = q·u, y = q·v and h = q·d̂, the residual
+//!
+//! f = x² + y² − 2αx − 2βy − K
+//!
+//! vanishes on the cylinder with the axis through αu + βv and r² = K + α² + β². It is linear in (α, β, K),
+//! so these follow in closed form, and G(d̂) = mean f² is a function on the sphere. f is a quadratic
+//! polynomial of q, so G and its derivatives are quadratic forms of the matrix of moments up to degree four.
+//! Eberly searches a grid; here the lowest grid directions are refined by Newton's method with the exact
+//! Hessian.
+//!
+//! f = (ρ − r)(ρ + r) for a point at distance ρ from the axis weighs outer points more: with noise and an arc
+//! that is not the full circle the radius comes out too small. This is a start, not a result.
+
+use crate::geometry::{Cylinder, any_orthogonal, rotate_direction};
+use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
+
+/// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
+type Polynomial = SVector<f64, 10>;
+
+/// Points that are added up before their sum joins the total, which keeps the rounding of millions small.
+const BLOCK: usize = 1024;
+
+/// The cloud counts as flat when its smallest variance is below this part of its largest: far below the
+/// flattest arc whose curvature survives the rounding of the moments.
+const FLAT_VARIANCE: f64 = 1e-13;
+
+/// Directions of the grid that [`Moments::best`] searches.
+const DEFAULT_SEEDS: usize = 128;
+
+/// Grid minima that are refined. G has a handful of minima on the half sphere.
+const REFINED_SEEDS: usize = 6;
+
+/// Limit of Newton steps; quadratic convergence needs about five.
+const NEWTON_STEPS: usize = 30;
+
+/// Two minima closer than this (radians) are the same one.
+const SAME_DIRECTION: f64 = 1e-4;
+
+/// The weighted moments of a cloud up to degree four.
+#[derive(Debug, Clone)]
+pub struct Moments {
+    /// Mean of m mᵀ for the monomials m of q = (p − center) / unit.
+    gram: SMatrix<f64, 10, 10>,
+    /// Weighted mean of the points.
+    center: Vector3<f64>,
+    /// Weighted root mean square distance of the points from the mean.
+    unit: f64,
+}
+
+/// A cylinder that fits algebraically.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AlgebraicFit {
+    /// The cylinder. Its axis point is the one nearest to the mean of the points.
+    pub cylinder: Cylinder,
+    /// G, the weighted mean of (ρ² − r²)² for points at distance ρ from the axis, in the fourth power of the
+    /// unit of length of the data.
+    pub mean_square: f64,
+}
+
+impl AlgebraicFit {
+    /// √G / 2r, in the unit of length of the data: to first order the root mean square of the orthogonal
+    /// distances ρ − r.
+    #[must_use]
+    pub fn distance_rms(&self) -> f64 {
+        self.mean_square.sqrt() / (2.0 * self.cylinder.radius)
+    }
+}
+
+/// The optimum for one direction, in coordinates q.
+#[derive(Clone, Copy)]
+struct Slice {
+    direction: Vector3<f64>,
+    u: Vector3<f64>,
+    v: Vector3<f64>,
+    alpha: f64,
+    beta: f64,
+    radius: f64,
+    /// The matrix of moments times the coefficients of f.
+    weighted_residual: Polynomial,
+    /// G.
+    mean_square: f64,
+}
+
+impl Moments {
+    /// The moments of points with weights.
+    ///
+    /// Points with a coordinate that is not finite or a weight that is not positive and finite are left out.
+    /// `None` when fewer than five remain, or when they lie in one plane or on one line to rounding.
+    #[must_use]
+    pub fn new(points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone) -> Option<Self> {
+        let usable = points
+            .filter(|(p, weight)| p.iter().all(|x| x.is_finite()) && *weight > 0.0 && weight.is_finite());
+
+        // About the first point, which is near the others wherever the cloud is.
+        let (reference, _) = usable.clone().next()?;
+        let mut count = 0_usize;
+        let (mut weights, mut first, mut second) = (0.0, Vector3::zeros(), 0.0);
+        for (p, weight) in usable.clone() {
+            let q = p - reference;
+            count += 1;
+            weights += weight;
+            first += q * weight;
+            second += q.norm_squared() * weight;
+        }
+        let mean = first / weights;
+        let unit = (second / weights - mean.norm_squared()).sqrt();
+        if !(count >= 5 && unit > 0.0 && unit.is_finite()) {
+            return None;
+        }
+
+        let center = reference + mean;
+        let gram = weighted_gram(usable.map(|(p, weight)| ((p - center) / unit, weight))) / weights;
+        if !gram.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let moments = Self { gram, center, unit };
+        let variances = moments.covariance().symmetric_eigenvalues();
+        (variances.min() > FLAT_VARIANCE * variances.max()).then_some(moments)
+    }
+
+    /// The weighted mean of the points.
+    #[must_use]
+    pub fn center(&self) -> Vector3<f64> {
+        self.center
+    }
+
+    /// The size of the cloud: the weighted root mean square distance of the points from their mean.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.unit
+    }
+
+    /// The best cylinder with the axis along `direction`, which need not have unit length.
+    ///
+    /// `None` when the direction vanishes or is not finite.
+    #[must_use]
+    pub fn evaluate(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
+        Some(self.fit(&self.slice(&unit_direction(direction)?)?))
+    }
+
+    /// The minimum of G that Newton's method reaches from `direction`, which need not have unit length.
+    ///
+    /// `None` when the direction vanishes or is not finite.
+    #[must_use]
+    pub fn refine(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
+        Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?)))
+    }
+
+    /// The minima of G that are reached from the lowest local minima of a grid of `seeds` directions on the
+    /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
+    /// the thinner of two cylinders. The search of the grid takes time with the square of `seeds`; a hundred
+    /// miss few minima.
+    #[must_use]
+    pub fn minima(&self, seeds: usize) -> Vec<AlgebraicFit> {
+        let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
+        // One and a half times the distance of neighbours in a grid of 2π / seeds steradian each.
+        let neighbour = (1.5 * (std::f64::consts::TAU / seeds as f64).sqrt()).cos();
+        let mut lowest: Vec<&Slice> = grid
+            .iter()
+            .filter(|a| {
+                grid.iter().all(|b| {
+                    b.mean_square >= a.mean_square || b.direction.dot(&a.direction).abs() < neighbour
+                })
+            })
+            .collect();
+        lowest.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
+
+        let mut minima: Vec<Slice> = Vec::new();
+        for seed in lowest.into_iter().take(REFINED_SEEDS) {
+            let minimum = self.newton(*seed);
+            let known =
+                minima.iter().any(|other| other.direction.cross(&minimum.direction).norm() < SAME_DIRECTION);
+            if !known {
+                minima.push(minimum);
+            }
+        }
+        let mut fits: Vec<AlgebraicFit> = minima.iter().map(|slice| self.fit(slice)).collect();
+        fits.sort_by(|a, b| a.distance_rms().total_cmp(&b.distance_rms()));
+        fits
+    }
+
+    /// The first of the minima.
+    #[must_use]
+    pub fn best(&self) -> Option<AlgebraicFit> {
+        self.minima(DEFAULT_SEEDS).into_iter().next()
+    }
+
+    /// Covariance of q.
+    fn covariance(&self) -> Matrix3<f64> {
+        let mean = self.gram.fixed_view::<3, 1>(1, 0).into_owned();
+        self.gram.fixed_view::<3, 3>(1, 1) - mean * mean.transpose()
+    }
+
+    /// Minimises over (α, β, K) for a direction of unit length.
+    fn slice(&self, direction: &Vector3<f64>) -> Option<Slice> {
+        let (u, v) = any_orthogonal(direction);
+        let (x, y) = (linear(&u), linear(&v));
+        let square = product(&u, &u) + product(&v, &v);
+        // Means of x, y and x² + y², and their products about the means.
+        let (weighted_x, weighted_y) = (self.gram * x, self.gram * y);
+        let (mean_x, mean_y) = (weighted_x[0], weighted_y[0]);
+        let mean_square = self.gram.column(0).dot(&square);
+        let xx = weighted_x.dot(&x) - mean_x * mean_x;
+        let xy = weighted_x.dot(&y) - mean_x * mean_y;
+        let yy = weighted_y.dot(&y) - mean_y * mean_y;
+        let xs = weighted_x.dot(&square) - mean_x * mean_square;
+        let ys = weighted_y.dot(&square) - mean_y * mean_square;
+        // Regular because the cloud is not flat, and no projection is flatter than the cloud.
+        let determinant = xx * yy - xy * xy;
+        let alpha = 0.5 * (yy * xs - xy * ys) / determinant;
+        let beta = 0.5 * (xx * ys - xy * xs) / determinant;
+        let constant = mean_square - 2.0 * (alpha * mean_x + beta * mean_y);
+        let radius = (constant + alpha * alpha + beta * beta).sqrt();
+        if !(radius > 0.0 && radius.is_finite()) {
+            return None;
+        }
+
+        let mut residual = square - x * (2.0 * alpha) - y * (2.0 * beta);
+        residual[0] -= constant;
+        let weighted_residual = self.gram * residual;
+        // Rounding can carry the zero of points without noise below zero.
+        let mean_square = residual.dot(&weighted_residual).max(0.0);
+        Some(Slice { direction: *direction, u, v, alpha, beta, radius, weighted_residual, mean_square })
+    }
+
+    /// Gradient and Hessian of ½ G in the tangent (a, b) of the exponential map, d̂' = d̂ + a u + b v to
+    /// first order.
+    ///
+    /// To second order h'² = (h + ax + by)² (1 − a² − b²), and u − a d̂, v − b d̂ span the plane across d̂'.
+    /// What they lack of unit length is taken up by α and β, which G is minimised over:
+    /// f = |q|² − h'² − 2α(x − ah) − 2β(y − bh) − K.
+    fn derivatives(&self, slice: &Slice) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+        let Slice { direction, u, v, alpha, beta, .. } = slice;
+        let h = linear(direction);
+        let axial = product(direction, direction);
+        let f_a = (h * *alpha - product(direction, u)) * 2.0;
+        let f_b = (h * *beta - product(direction, v)) * 2.0;
+        let linear_part = SMatrix::<f64, 10, 3>::from_columns(&[
+            linear(u) * -2.0,
+            linear(v) * -2.0,
+            -Polynomial::ith(0, 1.0),
+        ]);
+
+        // E[f f_ij], the part of the Hessian that Gauss and Newton leave out.
+        let curvature = |second: &Polynomial| slice.weighted_residual.dot(second);
+        let aa = curvature(&((axial - product(u, u)) * 2.0));
+        let bb = curvature(&((axial - product(v, v)) * 2.0));
+        let ab = curvature(&(product(u, v) * -2.0));
+        let h_mean = 2.0 * curvature(&h);
+
+        let tilts = SMatrix::<f64, 10, 2>::from_columns(&[f_a, f_b]);
+        let weighted_tilts = self.gram * tilts;
+        let gradient = tilts.transpose() * slice.weighted_residual;
+        let tilt_block = tilts.transpose() * weighted_tilts + Matrix2::new(aa, ab, ab, bb);
+        let mut mixed: Matrix3x2<f64> = linear_part.transpose() * weighted_tilts;
+        mixed[(0, 0)] += h_mean;
+        mixed[(1, 1)] += h_mean;
+        let linear_block: Matrix3<f64> = linear_part.transpose() * self.gram * linear_part;
+
+        let eliminated = linear_block.cholesky()?.solve(&mixed);
+        let hessian = tilt_block - mixed.transpose() * eliminated;
+        (gradient.iter().chain(hessian.iter()).all(|x| x.is_finite())).then_some((gradient, hessian))
+    }
+
+    /// Newton's method on the sphere, downhill: negative curvature is turned round, and a step that does not
+    /// lower G is halved.
+    fn newton(&self, start: Slice) -> Slice {
+        /// The longest step in radians, about the distance within which a minimum can be followed.
+        const LONGEST: f64 = 0.3;
+        /// After a step of this size the next would be lost in rounding.
+        const CONVERGED: f64 = 1e-10;
+        // Near the optimum G no longer tells two directions apart but its gradient still does.
+        let rounding = 1e-15 * self.gram.amax();
+
+        let mut slice = start;
+        for _ in 0..NEWTON_STEPS {
+            let Some((gradient, hessian)) = self.derivatives(&slice) else { break };
+            let eigen = hessian.symmetric_eigen();
+            let floor = 1e-9 * eigen.eigenvalues.amax() + f64::MIN_POSITIVE;
+            let mut step = Vector2::zeros();
+            for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+                let mut along = -gradient.dot(&vector) / value.abs().max(floor);
+                // A saddle or a maximum has no gradient to follow.
+                if *value < -floor && along.abs() < 1e-3 {
+                    along = if along < 0.0 { -0.1 } else { 0.1 };
+                }
+                step += vector * along;
+            }
+            let mut length = (LONGEST / step.norm()).min(1.0);
+            let lower = std::iter::from_fn(|| {
+                let tangent = slice.u * (step.x * length) + slice.v * (step.y * length);
+                length *= 0.5;
+                Some(self.slice(&rotate_direction(&slice.direction, &tangent)))
+            })
+            .take(20)
+            .flatten()
+            .find(|trial| trial.mean_square <= slice.mean_square + rounding);
+            let Some(lower) = lower else { break };
+            slice = lower;
+            if step.norm() < CONVERGED {
+                break;
+            }
+        }
+        slice
+    }
+
+    /// The cylinder of a slice, in space.
+    fn fit(&self, slice: &Slice) -> AlgebraicFit {
+        let across = slice.u * slice.alpha + slice.v * slice.beta;
+        let axis =
+            crate::geometry::Line { point: self.center + across * self.unit, direction: slice.direction };
+        AlgebraicFit {
+            cylinder: Cylinder { axis, radius: slice.radius * self.unit },
+            mean_square: slice.mean_square * self.unit.powi(4),
+        }
+    }
+}
+
+/// The direction scaled to unit length; `None` when it vanishes or is not finite.
+fn unit_direction(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    // By the largest component first, so that squares neither overflow nor vanish.
+    let scaled = direction / direction.amax();
+    let unit = scaled.normalize();
+    unit.iter().all(|x| x.is_finite()).then_some(unit)
+}
+
+/// The polynomial q·a.
+fn linear(a: &Vector3<f64>) -> Polynomial {
+    Polynomial::from_column_slice(&[0.0, a.x, a.y, a.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+}
+
+/// The polynomial (q·a)(q·b).
+fn product(a: &Vector3<f64>, b: &Vector3<f64>) -> Polynomial {
+    Polynomial::from_column_slice(&[
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        a.x * b.x,
+        a.x * b.y + a.y * b.x,
+        a.x * b.z + a.z * b.x,
+        a.y * b.y,
+        a.y * b.z + a.z * b.y,
+        a.z * b.z,
+    ])
+}
+
+/// Evenly spread directions of the half sphere z > 0 (Fibonacci).
+fn half_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
+    let golden_angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..count).map(move |i| {
+        let z = (i as f64 + 0.5) / count as f64;
+        let (sin, cos) = (i as f64 * golden_angle).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        Vector3::new(across * cos, across * sin, z)
+    })
+}
+
+/// The ten monomials up to degree two at q.
+fn monomials(q: &Vector3<f64>) -> [f64; 10] {
+    let [x, y, z] = [q.x, q.y, q.z];
+    [1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
+}
+
+/// The weighted sum of m mᵀ for the monomials m. Its upper triangle has 55 entries but only 35 of them
+/// differ; adding up those alone is slower, because they don't lie in rows.
+fn weighted_gram(points: impl Iterator<Item = (Vector3<f64>, f64)>) -> SMatrix<f64, 10, 10> {
+    let mut total = [[0.0; 10]; 10];
+    let mut block = [[0.0; 10]; 10];
+    let flush = |total: &mut [[f64; 10]; 10], block: &mut [[f64; 10]; 10]| {
+        for (t, b) in total.as_flattened_mut().iter_mut().zip(block.as_flattened_mut()) {
+            *t += std::mem::take(b);
+        }
+    };
+    for (n, (q, weight)) in points.enumerate() {
+        if n % BLOCK == 0 {
+            flush(&mut total, &mut block);
+        }
+        let m = monomials(&q);
+        for i in 0..10 {
+            let scaled = weight * m[i];
+            for j in i..10 {
+                block[i][j] += scaled * m[j];
+            }
+        }
+    }
+    flush(&mut total, &mut block);
+    SMatrix::from_fn(|i, j| total[i.min(j)][i.max(j)])
+}
+
+#[cfg(test)]
+mod tests;
