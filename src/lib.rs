@@ -36,4 +36,12 @@ pub mod error;
 pub mod extent;
 pub mod fitter;
 pub mod geometry;
+pub mod observations;
+pub mod residuals;
+pub mod solver;
 pub mod start;
+
+/// Runs the Rust program of the README as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -216,7 +216,7 @@ impl Fitter {
         }
         let mut result = match self.options.method {
             Method::Eberly => {
-                let cylinder = problem.from_moments().ok_or_else(|| Error::NoStart {
+                let cylinder = problem.moments_start().ok_or_else(|| Error::NoStart {
                     reason: "the moments of the points give no cylinder".into(),
                 })?;
                 problem.check_radius(&cylinder)?;

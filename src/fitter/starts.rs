@@ -40,12 +40,12 @@ impl Problem<'_> {
                 missing: "a start model",
                 remedy: "set one or choose another kind of start",
             }),
-            StartKind::Limbs => found(StartKind::Limbs, self.from_limbs(&sample)).ok_or_else(|| {
+            StartKind::Limbs => found(StartKind::Limbs, self.limbs_start(&sample)).ok_or_else(|| {
                 let reason = "the edges and points do not give a cylinder".to_string();
                 let remedy = "push two segments on the two limbs, or choose another kind of start";
                 Error::EdgeGeometry { reason, remedy }
             }),
-            StartKind::Moments => found(StartKind::Moments, self.from_moments()).ok_or_else(|| {
+            StartKind::Moments => found(StartKind::Moments, self.moments_start()).ok_or_else(|| {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
             StartKind::Ransac => {
@@ -55,7 +55,7 @@ impl Problem<'_> {
         }
     }
 
-    pub fn from_moments(&self) -> Option<Cylinder> {
+    pub fn moments_start(&self) -> Option<Cylinder> {
         let weighted = (0..self.cloud.len()).map(|k| (self.cloud.point(k), self.cloud.weight(k)));
         Some(Moments::new(weighted)?.best()?.cylinder)
     }
@@ -73,7 +73,7 @@ impl Problem<'_> {
         ransac(&points, normals.as_deref(), self.near_wall, &options)
     }
 
-    fn from_limbs(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
+    fn limbs_start(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
         // The two longest segments say most about the limbs.
         let mut order: Vec<usize> = (0..self.edges.segments.len()).collect();
         let length = |k: &usize| {
@@ -91,10 +91,10 @@ impl Problem<'_> {
         let mut add = |kind, cylinder: Option<Cylinder>| {
             candidates.extend(cylinder.map(|cylinder| Candidate { kind, cylinder }));
         };
-        let from_limbs = self.from_limbs(sample);
+        let from_limbs = self.limbs_start(sample);
         add(StartKind::Model, given.copied());
         add(StartKind::Limbs, from_limbs);
-        add(StartKind::Moments, self.from_moments());
+        add(StartKind::Moments, self.moments_start());
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
         // Random samples take longer than all the rest: only where the limbs do not explain the points.
         let explained = |start: &Cylinder| median_distance(start, sample) <= EXPLAINED * start.radius;

@@ -283,7 +283,7 @@ impl PointCloud {
         }
         self.given += batch.given;
         self.dropped.add(&batch.dropped);
-        let largest = batch.points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+        let largest = batch.points.iter().map(Vector3::amax).fold(0.0, f64::max);
         let epsilon = match scalar {
             Scalar::F32 => f64::from(f32::EPSILON),
             Scalar::F64 => f64::EPSILON,

@@ -306,7 +306,7 @@ impl<'a> DepthView<'a> {
             Pixels::U16 => f64::from(self.pixels.u16(column, row)),
             Pixels::F32 => self.pixels.scalar(Scalar::F32, column, row, 0),
         };
-        (raw > 0.0 && raw.is_finite()).then(|| raw * self.scale)
+        (raw > 0.0 && raw.is_finite()).then_some(raw * self.scale)
     }
 }
 
