@@ -1,4 +1,5 @@
 //! Time of whole fits: `cargo bench --bench fit`. Figures depend on the machine; compare rows of one run.
+#![allow(clippy::unwrap_used)] // A benchmark that can't run should stop.
 
 #[path = "../tests/support/mod.rs"]
 mod support;

@@ -1,5 +1,6 @@
 //! Synthetic scenes that the tests share.
-#![allow(dead_code)] // Each test program uses a part.
+// Each test program uses a part; this is test code wherever it is included.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::fitter::Fitter;
