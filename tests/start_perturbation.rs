@@ -29,12 +29,8 @@ fn successes(folder: &PathBuf, [sigma_d, sigma_p, sigma_r]: [f64; 3], near_wall:
     let optimum = frames::solution(folder, 0.6);
     let (cost, radius) = (optimum["cost"].as_f64().unwrap(), optimum["radius"].as_f64().unwrap());
     let mut fitter = frames::fitter(folder);
-    let options = Options {
-        objective: ObjectiveKind::Paper,
-        start: StartKind::Model,
-        near_wall,
-        ..Options::default()
-    };
+    let options =
+        Options { objective: ObjectiveKind::Paper, start: StartKind::Model, near_wall, ..Options::default() };
     fitter.set_options(options).unwrap();
     let mut noise = Noise::new(33);
     let reached = |_: &usize| {

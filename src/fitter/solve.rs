@@ -39,7 +39,12 @@ impl Problem<'_> {
         if self.is_paper() {
             run(&self.paper_objective(cylinder))
         } else {
-            run(&RobustObjective::new(self.points, self.pixels.as_ref(), self.scales(cylinder)))
+            run(&RobustObjective::new(
+                self.points,
+                self.pixels.as_ref(),
+                self.scales(cylinder),
+                self.near_wall,
+            ))
         }
     }
 
@@ -82,7 +87,7 @@ impl Problem<'_> {
         let mut scales = self.scales(&cylinder);
         let mut total: Option<Convergence> = None;
         for _ in 0..SCALE_ROUNDS {
-            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales);
+            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales, self.near_wall);
             let mut round = self.run(&objective, &cylinder, &mut *report)?;
             if let Some(before) = &total {
                 round.iterations += before.iterations;
