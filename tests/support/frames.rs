@@ -1,4 +1,5 @@
 //! Frames in the format of the command line, read with as little code as the tests need.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use cylfuse::camera::{Distortion, Intrinsics};
 use cylfuse::fitter::Fitter;
@@ -44,6 +45,11 @@ pub fn solution(folder: &Path, edge_weight: f64) -> Value {
 
 /// A fitter with everything in a frame but its image.
 pub fn fitter(folder: &Path) -> Fitter {
+    fitter_with_edges(folder, true)
+}
+
+/// The same, with or without the edges.
+pub fn fitter_with_edges(folder: &Path, with_edges: bool) -> Fitter {
     let frame = json(&folder.join("frame.json"));
     let camera = &frame["camera"];
     let number = |key: &str| camera[key].as_f64().unwrap();
@@ -68,6 +74,9 @@ pub fn fitter(folder: &Path) -> Fitter {
     let depth = DepthView::from_u16(&depth, size, scale).unwrap();
     let mask = MaskView::from_u8(&mask, size).unwrap();
     fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+    if !with_edges {
+        return fitter;
+    }
     let end = |q: &Value| Vector2::new(q[0].as_f64().unwrap(), q[1].as_f64().unwrap());
     let edges: Vec<EdgeSegment> = frame["edges"]
         .as_array()
