@@ -193,7 +193,8 @@ impl FitArguments {
         }
         match (self.start, self.start_from) {
             (Some(_), Some(kind)) if kind != StartName::Model => {
-                Err("--start gives the cylinder to start from; leave --start-from out or set it to model".into())
+                Err("--start gives the cylinder to start from; leave --start-from out or set it to model"
+                    .into())
             }
             (None, Some(StartName::Model)) => {
                 Err("--start-from model needs the cylinder; give it by --start=px,py,pz,dx,dy,dz,r".into())

@@ -15,6 +15,9 @@ pub type Color = [u8; 4];
 /// Behind every line, so that it shows on bright ground too.
 const HALO: Color = [0, 0, 0, 110];
 
+/// The ground of the caption.
+const BAND: Color = [18, 20, 24, 255];
+
 /// Height of the text.
 const TEXT: RasterHeight = RasterHeight::Size16;
 
@@ -45,7 +48,6 @@ impl Canvas {
     pub fn new(image: &RgbaImage, scale: u32, band: u32) -> Option<Self> {
         let (width, height) = (image.width().checked_mul(scale)?, image.height().checked_mul(scale)?);
         let mut pixels = Pixmap::new(width, height.checked_add(band)?)?;
-        pixels.fill(tiny_skia::Color::from_rgba8(18, 20, 24, 255));
         let enlarged;
         let image = if scale == 1 {
             image
@@ -122,6 +124,13 @@ impl Canvas {
         if let Some(rect) = Rect::from_xywh(x, y, width, height) {
             self.pixels.fill_rect(rect, &paint(color), Transform::identity(), None);
         }
+    }
+
+    /// Makes the band empty.
+    pub fn clear_band(&mut self) {
+        let top = self.image_height;
+        let size = (self.width() as f32, (self.pixels.height() - top) as f32);
+        self.bar((0.0, top as f32), size, BAND);
     }
 
     /// Text with its upper left corner at a place of the canvas; what does not fit is cut off.

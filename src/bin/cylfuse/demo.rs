@@ -15,12 +15,8 @@ macro_rules! frame_file {
 }
 
 /// The files of the frame.
-const FILES: [(&str, &[u8]); 4] = [
-    frame_file!("frame.json"),
-    frame_file!("image.png"),
-    frame_file!("depth.png"),
-    frame_file!("mask.png"),
-];
+const FILES: [(&str, &[u8]); 4] =
+    [frame_file!("frame.json"), frame_file!("image.png"), frame_file!("depth.png"), frame_file!("mask.png")];
 
 /// What each of the files in the folder is.
 pub const CONTENTS: &str = "  frame/          the input: camera, image, depth, mask and two edges

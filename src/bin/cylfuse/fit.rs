@@ -144,7 +144,8 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
             Ok(extent) => measurement.set_extent(&extent),
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }
-        let counts = fitter.complete(None, None, &mut |column, row, point| completed.add(column, row, point))?;
+        let counts =
+            fitter.complete(None, None, &mut |column, row, point| completed.add(column, row, point))?;
         measurement.set_completion(&counts);
     }
     measurement.seconds.read = read;

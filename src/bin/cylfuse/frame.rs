@@ -86,7 +86,8 @@ impl Frame {
         let depth = match read(&file.depth, Role::Depth)? {
             DynamicImage::ImageLuma16(grey) => grey.into_raw(),
             other => {
-                let reason = format!("the depth image was decoded to {:?}, not to 16-bit grey", other.color());
+                let reason =
+                    format!("the depth image was decoded to {:?}, not to 16-bit grey", other.color());
                 return Err(Failure::bad_image(&folder.join(&file.depth), reason));
             }
         };

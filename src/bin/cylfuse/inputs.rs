@@ -27,7 +27,8 @@ impl Input {
     /// A short name: that of the folder of a frame.json, else that of the file.
     fn name(&self) -> String {
         let path = self.path();
-        let of_folder = matches!(self, Input::Frame(_)) && path.file_name().is_some_and(|n| n == "frame.json");
+        let of_folder =
+            matches!(self, Input::Frame(_)) && path.file_name().is_some_and(|n| n == "frame.json");
         let named = if of_folder { path.parent().and_then(Path::file_name) } else { path.file_stem() };
         let resolved = path.canonicalize().ok();
         // The folder of "frame.json" and "../frame.json" has a name only as an absolute path.
@@ -104,7 +105,8 @@ mod tests {
                 .map(|path| frame(Path::new(path)))
                 .collect();
         let folders = output_folders(&inputs, Path::new("out"));
-        let names: Vec<_> = folders.iter().map(|f| f.strip_prefix("out").unwrap().to_str().unwrap()).collect();
+        let names: Vec<_> =
+            folders.iter().map(|f| f.strip_prefix("out").unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["x", "x-3", "x-2", "X-4", "other"]);
         assert_eq!(output_folders(&inputs[..1], Path::new("out")), [Path::new("out")]);
     }

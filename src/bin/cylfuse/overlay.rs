@@ -17,7 +17,7 @@ const LIMBS: Color = [64, 224, 255, 255];
 const EDGES: Color = [255, 150, 20, 255];
 const ENDS: Color = [255, 240, 80, 255];
 const AXIS: Color = [255, 255, 255, 220];
-const SURFACE: Color = [40, 150, 255, 80];
+const SURFACE: Color = [40, 150, 255, 70];
 const PAPER: [u8; 3] = [235, 238, 242];
 const GREY: [u8; 3] = [165, 172, 180];
 
@@ -39,6 +39,9 @@ const CIRCLE_SAMPLES: usize = 720;
 
 /// Without an extent the limbs are drawn this many times the distance of the axis to either side.
 const ENDLESS: f64 = 3.0;
+
+/// Distance of the middle of a label from the end that it names, on a picture of the ordinary width.
+const LABEL_DISTANCE: f64 = 26.0;
 
 /// What is drawn.
 pub struct Overlay<'a> {
@@ -147,11 +150,26 @@ impl Overlay<'_> {
             let part = |seen: bool| circle.iter().map(move |(at, near)| at.filter(|_| *near == seen));
             canvas.polyline(part(false), HIDDEN_END_PEN);
             canvas.polyline(part(true), END_PEN);
-            let ahead = center + outward * (0.35 * self.cylinder.radius);
-            if let Some(at) = self.frame.camera.project(&ahead) {
+            let rim = circle.iter().filter_map(|(at, _)| at.as_ref());
+            if let Some(at) = self.beside_end(&center, &outward, rim) {
                 label(canvas, &at, state);
             }
         }
+    }
+
+    /// The position beyond an end where its label covers neither the end nor the cylinder.
+    fn beside_end<'r>(
+        &self,
+        center: &Vector3<f64>,
+        outward: &Vector3<f64>,
+        rim: impl Iterator<Item = &'r Vector2<f64>>,
+    ) -> Option<Vector2<f64>> {
+        let at = self.frame.camera.project(center)?;
+        let ahead = self.frame.camera.project(&(center + outward * (0.1 * self.cylinder.radius)))?;
+        let away = (ahead - at).try_normalize(1e-9)?;
+        let reach = rim.map(|point| (point - at).dot(&away)).fold(0.0, f64::max);
+        let pixels = LABEL_DISTANCE * self.frame.size().0 as f64 / f64::from(WIDTH);
+        Some(at + away * (reach + pixels))
     }
 
     fn caption(&self) -> Vec<Item> {
@@ -160,7 +178,8 @@ impl Overlay<'_> {
         items.extend(extent.as_ref().map(|e| Item::Strong(format!("length {:.1} mm", e.length * 1000.0))));
         let points = format!("{} points, rms {:.2} mm", result.points_used, result.point_rms * 1000.0);
         items.push(Item::Plain(points));
-        let edges = result.edge_rms_pixels.map(|rms| format!("{} edges, rms {rms:.2} px", result.segments_used));
+        let edges =
+            result.edge_rms_pixels.map(|rms| format!("{} edges, rms {rms:.2} px", result.segments_used));
         items.extend(edges.map(Item::Plain));
         items.push(Item::Break);
         items.push(Item::Line("fitted limbs", LIMB_PEN));
@@ -233,7 +252,9 @@ fn layout(items: &[Item], width: u32) -> Vec<Vec<&Item>> {
     lines
 }
 
+/// Draws the caption on its band, from which it removes what ran over the border of the image.
 fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
+    canvas.clear_band();
     for (index, line) in lines.iter().enumerate() {
         let y = canvas.image_height() + LINE_HEIGHT / 2 + index as u32 * LINE_HEIGHT + 5;
         let middle = y as f32 + 8.0;

@@ -309,13 +309,17 @@ impl ResultValues {
 fn doubt(flag: Flags, result: &FitResult) -> String {
     let text = match flag {
         Flags::EDGES_IGNORED => "the edge segments do not count",
-        Flags::SEGMENTS_UNUSABLE => "some edge segments have no length or lie outside the field of the camera",
+        Flags::SEGMENTS_UNUSABLE => {
+            "some edge segments have no length or lie outside the field of the camera"
+        }
         Flags::EDGES_CROSS => "the two edge segments cross each other, so they are not the two limbs",
         Flags::EDGES_COINCIDE => "the two edge segments lie on the same limb",
         Flags::EDGES_BEHIND => "the edge segments do not meet the cylinder in front of the camera",
         Flags::SCALE_HELD => "edges alone do not tell the scale: that of the start was kept",
         Flags::WEAK_RADIUS => "the data hardly determine the radius",
-        Flags::RESOLUTION_LOST => "the coordinates are coarser than 0.01 % of the radius; store them as doubles",
+        Flags::RESOLUTION_LOST => {
+            "the coordinates are coarser than 0.01 % of the radius; store them as doubles"
+        }
         Flags::NOT_CONVERGED => "not converged; allow more iterations",
         Flags::HIDDEN_WALL => "most points lie on the wall that the camera cannot see",
         Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",

@@ -166,7 +166,8 @@ impl Header {
             for (coordinate, field) in point.iter_mut().zip(&self.axes) {
                 let word = words[field.column];
                 let parsed = word.parse();
-                *coordinate = parsed.map_err(|_| format!("PCD point {index} has '{word}'; expected a number"))?;
+                *coordinate =
+                    parsed.map_err(|_| format!("PCD point {index} has '{word}'; expected a number"))?;
             }
             points.push(point);
         }
@@ -301,7 +302,9 @@ mod tests {
         assert_eq!(decompress_lzf(&[1, b'a', b'b', 5 << 5, 1], 9).unwrap(), b"ababababa");
         // A long reference: 7 + 3 + 2 bytes from 1 back.
         assert_eq!(decompress_lzf(&[0, b'x', 7 << 5, 3, 0], 13).unwrap(), [b'x'; 13]);
-        for (input, size) in [(&[0][..], 1), (&[32, 0], 3), (&[0, 1], 2), (&[0, 1, 2 << 5], 5), (&[0, 1, 0, 2], 1)] {
+        for (input, size) in
+            [(&[0][..], 1), (&[32, 0], 3), (&[0, 1], 2), (&[0, 1, 2 << 5], 5), (&[0, 1, 0, 2], 1)]
+        {
             assert!(decompress_lzf(input, size).is_none(), "{input:?}");
         }
     }

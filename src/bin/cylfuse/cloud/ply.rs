@@ -3,14 +3,17 @@
 
 use super::{Cloud, little_endian};
 use ply_rs_bw::parser::{Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
+};
 use std::io::{Cursor, Write};
 
 /// Reads the vertices of a PLY file.
 pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
     let mut reader = Reader::new(Cursor::new(bytes));
-    let header =
-        Parser::<Skipped>::new().read_header(&mut reader).map_err(|error| format!("bad PLY header: {error}"))?;
+    let header = Parser::<Skipped>::new()
+        .read_header(&mut reader)
+        .map_err(|error| format!("bad PLY header: {error}"))?;
     let mut vertex = check(&header, bytes.len())?.clone();
     let mut wide = false;
     for name in ["x", "y", "z"] {
