@@ -2,8 +2,8 @@
 
 mod support;
 
-use cylfuse::fitter::{FitResult, Flags, Method, NearWall, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::{Chart, Cylinder};
+use cylfuse::fitter::{ChartChoice, FitResult, Flags, Method, NearWall, ObjectiveKind, Options, StartKind};
+use cylfuse::geometry::Cylinder;
 use nalgebra::Vector3;
 use support::{camera, can, fitter_with, intrinsics, limb_segments, visible_points};
 
@@ -129,12 +129,12 @@ fn both_charts_reach_the_same_optimum_of_noisy_data() {
             fitter.set_intrinsics(intrinsics()).unwrap();
             fitter.push_edges(&segments).unwrap();
             let mut options = options(objective);
-            options.limits.chart = chart;
+            options.chart = chart;
             options.limits.cost_tolerance = 1e-15;
             fitter.set_options(options).unwrap();
             fitter.fit().unwrap()
         };
-        let (local, orthonormal) = (fit(Chart::Local), fit(Chart::Orthonormal));
+        let (local, orthonormal) = (fit(ChartChoice::Local), fit(ChartChoice::Orthonormal));
         // The robust objective is settled when its scale is, to 1e-4.
         let tolerance = if objective == ObjectiveKind::Paper { 1e-8 } else { 1e-4 };
         assert!((local.cost / orthonormal.cost - 1.0).abs() < tolerance, "{objective:?}");
@@ -149,13 +149,14 @@ fn the_near_wall_rule_leaves_the_mirror_minimum() {
     // A start between camera and surface, whose far wall holds the points.
     let c = truth.axis.nearest_to_origin().normalize();
     let mirrored = Cylinder::new(truth.axis.point - c * 0.058, truth.axis.direction, 0.03).unwrap();
-    let fit = |near_wall| {
+    let fit = |near_wall, chart| {
         let mut fitter = fitter_with(&points);
         fitter.set_intrinsics(intrinsics()).unwrap();
         fitter.set_start(Some(mirrored));
         fitter
             .set_options(Options {
                 near_wall,
+                chart,
                 start: StartKind::Model,
                 method: Method::Points,
                 ..Options::default()
@@ -163,9 +164,11 @@ fn the_near_wall_rule_leaves_the_mirror_minimum() {
             .unwrap();
         fitter.fit()
     };
-    assert_same(&fit(NearWall::Auto).unwrap().cylinder, &truth, 1e-9);
+    for chart in [ChartChoice::Auto, ChartChoice::Local] {
+        assert_same(&fit(NearWall::Auto, chart).unwrap().cylinder, &truth, 1e-9);
+    }
     // Left alone the radius grows without end: the curvature has the wrong sign.
-    assert_eq!(fit(NearWall::Off).unwrap_err().name(), "PLANAR_POINTS");
+    assert_eq!(fit(NearWall::Off, ChartChoice::Local).unwrap_err().name(), "PLANAR_POINTS");
 }
 
 #[test]

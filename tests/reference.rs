@@ -17,15 +17,6 @@ const RADIUS: f64 = 1e-5;
 /// much as the radius, because the tilt of a short cylinder is less well determined.
 const AXIS: f64 = 5e-5;
 
-/// The one stable solution that is not at its minimum. Gauss-Newton steps overshoot there by a factor of 2, so
-/// that Algorithm 2 creeps to and fro across the minimum; the independent program stopped at its limit of 400
-/// solves. (A full Newton iteration in another language found r = 0.1290923 against its 0.1290517.) With the
-/// same limit and in the same chart the same place is reached.
-const UNFINISHED: (&str, f64) = ("w000", 0.0);
-
-/// The options of the independent program that count for the unfinished solution.
-const AS_THE_REFERENCE: [&str; 4] = ["--chart", "orthonormal", "--max-iterations", "400"];
-
 /// How far the program is from the reference, and where.
 #[derive(Default)]
 struct Worst {
@@ -100,9 +91,7 @@ fn compare_frame(frame: &Path, worst: &Mutex<Worst>) {
         }
         let weight = solution["edge_weight"].as_f64().unwrap();
         let place = format!("{} w_L = {weight}", frame.file_name().unwrap().display());
-        let unfinished = frame.ends_with(UNFINISHED.0) && weight == UNFINISHED.1;
-        let options: &[&str] = if unfinished { &AS_THE_REFERENCE } else { &[] };
-        let fit = run(frame, weight, &reference["start"], options);
+        let fit = run(frame, weight, &reference["start"]);
         let relative = |name: &str, fitted: &Value| {
             let expected = solution[name].as_f64().unwrap();
             (fitted.as_f64().unwrap() - expected).abs() / expected
@@ -144,7 +133,7 @@ fn compare_frame(frame: &Path, worst: &Mutex<Worst>) {
 }
 
 /// The JSON object of a fit from the start of the reference.
-fn run(frame: &Path, weight: f64, start: &Value, options: &[&str]) -> Value {
+fn run(frame: &Path, weight: f64, start: &Value) -> Value {
     let numbers: Vec<String> = ["point", "direction"]
         .iter()
         .flat_map(|name| start[name].as_array().unwrap())
@@ -154,7 +143,6 @@ fn run(frame: &Path, weight: f64, start: &Value, options: &[&str]) -> Value {
     let output = Command::new(env!("CARGO_BIN_EXE_cylfuse"))
         .args(["fit", "--json", "--objective", "paper", "--edge-weight", &weight.to_string()])
         .arg(format!("--start={}", numbers.join(",")))
-        .args(options)
         .arg(frame.join("frame.json"))
         .output()
         .unwrap();

@@ -7,7 +7,7 @@ mod result;
 mod solve;
 mod starts;
 
-pub use options::{Method, NearWall, ObjectiveKind, Options, StartKind};
+pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
 
 use crate::camera::{Camera, Intrinsics};
@@ -435,10 +435,13 @@ fn minimum_on_visible_wall(
         other => other?,
     };
     let visible = fraction >= 0.5;
-    if fraction >= MOSTLY_VISIBLE {
+    // A radius on its way out of all bounds has swallowed the camera; the end is not worth mirroring then.
+    let swallowed = problem.near_wall && first.cylinder.contains_origin() && !start.contains_origin();
+    if fraction >= MOSTLY_VISIBLE && !swallowed {
         return Ok((first, visible));
     }
-    match solve(&first.cylinder.mirrored_away()) {
+    let other_side = if swallowed { start.mirrored_away() } else { first.cylinder.mirrored_away() };
+    match solve(&other_side) {
         Ok((second, other)) => {
             let second_visible = other >= 0.5;
             let better = if second_visible == visible { second.cost < first.cost } else { second_visible };

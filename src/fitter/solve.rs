@@ -1,9 +1,9 @@
 //! From a start to the minimum of the chosen objective.
 
-use super::options::{Method, ObjectiveKind};
+use super::options::{ChartChoice, Method, ObjectiveKind};
 use super::problem::Problem;
 use crate::error::{Error, Result};
-use crate::geometry::{Cylinder, LocalFrame};
+use crate::geometry::{Chart, Cylinder, LocalFrame};
 use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, TUKEY_EFFICIENT,
 };
@@ -108,7 +108,15 @@ impl Problem<'_> {
     }
 
     fn run(&self, objective: &impl Objective, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
-        minimise(objective, start, &self.center, self.unit, &self.options.limits, report)
+        let chart = match self.options.chart {
+            ChartChoice::Local => Chart::Local,
+            ChartChoice::Orthonormal => Chart::Orthonormal,
+            ChartChoice::Auto if self.is_paper() && self.has_camera && !start.contains_origin() => {
+                Chart::Orthonormal
+            }
+            ChartChoice::Auto => Chart::Local,
+        };
+        minimise(objective, start, &self.center, self.unit, &self.options.limits, chart, report)
     }
 
     /// Scale of the point residuals by their median absolute deviation, and the number of independent points

@@ -2,8 +2,8 @@
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
-use cylfuse::fitter::{Method, NearWall, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::{Chart, Cylinder};
+use cylfuse::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
+use cylfuse::geometry::Cylinder;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -92,10 +92,10 @@ pub struct FitArguments {
     pub no_near_wall: bool,
 
     /// The coordinates in which the iteration steps; both reach the same minimum.
-    #[arg(long, value_enum, default_value_t = ChartName::Local, help_heading = "Estimation")]
+    #[arg(long, value_enum, default_value_t = ChartName::Auto, help_heading = "Estimation")]
     pub chart: ChartName,
 
-    /// Most linear solves [default: 500].
+    /// Most linear solves [default: 400].
     #[arg(long, value_name = "N", help_heading = "Estimation")]
     pub max_iterations: Option<usize>,
 
@@ -164,9 +164,11 @@ pub enum StartName {
     Model,
 }
 
-/// [`Chart`] by its name.
+/// [`ChartChoice`] by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ChartName {
+    /// That of the paper for the paper's objective, the local one otherwise
+    Auto,
     /// Shift and tilt at the data, regular everywhere
     Local,
     /// The paper's {U, W}, singular for an axis through the origin
@@ -236,9 +238,10 @@ impl FitArguments {
             seed: self.seed,
             ..defaults
         };
-        options.limits.chart = match self.chart {
-            ChartName::Local => Chart::Local,
-            ChartName::Orthonormal => Chart::Orthonormal,
+        options.chart = match self.chart {
+            ChartName::Auto => ChartChoice::Auto,
+            ChartName::Local => ChartChoice::Local,
+            ChartName::Orthonormal => ChartChoice::Orthonormal,
         };
         if let Some(most) = self.max_iterations {
             options.limits.max_iterations = most;
