@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 /// The largest image in pixels, that of the library's cameras.
@@ -11,6 +11,9 @@ const MAX_PIXELS: u64 = 1 << 28;
 
 /// Bytes of the largest pixel: four channels of 16 bits.
 const MAX_PIXEL_BYTES: u64 = 8;
+
+/// Bytes at the start of a file that are looked at for the size of the image.
+const HEAD: u64 = 1 << 16;
 
 /// What an image is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,31 +37,24 @@ impl Role {
 }
 
 /// Reads an image that must have the size of the camera.
-pub fn read(path: &Path, role: Role, (width, height): (u32, u32)) -> Result<DynamicImage, Failure> {
+pub fn read(path: &Path, role: Role, camera: (u32, u32)) -> Result<DynamicImage, Failure> {
     let not_readable = |error| Failure::not_readable(path, &error);
-    let file = File::open(path).map_err(not_readable)?;
-    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(not_readable)?;
+    let mut file = File::open(path).map_err(not_readable)?;
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut head).map_err(not_readable)?;
+    file.rewind().map_err(not_readable)?;
+    // The limits below stop a decoder of a huge image before it can tell the size. If the head is not enough
+    // for the size, what is wrong shows below.
+    if let Ok(Ok(size)) = reader(Cursor::new(head)).map(ImageReader::into_dimensions) {
+        check_size(path, role, size, camera)?;
+    }
+    let mut reader = reader(BufReader::new(file)).map_err(not_readable)?;
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_PIXELS * MAX_PIXEL_BYTES);
     reader.limits(limits);
-    let name = role.name();
-    let damaged = |error| Failure::bad_image(path, format!("the {name} cannot be decoded: {error}"));
+    let damaged = |error| Failure::bad_image(path, format!("the {} cannot be decoded: {error}", role.name()));
     let decoder = reader.into_decoder().map_err(damaged)?;
-    let (given_width, given_height) = decoder.dimensions();
-    if u64::from(given_width) * u64::from(given_height) > MAX_PIXELS {
-        let reason = format!(
-            "the {name} claims {given_width} x {given_height} pixels; at most {MAX_PIXELS} are read, so crop \
-             or scale it"
-        );
-        return Err(Failure::image_too_large(path, reason));
-    }
-    if (given_width, given_height) != (width, height) {
-        let reason = format!(
-            "the {name} is {given_width} x {given_height} but the camera is {width} x {height}; both must \
-             have the same size"
-        );
-        return Err(Failure::size_mismatch(path, reason));
-    }
+    check_size(path, role, decoder.dimensions(), camera)?;
     let color = decoder.color_type();
     if role == Role::Depth && color != ColorType::L16 {
         let reason = format!(
@@ -68,6 +64,32 @@ pub fn read(path: &Path, role: Role, (width, height): (u32, u32)) -> Result<Dyna
         return Err(Failure::bad_image(path, reason));
     }
     DynamicImage::from_decoder(decoder).map_err(damaged)
+}
+
+/// A reader that goes by the content, not by the name, and knows no limits.
+fn reader<R: BufRead + Seek>(source: R) -> std::io::Result<ImageReader<R>> {
+    let mut reader = ImageReader::new(source).with_guessed_format()?;
+    reader.no_limits();
+    Ok(reader)
+}
+
+fn check_size(path: &Path, role: Role, size: (u32, u32), camera: (u32, u32)) -> Result<(), Failure> {
+    let (name, (width, height)) = (role.name(), size);
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        let reason = format!(
+            "the {name} claims {width} x {height} pixels; at most {MAX_PIXELS} are read, so crop or scale it"
+        );
+        return Err(Failure::image_too_large(path, reason));
+    }
+    if size != camera {
+        let (camera_width, camera_height) = camera;
+        let reason = format!(
+            "the {name} is {width} x {height} but the camera is {camera_width} x {camera_height}; both must \
+             have the same size"
+        );
+        return Err(Failure::size_mismatch(path, reason));
+    }
+    Ok(())
 }
 
 fn color_name(color: ColorType) -> String {
