@@ -74,7 +74,12 @@ impl Problem<'_> {
     pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
         if self.is_paper() {
             let objective = self.paper_objective(start);
-            let mut convergence = self.run(&objective, start, report)?;
+            let mut convergence = self.run(&objective, start, self.chart(start), report)?;
+            if convergence.termination == Termination::MaxIterations {
+                // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
+                let bottom = self.run(&objective, &convergence.cylinder, Chart::Local, report)?;
+                self.check_radius(&bottom.cylinder)?;
+            }
             if self.edge_weight == 1.0 {
                 let drift = start.distance_of_axis_from_origin()
                     / convergence.cylinder.distance_of_axis_from_origin();
@@ -88,7 +93,7 @@ impl Problem<'_> {
         let mut total: Option<Convergence> = None;
         for _ in 0..SCALE_ROUNDS {
             let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales, self.near_wall);
-            let mut round = self.run(&objective, &cylinder, &mut *report)?;
+            let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), &mut *report)?;
             if let Some(before) = &total {
                 round.iterations += before.iterations;
                 round.rejected_steps += before.rejected_steps;
@@ -107,15 +112,24 @@ impl Problem<'_> {
         total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })
     }
 
-    fn run(&self, objective: &impl Objective, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
-        let chart = match self.options.chart {
+    fn chart(&self, start: &Cylinder) -> Chart {
+        match self.options.chart {
             ChartChoice::Local => Chart::Local,
             ChartChoice::Orthonormal => Chart::Orthonormal,
             ChartChoice::Auto if self.is_paper() && self.has_camera && !start.contains_origin() => {
                 Chart::Orthonormal
             }
             ChartChoice::Auto => Chart::Local,
-        };
+        }
+    }
+
+    fn run(
+        &self,
+        objective: &impl Objective,
+        start: &Cylinder,
+        chart: Chart,
+        report: Report<'_>,
+    ) -> Result<Convergence> {
         minimise(objective, start, &self.center, self.unit, &self.options.limits, chart, report)
     }
 
