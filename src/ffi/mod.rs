@@ -16,8 +16,9 @@
 //! The contract behind every `unsafe` block here is the header's: a pointer is NULL or points to as many bytes
 //! as the parameter or the struct says, and stays valid during the call. Everything else is checked.
 
-// The names are those of the header, and what a caller must keep to is in the text of each parameter there.
-#![allow(non_camel_case_types, clippy::missing_safety_doc)]
+// The names are those of the header. The texts are for its readers: what a caller must keep to is said of each
+// parameter, and statuses are named without their prefix.
+#![allow(non_camel_case_types, clippy::missing_safety_doc, clippy::doc_markdown)]
 
 #[cfg(panic = "abort")]
 compile_error!("cylfuse reports panics as CYLFUSE_STATUS_PANIC, which needs panic = \"unwind\"");

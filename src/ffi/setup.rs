@@ -24,9 +24,8 @@ pub type cylfuse_progress_fn =
 /// @param level how much it matters
 /// @param message one line without a line break, valid until the callback returns
 /// @param user_data what was given with the callback
-pub type cylfuse_log_fn = Option<
-    unsafe extern "C" fn(level: cylfuse_log_level, message: *const c_char, user_data: *mut c_void),
->;
+pub type cylfuse_log_fn =
+    Option<unsafe extern "C" fn(level: cylfuse_log_level, message: *const c_char, user_data: *mut c_void)>;
 
 /// Replaces the options.
 ///

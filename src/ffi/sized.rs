@@ -108,8 +108,9 @@ pub(super) unsafe fn read<T: SizeTagged>(pointer: *const T, name: &'static str) 
     for offset in known..given {
         // SAFETY: `offset` is below the size that the caller set.
         if unsafe { bytes.add(offset).read() } != 0 {
-            let requirement =
-                format!("be at most {known} here, or the rest be zero: byte {offset} is not; update the library");
+            let requirement = format!(
+                "be at most {known} here, or the rest be zero: byte {offset} is not; update the library"
+            );
             return Err(Failure::StructSize { name, given, requirement });
         }
     }

@@ -70,7 +70,11 @@ fn fit(content: &mut Content, cancelled: &AtomicBool) -> Result<FitResult, Failu
         }
         phase = cylfuse_phase::SOLVE;
         // After the callback, which may be what asks for it.
-        if stop || cancelled.load(Ordering::Acquire) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if stop || cancelled.load(Ordering::Acquire) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
     let outcome = content.fitter.fit_with(&mut report);
     // What asked to cancel meant this fit, even if it came too late for it.

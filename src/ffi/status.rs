@@ -89,7 +89,8 @@ pub const STATUSES: &[(cylfuse_status, &CStr)] = &[
 /// The name and meaning of a status.
 pub(super) fn describe(status: cylfuse_status) -> &'static CStr {
     let known = STATUSES.iter().find(|(known, _)| *known == status);
-    known.map_or(c"unknown status: the library is newer than the program, or the number is no status", |k| k.1)
+    known
+        .map_or(c"unknown status: the library is newer than the program, or the number is no status", |k| k.1)
 }
 
 /// Why a call failed.

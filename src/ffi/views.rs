@@ -45,12 +45,20 @@ impl Grid {
     pub fn check<T>(&self, address: *const T) -> Result<CheckedGrid, Failure> {
         let &Grid { name, width, height, element_size, .. } = self;
         let too_large = || {
-            let size = format!("{width} x {height} with strides {} and {}", self.element_stride, self.row_stride);
+            let size =
+                format!("{width} x {height} with strides {} and {}", self.element_stride, self.row_stride);
             Failure::argument(format!("{name}: the size"), size, "fit into memory")
         };
         if width == 0 || height == 0 {
             let (element_stride, row_stride) = (self.element_stride, self.row_stride);
-            return Ok(CheckedGrid { width, height, element_size, element_stride, row_stride, reach: (0, 0) });
+            return Ok(CheckedGrid {
+                width,
+                height,
+                element_size,
+                element_stride,
+                row_stride,
+                reach: (0, 0),
+            });
         }
         if address.is_null() {
             return Err(Failure::NullPointer { name });
@@ -60,7 +68,10 @@ impl Grid {
             stride => stride,
         };
         let row_stride = match self.row_stride {
-            0 => isize::try_from(width).ok().and_then(|w| w.checked_mul(element_stride)).ok_or_else(too_large)?,
+            0 => isize::try_from(width)
+                .ok()
+                .and_then(|w| w.checked_mul(element_stride))
+                .ok_or_else(too_large)?,
             stride => stride,
         };
         self.check_overlap(element_stride, row_stride)?;
@@ -81,9 +92,12 @@ impl Grid {
         let &Grid { name, element, width, height, element_size, .. } = self;
         let (across, down) = (element_stride.unsigned_abs(), row_stride.unsigned_abs());
         // Bytes that a line of elements takes.
-        let line = |count: usize, stride: usize| (count - 1).saturating_mul(stride).saturating_add(element_size);
-        let row_major = (width == 1 || across >= element_size) && (height == 1 || down >= line(width, across));
-        let column_major = (height == 1 || down >= element_size) && (width == 1 || across >= line(height, down));
+        let line =
+            |count: usize, stride: usize| (count - 1).saturating_mul(stride).saturating_add(element_size);
+        let row_major =
+            (width == 1 || across >= element_size) && (height == 1 || down >= line(width, across));
+        let column_major =
+            (height == 1 || down >= element_size) && (width == 1 || across >= line(height, down));
         if row_major || column_major {
             return Ok(());
         }
@@ -244,7 +258,8 @@ pub(super) unsafe fn segments(view: &cylfuse_segments_view) -> Result<Vec<EdgeSe
 /// A camera. Only checks what the safe library cannot see: unknown models and coefficients that the model does
 /// not have.
 pub(super) fn intrinsics(given: &cylfuse_intrinsics) -> Result<Intrinsics, Failure> {
-    let &cylfuse_intrinsics { distortion_model: model, width, height, fx, fy, cx, cy, distortion, .. } = given;
+    let &cylfuse_intrinsics { distortion_model: model, width, height, fx, fy, cx, cy, distortion, .. } =
+        given;
     let (used, distortion) = match model {
         cylfuse_distortion::NONE => (0, Distortion::None),
         cylfuse_distortion::BROWN_CONRADY => (8, Distortion::BrownConrady(distortion)),
@@ -271,7 +286,10 @@ pub(super) fn intrinsics(given: &cylfuse_intrinsics) -> Result<Intrinsics, Failu
 ///
 /// # Safety
 /// `model` is NULL or points to a cylinder.
-pub(super) unsafe fn cylinder(model: *const cylfuse_cylinder, name: &'static str) -> Result<Cylinder, Failure> {
+pub(super) unsafe fn cylinder(
+    model: *const cylfuse_cylinder,
+    name: &'static str,
+) -> Result<Cylinder, Failure> {
     if model.is_null() {
         return Err(Failure::NullPointer { name });
     }
@@ -359,7 +377,9 @@ mod tests {
         let memory = [0_u16; 12];
         let check = |size, strides| grid(size, strides).check(memory.as_ptr());
         assert!(check((4, 3), (0, 0)).is_ok());
-        assert!(check((4, 3), (2, 8)).is_ok() && check((4, 3), (2, -8)).is_ok() && check((4, 3), (-2, 8)).is_ok());
+        assert!(
+            check((4, 3), (2, 8)).is_ok() && check((4, 3), (2, -8)).is_ok() && check((4, 3), (-2, 8)).is_ok()
+        );
         // Column by column, as in a transposed array.
         assert!(check((4, 3), (6, 2)).is_ok());
         let text = |strides| check((4, 3), strides).unwrap_err().to_string();
