@@ -28,12 +28,17 @@
 //!
 //! # Layers
 //! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`] and [`start`], [`fitter`], then what follows a fit: [`completion`] and [`extent`].
+//! [`solver`] and [`start`], [`fitter`], then what follows a fit: [`completion`] and [`extent`], and on top the C interface, [`ffi`].
+
+// Pointers are for the C interface; everything else is safe code.
+#![deny(unsafe_code)]
 
 pub mod camera;
 pub mod completion;
 pub mod error;
 pub mod extent;
+#[allow(unsafe_code)]
+pub mod ffi;
 pub mod fitter;
 pub mod geometry;
 pub mod observations;

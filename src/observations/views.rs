@@ -138,6 +138,7 @@ impl<'a> Strided<'a> {
 /// The memory of a slice of plain numbers.
 ///
 /// Only used with the number types below, which have no padding and no invalid bytes to expose.
+#[allow(unsafe_code)]
 fn bytes_of<T: PlainNumber>(slice: &[T]) -> &[u8] {
     // SAFETY: T is one of the primitive number types or an array of them (sealed trait), so all
     // size_of_val(slice) bytes are initialised; u8 has no alignment; the lifetime is that of the slice.
