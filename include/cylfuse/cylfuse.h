@@ -265,18 +265,22 @@ typedef int32_t cylfuse_near_wall;
 #define CYLFUSE_NEAR_WALL_OFF 2
 
 /**
- * The coordinates in which the iteration steps. Both reach the same optima.
+ * The coordinates in which the iteration steps. All reach the same optima.
  */
 typedef int32_t cylfuse_chart;
 /**
+ * ORTHONORMAL for the paper's objective where a camera stands outside the cylinder, else LOCAL.
+ */
+#define CYLFUSE_CHART_AUTO 0
+/**
  * Shift and tilt of the axis at the data: regular wherever the axis runs.
  */
-#define CYLFUSE_CHART_LOCAL 0
+#define CYLFUSE_CHART_LOCAL 1
 /**
  * The orthonormal representation about the origin of coordinates, as in the paper: singular for an axis
  * through the origin.
  */
-#define CYLFUSE_CHART_ORTHONORMAL 1
+#define CYLFUSE_CHART_ORTHONORMAL 2
 
 /**
  * The settings of a fit. `cylfuse_options_init` fills the defaults, which are named below; a field that says
@@ -476,6 +480,20 @@ typedef struct cylfuse_points_view {
      * Bytes from a row of weights to the next one; 0 = `width` * `weight_stride`.
      */
     ptrdiff_t weight_row_stride;
+    /**
+     * x of the normal at the first point; y and z follow it, in the type of the coordinates. Normals have any
+     * length and sign; one of length 0 or that is not finite counts as unknown. Only RANSAC uses them, and
+     * only when all points come with normals. NULL = unknown.
+     */
+    const void *normals;
+    /**
+     * Bytes from a normal to the next one in its row; 0 = 3 scalars.
+     */
+    ptrdiff_t normal_stride;
+    /**
+     * Bytes from a row of normals to the next one; 0 = `width` * `normal_stride`.
+     */
+    ptrdiff_t normal_row_stride;
 } cylfuse_points_view;
 
 /**
