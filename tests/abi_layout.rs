@@ -1,5 +1,7 @@
 //! The structs have one layout in Rust, in C and in the committed list, without padding.
 
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
 mod common;
 
 use common::{assert_committed, c_compiler, root, run, scratch};

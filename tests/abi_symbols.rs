@@ -1,5 +1,8 @@
 //! What old programs rely on besides the layout of structs: exported functions, soname, status numbers.
 
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
 mod common;
 
 use common::{assert_committed, header, library, root, run};
@@ -29,7 +32,6 @@ fn the_library_exports_the_functions_of_the_interface_and_nothing_else() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn the_soname_changes_with_every_version_that_may_break_programs() {
     // cargo-c, whose feature this is, sets a soname of its own.
     if cfg!(feature = "capi") {
@@ -41,7 +43,7 @@ fn the_soname_changes_with_every_version_that_may_break_programs() {
     assert!(dynamic.contains(&format!("Library soname: [libcylfuse.so.{version}]")), "{dynamic}");
 }
 
-/// One list: the committed file, the constants of the header, what status_string knows, the errors of the library.
+/// One list: the committed file, the constants of the header, what `cylfuse_status_string` knows, the errors of the library.
 #[test]
 fn status_numbers_are_never_changed() {
     let name = |text: &str| text.split(':').next().unwrap_or_default().to_string();

@@ -1,11 +1,20 @@
 //! Builds the C program in tests/c, which walks the whole interface, and runs it against the library in several
 //! ways.
 
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
 mod common;
 
 use common::{c_compiler, library, root, run, scratch};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// What `rustc --print native-static-libs` lists.
+const SYSTEM_LIBRARIES: [&str; 7] = ["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"];
+
+/// The walk asks for more memory than there is, on purpose.
+const ASAN_OPTIONS: &str = "allocator_may_return_null=1:detect_stack_use_after_return=1";
 
 /// The program linked with the shared library, next to which it finds it.
 fn build(name: &str, shared_library: &Path, flags: &[&str]) -> PathBuf {
@@ -50,9 +59,7 @@ fn the_walk_holds_with_the_shared_library() {
 #[test]
 fn the_walk_holds_with_the_static_library() {
     let program = scratch("c_static").join("walk");
-    // What `rustc --print native-static-libs` lists.
-    let system = ["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"];
-    run(compile(&[]).arg("-o").arg(&program).arg(library("libcylfuse.a")).args(system));
+    run(compile(&[]).arg("-o").arg(&program).arg(library("libcylfuse.a")).args(SYSTEM_LIBRARIES));
     assert_eq!(run(&mut Command::new(program)), "all checks hold\n");
 }
 
@@ -61,9 +68,7 @@ fn the_walk_holds_with_sanitizers() {
     let flags =
         ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"];
     let program = build("c_sanitized", &library("libcylfuse.so"), &flags);
-    // The walk asks for more memory than there is, on purpose.
-    let options = "allocator_may_return_null=1:detect_stack_use_after_return=1";
-    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", options)), "all checks hold\n");
+    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 #[test]
@@ -75,7 +80,8 @@ fn the_walk_holds_under_valgrind() {
     }
     let program = build("c_valgrind", &library("libcylfuse.so"), &["-O1"]);
     let leaks = "--errors-for-leak-kinds=definite,indirect,possible";
-    let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks];
+    let suppressions = format!("--suppressions={}", root().join("tests/c/valgrind.supp").display());
+    let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks, &suppressions];
     assert_eq!(run(Command::new("valgrind").args(valgrind).arg(program)), "all checks hold\n");
 }
 
@@ -88,6 +94,23 @@ fn a_panic_inside_leaves_the_process_alive_and_silent() {
     assert_eq!(String::from_utf8_lossy(&output.stdout), "all checks hold\n");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert!(output.status.success(), "{}", output.status);
+}
+
+/// Sanitises the Rust side too, where all pointers of the caller are read and written.
+#[test]
+#[ignore = "needs a nightly toolchain and compiles everything anew, for minutes"]
+fn the_walk_holds_with_a_sanitized_library() {
+    let triple = "x86_64-unknown-linux-gnu";
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sanitized");
+    let arguments =
+        ["run", "nightly", "cargo", "rustc", "--lib", "--crate-type", "staticlib", "--target", triple];
+    let mut cargo = Command::new("rustup");
+    cargo.current_dir(root()).env_remove("CARGO").env_remove("RUSTC").env("RUSTFLAGS", "-Zsanitizer=address");
+    run(cargo.args(arguments).arg("--target-dir").arg(&target));
+    let program = scratch("c_sanitized_library").join("walk");
+    let library = target.join(triple).join("debug/libcylfuse.a");
+    run(compile(&["-fsanitize=address"]).arg("-o").arg(&program).arg(library).args(SYSTEM_LIBRARIES));
+    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 /// The library with one more export, in a target folder of its own: the other tests need the one without.

@@ -2,6 +2,8 @@
 //!
 //! `CYLFUSE_REGENERATE_HEADER=1 cargo test --test header` writes it anew.
 
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
 mod common;
 
 use common::{c_compiler, cpp_compiler, header, root, run, scratch};

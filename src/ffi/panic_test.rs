@@ -4,6 +4,9 @@ use super::handle::{cylfuse_fitter, enter};
 use super::status::cylfuse_status;
 
 /// Panics inside a call on the fitter.
+///
+/// # Panics
+/// Always; the guard turns it into the status.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_test_panic(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: the contract of the header.
