@@ -26,7 +26,8 @@ fn swap_text(text: Option<String>) -> Option<String> {
 
 /// The standard hook prints to stderr, which belongs to the host. This one stores the text instead, with the
 /// place in the source, for panics inside a call; all others go to the hook that was there before. A shared
-/// library has hooks of its own, so this is not seen by a Rust host.
+/// library has hooks of its own, so this is not seen by a Rust host. A worker thread is not inside a call: what it
+/// would have to say about a defect still goes to the hook from before.
 fn silence_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
