@@ -7,6 +7,7 @@
 mod common;
 
 use common::{c_compiler, library, root, run, scratch};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -45,6 +46,14 @@ fn compile(flags: &[&str]) -> Command {
     compiler
 }
 
+/// A program that finds the library by its rpath only: the path that cargo sets for tests may lead to a library
+/// from an earlier build.
+fn start(program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(program);
+    command.env_remove("LD_LIBRARY_PATH");
+    command
+}
+
 fn soname() -> String {
     let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
     if major == "0" { format!("libcylfuse.so.0.{minor}") } else { format!("libcylfuse.so.{major}") }
@@ -53,14 +62,14 @@ fn soname() -> String {
 #[test]
 fn the_walk_holds_with_the_shared_library() {
     let program = build("c_shared", &library("libcylfuse.so"), &["-O2"]);
-    assert_eq!(run(&mut Command::new(program)), "all checks hold\n");
+    assert_eq!(run(&mut start(program)), "all checks hold\n");
 }
 
 #[test]
 fn the_walk_holds_with_the_static_library() {
     let program = scratch("c_static").join("walk");
     run(compile(&[]).arg("-o").arg(&program).arg(library("libcylfuse.a")).args(SYSTEM_LIBRARIES));
-    assert_eq!(run(&mut Command::new(program)), "all checks hold\n");
+    assert_eq!(run(&mut start(program)), "all checks hold\n");
 }
 
 #[test]
@@ -68,7 +77,7 @@ fn the_walk_holds_with_sanitizers() {
     let flags =
         ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"];
     let program = build("c_sanitized", &library("libcylfuse.so"), &flags);
-    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
+    assert_eq!(run(start(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 #[test]
@@ -82,7 +91,7 @@ fn the_walk_holds_under_valgrind() {
     let leaks = "--errors-for-leak-kinds=definite,indirect,possible";
     let suppressions = format!("--suppressions={}", root().join("tests/c/valgrind.supp").display());
     let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks, &suppressions];
-    assert_eq!(run(Command::new("valgrind").args(valgrind).arg(program)), "all checks hold\n");
+    assert_eq!(run(start("valgrind").args(valgrind).arg(program)), "all checks hold\n");
 }
 
 #[test]
@@ -90,7 +99,7 @@ fn a_panic_inside_leaves_the_process_alive_and_silent() {
     let library =
         if cfg!(feature = "panic-test") { library("libcylfuse.so") } else { library_with_panic_test() };
     let program = build("c_panic", &library, &["-O1", "-DCYLFUSE_PANIC_TEST"]);
-    let output = Command::new(program).output().unwrap();
+    let output = start(program).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stdout), "all checks hold\n");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert!(output.status.success(), "{}", output.status);
@@ -110,7 +119,7 @@ fn the_walk_holds_with_a_sanitized_library() {
     let program = scratch("c_sanitized_library").join("walk");
     let library = target.join(triple).join("debug/libcylfuse.a");
     run(compile(&["-fsanitize=address"]).arg("-o").arg(&program).arg(library).args(SYSTEM_LIBRARIES));
-    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
+    assert_eq!(run(start(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 /// The library with one more export, in a target folder of its own: the other tests need the one without.
