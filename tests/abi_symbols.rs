@@ -1,5 +1,6 @@
 //! What old programs rely on besides the layout of structs: exported functions, soname, status numbers.
 
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 mod common;
@@ -31,7 +32,6 @@ fn the_library_exports_the_functions_of_the_interface_and_nothing_else() {
 }
 
 #[test]
-#[cfg(target_os = "linux")]
 fn the_soname_changes_with_every_version_that_may_break_programs() {
     // cargo-c, whose feature this is, sets a soname of its own.
     if cfg!(feature = "capi") {

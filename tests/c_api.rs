@@ -1,13 +1,21 @@
 //! Builds the C program in tests/c, which walks the whole interface, and runs it against the library in several
 //! ways.
 
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 mod common;
 
 use common::{c_compiler, library, root, run, scratch};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+/// What `rustc --print native-static-libs` lists.
+const SYSTEM_LIBRARIES: [&str; 7] = ["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"];
+
+/// The walk asks for more memory than there is, on purpose.
+const ASAN_OPTIONS: &str = "allocator_may_return_null=1:detect_stack_use_after_return=1";
 
 /// The program linked with the shared library, next to which it finds it.
 fn build(name: &str, shared_library: &Path, flags: &[&str]) -> PathBuf {
@@ -38,6 +46,14 @@ fn compile(flags: &[&str]) -> Command {
     compiler
 }
 
+/// A program that finds the library by its rpath only: the path that cargo sets for tests may lead to a library
+/// from an earlier build.
+fn start(program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(program);
+    command.env_remove("LD_LIBRARY_PATH");
+    command
+}
+
 fn soname() -> String {
     let [major, minor] = [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR")];
     if major == "0" { format!("libcylfuse.so.0.{minor}") } else { format!("libcylfuse.so.{major}") }
@@ -46,16 +62,14 @@ fn soname() -> String {
 #[test]
 fn the_walk_holds_with_the_shared_library() {
     let program = build("c_shared", &library("libcylfuse.so"), &["-O2"]);
-    assert_eq!(run(&mut Command::new(program)), "all checks hold\n");
+    assert_eq!(run(&mut start(program)), "all checks hold\n");
 }
 
 #[test]
 fn the_walk_holds_with_the_static_library() {
     let program = scratch("c_static").join("walk");
-    // What `rustc --print native-static-libs` lists.
-    let system = ["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"];
-    run(compile(&[]).arg("-o").arg(&program).arg(library("libcylfuse.a")).args(system));
-    assert_eq!(run(&mut Command::new(program)), "all checks hold\n");
+    run(compile(&[]).arg("-o").arg(&program).arg(library("libcylfuse.a")).args(SYSTEM_LIBRARIES));
+    assert_eq!(run(&mut start(program)), "all checks hold\n");
 }
 
 #[test]
@@ -63,9 +77,7 @@ fn the_walk_holds_with_sanitizers() {
     let flags =
         ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"];
     let program = build("c_sanitized", &library("libcylfuse.so"), &flags);
-    // The walk asks for more memory than there is, on purpose.
-    let options = "allocator_may_return_null=1:detect_stack_use_after_return=1";
-    assert_eq!(run(Command::new(program).env("ASAN_OPTIONS", options)), "all checks hold\n");
+    assert_eq!(run(start(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 #[test]
@@ -77,8 +89,9 @@ fn the_walk_holds_under_valgrind() {
     }
     let program = build("c_valgrind", &library("libcylfuse.so"), &["-O1"]);
     let leaks = "--errors-for-leak-kinds=definite,indirect,possible";
-    let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks];
-    assert_eq!(run(Command::new("valgrind").args(valgrind).arg(program)), "all checks hold\n");
+    let suppressions = format!("--suppressions={}", root().join("tests/c/valgrind.supp").display());
+    let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks, &suppressions];
+    assert_eq!(run(start("valgrind").args(valgrind).arg(program)), "all checks hold\n");
 }
 
 #[test]
@@ -86,10 +99,27 @@ fn a_panic_inside_leaves_the_process_alive_and_silent() {
     let library =
         if cfg!(feature = "panic-test") { library("libcylfuse.so") } else { library_with_panic_test() };
     let program = build("c_panic", &library, &["-O1", "-DCYLFUSE_PANIC_TEST"]);
-    let output = Command::new(program).output().unwrap();
+    let output = start(program).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stdout), "all checks hold\n");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
     assert!(output.status.success(), "{}", output.status);
+}
+
+/// Sanitises the Rust side too, where all pointers of the caller are read and written.
+#[test]
+#[ignore = "needs a nightly toolchain and compiles everything anew, for minutes"]
+fn the_walk_holds_with_a_sanitized_library() {
+    let triple = "x86_64-unknown-linux-gnu";
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sanitized");
+    let arguments =
+        ["run", "nightly", "cargo", "rustc", "--lib", "--crate-type", "staticlib", "--target", triple];
+    let mut cargo = Command::new("rustup");
+    cargo.current_dir(root()).env_remove("CARGO").env_remove("RUSTC").env("RUSTFLAGS", "-Zsanitizer=address");
+    run(cargo.args(arguments).arg("--target-dir").arg(&target));
+    let program = scratch("c_sanitized_library").join("walk");
+    let library = target.join(triple).join("debug/libcylfuse.a");
+    run(compile(&["-fsanitize=address"]).arg("-o").arg(&program).arg(library).args(SYSTEM_LIBRARIES));
+    assert_eq!(run(start(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
 /// The library with one more export, in a target folder of its own: the other tests need the one without.

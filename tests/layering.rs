@@ -96,6 +96,23 @@ fn no_layer_imports_one_above_it() {
     assert!(upward.is_empty(), "upward imports:\n{}", upward.join("\n"));
 }
 
+/// Standard output and error belong to the program around the library.
+#[test]
+fn the_library_prints_nothing() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&source, &mut files);
+    files.retain(|file| !file.starts_with(source.join("bin")));
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for call in ["print!", "println!", "dbg!", "stdout()", "stderr()"] {
+            let here =
+                text.lines().position(|line| line.contains(call) && !line.trim_start().starts_with("//"));
+            assert!(here.is_none(), "{} prints with {call} in line {}", file.display(), here.unwrap() + 1);
+        }
+    }
+}
+
 #[test]
 fn imports_are_found_in_every_form() {
     let text = "use crate::camera::Camera;\nuse crate::{error::{Error, Result}, fitter};\nfn f(x: &crate::geometry::Line) {}\nuse other_crate::start;";

@@ -30,8 +30,8 @@
  * x to the right, y down, z forward, with its origin in the centre of projection. Pixel centres are at integer
  * coordinates, as in OpenCV.
  *
- * Numbers. Points with a coordinate that is not finite, depths of 0, below 0 or not finite and pixels outside
- * the mask are left out and counted. Anything else that is not finite is INVALID_ARGUMENT.
+ * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels
+ * outside the mask are left out and counted. Anything else that is not finite is an error.
  *
  * Threads. A fitter runs one call at a time, on any thread; a second call returns BUSY. Only
  * cylfuse_fitter_cancel() may be called while another call is running. Different fitters run in parallel. There
@@ -548,7 +548,7 @@ typedef struct cylfuse_depth_view {
      */
     double scale;
     /**
-     * The nearest depth that counts, in the unit of length.
+     * The nearest depth that counts, in the unit of length, 0 or greater.
      */
     double min_depth;
     /**
@@ -864,7 +864,7 @@ typedef struct cylfuse_counts {
      */
     uint64_t dropped_no_depth;
     /**
-     * Left out: the depth is outside [`min_depth`, `max_depth`].
+     * Left out: the depth is below `min_depth` or above `max_depth`.
      */
     uint64_t dropped_out_of_range;
     /**
@@ -1150,7 +1150,7 @@ typedef struct cylfuse_completion {
      */
     uint64_t outside_camera;
     /**
-     * Hits whose depth does not fit the pixel format; they were written as 0.
+     * Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
      */
     uint64_t out_of_range;
 } cylfuse_completion;

@@ -96,7 +96,7 @@ fn completion(count: usize, counts: &CompletionCounts, out_of_range: u64) -> cyl
         struct_size: 0,
         reserved: 0,
         count: count as u64,
-        hits: counts.hits as u64 - out_of_range,
+        hits: counts.hits as u64,
         misses: counts.misses as u64,
         outside_camera: counts.outside_camera as u64,
         out_of_range,

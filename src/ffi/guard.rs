@@ -11,7 +11,7 @@ thread_local! {
 
 /// Runs the body of a call; a panic becomes its text.
 pub(super) fn guard<T>(body: impl FnOnce() -> T) -> Result<T, String> {
-    keep_panics_off_stderr();
+    silence_panics();
     // A callback may call another fitter: the text of the outer call comes back afterwards.
     let outer = swap_text(Some(String::new()));
     let outcome = catch_unwind(AssertUnwindSafe(body));
@@ -26,8 +26,9 @@ fn swap_text(text: Option<String>) -> Option<String> {
 
 /// The standard hook prints to stderr, which belongs to the host. This one stores the text instead, with the
 /// place in the source, for panics inside a call; all others go to the hook that was there before. A shared
-/// library has hooks of its own, so this is not seen by a Rust host.
-fn keep_panics_off_stderr() {
+/// library has hooks of its own, so this is not seen by a Rust host. A worker thread is not inside a call: what it
+/// would have to say about a defect still goes to the hook from before.
+fn silence_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let before = std::panic::take_hook();

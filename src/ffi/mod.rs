@@ -6,11 +6,11 @@
 //!
 //! How a call runs:
 //!
-//! - [`guard`] catches panics,
-//! - [`handle`] takes the busy flag of the fitter, keeps the message of a failure and poisons the fitter after a
+//! - `guard` catches panics,
+//! - `handle` takes the busy flag of the fitter, keeps the message of a failure and poisons the fitter after a
 //!   panic,
-//! - [`sized`] reads and writes the structs whose first field is their size,
-//! - [`views`] turns pointers and strides into the views of the safe library,
+//! - `sized` reads and writes the structs whose first field is their size,
+//! - `views` turns pointers and strides into the views of the safe library,
 //! - the files named after the groups of functions do the rest.
 //!
 //! The contract behind every `unsafe` block here is the header's: a pointer is NULL or points to as many bytes

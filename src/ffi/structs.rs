@@ -128,7 +128,7 @@ pub struct cylfuse_depth_view {
     /// Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length is
     /// the metre.
     pub scale: f64,
-    /// The nearest depth that counts, in the unit of length.
+    /// The nearest depth that counts, in the unit of length, 0 or greater.
     pub min_depth: f64,
     /// The farthest depth that counts, in the unit of length; 0 = no limit.
     pub max_depth: f64,
@@ -262,7 +262,7 @@ pub struct cylfuse_counts {
     pub dropped_outside_mask: u64,
     /// Left out: no depth was measured there.
     pub dropped_no_depth: u64,
-    /// Left out: the depth is outside [`min_depth`, `max_depth`].
+    /// Left out: the depth is below `min_depth` or above `max_depth`.
     pub dropped_out_of_range: u64,
     /// Left out: the camera model has no ray for the pixel.
     pub dropped_outside_camera: u64,
@@ -370,7 +370,7 @@ pub struct cylfuse_completion {
     pub misses: u64,
     /// Pixels of the mask for which the camera model has no ray.
     pub outside_camera: u64,
-    /// Hits whose depth does not fit the pixel format; they were written as 0.
+    /// Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
     pub out_of_range: u64,
 }
 

@@ -217,8 +217,44 @@ static void cameras_that_cannot_be(void)
     destroy(fitter);
 }
 
+/* Sums over points are the same to the last bit, whoever adds them up. */
+static void any_number_of_threads(void)
+{
+    enum { MANY = 140000 };
+    float (*many)[3] = exactly(sizeof(float[3]) * MANY);
+    for (int k = 0; k < MANY; k++) {
+        for (int c = 0; c < 3; c++) {
+            many[k][c] = (float)(the_scene.points[k % POINTS][c] + 1e-4 * sin(k + c));
+        }
+    }
+    cylfuse_points_view points = scene_points();
+    points.scalar = CYLFUSE_SCALAR_F32;
+    points.data = many;
+    points.width = MANY;
+    points.height = 1;
+    cylfuse_fitter *fitter = new_fitter();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    free(many);
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.method = CYLFUSE_METHOD_POINTS;
+    options.start = CYLFUSE_START_MODEL;
+    options.max_iterations = 3;
+    CHECK_OK(cylfuse_fitter_set_start_model(fitter, &the_scene.truth));
+    cylfuse_result results[2];
+    for (uint32_t k = 0; k < 2; k++) {
+        options.max_threads = 1 + 3 * k;
+        CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+        results[k] = fit(fitter);
+    }
+    CHECK(memcmp(&results[0].model, &results[1].model, sizeof results[0].model) == 0);
+    CHECK(results[0].cost == results[1].cost && results[0].iterations > 0);
+    destroy(fitter);
+}
+
 void test_fit(void)
 {
+    any_number_of_threads();
     a_fit_and_what_it_says();
     the_objective_of_the_paper();
     data_that_are_no_cylinder();
