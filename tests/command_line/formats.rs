@@ -14,7 +14,8 @@ fn images_may_be_grey_or_colour_of_8_or_16_bits() {
     let expected = plain();
     let copy = Copy::new();
     let grey = image::open(copy.path("image.png")).unwrap();
-    let kinds: [(&str, fn(&DynamicImage) -> DynamicImage); 6] = [
+    type Convert = fn(&DynamicImage) -> DynamicImage;
+    let kinds: [(&str, Convert); 6] = [
         ("grey 8", |i| i.to_luma8().into()),
         ("grey 16", |i| i.to_luma16().into()),
         ("rgb 8", |i| i.to_rgb8().into()),
@@ -58,8 +59,8 @@ fn masks_may_have_any_colour() {
 fn image_and_edges_are_optional() {
     let remove = |json: &mut Value, name: &str| drop(json.as_object_mut().unwrap().remove(name));
     let set_null = |json: &mut Value, name: &str| json[name] = Value::Null;
-    let ways: [&dyn Fn(&mut Value, &str); 2] = [&remove, &set_null];
-    for absent in ways {
+    type Absent = fn(&mut Value, &str);
+    for absent in [remove as Absent, set_null] {
         let mut copy = Copy::new();
         absent(&mut copy.json, "image");
         assert_eq!(fitted(&copy.write(), &[])["cylinder"], plain());

@@ -1,5 +1,6 @@
 //! The program `cylfuse` from outside: what it prints, what it writes, what it refuses.
 #![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod bad_input;
 mod clouds;

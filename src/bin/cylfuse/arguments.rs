@@ -1,5 +1,7 @@
 //! The command line: what can be asked for, and the checks that need more than one option.
 
+#![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
+
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
 use cylfuse::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
@@ -20,7 +22,7 @@ const EXAMPLES: &str = "Examples:
   cylfuse demo                              fit the built-in frame and leave pictures and files
   cylfuse fit frame.json                    fit one frame, print a table
   cylfuse fit --json frames/ > results.txt  fit all frames of a folder, one JSON object a line
-  cylfuse fit --out results frames/         the same with an overlay and the completed points of each
+  cylfuse fit --out results frames/         the same with pictures and completed points
   cylfuse fit --points part.ply             fit a bare point cloud
 
 Exit status: 0 all fitted, 1 some frame failed, 2 the command line is wrong.";
@@ -35,8 +37,6 @@ pub enum Command {
 }
 
 /// `cylfuse fit`.
-///
-/// Without a mask all measured pixels of a frame are fitted, the background included.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("input").required(true).args(["frames", "points"]))]
 #[command(after_help = FRAME_FORMAT)]
@@ -117,7 +117,9 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
   camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
-  image, mask, edges optional; depth, mask and edges are on the pixels of the (distorted) image";
+  image, mask, edges optional; depth, mask and edges are on the pixels of the (distorted) image
+
+Without a mask all measured pixels are fitted, the background included, and there is no extent.";
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]

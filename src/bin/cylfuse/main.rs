@@ -109,7 +109,10 @@ fn print_table(reports: &[Report]) -> io::Result<()> {
     write!(io::stdout(), "{}", table::render(reports))?;
     for report in reports {
         if let Outcome::Failed { error: Failure { status, message } } = &report.outcome {
-            complain(&format!("{}: {status}: {message}", table::short_name(report)));
+            // Most messages start with the path of a file of the frame.
+            let name = table::short_name(report);
+            let whose = if message.starts_with(name) { String::new() } else { format!("{name}: ") };
+            complain(&format!("{whose}{status}: {message}"));
         }
     }
     Ok(())

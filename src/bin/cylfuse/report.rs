@@ -149,7 +149,7 @@ pub struct ResultValues {
     /// Segments that took part.
     pub segments_used: usize,
     segments_given: usize,
-    /// Root of E_P.
+    /// Root mean square distance of the points from the surface.
     pub point_rms: f64,
     /// Root mean square distance of the endpoints from the limb lines.
     pub edge_rms_pixels: Option<f64>,

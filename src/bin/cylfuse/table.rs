@@ -1,8 +1,7 @@
 //! The short table for people.
 
 use crate::report::{Fitted, Measurement, Outcome, Report};
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
 /// Millimetres in a metre: frames are in metres, people read millimetres.
 const MILLIMETRES: f64 = 1000.0;
@@ -62,7 +61,8 @@ pub fn render(reports: &[Report]) -> String {
     let (name, columns) =
         if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY);
+    let rule = LineStyle::none().fill('─').junction('─');
+    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
     let titles = std::iter::once(name).chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
     for report in reports {
