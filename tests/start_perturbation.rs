@@ -2,6 +2,8 @@
 //! 100 trials a level on six frames. Prints the table; `cargo test --release --test start_perturbation --
 //! --nocapture`.
 
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 #[path = "support/frames.rs"]
@@ -9,7 +11,7 @@ mod frames;
 
 use cylfuse::fitter::{NearWall, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::{Cylinder, exp_so3};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use support::Noise;
 
 const TRIALS: usize = 100;
@@ -24,7 +26,7 @@ const LEVELS: [([f64; 3], [f64; 2]); 4] = [
 ];
 
 /// How many of the trials reach the reference optimum.
-fn successes(folder: &PathBuf, [sigma_d, sigma_p, sigma_r]: [f64; 3], near_wall: NearWall) -> usize {
+fn successes(folder: &Path, [sigma_d, sigma_p, sigma_r]: [f64; 3], near_wall: NearWall) -> usize {
     let truth = frames::cylinder(&frames::json(&folder.join("truth.json")), "center", "axis");
     let optimum = frames::solution(folder, 0.6);
     let (cost, radius) = (optimum["cost"].as_f64().unwrap(), optimum["radius"].as_f64().unwrap());

@@ -1,4 +1,5 @@
 //! Odd and broken input: what must fit, what fits with a flag, and what is an error of its own.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

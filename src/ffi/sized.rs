@@ -27,7 +27,7 @@ impl SizeTagged for cylfuse_intrinsics {
 }
 
 impl SizeTagged for cylfuse_points_view {
-    const FIRST_SIZE: usize = offset_of!(Self, weight_row_stride) + size_of::<isize>();
+    const FIRST_SIZE: usize = offset_of!(Self, normal_row_stride) + size_of::<isize>();
 }
 
 impl SizeTagged for cylfuse_points_out {
