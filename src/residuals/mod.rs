@@ -1,6 +1,6 @@
 //! Residuals, their analytic Jacobians and their weighted sums.
 //!
-//! Every residual is divided by the unit of the [`LocalFrame`](crate::geometry::LocalFrame) it is linearised
+//! Every residual is divided by the unit of the [`LocalFrame`] it is linearised
 //! in, and every Jacobian is taken in the tangent of that frame; a term hands over its part of the normal
 //! equations and a solver adds the parts up. An objective is a choice of terms and weights.
 

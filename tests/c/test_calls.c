@@ -51,7 +51,7 @@ static int32_t record(const cylfuse_progress *progress, void *user_data)
 {
     recorder *seen = user_data;
     seen->calls++;
-    CHECK(progress->struct_size == sizeof *progress && progress->max_iterations == 500);
+    CHECK(progress->struct_size == sizeof *progress && progress->max_iterations == 400);
     CHECK(pthread_equal(pthread_self(), seen->thread));
     if (progress->phase == CYLFUSE_PHASE_START) {
         seen->starts++;
