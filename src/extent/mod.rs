@@ -1,0 +1,232 @@
+//! The finite extent of the visible cylinder (the paper's section 4.5.2) and what its ends look like.
+//!
+//! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
+//! Here an end is located from all generators (lines of the surface along the axis) together, in three steps:
+//!
+//! 1. in the mask: where each generator leaves it, robustly averaged, and freed of the mask's bias, which shows
+//!    at the limbs ([`silhouette`]);
+//! 2. in the depth image: what lies beyond, from which the state of the end follows ([`surroundings`]);
+//! 3. in the grey image: the arc of the end circle that bounds the visible surface ([`arc`]).
+
+mod arc;
+mod border;
+mod silhouette;
+mod surface;
+mod surroundings;
+
+use crate::completion::Region;
+use crate::error::{Error, Result};
+use crate::fitter::Fitter;
+use crate::geometry::Cylinder;
+use crate::observations::{GreyImage, MaskView};
+use nalgebra::Vector3;
+use silhouette::Silhouette;
+use surface::Surface;
+use surroundings::Surroundings;
+
+/// What an end of the visible cylinder is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndState {
+    /// The surface ends there: what lies beyond is farther than the surface would be.
+    Seen,
+    /// The border of the image cuts the cylinder off.
+    Cut,
+    /// Something nearer than the surface covers what lies beyond.
+    Hidden,
+    /// No depth was measured beyond the end.
+    Unknown,
+}
+
+/// What the position of an end was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndSource {
+    /// The extreme point completed over the mask.
+    Extreme,
+    /// Where the generators leave the mask.
+    Mask,
+    /// The arc of the end circle in the grey image.
+    Image,
+    /// The last of the surface inside the border of the image.
+    Border,
+}
+
+/// How the ends are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExtentRule {
+    /// The paper's rule: the extreme positions along the axis of the points completed over the mask.
+    Extremes,
+    /// From all generators together, in the mask and, when there is one, in the grey image. From inside a pipe,
+    /// which shows no end circle, the paper's rule.
+    #[default]
+    Located,
+}
+
+/// The settings of the extent.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ExtentOptions<'a> {
+    /// How the ends are found.
+    pub rule: ExtentRule,
+    /// The grey image, on the grid of the mask.
+    pub image: Option<&'a GreyImage>,
+    /// Whether the limbs of the model are good to a fraction of a pixel, so that the bias of the mask may be
+    /// read off at them. `None`: when the last fit used edge segments.
+    pub limbs_known: Option<bool>,
+}
+
+/// The visible piece of the cylinder: `end` = `start` + `length` · direction of the model. Lengths are in the
+/// unit of the data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// c₀, the middle of the ends.
+    pub center: Vector3<f64>,
+    /// l_c, the distance of the ends.
+    pub length: f64,
+    /// The end against the direction.
+    pub start: Vector3<f64>,
+    /// The end along the direction.
+    pub end: Vector3<f64>,
+    /// What the start is.
+    pub start_state: EndState,
+    /// What the end is.
+    pub end_state: EndState,
+    /// What the position of the start was taken from.
+    pub start_source: EndSource,
+    /// What the position of the end was taken from.
+    pub end_source: EndSource,
+    /// Standard deviation of the position of the start along the axis, for a model without error; `None` for an
+    /// extreme.
+    pub start_deviation: Option<f64>,
+    /// The same for the end.
+    pub end_deviation: Option<f64>,
+}
+
+/// An end as it was found.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    /// Position along the axis, from the axis point of the model.
+    position: f64,
+    deviation: Option<f64>,
+    state: EndState,
+    source: EndSource,
+}
+
+impl Fitter {
+    /// The extent with default options: [`ExtentRule::Located`], without a grey image. See
+    /// [`Fitter::extent_with`].
+    ///
+    /// # Errors
+    /// Those of [`Fitter::extent_with`].
+    pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
+        self.extent_with(model, mask, &ExtentOptions::default())
+    }
+
+    /// The ends of the visible cylinder. `model` and `mask` stand in for the last fit and the mask of the last
+    /// depth image, which also tells what the ends are.
+    ///
+    /// # Errors
+    /// `BadState` without a model, intrinsics or mask; `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no ray of
+    /// the mask meets the cylinder.
+    pub fn extent_with(
+        &self,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        options: &ExtentOptions<'_>,
+    ) -> Result<Extent> {
+        let cylinder = self.model_or_result("finding the extent", model)?;
+        let region = Region::new("finding the extent", self, mask)?;
+        if let Some(image) = options.image {
+            region.mask().check_size("grey image", (image.width(), image.height()))?;
+        }
+        let extremes = self.extremes(&cylinder, mask)?;
+        let surroundings = Surroundings {
+            camera: region.camera,
+            mask: region.mask(),
+            depth: self.depth(),
+            cylinder: &cylinder,
+            tolerance: 3.0 * self.result().map_or(0.0, |result| result.point_rms),
+        };
+        let limbs_known =
+            options.limbs_known.unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0));
+        let surface = match options.rule {
+            ExtentRule::Extremes => None,
+            ExtentRule::Located => Surface::new(region.camera, &cylinder),
+        };
+        let ends = match &surface {
+            None => [(extremes.0, -1.0), (extremes.1, 1.0)].map(|(position, outward)| End {
+                position,
+                deviation: None,
+                state: surroundings.state(position, outward),
+                source: EndSource::Extreme,
+            }),
+            Some(surface) => {
+                let silhouette = Silhouette::new(surface, region.mask(), extremes, limbs_known);
+                [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, options.image, outward))
+            }
+        };
+        let [start, end] = ends;
+        let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
+        Ok(Extent {
+            center: at(0.5 * (start.position + end.position)),
+            length: end.position - start.position,
+            start: at(start.position),
+            end: at(end.position),
+            start_state: start.state,
+            end_state: end.state,
+            start_source: start.source,
+            end_source: end.source,
+            start_deviation: start.deviation,
+            end_deviation: end.deviation,
+        })
+    }
+
+    /// The least and the greatest position along the axis of the points completed over the mask.
+    fn extremes(&self, cylinder: &Cylinder, mask: Option<&MaskView<'_>>) -> Result<(f64, f64)> {
+        let axis = cylinder.axis;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        self.complete(Some(cylinder), mask, &mut |_, _, point| {
+            if let Some(point) = point {
+                let position = (point - axis.point).dot(&axis.direction);
+                low = low.min(position);
+                high = high.max(position);
+            }
+        })?;
+        if low.is_finite() && high.is_finite() {
+            return Ok((low, high));
+        }
+        Err(Error::EdgeGeometry {
+            reason: "no ray of the mask meets the cylinder".into(),
+            remedy: "check that mask and model belong to the same image",
+        })
+    }
+}
+
+/// Locates the end on the side of `outward` (± 1, along the axis direction).
+fn locate(
+    silhouette: &Silhouette<'_>,
+    surroundings: &Surroundings<'_>,
+    image: Option<&GreyImage>,
+    outward: f64,
+) -> End {
+    let Some(rough) = silhouette.end(surroundings, outward) else {
+        let position = silhouette.extreme(outward);
+        let state = surroundings.state(position, outward);
+        return End { position, deviation: None, state, source: EndSource::Extreme };
+    };
+    let state = surroundings.state(rough.position, outward);
+    if state == EndState::Cut {
+        if let Some(position) = border::last_inside(silhouette, outward) {
+            return End { position, deviation: Some(rough.pixel), state, source: EndSource::Border };
+        }
+    }
+    let arc = image.filter(|_| state != EndState::Hidden).and_then(|image| {
+        arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward)
+    });
+    match arc {
+        Some(arc) => {
+            End { position: arc.position, deviation: Some(arc.deviation), state, source: EndSource::Image }
+        }
+        None => {
+            End { position: rough.position, deviation: Some(rough.deviation), state, source: EndSource::Mask }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What lies beyond an end: its state.
+
+use super::EndState;
+use super::surface::Surface;
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, any_orthogonal};
+use crate::observations::{DepthImage, Mask};
+use nalgebra::Vector3;
+
+/// How far beyond an end its surroundings are looked at, in pixels: past the reach of a mask that is off by a
+/// pixel or two and of depth that a matching window carries over the edge, yet still beside the end.
+const BEYOND_PIXELS: [f64; 4] = [4.0, 6.0, 8.0, 10.0];
+
+/// Lines along the surface on which the surroundings of an end are looked at.
+const GENERATORS: usize = 15;
+
+/// The part of the visible arc that these lines cover: near the limbs depth is worst.
+const ARC_PART: f64 = 0.7;
+
+/// What is looked at beyond an end.
+pub(super) struct Surroundings<'a> {
+    pub camera: &'a Camera,
+    pub mask: &'a Mask,
+    pub depth: Option<&'a DepthImage>,
+    pub cylinder: &'a Cylinder,
+    /// Depth differences up to this are noise.
+    pub tolerance: f64,
+}
+
+/// How often the places beyond an end told each state.
+#[derive(Debug, Clone, Copy, Default)]
+struct Votes {
+    cut: usize,
+    hidden: usize,
+    seen: usize,
+    unknown: usize,
+}
+
+impl Votes {
+    fn state(&self) -> EndState {
+        let Self { cut, hidden, seen, unknown } = *self;
+        let most = cut.max(hidden).max(seen).max(unknown);
+        match most {
+            0 => EndState::Unknown,
+            _ if most == cut => EndState::Cut,
+            _ if most == seen => EndState::Seen,
+            _ if most == hidden => EndState::Hidden,
+            _ => EndState::Unknown,
+        }
+    }
+}
+
+impl Surroundings<'_> {
+    /// Continues the surface beyond a position along the axis in the direction `outward` (± 1 along the axis
+    /// direction) and lets what is seen there vote.
+    pub fn state(&self, position: f64, outward: f64) -> EndState {
+        let mut votes = Votes::default();
+        for rim in self.rim(position) {
+            self.look(&rim, outward, &mut votes);
+        }
+        votes.state()
+    }
+
+    /// The same for one generator of the surface.
+    pub fn state_on(&self, surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> EndState {
+        let mut votes = Votes::default();
+        self.look(&surface.point(angle, position), outward, &mut votes);
+        votes.state()
+    }
+
+    /// Looks beyond one point of an end circle.
+    fn look(&self, rim: &Vector3<f64>, outward: f64, votes: &mut Votes) {
+        let outward = self.cylinder.axis.direction * outward;
+        let Some(at_rim) = self.camera.project(rim) else {
+            votes.cut += 1;
+            return;
+        };
+        // Length along the axis of one pixel, by a step of 1 % of the radius.
+        let step = 0.01 * self.cylinder.radius;
+        let Some(ahead) = self.camera.project(&(rim + outward * step)) else {
+            votes.cut += 1;
+            return;
+        };
+        let pixel = step / (ahead - at_rim).norm().max(1e-6);
+        for beyond in BEYOND_PIXELS {
+            let point = rim + outward * (pixel * beyond);
+            let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
+                votes.cut += 1;
+                continue;
+            };
+            let (column, row) = (at.x.round() as usize, at.y.round() as usize);
+            if self.mask.contains(column, row) {
+                continue;
+            }
+            match self.depth.and_then(|depth| depth.depth(column, row)) {
+                None => votes.unknown += 1,
+                Some(z) if z < point.z - self.tolerance => votes.hidden += 1,
+                Some(_) => votes.seen += 1,
+            }
+        }
+    }
+
+    /// Points of the visible arc of the surface around the axis point at a position.
+    fn rim(&self, position: f64) -> impl Iterator<Item = Vector3<f64>> {
+        let Cylinder { axis, radius } = *self.cylinder;
+        let end = axis.point + axis.direction * position;
+        let across = end - axis.direction * end.dot(&axis.direction);
+        let distance = across.norm();
+        let inside = self.cylinder.contains_origin();
+        let toward = if distance > 0.0 { -across / distance } else { any_orthogonal(&axis.direction).0 };
+        let sideways = axis.direction.cross(&toward);
+        // From outside the surface is visible up to the limbs, at acos(r / ‖c‖) from the line of sight; from
+        // inside all of it.
+        let half_arc = if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART;
+        (0..GENERATORS).map(move |k| {
+            let angle = half_arc * (2.0 * k as f64 / (GENERATORS - 1) as f64 - 1.0);
+            end + (toward * angle.cos() + sideways * angle.sin()) * radius
+        })
+    }
+}
