@@ -23,6 +23,9 @@ const WINDOW_PIXELS: f64 = 5.0;
 /// Distance of the samples of a profile, in pixels across the arc.
 const SAMPLE_PIXELS: f64 = 0.5;
 
+/// Steps of the search, in pixels: less than the blur of any image.
+const COARSE_PIXELS: f64 = 0.4;
+
 /// The most generators that are sampled; fewer when they would be less than a pixel apart.
 const GENERATORS: usize = 48;
 
@@ -80,25 +83,20 @@ pub(super) fn locate(
     }
     let noise = noise(&profiles);
     let prior = |shift: f64| -0.5 * (shift / rough.deviation).powi(2);
-    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise) + prior(shift);
-    let step = 0.25 * rough.pixel;
-    let steps = (search / step).ceil() as i64;
+    let smooth_step = SmoothStep::new();
+    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step) + prior(shift);
     let best_of = |center: f64, step: f64, steps: i64, blur: f64| {
         let all = (-steps..=steps).map(|k| center + step * k as f64).map(|shift| (shift, score(shift, blur)));
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     };
-    let (coarse, _) = best_of(0.0, step, steps, BLURS[0])?;
-    let mut best: Option<(f64, f64, f64)> = None;
-    for blur in BLURS {
-        let (shift, value) = best_of(coarse, 0.5 * step, 4, blur)?;
-        if best.is_none_or(|best| value > best.1) {
-            best = Some((shift, value, blur));
-        }
-    }
-    let (mut shift, mut value, blur) = best?;
+    let step = COARSE_PIXELS * rough.pixel;
+    let (coarse, _) = best_of(0.0, step, (search / step).ceil() as i64, BLURS[0])?;
+    // The position hardly depends on the blur, so one after the other.
+    let blur = BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?;
+    let side = 0.25 * step;
+    let (mut shift, mut value) = best_of(coarse, 2.0 * side, 3, blur)?;
     // A parabola through three scores, twice; its curvature is one over the variance.
     let mut variance = 0.0;
-    let side = 0.5 * step;
     for _ in 0..2 {
         let (before, after) = (score(shift - side, blur), score(shift + side, blur));
         let curvature = (before - 2.0 * value + after) / (side * side);
@@ -111,7 +109,13 @@ pub(super) fn locate(
     }
     let mean = (value - prior(shift)) / profiles.len() as f64;
     if std::env::var("ARC").is_ok() {
-        eprintln!("arc out {outward} shift {:.2} px blur {blur} gain {mean:.2} n {} noise {noise:.2} dev {:.3} rough {:.2}", shift/rough.pixel, profiles.len(), variance.sqrt()/rough.pixel, rough.deviation/rough.pixel);
+        eprintln!(
+            "arc out {outward} shift {:.2} px blur {blur} gain {mean:.2} n {} noise {noise:.2} dev {:.3} rough {:.2}",
+            shift / rough.pixel,
+            profiles.len(),
+            variance.sqrt() / rough.pixel,
+            rough.deviation / rough.pixel
+        );
     }
     if !(mean >= LEAST_GAIN) {
         return None;
@@ -144,7 +148,9 @@ fn sample(
         let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
         let inside = at(-WINDOW_PIXELS).is_some_and(|pixel| {
-            pixel.x >= 0.0 && pixel.y >= 0.0 && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
+            pixel.x >= 0.0
+                && pixel.y >= 0.0
+                && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
         });
         if !inside {
             continue;
@@ -199,7 +205,9 @@ fn noise(profiles: &[Profile]) -> f64 {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for profile in profiles {
         let samples = &profile.samples;
-        differences.extend((4..=profile.zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()));
+        differences.extend(
+            (4..=profile.zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()),
+        );
         low = samples.iter().copied().fold(low, f64::min);
         high = samples.iter().copied().fold(high, f64::max);
     }
@@ -228,7 +236,7 @@ struct Window {
 }
 
 impl Window {
-    fn new(profile: &Profile, edge: f64, blur: f64) -> Self {
+    fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
         let mut sums = Self::default();
         let first = ((edge - WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize;
         let last = (((edge + WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize)
@@ -236,11 +244,12 @@ impl Window {
         let has_cap = profile.cap < WINDOW_PIXELS;
         // Brightness relative to one sample, against cancellation.
         let origin = profile.samples[first.min(last)];
+        let sharpness = 1.0 / blur;
         for k in first..=last {
             let at = (k as f64 - profile.zero) * SAMPLE_PIXELS - edge;
             let y = profile.samples[k] - origin;
-            let beyond = smooth_step(at / blur);
-            let b = if has_cap { smooth_step((at - profile.cap) / blur) } else { beyond };
+            let beyond = smooth_step.at(at * sharpness);
+            let b = if has_cap { smooth_step.at((at - profile.cap) * sharpness) } else { beyond };
             let (s, c) = (1.0 - beyond, beyond - b);
             sums.n += 1.0;
             sums.ss += s * s;
@@ -284,18 +293,40 @@ impl Window {
 /// By how much a step at the end circle, moved outward by `shift`, explains the profiles better than constant
 /// brightness does: the sum of log-likelihoods, each with its own noise so that texture on one generator does
 /// not count.
-fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64) -> f64 {
-    profiles.iter().map(|profile| {
-        let window = Window::new(profile, shift * profile.across, blur);
-        let floor = window.n * noise * noise;
-        let [a, b, c] = window.steps();
-        let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
-        0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
-    }).sum()
+fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
+    profiles
+        .iter()
+        .map(|profile| {
+            let window = Window::new(profile, shift * profile.across, blur, smooth_step);
+            let floor = window.n * noise * noise;
+            let [a, b, c] = window.steps();
+            let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
+            0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
+        })
+        .sum()
 }
 
-/// The normal distribution function, a step blurred by a Gauss curve of unit deviation.
-fn smooth_step(x: f64) -> f64 {
-    // Logistic with a cubic term: off by less than 2e-4.
-    1.0 / (1.0 + (-x * (1.5976 + 0.070_565_992 * x * x)).exp())
+/// A step blurred by a Gauss curve of unit deviation, the normal distribution function, from a table: it is
+/// evaluated some hundred thousand times an end.
+struct SmoothStep([f64; TABLE + 1]);
+
+/// The table covers ± 4 deviations.
+const TABLE: usize = 512;
+const TABLE_REACH: f64 = 4.0;
+
+impl SmoothStep {
+    fn new() -> Self {
+        Self(std::array::from_fn(|k| {
+            let x = (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
+            // Logistic with a cubic term: off by less than 2e-4.
+            1.0 / (1.0 + (-x * (1.5976 + 0.070_565_992 * x * x)).exp())
+        }))
+    }
+
+    #[inline]
+    fn at(&self, x: f64) -> f64 {
+        let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;
+        // The conversion holds what is below the table at its first entry.
+        self.0[(place as usize).min(TABLE)]
+    }
 }

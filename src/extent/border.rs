@@ -6,6 +6,10 @@ use nalgebra::Vector2;
 /// How far from the mask a pixel of the border may lie and still show the cylinder: more than a mask is off by.
 const NEAR_MASK_PIXELS: i64 = 4;
 
+/// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
+/// surface, a pixel one row further in may show a point further out.
+const BORDER_PIXELS: usize = 4;
+
 /// The last position towards `outward` at which a pixel of the image still shows the surface. On a surface that
 /// runs out of the image that is a pixel of the border.
 pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f64> {
@@ -21,15 +25,18 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
             })
         })
     };
-    let rows = (0..width).flat_map(|column| [(column, 0), (column, height - 1)]);
-    let columns = (0..height).flat_map(|row| [(0, row), (width - 1, row)]);
+    let beside_border = |column: usize, row: usize| {
+        column.min(width - 1 - column).min(row).min(height - 1 - row) < BORDER_PIXELS
+    };
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
     let mut last: Option<f64> = None;
-    for (column, row) in rows.chain(columns) {
+    for (column, row) in pixels.filter(|&(column, row)| beside_border(column, row)) {
         let ray = surface.camera.unproject(&Vector2::new(column as f64, row as f64));
         let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
         let position = (point - axis.point).dot(&axis.direction);
         let beyond = (position - silhouette.middle()) * outward;
-        if beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0) && near_mask(column, row) {
+        if beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0) && near_mask(column, row)
+        {
             last = Some(position);
         }
     }

@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{GreyImage, MaskView};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use silhouette::Silhouette;
 use surface::Surface;
 use surroundings::Surroundings;
@@ -137,20 +137,23 @@ impl Fitter {
         if let Some(image) = options.image {
             region.mask().check_size("grey image", (image.width(), image.height()))?;
         }
-        let extremes = self.extremes(&cylinder, mask)?;
+        let surface = match options.rule {
+            ExtentRule::Extremes => None,
+            ExtentRule::Located => Surface::new(region.camera, &cylinder),
+        };
+        // Generators are only followed between the extremes, so that they need not be exact.
+        let stride = if surface.is_some() { BOUNDS_STRIDE } else { 1 };
+        let extremes = extremes(&region, &cylinder, stride)?;
         let surroundings = Surroundings {
             camera: region.camera,
             mask: region.mask(),
             depth: self.depth(),
             cylinder: &cylinder,
-            tolerance: 3.0 * self.result().map_or(0.0, |result| result.point_rms),
+            tolerance: self.depth_tolerance(&cylinder),
         };
-        let limbs_known =
-            options.limbs_known.unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0));
-        let surface = match options.rule {
-            ExtentRule::Extremes => None,
-            ExtentRule::Located => Surface::new(region.camera, &cylinder),
-        };
+        let limbs_known = options
+            .limbs_known
+            .unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0));
         let ends = match &surface {
             None => [(extremes.0, -1.0), (extremes.1, 1.0)].map(|(position, outward)| End {
                 position,
@@ -179,25 +182,58 @@ impl Fitter {
         })
     }
 
-    /// The least and the greatest position along the axis of the points completed over the mask.
-    fn extremes(&self, cylinder: &Cylinder, mask: Option<&MaskView<'_>>) -> Result<(f64, f64)> {
-        let axis = cylinder.axis;
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        self.complete(Some(cylinder), mask, &mut |_, _, point| {
-            if let Some(point) = point {
+    /// The depth differences that are noise about a model: three standard deviations, from the median so that
+    /// background among the points does not count.
+    fn depth_tolerance(&self, cylinder: &Cylinder) -> f64 {
+        let stride = self.cloud().len() / TOLERANCE_POINTS + 1;
+        let mut distances: Vec<f64> =
+            self.cloud().points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
+        let middle = distances.len() / 2;
+        let median = match distances.is_empty() {
+            true => 0.0,
+            false => *distances.select_nth_unstable_by(middle, f64::total_cmp).1,
+        };
+        (3.0 * 1.4826 * median).max(LEAST_TOLERANCE * cylinder.radius)
+    }
+}
+
+/// Rows and columns of the mask from one to the next that bound the search for the ends.
+const BOUNDS_STRIDE: usize = 4;
+
+/// About how many points tell the noise of the depth.
+const TOLERANCE_POINTS: usize = 2000;
+
+/// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
+const LEAST_TOLERANCE: f64 = 0.1;
+
+/// The least and the greatest position along the axis of the points completed over every `stride`-th row and
+/// column of the mask.
+fn extremes(region: &Region<'_>, cylinder: &Cylinder, stride: usize) -> Result<(f64, f64)> {
+    let (mask, axis) = (region.mask(), cylinder.axis);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for row in (0..mask.height()).step_by(stride) {
+        for column in (0..mask.width()).step_by(stride).filter(|&column| mask.contains(column, row)) {
+            let ray = region.camera.unproject(&Vector2::new(column as f64, row as f64));
+            if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
                 let position = (point - axis.point).dot(&axis.direction);
                 low = low.min(position);
                 high = high.max(position);
             }
-        })?;
-        if low.is_finite() && high.is_finite() {
-            return Ok((low, high));
         }
-        Err(Error::EdgeGeometry {
-            reason: "no ray of the mask meets the cylinder".into(),
-            remedy: "check that mask and model belong to the same image",
-        })
     }
+    if low < high {
+        return Ok((low, high));
+    }
+    if stride > 1 {
+        return extremes(region, cylinder, 1);
+    }
+    if low.is_finite() {
+        return Ok((low, high));
+    }
+    Err(Error::EdgeGeometry {
+        reason: "no ray of the mask meets the cylinder".into(),
+        remedy: "check that mask and model belong to the same image",
+    })
 }
 
 /// Locates the end on the side of `outward` (± 1, along the axis direction).
@@ -218,9 +254,9 @@ fn locate(
             return End { position, deviation: Some(rough.pixel), state, source: EndSource::Border };
         }
     }
-    let arc = image.filter(|_| state != EndState::Hidden).and_then(|image| {
-        arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward)
-    });
+    let arc = image
+        .filter(|_| state != EndState::Hidden)
+        .and_then(|image| arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward));
     match arc {
         Some(arc) => {
             End { position: arc.position, deviation: Some(arc.deviation), state, source: EndSource::Image }

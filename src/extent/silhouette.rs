@@ -15,12 +15,19 @@ const WIDTH_PART: f64 = 0.85;
 /// Steps along a generator or across a limb, in pixels: finer than the pixels of the mask.
 const STEP_PIXELS: f64 = 0.5;
 
+/// How far beyond the extreme of the mask generators are followed, in pixels.
+const BEYOND_EXTREME_PIXELS: f64 = 12.0;
+
 /// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
 const LIMB_REACH_PIXELS: f64 = 6.0;
 
-/// Standard deviation of a mask's boundary at one generator, and of the mean over all, in pixels. Boundaries
-/// that a person draws or a network finds wander by about a pixel over lengths of many pixels.
+/// The fewest generators with an open end that are preferred to all of them.
+const LEAST_OPEN: usize = 3;
+
+/// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
+/// a person or a network draws a boundary to about a pixel, smoothly.
 const BOUNDARY_DEVIATION: f64 = 0.8;
+const BOUNDARY_CORRELATION_PIXELS: f64 = 10.0;
 
 /// Standard deviation in pixels of what is left of a mask's bias after it was read off at the limbs, and without
 /// that.
@@ -91,15 +98,16 @@ impl<'a> Silhouette<'a> {
             surroundings.state_on(self.surface, angle, position, outward) != EndState::Hidden
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
-        let ends = if 4 * open.len() >= all.len() { open } else { all };
-        let (position, across) = robust_mean(&ends)?;
+        let used = if open.len() >= LEAST_OPEN { open } else { all };
+        let (position, across) = robust_mean(&used)?;
         let pixel = 1.0 / across;
+        let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
+        let places = (width * used.len() as f64 / GENERATORS as f64 / BOUNDARY_CORRELATION_PIXELS).max(1.0);
         let bias = self.bias.unwrap_or(0.0);
         let left = BIAS_DEVIATION[usize::from(self.bias.is_none())];
         Some(RoughEnd {
             position: position - outward * bias * pixel,
-            // The boundary wanders so slowly that the mean over an end is worth only a few places of it.
-            deviation: (0.25 * BOUNDARY_DEVIATION * BOUNDARY_DEVIATION + left * left).sqrt() * pixel,
+            deviation: (BOUNDARY_DEVIATION * BOUNDARY_DEVIATION / places + left * left).sqrt() * pixel,
             pixel,
         })
     }
@@ -107,7 +115,8 @@ impl<'a> Silhouette<'a> {
     /// Where the generator at an angle leaves the mask for the last time.
     fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
         let (middle, extreme) = (self.middle(), self.extreme(outward));
-        let steps = ((extreme - middle).abs() / step).ceil() as usize + 2;
+        // The extreme is one of a grid, see its stride, and not of the border.
+        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS / STEP_PIXELS).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
         let last = (0..=steps).rev().find(|&k| {

@@ -69,8 +69,8 @@ impl<'a> Surface<'a> {
         // Small against every curvature in the image, large against rounding.
         let step = 1e-3;
         let length = step * self.cylinder.radius;
-        let generator = (self.pixel(angle, position + length)? - self.pixel(angle, position - length)?)
-            / (2.0 * length);
+        let generator =
+            (self.pixel(angle, position + length)? - self.pixel(angle, position - length)?) / (2.0 * length);
         let tangent = self.pixel(angle + step, position)? - self.pixel(angle - step, position)?;
         let across = generator.perp(&tangent).abs() / tangent.norm();
         let along = generator.norm();
