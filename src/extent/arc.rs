@@ -47,18 +47,35 @@ const INDEPENDENT_SAMPLES: f64 = WINDOW_PIXELS;
 /// The mean gain in log-likelihood per generator from which on an arc is believed.
 const LEAST_GAIN: f64 = 1.0;
 
+/// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
+/// the axis by some degrees departs by so much.
+const SAMPLE_REACH_PIXELS: f64 = 2.5;
+
 /// Standard deviation in pixels of what the model of the profile leaves out.
 const MODEL_DEVIATION: f64 = 0.1;
 
 /// An end as the image shows it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct ArcEnd {
     pub position: f64,
+    pub deviation: f64,
+    pub samples: Vec<ArcSample>,
+}
+
+/// A place in the image at which the surface ends on one generator of the model, located on its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArcSample {
+    /// Where, in pixels of the (distorted) image.
+    pub pixel: Vector2<f64>,
+    /// The direction across the arc, away from the surface: a unit vector.
+    pub normal: Vector2<f64>,
+    /// Standard deviation along `normal`, in pixels.
     pub deviation: f64,
 }
 
 /// The image along one generator about the rough end.
 struct Profile {
+    angle: f64,
     /// Pixels across the arc by length along the axis.
     across: f64,
     /// Width of the cap beyond the arc in pixels across the arc; infinite where none is seen.
@@ -108,20 +125,25 @@ pub(super) fn locate(
         value = score(shift, blur);
     }
     let mean = (value - prior(shift)) / profiles.len() as f64;
-    if std::env::var("ARC").is_ok() {
-        eprintln!(
-            "arc out {outward} shift {:.2} px blur {blur} gain {mean:.2} n {} noise {noise:.2} dev {:.3} rough {:.2}",
-            shift / rough.pixel,
-            profiles.len(),
-            variance.sqrt() / rough.pixel,
-            rough.deviation / rough.pixel
-        );
-    }
     if !(mean >= LEAST_GAIN) {
         return None;
     }
     let model = MODEL_DEVIATION * rough.pixel;
-    Some(ArcEnd { position: rough.position + outward * shift, deviation: (variance + model * model).sqrt() })
+    let samples = profiles.iter().filter_map(|profile| {
+        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, &smooth_step)?;
+        let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
+        let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
+            - surface.pixel(profile.angle, rough.position)?;
+        let normal = Vector2::new(-tangent.y, tangent.x).normalize();
+        let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
+        let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
+        Some(ArcSample { pixel, normal, deviation: deviation.hypot(MODEL_DEVIATION) })
+    });
+    Some(ArcEnd {
+        position: rough.position + outward * shift,
+        deviation: (variance + model * model).sqrt(),
+        samples: samples.collect(),
+    })
 }
 
 /// Samples the image along the generators.
@@ -161,7 +183,7 @@ fn sample(
             .collect();
         let Some(samples) = samples else { continue };
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
-        profiles.push(Profile { across: crossing.across, cap, samples, zero: reach as f64 });
+        profiles.push(Profile { angle, across: crossing.across, cap, samples, zero: reach as f64 });
     }
     profiles
 }
@@ -294,16 +316,36 @@ impl Window {
 /// brightness does: the sum of log-likelihoods, each with its own noise so that texture on one generator does
 /// not count.
 fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
-    profiles
-        .iter()
-        .map(|profile| {
-            let window = Window::new(profile, shift * profile.across, blur, smooth_step);
-            let floor = window.n * noise * noise;
-            let [a, b, c] = window.steps();
-            let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
-            0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
-        })
-        .sum()
+    profiles.iter().map(|profile| profile.gain(shift * profile.across, blur, noise, smooth_step)).sum()
+}
+
+impl Profile {
+    /// The same for one profile and a step at `edge`, in pixels across the arc.
+    fn gain(&self, edge: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
+        let window = Window::new(self, edge, blur, smooth_step);
+        let floor = window.n * noise * noise;
+        let [a, b, c] = window.steps();
+        let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
+        0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
+    }
+
+    /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
+    fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
+        let side = 0.25;
+        let reach = (SAMPLE_REACH_PIXELS / side) as i64;
+        let score = |edge: f64| self.gain(edge, blur, noise, smooth_step);
+        let (k, best) = (-reach..=reach)
+            .map(|k| (k, score(expected + side * k as f64)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let edge = expected + side * k as f64;
+        let (before, after) = (score(edge - side), score(edge + side));
+        let curvature = (before - 2.0 * best + after) / (side * side);
+        if k.abs() == reach || best < LEAST_GAIN || !(curvature < 0.0) {
+            return None;
+        }
+        let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);
+        Some((edge + shift, (-1.0 / curvature).sqrt()))
+    }
 }
 
 /// A step blurred by a Gauss curve of unit deviation, the normal distribution function, from a table: it is

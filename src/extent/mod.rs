@@ -19,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{GreyImage, MaskView};
+pub use arc::ArcSample;
 use nalgebra::{Vector2, Vector3};
 use silhouette::Silhouette;
 use surface::Surface;
@@ -101,13 +102,14 @@ pub struct Extent {
 }
 
 /// An end as it was found.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct End {
     /// Position along the axis, from the axis point of the model.
     position: f64,
     deviation: Option<f64>,
     state: EndState,
     source: EndSource,
+    samples: Vec<ArcSample>,
 }
 
 impl Fitter {
@@ -132,6 +134,20 @@ impl Fitter {
         mask: Option<&MaskView<'_>>,
         options: &ExtentOptions<'_>,
     ) -> Result<Extent> {
+        Ok(self.extent_and_arcs(model, mask, options)?.0)
+    }
+
+    /// The same, and the places of the arcs of start and end in the grey image, which also know the tilt of the
+    /// axis. They are empty for an end that the image did not show.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::extent_with`].
+    pub fn extent_and_arcs(
+        &self,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        options: &ExtentOptions<'_>,
+    ) -> Result<(Extent, [Vec<ArcSample>; 2])> {
         let cylinder = self.model_or_result("finding the extent", model)?;
         let region = Region::new("finding the extent", self, mask)?;
         if let Some(image) = options.image {
@@ -160,6 +176,7 @@ impl Fitter {
                 deviation: None,
                 state: surroundings.state(position, outward),
                 source: EndSource::Extreme,
+                samples: Vec::new(),
             }),
             Some(surface) => {
                 let silhouette = Silhouette::new(surface, region.mask(), extremes, limbs_known);
@@ -168,7 +185,7 @@ impl Fitter {
         };
         let [start, end] = ends;
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
-        Ok(Extent {
+        let extent = Extent {
             center: at(0.5 * (start.position + end.position)),
             length: end.position - start.position,
             start: at(start.position),
@@ -179,7 +196,8 @@ impl Fitter {
             end_source: end.source,
             start_deviation: start.deviation,
             end_deviation: end.deviation,
-        })
+        };
+        Ok((extent, [start.samples, end.samples]))
     }
 
     /// The depth differences that are noise about a model: three standard deviations, from the median so that
@@ -198,7 +216,7 @@ impl Fitter {
 }
 
 /// Rows and columns of the mask from one to the next that bound the search for the ends.
-const BOUNDS_STRIDE: usize = 4;
+const BOUNDS_STRIDE: usize = 2;
 
 /// About how many points tell the noise of the depth.
 const TOLERANCE_POINTS: usize = 2000;
@@ -246,23 +264,37 @@ fn locate(
     let Some(rough) = silhouette.end(surroundings, outward) else {
         let position = silhouette.extreme(outward);
         let state = surroundings.state(position, outward);
-        return End { position, deviation: None, state, source: EndSource::Extreme };
+        return End { position, deviation: None, state, source: EndSource::Extreme, samples: Vec::new() };
     };
     let state = surroundings.state(rough.position, outward);
     if state == EndState::Cut {
         if let Some(position) = border::last_inside(silhouette, outward) {
-            return End { position, deviation: Some(rough.pixel), state, source: EndSource::Border };
+            return End {
+                position,
+                deviation: Some(rough.pixel),
+                state,
+                source: EndSource::Border,
+                samples: Vec::new(),
+            };
         }
     }
     let arc = image
         .filter(|_| state != EndState::Hidden)
         .and_then(|image| arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward));
     match arc {
-        Some(arc) => {
-            End { position: arc.position, deviation: Some(arc.deviation), state, source: EndSource::Image }
-        }
-        None => {
-            End { position: rough.position, deviation: Some(rough.deviation), state, source: EndSource::Mask }
-        }
+        Some(arc) => End {
+            position: arc.position,
+            deviation: Some(arc.deviation),
+            state,
+            source: EndSource::Image,
+            samples: arc.samples,
+        },
+        None => End {
+            position: rough.position,
+            deviation: Some(rough.deviation),
+            state,
+            source: EndSource::Mask,
+            samples: Vec::new(),
+        },
     }
 }

@@ -21,9 +21,6 @@ const BEYOND_EXTREME_PIXELS: f64 = 12.0;
 /// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
 const LIMB_REACH_PIXELS: f64 = 6.0;
 
-/// The fewest generators with an open end that are preferred to all of them.
-const LEAST_OPEN: usize = 3;
-
 /// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
 /// a person or a network draws a boundary to about a pixel, smoothly.
 const BOUNDARY_DEVIATION: f64 = 0.8;
@@ -98,7 +95,7 @@ impl<'a> Silhouette<'a> {
             surroundings.state_on(self.surface, angle, position, outward) != EndState::Hidden
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
-        let used = if open.len() >= LEAST_OPEN { open } else { all };
+        let used = if open.is_empty() { all } else { open };
         let (position, across) = robust_mean(&used)?;
         let pixel = 1.0 / across;
         let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
