@@ -82,6 +82,8 @@ impl Surroundings<'_> {
             return;
         };
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
+        // (pixels beyond the end, depth measured there less that of the continued surface)
+        let mut steps = Vec::with_capacity(BEYOND_PIXELS.len());
         for beyond in BEYOND_PIXELS {
             let point = rim + outward * (pixel * beyond);
             let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
@@ -94,9 +96,13 @@ impl Surroundings<'_> {
             }
             match self.depth.and_then(|depth| depth.depth(column, row)) {
                 None => votes.unknown += 1,
-                Some(z) if z < point.z - self.tolerance => votes.hidden += 1,
-                Some(_) => votes.seen += 1,
+                Some(z) => steps.push((beyond, z - point.z)),
             }
+        }
+        if step_at_end(&steps) < -self.tolerance {
+            votes.hidden += steps.len();
+        } else {
+            votes.seen += steps.len();
         }
     }
 
@@ -117,4 +123,21 @@ impl Surroundings<'_> {
             end + (toward * angle.cos() + sideways * angle.sin()) * radius
         })
     }
+}
+
+/// The step of the depth at the end, from the steps seen at some distances beyond it: a line through them at
+/// distance 0. A table that the cylinder stands on comes nearer than the continued surface too, but from no step
+/// at the end; what covers the cylinder begins with one. Where the line would turn the sign of what is seen there
+/// is no step.
+fn step_at_end(steps: &[(f64, f64)]) -> f64 {
+    let n = steps.len().max(1) as f64;
+    let mean = steps.iter().fold((0.0, 0.0), |sum, step| (sum.0 + step.0 / n, sum.1 + step.1 / n));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for step in steps {
+        xx += (step.0 - mean.0).powi(2);
+        xy += (step.0 - mean.0) * (step.1 - mean.1);
+    }
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    let step = mean.1 - slope * mean.0;
+    if step * mean.1 < 0.0 { 0.0 } else { step }
 }
