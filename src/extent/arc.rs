@@ -99,19 +99,26 @@ pub(super) fn locate(
         return None;
     }
     let noise = noise(&profiles);
-    let prior = |shift: f64| -0.5 * (shift / rough.deviation).powi(2);
     let smooth_step = SmoothStep::new();
-    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step) + prior(shift);
-    let best_of = |center: f64, step: f64, steps: i64, blur: f64| {
-        let all = (-steps..=steps).map(|k| center + step * k as f64).map(|shift| (shift, score(shift, blur)));
-        all.max_by(|a, b| a.1.total_cmp(&b.1))
-    };
+    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step);
+    // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
+    // generator: the mean gain answers it together with the rough end.
     let step = COARSE_PIXELS * rough.pixel;
-    let (coarse, _) = best_of(0.0, step, (search / step).ceil() as i64, BLURS[0])?;
+    let steps = (search / step).ceil() as i64;
+    let scores: Vec<f64> = (-steps..=steps).map(|k| score(step * k as f64, BLURS[0])).collect();
+    let evidence = |peak: usize| {
+        let deviations = step * (peak as f64 - steps as f64) / rough.deviation;
+        scores[peak] / profiles.len() as f64 - 0.5 * deviations * deviations
+    };
+    let peak = (1..scores.len() - 1)
+        .filter(|&k| scores[k] >= scores[k - 1] && scores[k] >= scores[k + 1])
+        .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
+    let coarse = step * (peak as f64 - steps as f64);
     // The position hardly depends on the blur, so one after the other.
     let blur = BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?;
     let side = 0.25 * step;
-    let (mut shift, mut value) = best_of(coarse, 2.0 * side, 3, blur)?;
+    let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
+    let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
     // A parabola through three scores, twice; its curvature is one over the variance.
     let mut variance = 0.0;
     for _ in 0..2 {
@@ -124,7 +131,7 @@ pub(super) fn locate(
         shift += (0.5 * (after - before) / side * variance).clamp(-side, side);
         value = score(shift, blur);
     }
-    let mean = (value - prior(shift)) / profiles.len() as f64;
+    let mean = value / profiles.len() as f64;
     if !(mean >= LEAST_GAIN) {
         return None;
     }

@@ -14,6 +14,11 @@ mod silhouette;
 mod surface;
 mod surroundings;
 
+#[cfg(test)]
+mod scene;
+#[cfg(test)]
+mod tests;
+
 use crate::completion::Region;
 use crate::error::{Error, Result};
 use crate::fitter::Fitter;

@@ -141,3 +141,21 @@ fn step_at_end(steps: &[(f64, f64)]) -> f64 {
     let step = mean.1 - slope * mean.0;
     if step * mean.1 < 0.0 { 0.0 } else { step }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_hides_and_a_table_does_not() {
+        let occluder = [(4.0, -0.05), (6.0, -0.052), (8.0, -0.054), (10.0, -0.056)];
+        assert!((step_at_end(&occluder) + 0.046).abs() < 1e-12);
+        let table = [(4.0, -0.008), (6.0, -0.012), (8.0, -0.016), (10.0, -0.020)];
+        assert!(step_at_end(&table).abs() < 1e-12);
+        // The table begins a little beyond the end: no step the other way.
+        let later = [(4.0, -0.004), (6.0, -0.012), (10.0, -0.028)];
+        assert_eq!(step_at_end(&later), 0.0);
+        assert_eq!(step_at_end(&[(4.0, -0.05)]), -0.05);
+        assert_eq!(step_at_end(&[]), 0.0);
+    }
+}
