@@ -1,11 +1,52 @@
-//! Measures a cylinder from one RGB-D view.
+//! Measures a cylinder (a pipe, a can, a shaft, a trunk) from one RGB-D view: axis, radius and visible extent.
+//!
+//! Two sources that fail differently are fused. Depth is metric but noisy, fattened and missing near the
+//! silhouette of a curved surface; the two limb lines in the image are sharp but know no scale. The method
+//! starts from Zhang, Liu, Wang, "Edge–Point Cloud Fusion for Geometric Fitting of Cylinder Parameters Using
+//! Single-View RGB-D Data", Sensors 2026, 26(5), 1687; numbers in parentheses are its equations.
+//!
+//! ```
+//! use cylfuse::fitter::Fitter;
+//! use cylfuse::observations::PointsView;
+//!
+//! // A quarter of a pipe of radius 0.5 along y.
+//! let points: Vec<[f64; 3]> = (0..200)
+//!     .map(|k| (0.008 * f64::from(k), 0.1 * f64::from(k % 7)))
+//!     .map(|(angle, y)| [0.5 * angle.cos(), y, 2.0 - 0.5 * angle.sin()])
+//!     .collect();
+//! let mut fitter = Fitter::new();
+//! fitter.push_points(&PointsView::from_f64(&points), None)?;
+//! let result = fitter.fit()?;
+//! assert!((result.cylinder.radius - 0.5).abs() < 1e-9);
+//! # Ok::<(), cylfuse::error::Error>(())
+//! ```
+//!
+//! # Conventions
+//! The camera frame has x right, y down, z forward and its origin at the optical centre. Pixel centres lie at
+//! integer coordinates. Angles are radians. Lengths come out in the unit that went in. Results have the same
+//! bits from run to run and for any number of threads.
+//!
+//! # Layers
+//! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
+//! [`solver`] and [`start`], [`fitter`], then what follows a fit: [`completion`] and [`extent`], and on top the C interface, [`ffi`].
+
+// Pointers are for the C interface; everything else is safe code.
+#![deny(unsafe_code)]
+
 pub mod camera;
 pub mod completion;
 pub mod error;
 pub mod extent;
+#[allow(unsafe_code)]
+pub mod ffi;
 pub mod fitter;
 pub mod geometry;
 pub mod observations;
 pub mod residuals;
 pub mod solver;
 pub mod start;
+
+/// Runs the Rust program of the README as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

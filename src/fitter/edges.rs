@@ -32,10 +32,10 @@ impl UsableEdges {
             }
         }
         if let [first, second] = &usable.segments[..] {
-            let doubt = if cross(first, second) {
-                Flags::EDGES_CROSS
-            } else if coincide(first, second) {
+            let doubt = if coincide(first, second) {
                 Flags::EDGES_COINCIDE
+            } else if cross(first, second) {
+                Flags::EDGES_CROSS
             } else {
                 Flags::empty()
             };

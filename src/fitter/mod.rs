@@ -7,16 +7,17 @@ mod result;
 mod solve;
 mod starts;
 
-pub use options::{Method, NearWall, ObjectiveKind, Options, StartKind};
+pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, LocalFrame};
 use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, Mask, MaskView, PointCloud, PointsView, check_segments,
 };
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
+use nalgebra::Vector3;
 use problem::Problem;
 use starts::Candidate;
 use std::ops::ControlFlow;
@@ -40,6 +41,20 @@ pub enum ResidualKind {
     Points,
     /// Signed distance of every endpoint of the used segments from its limb line, in pixels.
     Edges,
+}
+
+/// What the data determine at a cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Diagnosis {
+    /// Rank, condition and singular values of the Jacobian, in units of the size of the data.
+    pub rank: Rank,
+    /// The step along which the residuals change least: how it moves the axis at the middle of the points, in
+    /// the unit of length,
+    pub weakest_shift: Vector3<f64>,
+    /// how it tilts the axis, in radians towards this vector,
+    pub weakest_tilt: Vector3<f64>,
+    /// and how it changes the radius, in the unit of length.
+    pub weakest_radius: f64,
 }
 
 /// Estimates one cylinder. Set intrinsics, push observations, call [`Fitter::fit`]; whatever fails leaves
@@ -216,7 +231,7 @@ impl Fitter {
         }
         let mut result = match self.options.method {
             Method::Eberly => {
-                let cylinder = problem.from_moments().ok_or_else(|| Error::NoStart {
+                let cylinder = problem.moments_start().ok_or_else(|| Error::NoStart {
                     reason: "the moments of the points give no cylinder".into(),
                 })?;
                 problem.check_radius(&cylinder)?;
@@ -277,10 +292,19 @@ impl Fitter {
     ///
     /// # Errors
     /// `BadState` without a model and a result, `EdgeGeometry` where the cost is infinite, `Numerical`.
-    pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Rank> {
+    pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Diagnosis> {
         let cylinder = self.model_or_result("diagnosing", cylinder)?;
-        let rows = self.problem()?.stacked_rows(&cylinder).ok_or_else(infinite_cost)?;
-        LeastSquares::new(&rows)?.rank()
+        let problem = self.problem()?;
+        let rows = problem.stacked_rows(&cylinder).ok_or_else(infinite_cost)?;
+        let rank = LeastSquares::new(&rows)?.rank()?;
+        let LocalFrame { u, v, unit, .. } = LocalFrame::new(&cylinder, &problem.center, problem.unit);
+        let weakest = rank.weakest;
+        Ok(Diagnosis {
+            rank,
+            weakest_shift: (u * weakest[0] + v * weakest[1]) * unit,
+            weakest_tilt: u * weakest[2] + v * weakest[3],
+            weakest_radius: weakest[4] * unit,
+        })
     }
 
     /// The given model, or that of the last fit.
@@ -305,7 +329,7 @@ impl Fitter {
         let energy_points = if self.cloud.is_empty() {
             0.0
         } else {
-            let frame = crate::geometry::LocalFrame::new(cylinder, &problem.center, problem.unit);
+            let frame = LocalFrame::new(cylinder, &problem.center, problem.unit);
             problem.points.energy(&frame)
         };
         let eigenvalues = equations.hessian.symmetric_eigenvalues();
@@ -429,12 +453,19 @@ fn minimum_on_visible_wall(
         };
         Ok((convergence, fraction))
     };
-    let (first, fraction) = solve(start)?;
+    let (first, fraction) = match solve(start) {
+        // Points on the hidden wall have the wrong curvature: the radius may run away from there.
+        Err(Error::PlanarPoints { .. }) if problem.near_wall => solve(&start.mirrored_away())?,
+        other => other?,
+    };
     let visible = fraction >= 0.5;
-    if fraction >= MOSTLY_VISIBLE {
+    // A radius on its way out of all bounds has swallowed the camera; the end is not worth mirroring then.
+    let swallowed = problem.near_wall && first.cylinder.contains_origin() && !start.contains_origin();
+    if fraction >= MOSTLY_VISIBLE && !swallowed {
         return Ok((first, visible));
     }
-    match solve(&first.cylinder.mirrored_away()) {
+    let other_side = if swallowed { start.mirrored_away() } else { first.cylinder.mirrored_away() };
+    match solve(&other_side) {
         Ok((second, other)) => {
             let second_visible = other >= 0.5;
             let better = if second_visible == visible { second.cost < first.cost } else { second_visible };

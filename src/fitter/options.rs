@@ -1,6 +1,8 @@
 //! The settings of a fit, each with its default, unit and reason.
 
 use crate::error::{Error, Result};
+#[cfg(doc)]
+use crate::geometry::Chart;
 use crate::solver::IterationLimits;
 
 /// How the cylinder is estimated.
@@ -44,6 +46,19 @@ pub enum StartKind {
     Model,
 }
 
+/// The coordinates of the steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ChartChoice {
+    /// As the paper does for the paper's objective, in the local chart otherwise; also in the local chart where
+    /// the orthonormal one has no footing: without a camera at the origin, and around a camera inside the pipe.
+    #[default]
+    Auto,
+    /// Always [`Chart::Local`].
+    Local,
+    /// Always [`Chart::Orthonormal`].
+    Orthonormal,
+}
+
 /// Whether the points must lie on the wall that the camera sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NearWall {
@@ -69,6 +84,8 @@ pub struct Options {
     pub start: StartKind,
     /// Whether the points must lie on the wall that the camera sees.
     pub near_wall: NearWall,
+    /// The coordinates of the steps.
+    pub chart: ChartChoice,
     /// The constants of the iteration.
     pub limits: IterationLimits,
     /// Most threads for the sums over the points, 0 for as many as the machine has. Small clouds take one. The
@@ -90,6 +107,7 @@ impl Default for Options {
             edge_weight: 0.6,
             start: StartKind::Auto,
             near_wall: NearWall::Auto,
+            chart: ChartChoice::Auto,
             limits: IterationLimits::default(),
             threads: 0,
             seed: 0,

@@ -39,6 +39,8 @@ pub(super) struct Problem<'a> {
     /// Root mean square distance of the points from their mean.
     pub unit: f64,
     pub near_wall: bool,
+    /// Whether the origin is known to be a camera.
+    pub has_camera: bool,
     /// w_L, 0 where no edges count.
     pub edge_weight: f64,
 }
@@ -95,7 +97,19 @@ impl<'a> Problem<'a> {
         };
         let pixels = edges.pixel_term(camera);
         let points = PointTerm::new(cloud, threads);
-        Ok(Self { options, cloud, edges, points, limbs, pixels, center, unit, near_wall, edge_weight })
+        Ok(Self {
+            options,
+            cloud,
+            edges,
+            points,
+            limbs,
+            pixels,
+            center,
+            unit,
+            near_wall,
+            has_camera: camera.is_some(),
+            edge_weight,
+        })
     }
 
     /// Whether the objective has the weight w_L.

@@ -1,9 +1,9 @@
 //! From a start to the minimum of the chosen objective.
 
-use super::options::{Method, ObjectiveKind};
+use super::options::{ChartChoice, Method, ObjectiveKind};
 use super::problem::Problem;
 use crate::error::{Error, Result};
-use crate::geometry::{Cylinder, LocalFrame};
+use crate::geometry::{Chart, Cylinder, LocalFrame};
 use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, TUKEY_EFFICIENT,
 };
@@ -17,7 +17,7 @@ pub(super) type Report<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
 const ENDPOINT_PIXELS: f64 = 0.5;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
-const SCALE_TOLERANCE: f64 = 1e-3;
+const SCALE_TOLERANCE: f64 = 1e-4;
 
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
@@ -39,7 +39,12 @@ impl Problem<'_> {
         if self.is_paper() {
             run(&self.paper_objective(cylinder))
         } else {
-            run(&RobustObjective::new(self.points, self.pixels.as_ref(), self.scales(cylinder)))
+            run(&RobustObjective::new(
+                self.points,
+                self.pixels.as_ref(),
+                self.scales(cylinder),
+                self.near_wall,
+            ))
         }
     }
 
@@ -69,7 +74,12 @@ impl Problem<'_> {
     pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
         if self.is_paper() {
             let objective = self.paper_objective(start);
-            let mut convergence = self.run(&objective, start, report)?;
+            let mut convergence = self.run(&objective, start, self.chart(start), report)?;
+            if convergence.termination == Termination::MaxIterations {
+                // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
+                let bottom = self.run(&objective, &convergence.cylinder, Chart::Local, report)?;
+                self.check_radius(&bottom.cylinder)?;
+            }
             if self.edge_weight == 1.0 {
                 let drift = start.distance_of_axis_from_origin()
                     / convergence.cylinder.distance_of_axis_from_origin();
@@ -82,8 +92,8 @@ impl Problem<'_> {
         let mut scales = self.scales(&cylinder);
         let mut total: Option<Convergence> = None;
         for _ in 0..SCALE_ROUNDS {
-            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales);
-            let mut round = self.run(&objective, &cylinder, &mut *report)?;
+            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales, self.near_wall);
+            let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), &mut *report)?;
             if let Some(before) = &total {
                 round.iterations += before.iterations;
                 round.rejected_steps += before.rejected_steps;
@@ -102,8 +112,25 @@ impl Problem<'_> {
         total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })
     }
 
-    fn run(&self, objective: &impl Objective, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
-        minimise(objective, start, &self.center, self.unit, &self.options.limits, report)
+    fn chart(&self, start: &Cylinder) -> Chart {
+        match self.options.chart {
+            ChartChoice::Local => Chart::Local,
+            ChartChoice::Orthonormal => Chart::Orthonormal,
+            ChartChoice::Auto if self.is_paper() && self.has_camera && !start.contains_origin() => {
+                Chart::Orthonormal
+            }
+            ChartChoice::Auto => Chart::Local,
+        }
+    }
+
+    fn run(
+        &self,
+        objective: &impl Objective,
+        start: &Cylinder,
+        chart: Chart,
+        report: Report<'_>,
+    ) -> Result<Convergence> {
+        minimise(objective, start, &self.center, self.unit, &self.options.limits, chart, report)
     }
 
     /// Scale of the point residuals by their median absolute deviation, and the number of independent points

@@ -16,6 +16,10 @@ const SAMPLE: usize = 500;
 /// what a hand-set edge is off.
 const CONTRADICTION_PIXELS: f64 = 5.0;
 
+/// A start explains the points when their median distance is at most this part of its radius: depth noise on
+/// the smallest cylinders that can be measured is half of it.
+const EXPLAINED: f64 = 0.1;
+
 /// A start and how it was found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
@@ -36,12 +40,12 @@ impl Problem<'_> {
                 missing: "a start model",
                 remedy: "set one or choose another kind of start",
             }),
-            StartKind::Limbs => found(StartKind::Limbs, self.from_limbs(&sample)).ok_or_else(|| {
+            StartKind::Limbs => found(StartKind::Limbs, self.limbs_start(&sample)).ok_or_else(|| {
                 let reason = "the edges and points do not give a cylinder".to_string();
                 let remedy = "push two segments on the two limbs, or choose another kind of start";
                 Error::EdgeGeometry { reason, remedy }
             }),
-            StartKind::Moments => found(StartKind::Moments, self.from_moments()).ok_or_else(|| {
+            StartKind::Moments => found(StartKind::Moments, self.moments_start()).ok_or_else(|| {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
             StartKind::Ransac => {
@@ -51,7 +55,7 @@ impl Problem<'_> {
         }
     }
 
-    pub fn from_moments(&self) -> Option<Cylinder> {
+    pub fn moments_start(&self) -> Option<Cylinder> {
         let weighted = (0..self.cloud.len()).map(|k| (self.cloud.point(k), self.cloud.weight(k)));
         Some(Moments::new(weighted)?.best()?.cylinder)
     }
@@ -64,10 +68,12 @@ impl Problem<'_> {
             seed: self.options.seed,
             ..RansacOptions::default()
         };
-        ransac(&points, None, self.near_wall, &options)
+        let normals: Option<Vec<Vector3<f64>>> =
+            self.cloud.normals().map(|normals| normals.iter().map(|n| n.cast()).collect());
+        ransac(&points, normals.as_deref(), self.near_wall, &options)
     }
 
-    fn from_limbs(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
+    fn limbs_start(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {
         // The two longest segments say most about the limbs.
         let mut order: Vec<usize> = (0..self.edges.segments.len()).collect();
         let length = |k: &usize| {
@@ -85,33 +91,30 @@ impl Problem<'_> {
         let mut add = |kind, cylinder: Option<Cylinder>| {
             candidates.extend(cylinder.map(|cylinder| Candidate { kind, cylinder }));
         };
+        let from_limbs = self.limbs_start(sample);
         add(StartKind::Model, given.copied());
-        add(StartKind::Limbs, self.from_limbs(sample));
-        add(StartKind::Moments, self.from_moments());
+        add(StartKind::Limbs, from_limbs);
+        add(StartKind::Moments, self.moments_start());
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
-        match self.ransac() {
-            Ok(fit) => add(StartKind::Ransac, Some(fit.cylinder)),
-            Err(error) => failure = error.to_string(),
+        // Random samples take longer than all the rest: only where the limbs do not explain the points.
+        let explained = |start: &Cylinder| median_distance(start, sample) <= EXPLAINED * start.radius;
+        if !from_limbs.as_ref().is_some_and(explained) {
+            match self.ransac() {
+                Ok(fit) => add(StartKind::Ransac, Some(fit.cylinder)),
+                Err(error) => failure = error.to_string(),
+            }
         }
         if candidates.is_empty() {
             return Err(Error::NoStart { reason: failure });
         }
-        let scale = self.common_scale(&candidates, sample);
+        let smallest =
+            candidates.iter().map(|c| median_distance(&c.cylinder, sample)).fold(f64::INFINITY, f64::min);
+        // Three standard deviations of the noise around the best candidate.
+        let scale = (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE);
         let cost = |candidate: &Candidate| self.robust_cost(&candidate.cylinder, sample, scale);
         let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
         judged.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
-    }
-
-    /// Three times the smallest scale of the point residuals of any candidate.
-    fn common_scale(&self, candidates: &[Candidate], sample: &[Vector3<f64>]) -> f64 {
-        let median = |cylinder: &Cylinder| {
-            let mut sizes: Vec<f64> = sample.iter().map(|p| cylinder.distance(p).abs()).collect();
-            let middle = sizes.len() / 2;
-            if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 }
-        };
-        let smallest = candidates.iter().map(|c| median(&c.cylinder)).fold(f64::INFINITY, f64::min);
-        (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE)
     }
 
     /// Truncated squares of points and endpoints, each part in [0, 1]; 1 more when most points are on the wall
@@ -136,4 +139,14 @@ impl Problem<'_> {
         }
         cost
     }
+}
+
+/// Median distance of points from a surface, 0 for no points.
+fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
+    if points.is_empty() {
+        return 0.0;
+    }
+    let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
+    let middle = distances.len() / 2;
+    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }

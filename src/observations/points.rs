@@ -61,6 +61,8 @@ pub struct PointCloud {
     offsets: Offsets,
     /// Empty while every weight is 1.
     weights: Vec<f32>,
+    /// Empty unless every point came with one.
+    normals: Vec<Vector3<f32>>,
     dropped: Dropped,
     given: usize,
     /// The largest distance between neighbouring representable numbers of the input, over all coordinates.
@@ -73,6 +75,7 @@ impl Default for PointCloud {
             origin: Vector3::zeros(),
             offsets: Offsets::F32(Default::default()),
             weights: Vec::new(),
+            normals: Vec::new(),
             dropped: Dropped::default(),
             given: 0,
             resolution: 0.0,
@@ -88,6 +91,7 @@ impl PointCloud {
             Offsets::F64(axes) => axes.iter_mut().for_each(Vec::clear),
         }
         self.weights.clear();
+        self.normals.clear();
         self.dropped = Dropped::default();
         self.given = 0;
         self.resolution = 0.0;
@@ -152,6 +156,13 @@ impl PointCloud {
         (!self.weights.is_empty()).then_some(&self.weights)
     }
 
+    /// One direction across the surface a point, of any length and sign, zero where it is unknown; `None`
+    /// unless all points were pushed with normals.
+    #[must_use]
+    pub fn normals(&self) -> Option<&[Vector3<f32>]> {
+        (!self.normals.is_empty()).then_some(&self.normals)
+    }
+
     /// The distance between neighbouring numbers of the input at its largest coordinate: what the input could
     /// resolve. An f32 cloud 10 km from the origin has 1 mm.
     #[must_use]
@@ -212,6 +223,9 @@ impl PointCloud {
                     batch.dropped.zero_weight += 1;
                 } else {
                     batch.push(point, weight)?;
+                    if let Some(normals) = &view.normals {
+                        batch.push_normal(&normals.at(column, row))?;
+                    }
                 }
             }
         }
@@ -250,6 +264,15 @@ impl PointCloud {
             self.weights.resize(self.len(), 1.0);
             self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
         }
+        let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == batch.points.len();
+        if oriented {
+            let bytes = batch.normals.len() * size_of::<Vector3<f32>>();
+            let out_of_memory = |_| Error::OutOfMemory { what: "the normals", bytes };
+            self.normals.try_reserve(batch.normals.len()).map_err(out_of_memory)?;
+            self.normals.extend_from_slice(&batch.normals);
+        } else if !batch.points.is_empty() {
+            self.normals.clear();
+        }
         self.origin = origin;
         for point in &batch.points {
             let offset = point - origin;
@@ -260,7 +283,7 @@ impl PointCloud {
         }
         self.given += batch.given;
         self.dropped.add(&batch.dropped);
-        let largest = batch.points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+        let largest = batch.points.iter().map(Vector3::amax).fold(0.0, f64::max);
         let epsilon = match scalar {
             Scalar::F32 => f64::from(f32::EPSILON),
             Scalar::F64 => f64::EPSILON,
@@ -275,6 +298,7 @@ impl PointCloud {
 pub(super) struct Batch {
     pub points: Vec<Vector3<f64>>,
     pub weights: Vec<f64>,
+    pub normals: Vec<Vector3<f32>>,
     pub dropped: Dropped,
     pub given: usize,
 }
@@ -287,6 +311,15 @@ impl Batch {
         self.weights.try_reserve(1).map_err(out_of_memory)?;
         self.points.push(point);
         self.weights.push(weight);
+        Ok(())
+    }
+
+    fn push_normal(&mut self, normal: &Vector3<f64>) -> Result<()> {
+        let bytes = self.normals.len() * 24;
+        self.normals.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "the normals", bytes })?;
+        let length = normal.norm();
+        let known = length > 0.0 && length.is_finite();
+        self.normals.push(if known { (normal / length).cast() } else { Vector3::zeros() });
         Ok(())
     }
 
@@ -341,6 +374,24 @@ mod tests {
         assert_eq!(cloud.dropped().zero_weight, 1);
     }
     use super::super::views::Strided;
+
+    #[test]
+    fn normals_count_only_when_every_point_has_one() {
+        let points = [[1.0, 2.0, 3.0], [f64::NAN; 3], [4.0, 5.0, 6.0]];
+        let normals = [[0.0, 0.0, -2.0], [1.0, 0.0, 0.0], [f64::NAN, 0.0, 0.0]];
+        let view = PointsView::from_f64(&points);
+        let oriented = PointsView { normals: Some(PointsView::from_f64(&normals).points), ..view };
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&oriented, None).unwrap();
+        assert_eq!(cloud.normals().unwrap(), [Vector3::new(0.0, 0.0, -1.0), Vector3::zeros()]);
+        cloud.push_points(&view, None).unwrap();
+        assert!(cloud.normals().is_none());
+        cloud.push_points(&oriented, None).unwrap();
+        assert!(cloud.normals().is_none());
+        cloud.clear();
+        cloud.push_points(&oriented, None).unwrap();
+        assert_eq!(cloud.normals().unwrap().len(), 2);
+    }
 
     #[test]
     fn f64_input_keeps_its_digits_whatever_came_before() {

@@ -138,6 +138,7 @@ impl<'a> Strided<'a> {
 /// The memory of a slice of plain numbers.
 ///
 /// Only used with the number types below, which have no padding and no invalid bytes to expose.
+#[allow(unsafe_code)]
 fn bytes_of<T: PlainNumber>(slice: &[T]) -> &[u8] {
     // SAFETY: T is one of the primitive number types or an array of them (sealed trait), so all
     // size_of_val(slice) bytes are initialised; u8 has no alignment; the lifetime is that of the slice.
@@ -194,19 +195,22 @@ pub struct PointsView<'a> {
     pub points: VectorsView<'a>,
     /// One weight a point, in the scalar type of the points; `None` = 1 each. A point of weight 0 is dropped.
     pub weights: Option<Strided<'a>>,
+    /// Directions across the surface at the points, of any length and sign; `None` when unknown. Only random
+    /// sampling uses them. A normal of zero length or with a component that is not finite counts as unknown.
+    pub normals: Option<VectorsView<'a>>,
 }
 
 impl<'a> PointsView<'a> {
     /// An unorganised cloud of packed f64 coordinates.
     #[must_use]
     pub fn from_f64(points: &'a [[f64; 3]]) -> Self {
-        Self { points: VectorsView::packed(points, Scalar::F64), weights: None }
+        Self { points: VectorsView::packed(points, Scalar::F64), weights: None, normals: None }
     }
 
     /// An unorganised cloud of packed f32 coordinates.
     #[must_use]
     pub fn from_f32(points: &'a [[f32; 3]]) -> Self {
-        Self { points: VectorsView::packed(points, Scalar::F32), weights: None }
+        Self { points: VectorsView::packed(points, Scalar::F32), weights: None, normals: None }
     }
 
     /// Columns of an organised cloud, or the number of points.
@@ -303,7 +307,7 @@ impl<'a> DepthView<'a> {
             Pixels::U16 => f64::from(self.pixels.u16(column, row)),
             Pixels::F32 => self.pixels.scalar(Scalar::F32, column, row, 0),
         };
-        (raw > 0.0 && raw.is_finite()).then(|| raw * self.scale)
+        (raw > 0.0 && raw.is_finite()).then_some(raw * self.scale)
     }
 }
 

@@ -14,7 +14,7 @@ pub use limbs::{LimbPair, LimbTerm};
 pub use paper::PaperObjective;
 pub use pixels::{PixelSegment, PixelTerm};
 pub use points::{Loss, PointTerm, Squared};
-pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey};
+pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey, Wall};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::PointCloud;

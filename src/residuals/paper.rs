@@ -76,7 +76,7 @@ impl Objective for PaperObjective<'_> {
             let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
             for (index, point) in cloud.points().enumerate() {
                 let root = ((1.0 - edge_weight) * cloud.weight(index) / total).sqrt();
-                let (residual, jacobian) = point_row(frame, &point);
+                let (residual, jacobian, _) = point_row(frame, &point);
                 rows.push((residual * root, jacobian * root));
             }
         }

@@ -6,12 +6,13 @@
 use super::NormalEquations;
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// How a residual counts.
 pub trait Loss: Copy + Sync {
-    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations.
-    fn loss_and_weight(&self, residual: f64) -> (f64, f64);
+    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
+    /// negative where the outward normal of the surface points towards the observer at the origin.
+    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
 }
 
 /// The plain square.
@@ -20,7 +21,7 @@ pub struct Squared;
 
 impl Loss for Squared {
     #[inline(always)]
-    fn loss_and_weight(&self, residual: f64) -> (f64, f64) {
+    fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
         (residual * residual, 1.0)
     }
 }
@@ -117,6 +118,8 @@ struct Kernel {
     rotation: Matrix3<f64>,
     shift: Vector3<f64>,
     radius: f64,
+    /// The observer across the axis.
+    observer: Vector2<f64>,
 }
 
 impl Kernel {
@@ -124,7 +127,8 @@ impl Kernel {
         let rotation = frame.rotation() / frame.unit;
         // The difference of two nearby points first: both may be far from the origin of coordinates.
         let shift = rotation * (origin - frame.cylinder.axis.point);
-        Self { rotation, shift, radius: frame.cylinder.radius / frame.unit }
+        let observer = -(rotation * frame.cylinder.axis.point).xy();
+        Self { rotation, shift, radius: frame.cylinder.radius / frame.unit, observer }
     }
 
     fn chunk<T: Copy + Into<f64>>(
@@ -176,7 +180,8 @@ impl Kernel {
             let inverse = 1.0 / rho.max(f64::MIN_POSITIVE);
             let (a, b) = (x * inverse, y * inverse);
             let e = rho - self.radius;
-            let (value, weight) = loss.loss_and_weight(e);
+            let facing = x * (x - self.observer.x) + y * (y - self.observer.y);
+            let (value, weight) = loss.loss_and_weight(e, facing);
             let w = weights[lane] * weight;
             let (wa, wb, we) = (w * a, w * b, w * e);
             let (aa, ab, bb) = (wa * a, wa * b, wb * b);
@@ -223,12 +228,14 @@ fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
 }
 
 /// One residual and its Jacobian, by the formula and without the sums: for the stacked system and for tests.
-pub(super) fn point_row(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Tangent) {
+/// The third number tells the side of the surface, as in [`Loss::loss_and_weight`].
+pub(super) fn point_row(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Tangent, f64) {
     let q = frame.rotation() * (point - frame.cylinder.axis.point) / frame.unit;
     let rho = q.x.hypot(q.y);
     let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
     let residual = rho - frame.cylinder.radius / frame.unit;
-    (residual, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0))
+    let facing = q.xy().dot(&(frame.rotation() * point / frame.unit).xy());
+    (residual, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
 }
 
 #[cfg(test)]
@@ -255,7 +262,7 @@ mod tests {
         let h = 1e-6;
         for point in points {
             let point = Vector3::from(point);
-            let (residual, jacobian) = point_row(&frame, &point);
+            let (residual, jacobian, _) = point_row(&frame, &point);
             assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
             for k in 0..5 {
                 let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
@@ -272,7 +279,7 @@ mod tests {
         cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
         let mut expected = NormalEquations::zero();
         for point in &points {
-            let (residual, jacobian) = point_row(&frame, &Vector3::from(*point));
+            let (residual, jacobian, _) = point_row(&frame, &Vector3::from(*point));
             expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
         }
         let one = PointTerm::new(&cloud, 1).linearise(&frame, Squared);

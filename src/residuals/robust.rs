@@ -17,6 +17,18 @@ use crate::observations::PointCloud;
 pub struct Tukey {
     /// The residual c from which on a point has no influence.
     pub cutoff: f64,
+    /// The wall that points can be on.
+    pub wall: Wall,
+}
+
+/// On which wall of the cylinder a point can be. Depths that a sensor smears past the limbs lie on the wall that
+/// it cannot see.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wall {
+    /// On either: nothing is known of an observer.
+    Either,
+    /// On the wall that faces the observer outside the cylinder; points on the other have no influence.
+    Facing,
 }
 
 /// c / σ at which the estimate keeps 95 % of the efficiency of least squares under Gaussian noise.
@@ -24,9 +36,10 @@ pub const TUKEY_EFFICIENT: f64 = 4.685;
 
 impl Loss for Tukey {
     #[inline(always)]
-    fn loss_and_weight(&self, residual: f64) -> (f64, f64) {
+    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
         let ratio = residual / self.cutoff;
-        let rest = (1.0 - ratio * ratio).max(0.0);
+        let hidden = self.wall == Wall::Facing && facing > 0.0;
+        let rest = if hidden { 0.0 } else { (1.0 - ratio * ratio).max(0.0) };
         let weight = rest * rest;
         (self.cutoff * self.cutoff / 3.0 * (1.0 - weight * rest), weight)
     }
@@ -49,13 +62,27 @@ pub struct RobustObjective<'a> {
     points: PointTerm<'a>,
     pixels: Option<&'a PixelTerm>,
     scales: RobustScales,
+    observed: bool,
 }
 
 impl<'a> RobustObjective<'a> {
-    /// Points, and segments where there are any.
+    /// Points, and segments where there are any. `observed` says that the points are what an observer at the
+    /// origin sees.
     #[must_use]
-    pub fn new(points: PointTerm<'a>, pixels: Option<&'a PixelTerm>, scales: RobustScales) -> Self {
-        Self { points, pixels, scales }
+    pub fn new(
+        points: PointTerm<'a>,
+        pixels: Option<&'a PixelTerm>,
+        scales: RobustScales,
+        observed: bool,
+    ) -> Self {
+        Self { points, pixels, scales, observed }
+    }
+
+    /// The loss of the points in a frame. From inside a pipe every point of its surface is visible.
+    fn loss(&self, frame: &LocalFrame) -> Tukey {
+        let facing = self.observed && !frame.cylinder.contains_origin();
+        let wall = if facing { Wall::Facing } else { Wall::Either };
+        Tukey { cutoff: TUKEY_EFFICIENT * self.scales.point / frame.unit, wall }
     }
 
     /// What a squared pixel counts: σ² / (N_eff τ²), in the unit of the frame.
@@ -71,7 +98,7 @@ impl Objective for RobustObjective<'_> {
         if !(radius > 0.0 && radius.is_finite()) {
             return None;
         }
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * self.scales.point / frame.unit };
+        let loss = self.loss(frame);
         let mut equations = self.points.linearise(frame, loss);
         if let Some(pixels) = self.pixels {
             equations.add_scaled(self.pixel_factor(frame), &pixels.linearise(frame)?);
@@ -80,12 +107,12 @@ impl Objective for RobustObjective<'_> {
     }
 
     fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * self.scales.point / frame.unit };
+        let loss = self.loss(frame);
         let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
         let mut rows = Vec::with_capacity(cloud.len());
         for (index, point) in cloud.points().enumerate() {
-            let (residual, jacobian) = point_row(frame, &point);
-            let root = (cloud.weight(index) / total * loss.loss_and_weight(residual).1).sqrt();
+            let (residual, jacobian, facing) = point_row(frame, &point);
+            let root = (cloud.weight(index) / total * loss.loss_and_weight(residual, facing).1).sqrt();
             rows.push((residual * root, jacobian * root));
         }
         if let Some(pixels) = self.pixels {
@@ -105,13 +132,16 @@ mod tests {
 
     #[test]
     fn the_weight_is_the_derivative_of_the_loss_over_twice_the_residual() {
-        let tukey = Tukey { cutoff: 2.0 };
+        let tukey = Tukey { cutoff: 2.0, wall: Wall::Facing };
+        let at = |e: f64| tukey.loss_and_weight(e, -1.0);
         for e in [-1.9, -0.5, 0.3, 1.0, 1.999, 2.5] {
             let h = 1e-6;
-            let slope = (tukey.loss_and_weight(e + h).0 - tukey.loss_and_weight(e - h).0) / (2.0 * h);
-            assert!((slope - 2.0 * e * tukey.loss_and_weight(e).1).abs() < 1e-8, "{e}");
+            let slope = (at(e + h).0 - at(e - h).0) / (2.0 * h);
+            assert!((slope - 2.0 * e * at(e).1).abs() < 1e-8, "{e}");
         }
-        assert_eq!(tukey.loss_and_weight(3.0), (4.0 / 3.0, 0.0));
-        assert!((tukey.loss_and_weight(1e-4).0 - 1e-8).abs() < 1e-15);
+        assert_eq!(at(3.0), (4.0 / 3.0, 0.0));
+        assert!((at(1e-4).0 - 1e-8).abs() < 1e-15);
+        // A point on the hidden wall counts as one far away.
+        assert_eq!(tukey.loss_and_weight(0.1, 1.0), at(3.0));
     }
 }

@@ -19,19 +19,16 @@ pub struct IterationLimits {
     pub max_lambda: f64,
     /// Smallest relative decrease of the cost that counts as progress.
     pub cost_tolerance: f64,
-    /// The coordinates of the steps.
-    pub chart: Chart,
 }
 
 impl Default for IterationLimits {
     fn default() -> Self {
         Self {
-            max_iterations: 500,
+            max_iterations: 400,
             initial_lambda: 1e-3,
             lambda_factor: 10.0,
             max_lambda: 1e12,
             cost_tolerance: 1e-12,
-            chart: Chart::Local,
         }
     }
 }
@@ -110,7 +107,8 @@ const DIFFERENCE_STEP: f64 = 1e-5;
 /// The radius, in units of the size of the data, at which the iteration is given up.
 const LARGEST_RADIUS: f64 = 1e4;
 
-/// Minimises an objective from a start. `data_center` and `unit` are the middle and the size of the data;
+/// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed; in the local
+/// one the second derivative is completed where the iteration creeps. `data_center` and `unit` are the middle and the size of the data;
 /// the orthonormal chart takes the caller's unit of length instead, as the paper does. `report` hears of every
 /// solve and may stop the iteration.
 ///
@@ -122,10 +120,11 @@ pub fn minimise(
     data_center: &Vector3<f64>,
     unit: f64,
     limits: &IterationLimits,
+    chart: Chart,
     report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Convergence> {
     let data_unit = unit;
-    let unit = match limits.chart {
+    let unit = match chart {
         Chart::Local => data_unit,
         Chart::Orthonormal => 1.0,
     };
@@ -166,11 +165,12 @@ pub fn minimise(
             break Termination::MaxIterations;
         }
         iterations += 1;
-        if iterations > GAUSS_NEWTON_ITERATIONS && second_derivative.is_none() {
+        let creeping = chart == Chart::Local && iterations > GAUSS_NEWTON_ITERATIONS;
+        if creeping && second_derivative.is_none() {
             second_derivative = differentiate_gradient(&frame, linearise);
         }
         let hessian = second_derivative.unwrap_or(equations.hessian);
-        let step = match limits.chart {
+        let step = match chart {
             Chart::Local => {
                 damped_step(&hessian, &equations.gradient, lambda).map(|step| (step, frame.retract(&step)))
             }

@@ -6,10 +6,11 @@
 //!
 //! f = x² + y² − 2αx − 2βy − K
 //!
-//! vanishes on the cylinder with the axis through αu + βv and r² = K + α² + β². It is linear in (α, β, K), so
-//! these follow in closed form, and G(d̂) = mean f² is a function on the sphere. f is a quadratic polynomial of
-//! q, so G and its derivatives are quadratic forms of the matrix of moments up to degree four. Eberly searches
-//! a grid; here the best grid directions are refined by Newton's method with the exact Hessian.
+//! vanishes on the cylinder with the axis through αu + βv and r² = K + α² + β². It is linear in (α, β, K),
+//! so these follow in closed form, and G(d̂) = mean f² is a function on the sphere. f is a quadratic
+//! polynomial of q, so G and its derivatives are quadratic forms of the matrix of moments up to degree four.
+//! Eberly searches a grid; here the lowest grid directions are refined by Newton's method with the exact
+//! Hessian.
 //!
 //! f = (ρ − r)(ρ + r) for a point at distance ρ from the axis weighs outer points more: with noise and an arc
 //! that is not the full circle the radius comes out too small. This is a start, not a result.
@@ -20,8 +21,7 @@ use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
 type Polynomial = SVector<f64, 10>;
 
-/// Points that are added up before their sum joins the total, so that rounding grows with the square root of
-/// the number of points at most.
+/// Points that are added up before their sum joins the total, which keeps the rounding of millions small.
 const BLOCK: usize = 1024;
 
 /// The cloud counts as flat when its smallest variance is below this part of its largest: far below the
@@ -122,6 +122,18 @@ impl Moments {
         (variances.min() > FLAT_VARIANCE * variances.max()).then_some(moments)
     }
 
+    /// The weighted mean of the points.
+    #[must_use]
+    pub fn center(&self) -> Vector3<f64> {
+        self.center
+    }
+
+    /// The size of the cloud: the weighted root mean square distance of the points from their mean.
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        self.unit
+    }
+
     /// The best cylinder with the axis along `direction`, which need not have unit length.
     ///
     /// `None` when the direction vanishes or is not finite.
@@ -139,7 +151,9 @@ impl Moments {
     }
 
     /// The minima of G that are reached from the lowest local minima of a grid of `seeds` directions on the
-    /// half sphere, best first.
+    /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
+    /// the thinner of two cylinders. The search of the grid takes time with the square of `seeds`; a hundred
+    /// miss few minima.
     #[must_use]
     pub fn minima(&self, seeds: usize) -> Vec<AlgebraicFit> {
         let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
@@ -164,11 +178,12 @@ impl Moments {
                 minima.push(minimum);
             }
         }
-        minima.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
-        minima.iter().map(|slice| self.fit(slice)).collect()
+        let mut fits: Vec<AlgebraicFit> = minima.iter().map(|slice| self.fit(slice)).collect();
+        fits.sort_by(|a, b| a.distance_rms().total_cmp(&b.distance_rms()));
+        fits
     }
 
-    /// The lowest of the minima.
+    /// The first of the minima.
     #[must_use]
     pub fn best(&self) -> Option<AlgebraicFit> {
         self.minima(DEFAULT_SEEDS).into_iter().next()

@@ -1,0 +1,1755 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+
+/**
+ * @file cylfuse.h
+ * Measures a cylinder from one RGB-D view.
+ *
+ * The smallest use: create a fitter, set the intrinsics, push a depth image with a mask and the edge segments,
+ * fit, destroy. For the next frame: clear, push, fit.
+ *
+ * Statuses. A call returns 0 (CYLFUSE_STATUS_OK) or a negative number. A call that fails changes nothing and
+ * writes no output, unless its text says so, and cylfuse_fitter_last_error() names the value, the limit and the
+ * remedy. A result that did not converge, or of which something else is doubtful, is not an error: flags of the
+ * result tell.
+ *
+ * Memory. The library copies what it is given during the call and keeps no pointer but the callbacks and their
+ * user_data. All outputs go to memory of the caller: nothing needs to be freed but the fitter.
+ *
+ * Pointers. NULL where a pointer is needed gives NULL_POINTER; a pointer may be NULL only where its text says
+ * so. Pointers to data, structs and outputs need no alignment. Data are described by the address of the first
+ * element, counts, and strides in bytes, which may be negative; a stride of 0 stands for packed elements.
+ * Elements must not overlap. The memory from the first to the last byte of the elements must be readable
+ * (writable for outputs).
+ *
+ * Structs with struct_size grow with later versions, at their end, and there 0 means the behaviour from before.
+ * What you fill has a function cylfuse_..._init that sets struct_size and the defaults; or set all bytes to 0
+ * and struct_size to sizeof. For what the library fills, set struct_size to sizeof: it writes as many fields as
+ * both sides know. Reserved fields must be 0.
+ *
+ * Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. The camera frame is
+ * x to the right, y down, z forward, with its origin in the centre of projection. Pixel centres are at integer
+ * coordinates, as in OpenCV.
+ *
+ * Numbers. Points with a coordinate that is not finite, depths of 0, below 0 or not finite and pixels outside
+ * the mask are left out and counted. Anything else that is not finite is INVALID_ARGUMENT.
+ *
+ * Threads. A fitter runs one call at a time, on any thread; a second call returns BUSY. Only
+ * cylfuse_fitter_cancel() may be called while another call is running. Different fitters run in parallel. There
+ * is no shared state, and the library prints nothing.
+ *
+ * C++. No function throws. Callbacks must not throw either.
+ */
+
+
+#ifndef CYLFUSE_H
+#define CYLFUSE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** The version of this header; compare with `cylfuse_version_number()`. */
+#define CYLFUSE_VERSION_MAJOR 0
+#define CYLFUSE_VERSION_MINOR 1
+#define CYLFUSE_VERSION_PATCH 0
+#define CYLFUSE_VERSION_STRING "0.1.0"
+/** major * 65536 + minor * 256 + patch. */
+#define CYLFUSE_VERSION_NUMBER 256
+
+/** Linkage. Define CYLFUSE_STATIC when linking the static library on Windows. */
+#ifndef CYLFUSE_API
+#if defined(_WIN32) && !defined(CYLFUSE_STATIC)
+#define CYLFUSE_API __declspec(dllimport)
+#else
+#define CYLFUSE_API
+#endif
+#endif
+
+/** No function throws; callbacks carry no such mark because C++11 allows none on their types. */
+#ifdef __cplusplus
+#define CYLFUSE_NOEXCEPT noexcept
+#else
+#define CYLFUSE_NOEXCEPT
+#endif
+
+
+/**
+ * The version of the binary interface that this header describes. It changes only when old programs stop
+ * working, and the soname changes with it.
+ */
+#define CYLFUSE_ABI_VERSION 1
+
+/**
+ * Estimates one cylinder: holds options, camera, data and the last result. Opaque; made by
+ * `cylfuse_fitter_create`.
+ *
+ * A fitter may move between threads, but runs one call at a time: a second one, from another thread or from a
+ * callback, returns `CYLFUSE_STATUS_BUSY`. Different fitters run in parallel.
+ */
+typedef struct cylfuse_fitter cylfuse_fitter;
+
+/**
+ * What a call returns: 0 when it did what it was asked to, else a negative number that says why not.
+ *
+ * A failed call changes nothing and writes no output unless its text says so; the fitter stays usable, but for
+ * `CYLFUSE_STATUS_PANIC`. The numbers never change and new ones may be added: treat an unknown negative number
+ * as a failure.
+ */
+typedef int32_t cylfuse_status;
+/**
+ * The call did what it was asked to.
+ */
+#define CYLFUSE_STATUS_OK 0
+/**
+ * An argument or field has a value outside its documented range.
+ */
+#define CYLFUSE_STATUS_INVALID_ARGUMENT -1
+/**
+ * A pointer that is needed is NULL.
+ */
+#define CYLFUSE_STATUS_NULL_POINTER -2
+/**
+ * The `struct_size` of a struct is smaller than the first version of the struct or larger than 4096, or
+ * the struct is larger than this library knows it and uses fields that this library does not know.
+ */
+#define CYLFUSE_STATUS_STRUCT_SIZE -3
+/**
+ * The program was compiled for another, incompatible version of the library.
+ */
+#define CYLFUSE_STATUS_ABI_MISMATCH -4
+/**
+ * The call came before something that it needs.
+ */
+#define CYLFUSE_STATUS_BAD_STATE -5
+/**
+ * Another call on the same fitter is running: in another thread, or around a callback.
+ */
+#define CYLFUSE_STATUS_BUSY -6
+/**
+ * The buffer for the output is too small; the call says how much it needs and writes nothing else.
+ */
+#define CYLFUSE_STATUS_BUFFER_TOO_SMALL -7
+/**
+ * Memory could not be had.
+ */
+#define CYLFUSE_STATUS_OUT_OF_MEMORY -8
+/**
+ * The method does not define what was asked for.
+ */
+#define CYLFUSE_STATUS_UNSUPPORTED -9
+/**
+ * Images on one pixel grid have different sizes.
+ */
+#define CYLFUSE_STATUS_SIZE_MISMATCH -10
+/**
+ * No camera works with these intrinsics.
+ */
+#define CYLFUSE_STATUS_INVALID_INTRINSICS -11
+/**
+ * Fewer usable points than a cylinder has degrees of freedom.
+ */
+#define CYLFUSE_STATUS_TOO_FEW_POINTS -20
+/**
+ * The points are as flat as a plane.
+ */
+#define CYLFUSE_STATUS_PLANAR_POINTS -21
+/**
+ * The points lie on one straight line.
+ */
+#define CYLFUSE_STATUS_COLLINEAR_POINTS -22
+/**
+ * No pixel of the mask is set.
+ */
+#define CYLFUSE_STATUS_EMPTY_MASK -23
+/**
+ * No pixel in the region has a usable depth.
+ */
+#define CYLFUSE_STATUS_NO_DEPTH -24
+/**
+ * No start for the iteration could be found.
+ */
+#define CYLFUSE_STATUS_NO_START -25
+/**
+ * The limb lines are needed but cannot be formed.
+ */
+#define CYLFUSE_STATUS_EDGE_GEOMETRY -26
+/**
+ * The arithmetic left the range of numbers.
+ */
+#define CYLFUSE_STATUS_NUMERICAL -27
+/**
+ * The progress callback or `cylfuse_fitter_cancel` asked to stop.
+ */
+#define CYLFUSE_STATUS_CANCELLED -40
+/**
+ * A defect of the library. The fitter can only be destroyed after it; other fitters are not affected.
+ */
+#define CYLFUSE_STATUS_PANIC -99
+
+/**
+ * How the cylinder is estimated.
+ */
+typedef int32_t cylfuse_method;
+/**
+ * Points and edges together, by the chosen `cylfuse_objective`.
+ */
+#define CYLFUSE_METHOD_FUSED 0
+/**
+ * Points alone by plain least squares; edges are ignored.
+ */
+#define CYLFUSE_METHOD_POINTS 1
+/**
+ * Random sample consensus over the points, without a final iteration.
+ */
+#define CYLFUSE_METHOD_RANSAC 2
+/**
+ * Eberly's algebraic fit by the moments of the points, without a final iteration.
+ */
+#define CYLFUSE_METHOD_EBERLY 3
+
+/**
+ * What `CYLFUSE_METHOD_FUSED` minimises.
+ */
+typedef int32_t cylfuse_objective;
+/**
+ * Robust points and the distances of the segment endpoints in pixels, each weighted by its own scale. Takes
+ * any number of segments, none included.
+ */
+#define CYLFUSE_OBJECTIVE_ROBUST 0
+/**
+ * F = (1 - w) E_P + w E_L of Zhang, Liu and Wang (Sensors 2026, 26(5), 1687), exactly, with the weight
+ * w = `edge_weight`. Takes exactly two segments, or w = 0.
+ */
+#define CYLFUSE_OBJECTIVE_PAPER 1
+
+/**
+ * Where the iteration starts.
+ */
+typedef int32_t cylfuse_start;
+/**
+ * The candidate of the kinds below that explains the data best. Never in a result.
+ */
+#define CYLFUSE_START_AUTO 0
+/**
+ * From two limb segments, scaled by the points.
+ */
+#define CYLFUSE_START_LIMBS 1
+/**
+ * Eberly's algebraic fit by the moments of the points.
+ */
+#define CYLFUSE_START_MOMENTS 2
+/**
+ * Random sample consensus over the points.
+ */
+#define CYLFUSE_START_RANSAC 3
+/**
+ * The model given by `cylfuse_fitter_set_start_model`.
+ */
+#define CYLFUSE_START_MODEL 4
+
+/**
+ * Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a
+ * second minimum with the cylinder between camera and surface; this rule refuses it.
+ */
+typedef int32_t cylfuse_near_wall;
+/**
+ * On when intrinsics are set: only then is the origin known to be a camera.
+ */
+#define CYLFUSE_NEAR_WALL_AUTO 0
+/**
+ * On: the origin is the observer.
+ */
+#define CYLFUSE_NEAR_WALL_ON 1
+/**
+ * Off: the minimum nearest to the start stays.
+ */
+#define CYLFUSE_NEAR_WALL_OFF 2
+
+/**
+ * The coordinates in which the iteration steps. All reach the same optima.
+ */
+typedef int32_t cylfuse_chart;
+/**
+ * ORTHONORMAL for the paper's objective where a camera stands outside the cylinder, else LOCAL.
+ */
+#define CYLFUSE_CHART_AUTO 0
+/**
+ * Shift and tilt of the axis at the data: regular wherever the axis runs.
+ */
+#define CYLFUSE_CHART_LOCAL 1
+/**
+ * The orthonormal representation about the origin of coordinates, as in the paper: singular for an axis
+ * through the origin.
+ */
+#define CYLFUSE_CHART_ORTHONORMAL 2
+
+/**
+ * The settings of a fit. `cylfuse_options_init` fills the defaults, which are named below; a field that says
+ * "0 = default" may also be left 0.
+ */
+typedef struct cylfuse_options {
+    /**
+     * `sizeof(cylfuse_options)`.
+     */
+    uint32_t struct_size;
+    /**
+     * How the cylinder is estimated. Default FUSED.
+     */
+    cylfuse_method method;
+    /**
+     * What FUSED minimises. Default ROBUST.
+     */
+    cylfuse_objective objective;
+    /**
+     * Where the iteration starts. Default AUTO.
+     */
+    cylfuse_start start;
+    /**
+     * Whether the points must lie on the wall that the camera sees. Default AUTO.
+     */
+    cylfuse_near_wall near_wall;
+    /**
+     * The coordinates of the iteration. Default LOCAL.
+     */
+    cylfuse_chart chart;
+    /**
+     * Most linear solves. Default 500; 0 = default.
+     */
+    uint32_t max_iterations;
+    /**
+     * Most threads for the sums over the points; small clouds take one. The result has the same bits for any
+     * number. Default 0 = as many as the machine has.
+     */
+    uint32_t max_threads;
+    /**
+     * The weight w of the edges in PAPER, in [0, 1]. Default 0.6. Here 0 is a weight: points only.
+     */
+    double edge_weight;
+    /**
+     * Damping of the first step, greater than 0. Default 1e-3; 0 = default.
+     */
+    double initial_lambda;
+    /**
+     * Factor by which the damping falls after an accepted step and grows after a rejected one, greater than 1.
+     * Default 10; 0 = default.
+     */
+    double lambda_factor;
+    /**
+     * Damping at which no smaller step is tried any more, at least `initial_lambda`. Default 1e12; 0 = default.
+     */
+    double max_lambda;
+    /**
+     * Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12. Here 0 is a
+     * tolerance: iterate until nothing decreases.
+     */
+    double cost_tolerance;
+    /**
+     * Distance within which RANSAC counts a point as an inlier, in the unit of length, 0 or greater. Default 0
+     * = from the data.
+     */
+    double ransac_threshold;
+    /**
+     * Seed of the random samples of RANSAC: the same seed gives the same result. Default 0.
+     */
+    uint64_t seed;
+    /**
+     * Most random samples of RANSAC. Default 1000; 0 = default.
+     */
+    uint32_t ransac_max_iterations;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} cylfuse_options;
+
+/**
+ * The distortion of the lens. What the numbers in `cylfuse_intrinsics::distortion` mean.
+ */
+typedef int32_t cylfuse_distortion;
+/**
+ * A pinhole; all coefficients are 0.
+ */
+#define CYLFUSE_DISTORTION_NONE 0
+/**
+ * Brown and Conrady: k1 k2 p1 p2 k3 k4 k5 k6 in the order of OpenCV; the missing ones of a shorter list are
+ * 0.
+ */
+#define CYLFUSE_DISTORTION_BROWN_CONRADY 1
+/**
+ * Kannala and Brandt, the fisheye model of OpenCV: k1 k2 k3 k4; the other coefficients are 0. Rays less than
+ * 89 degrees from the axis.
+ */
+#define CYLFUSE_DISTORTION_KANNALA_BRANDT 2
+
+/**
+ * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV.
+ */
+typedef struct cylfuse_intrinsics {
+    /**
+     * `sizeof(cylfuse_intrinsics)`.
+     */
+    uint32_t struct_size;
+    /**
+     * What the numbers in `distortion` mean.
+     */
+    cylfuse_distortion distortion_model;
+    /**
+     * Width of the image in pixels, at least 1.
+     */
+    uint32_t width;
+    /**
+     * Height of the image in pixels, at least 1; both together at most 2^28 pixels.
+     */
+    uint32_t height;
+    /**
+     * Focal length in pixel widths, greater than 0.
+     */
+    double fx;
+    /**
+     * Focal length in pixel heights, greater than 0.
+     */
+    double fy;
+    /**
+     * Principal point in pixels from the centre of the first pixel, to the right.
+     */
+    double cx;
+    /**
+     * Principal point in pixels from the centre of the first pixel, down.
+     */
+    double cy;
+    /**
+     * Coefficients in the order of `distortion_model`; those that the model does not have are 0.
+     */
+    double distortion[8];
+} cylfuse_intrinsics;
+
+/**
+ * The type of a coordinate.
+ */
+typedef int32_t cylfuse_scalar;
+/**
+ * `float`.
+ */
+#define CYLFUSE_SCALAR_F32 1
+/**
+ * `double`.
+ */
+#define CYLFUSE_SCALAR_F64 2
+
+/**
+ * A cloud in the caller's memory, organised (`height` > 1) or not. PCL: `data = &cloud[0].x`,
+ * `point_stride = sizeof(PointT)`, width and height of the cloud.
+ */
+typedef struct cylfuse_points_view {
+    /**
+     * `sizeof(cylfuse_points_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of the coordinates and weights.
+     */
+    cylfuse_scalar scalar;
+    /**
+     * x of the first point; y and z follow it. Any alignment. May be NULL when there are no points.
+     */
+    const void *data;
+    /**
+     * Columns of an organised cloud, or the number of points.
+     */
+    size_t width;
+    /**
+     * Rows of an organised cloud, or 1.
+     */
+    size_t height;
+    /**
+     * Bytes from a point to the next one in its row, negative too; 0 = 3 scalars.
+     */
+    ptrdiff_t point_stride;
+    /**
+     * Bytes from a row to the next one, negative too; 0 = `width` * `point_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Weight of the first point, 0 or greater; 0 drops the point. NULL = every weight is 1.
+     */
+    const void *weights;
+    /**
+     * Bytes from a weight to the next one in its row; 0 = 1 scalar.
+     */
+    ptrdiff_t weight_stride;
+    /**
+     * Bytes from a row of weights to the next one; 0 = `width` * `weight_stride`.
+     */
+    ptrdiff_t weight_row_stride;
+    /**
+     * x of the normal at the first point; y and z follow it, in the type of the coordinates. Normals have any
+     * length and sign; one of length 0 or that is not finite counts as unknown. Only RANSAC uses them, and
+     * only when all points come with normals. NULL = unknown.
+     */
+    const void *normals;
+    /**
+     * Bytes from a normal to the next one in its row; 0 = 3 scalars.
+     */
+    ptrdiff_t normal_stride;
+    /**
+     * Bytes from a row of normals to the next one; 0 = `width` * `normal_stride`.
+     */
+    ptrdiff_t normal_row_stride;
+} cylfuse_points_view;
+
+/**
+ * How a depth is stored in a pixel.
+ */
+typedef int32_t cylfuse_depth_format;
+/**
+ * `uint16_t`; 0 = no measurement.
+ */
+#define CYLFUSE_DEPTH_FORMAT_U16 1
+/**
+ * `float`; 0, negative or not finite = no measurement.
+ */
+#define CYLFUSE_DEPTH_FORMAT_F32 2
+
+/**
+ * A depth image in the caller's memory. The value is z, not the distance along the ray.
+ */
+typedef struct cylfuse_depth_view {
+    /**
+     * `sizeof(cylfuse_depth_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of a pixel.
+     */
+    cylfuse_depth_format format;
+    /**
+     * The first pixel of the first row. Any alignment.
+     */
+    const void *data;
+    /**
+     * Columns; must be those of the intrinsics.
+     */
+    uint32_t width;
+    /**
+     * Rows; must be those of the intrinsics.
+     */
+    uint32_t height;
+    /**
+     * Bytes from a row to the next one, such as `step` of a `cv::Mat`, negative too; 0 = `width` *
+     * `pixel_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Bytes from a pixel to the next one; 0 = the size of one.
+     */
+    ptrdiff_t pixel_stride;
+    /**
+     * Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length is
+     * the metre.
+     */
+    double scale;
+    /**
+     * The nearest depth that counts, in the unit of length.
+     */
+    double min_depth;
+    /**
+     * The farthest depth that counts, in the unit of length; 0 = no limit.
+     */
+    double max_depth;
+} cylfuse_depth_view;
+
+/**
+ * A mask in the caller's memory: one byte a pixel, non-zero = visible lateral surface of the cylinder. Its
+ * boundary may be some pixels off: it is a hint and never measured.
+ */
+typedef struct cylfuse_mask_view {
+    /**
+     * `sizeof(cylfuse_mask_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The first pixel of the first row.
+     */
+    const uint8_t *data;
+    /**
+     * Columns.
+     */
+    uint32_t width;
+    /**
+     * Rows.
+     */
+    uint32_t height;
+    /**
+     * Bytes from a row to the next one, negative too; 0 = `width` * `pixel_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Bytes from a pixel to the next one; 0 = 1.
+     */
+    ptrdiff_t pixel_stride;
+} cylfuse_mask_view;
+
+/**
+ * Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
+ * image. A `std::vector<cv::Vec4f>` passes as it is.
+ */
+typedef struct cylfuse_segments_view {
+    /**
+     * `sizeof(cylfuse_segments_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of the coordinates.
+     */
+    cylfuse_scalar scalar;
+    /**
+     * x1 of the first segment; y1, x2 and y2 follow it, in pixels. The endpoints may come in any order. Any
+     * alignment. May be NULL when `count` is 0.
+     */
+    const void *data;
+    /**
+     * Number of segments.
+     */
+    size_t count;
+    /**
+     * Bytes from a segment to the next one, negative too; 0 = 4 scalars.
+     */
+    ptrdiff_t segment_stride;
+    /**
+     * `count` weights, 0 or greater; 0 leaves the segment out. NULL = every weight is 1.
+     */
+    const double *weights;
+} cylfuse_segments_view;
+
+/**
+ * How the points of an output buffer are arranged.
+ */
+typedef int32_t cylfuse_layout;
+/**
+ * Only the points that exist, one after the other, row by row of the image.
+ */
+#define CYLFUSE_LAYOUT_PACKED 0
+/**
+ * One point for each pixel of the image, NaN where there is none.
+ */
+#define CYLFUSE_LAYOUT_ORGANISED 1
+
+/**
+ * A buffer for points in the caller's memory.
+ */
+typedef struct cylfuse_points_out {
+    /**
+     * `sizeof(cylfuse_points_out)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of the coordinates.
+     */
+    cylfuse_scalar scalar;
+    /**
+     * Where x of the first point goes; y and z follow it, whatever else is in the buffer stays. Any alignment.
+     * May be NULL when `capacity` is 0.
+     */
+    void *data;
+    /**
+     * Points that the buffer holds.
+     */
+    size_t capacity;
+    /**
+     * Bytes from a point to the next one (in its row), negative too; 0 = 3 scalars.
+     */
+    ptrdiff_t point_stride;
+    /**
+     * Bytes from a row to the next one when organised, negative too; 0 = width * `point_stride`. Must be 0 when
+     * packed.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Packed or organised.
+     */
+    cylfuse_layout layout;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} cylfuse_points_out;
+
+/**
+ * A depth image to be written in the caller's memory. A pixel without depth becomes 0.
+ */
+typedef struct cylfuse_depth_out {
+    /**
+     * `sizeof(cylfuse_depth_out)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of a pixel. A depth beyond the range of `uint16_t` becomes 0 and is counted.
+     */
+    cylfuse_depth_format format;
+    /**
+     * The first pixel of the first row. Any alignment.
+     */
+    void *data;
+    /**
+     * Columns of the buffer; must be those of the intrinsics.
+     */
+    uint32_t width;
+    /**
+     * Rows of the buffer; must be those of the intrinsics.
+     */
+    uint32_t height;
+    /**
+     * Bytes from a row to the next one, negative too; 0 = `width` * `pixel_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Bytes from a pixel to the next one; 0 = the size of one.
+     */
+    ptrdiff_t pixel_stride;
+    /**
+     * Length of one unit of the stored value, greater than 0: z = value * `scale`.
+     */
+    double scale;
+} cylfuse_depth_out;
+
+/**
+ * An infinite cylinder, in the order of the coefficients of PCL's cylinder model. This struct never changes.
+ */
+typedef struct cylfuse_cylinder {
+    /**
+     * A point on the axis, in the unit of length of the data.
+     */
+    double point[3];
+    /**
+     * The direction of the axis. As input of any length but 0, as output of length 1. Its sign has no meaning;
+     * the library gives the one with a positive largest component.
+     */
+    double direction[3];
+    /**
+     * The radius in the unit of length of the data, greater than 0.
+     */
+    double radius;
+} cylfuse_cylinder;
+
+/**
+ * What a fit is doing.
+ */
+typedef int32_t cylfuse_phase;
+/**
+ * It is about to look for a start.
+ */
+#define CYLFUSE_PHASE_START 1
+/**
+ * It iterates.
+ */
+#define CYLFUSE_PHASE_SOLVE 2
+
+/**
+ * The state of a running fit, before each linear solve.
+ */
+typedef struct cylfuse_progress {
+    /**
+     * Size of this struct in the library: fields beyond it are not there.
+     */
+    uint32_t struct_size;
+    /**
+     * What the fit is doing.
+     */
+    cylfuse_phase phase;
+    /**
+     * Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
+     */
+    uint32_t iteration;
+    /**
+     * Most linear solves.
+     */
+    uint32_t max_iterations;
+    /**
+     * The lowest cost so far, unit of length squared; infinite in the phase START.
+     */
+    double cost;
+    /**
+     * The damping of the next step; 0 in the phase START.
+     */
+    double lambda;
+    /**
+     * The best cylinder so far; of radius 0 in the phase START.
+     */
+    struct cylfuse_cylinder model;
+} cylfuse_progress;
+
+/**
+ * Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
+ *
+ * It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
+ * `cylfuse_fitter_cancel`: all others return BUSY. Other fitters are free.
+ *
+ * @param progress valid until the callback returns
+ * @param user_data what was given with the callback
+ * @return 0 to go on; anything else stops the fit, which returns CANCELLED
+ */
+typedef int32_t (*cylfuse_progress_fn)(const struct cylfuse_progress *progress, void *user_data);
+
+/**
+ * How much a log line matters.
+ */
+typedef int32_t cylfuse_log_level;
+/**
+ * No lines.
+ */
+#define CYLFUSE_LOG_LEVEL_OFF 0
+/**
+ * Calls that failed, with the text of `cylfuse_fitter_last_error`.
+ */
+#define CYLFUSE_LOG_LEVEL_ERROR 1
+/**
+ * Doubts about a result, such as ignored edges.
+ */
+#define CYLFUSE_LOG_LEVEL_WARNING 2
+/**
+ * What was pushed, which start was taken, how a fit ended.
+ */
+#define CYLFUSE_LOG_LEVEL_INFO 3
+/**
+ * Every iteration.
+ */
+#define CYLFUSE_LOG_LEVEL_DEBUG 4
+
+/**
+ * Takes a log line, on the thread that called the function. The rules of `cylfuse_progress_fn` hold here too.
+ *
+ * @param level how much it matters
+ * @param message one line without a line break, valid until the callback returns
+ * @param user_data what was given with the callback
+ */
+typedef void (*cylfuse_log_fn)(cylfuse_log_level level, const char *message, void *user_data);
+
+/**
+ * What was pushed, and what was left out by reason.
+ */
+typedef struct cylfuse_counts {
+    /**
+     * `sizeof(cylfuse_counts)`, set by the caller.
+     */
+    uint32_t struct_size;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
+    /**
+     * Points and pixels that were pushed.
+     */
+    uint64_t points_given;
+    /**
+     * Points that a fit uses.
+     */
+    uint64_t points_used;
+    /**
+     * Left out: a coordinate or weight is not finite.
+     */
+    uint64_t dropped_not_finite;
+    /**
+     * Left out: the weight is 0.
+     */
+    uint64_t dropped_zero_weight;
+    /**
+     * Left out: the mask is 0 there.
+     */
+    uint64_t dropped_outside_mask;
+    /**
+     * Left out: no depth was measured there.
+     */
+    uint64_t dropped_no_depth;
+    /**
+     * Left out: the depth is outside [`min_depth`, `max_depth`].
+     */
+    uint64_t dropped_out_of_range;
+    /**
+     * Left out: the camera model has no ray for the pixel.
+     */
+    uint64_t dropped_outside_camera;
+    /**
+     * Edge segments that were pushed; `segments_used` of a result says how many count.
+     */
+    uint64_t segments_given;
+} cylfuse_counts;
+
+/**
+ * Why an iteration ended.
+ */
+typedef int32_t cylfuse_termination;
+/**
+ * There was no iteration: the method has none, or a given model was evaluated.
+ */
+#define CYLFUSE_TERMINATION_NONE 0
+/**
+ * The cost no longer fell by more than the tolerance, or reached the rounding error of the data.
+ */
+#define CYLFUSE_TERMINATION_COST 1
+/**
+ * No step down to the largest damping lowered the cost: a minimum to rounding.
+ */
+#define CYLFUSE_TERMINATION_STALLED 2
+/**
+ * The limit of iterations was reached; `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED` is set too.
+ */
+#define CYLFUSE_TERMINATION_MAX_ITERATIONS 3
+/**
+ * The radius left all proportion to the data: they are flat.
+ */
+#define CYLFUSE_TERMINATION_RADIUS_RAN_AWAY 4
+
+/**
+ * Doubts about a result, one bit each. None of them is an error.
+ */
+typedef uint32_t cylfuse_result_flags;
+/**
+ * Segments were given but none of them counts; the other flags and the counts say why.
+ */
+#define CYLFUSE_RESULT_FLAGS_EDGES_IGNORED 1
+/**
+ * Some segments have no length or lie outside the field of the camera model.
+ */
+#define CYLFUSE_RESULT_FLAGS_SEGMENTS_UNUSABLE 2
+/**
+ * Two segments cross each other: they cannot be the two limbs.
+ */
+#define CYLFUSE_RESULT_FLAGS_EDGES_CROSS 4
+/**
+ * Two segments lie on one line to within 2 pixels: they are the same limb.
+ */
+#define CYLFUSE_RESULT_FLAGS_EDGES_COINCIDE 8
+/**
+ * The rays of the endpoints do not meet the plane of the limbs in front of the camera.
+ */
+#define CYLFUSE_RESULT_FLAGS_EDGES_BEHIND 16
+/**
+ * The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.
+ */
+#define CYLFUSE_RESULT_FLAGS_SCALE_HELD 32
+/**
+ * The data hardly determine the radius: see `condition`.
+ */
+#define CYLFUSE_RESULT_FLAGS_WEAK_RADIUS 64
+/**
+ * The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
+ */
+#define CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST 128
+/**
+ * The limit of iterations came before convergence.
+ */
+#define CYLFUSE_RESULT_FLAGS_NOT_CONVERGED 256
+/**
+ * Most points lie on the wall that the camera cannot see.
+ */
+#define CYLFUSE_RESULT_FLAGS_HIDDEN_WALL 512
+/**
+ * The camera is inside the cylinder: there are no limbs.
+ */
+#define CYLFUSE_RESULT_FLAGS_CAMERA_INSIDE 1024
+/**
+ * Points with coordinates that are not finite were left out.
+ */
+#define CYLFUSE_RESULT_FLAGS_POINTS_NOT_FINITE 2048
+
+/**
+ * The outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
+ */
+typedef struct cylfuse_result {
+    /**
+     * `sizeof(cylfuse_result)`, set by the caller.
+     */
+    uint32_t struct_size;
+    /**
+     * Why the iteration ended.
+     */
+    cylfuse_termination termination;
+    /**
+     * How the start was found.
+     */
+    cylfuse_start start_kind;
+    /**
+     * Doubts, `CYLFUSE_RESULT_FLAGS_...` by bit; 0 when there are none.
+     */
+    cylfuse_result_flags flags;
+    /**
+     * Linear solves.
+     */
+    uint32_t iterations;
+    /**
+     * Solves whose step was rejected.
+     */
+    uint32_t rejected_steps;
+    /**
+     * Segments that took part.
+     */
+    uint32_t segments_used;
+    /**
+     * Segments that were pushed.
+     */
+    uint32_t segments_given;
+    /**
+     * Points that took part.
+     */
+    uint64_t points_used;
+    /**
+     * Points that were pushed; `cylfuse_fitter_counts` says why the others were left out.
+     */
+    uint64_t points_given;
+    /**
+     * The cylinder, its axis point the one nearest to the middle of the points.
+     */
+    struct cylfuse_cylinder model;
+    /**
+     * The model that the iteration started from.
+     */
+    struct cylfuse_cylinder start_model;
+    /**
+     * Cost of the start, unit of length squared.
+     */
+    double initial_cost;
+    /**
+     * Cost of the cylinder, unit of length squared.
+     */
+    double cost;
+    /**
+     * E_P: mean squared distance of the points from the surface, unit of length squared.
+     */
+    double energy_points;
+    /**
+     * E_L: mean squared distance of the back-projected endpoints from the limb lines, unit of length squared;
+     * NaN without exactly two usable segments.
+     */
+    double energy_edges;
+    /**
+     * The edge weight that was used, 0 when no edges count; NaN where the objective has none.
+     */
+    double edge_weight;
+    /**
+     * Root of E_P, unit of length.
+     */
+    double point_rms;
+    /**
+     * Root mean square distance of the endpoints from the limb lines in ideal pixels; NaN without edges.
+     */
+    double edge_rms_pixels;
+    /**
+     * The part of the points on the wall that the camera sees; NaN when the origin is no camera.
+     */
+    double near_wall_fraction;
+    /**
+     * Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
+     */
+    double condition;
+    /**
+     * The last damping.
+     */
+    double lambda;
+    /**
+     * Norm of half the gradient of the cost at the end, in units of the size of the data.
+     */
+    double gradient_norm;
+    /**
+     * Norm of the last accepted step, in units of the size of the data.
+     */
+    double step_norm;
+    /**
+     * Wall-clock seconds to find the start.
+     */
+    double seconds_start;
+    /**
+     * Wall-clock seconds to iterate.
+     */
+    double seconds_solve;
+    /**
+     * Wall-clock seconds of the whole fit.
+     */
+    double seconds_total;
+} cylfuse_result;
+
+/**
+ * Which residuals to list.
+ */
+typedef int32_t cylfuse_residual_kind;
+/**
+ * Signed distance of every used point from the surface, in the unit of length, negative inside; in the order
+ * in which the points were pushed, without the dropped ones.
+ */
+#define CYLFUSE_RESIDUAL_KIND_POINTS 1
+/**
+ * Signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
+ */
+#define CYLFUSE_RESIDUAL_KIND_EDGES 2
+
+/**
+ * What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
+ * freedom, in units of the size of the data.
+ */
+typedef struct cylfuse_diagnosis {
+    /**
+     * `sizeof(cylfuse_diagnosis)`, set by the caller.
+     */
+    uint32_t struct_size;
+    /**
+     * How many singular values stand out of the rounding error; 5 when everything is determined.
+     */
+    uint32_t rank;
+    /**
+     * Singular values, the largest first.
+     */
+    double singular_values[5];
+    /**
+     * Largest over smallest singular value; may be infinite.
+     */
+    double condition;
+    /**
+     * The step along which the residuals change least: how it moves the axis at the middle of the points, in
+     * the unit of length,
+     */
+    double weakest_shift[3];
+    /**
+     * how it tilts the axis, in radians towards this vector,
+     */
+    double weakest_tilt[3];
+    /**
+     * and how it changes the radius, in the unit of length. Shift and radius over the size of the data and the
+     * tilt have a joint norm of 1.
+     */
+    double weakest_radius;
+} cylfuse_diagnosis;
+
+/**
+ * What became of the pixels of a completion.
+ */
+typedef struct cylfuse_completion {
+    /**
+     * `sizeof(cylfuse_completion)`, set by the caller.
+     */
+    uint32_t struct_size;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
+    /**
+     * Points or pixels that were written; after `CYLFUSE_STATUS_BUFFER_TOO_SMALL` the capacity that is needed.
+     */
+    uint64_t count;
+    /**
+     * Pixels of the mask whose ray meets the cylinder.
+     */
+    uint64_t hits;
+    /**
+     * Pixels of the mask whose ray passes the cylinder by.
+     */
+    uint64_t misses;
+    /**
+     * Pixels of the mask for which the camera model has no ray.
+     */
+    uint64_t outside_camera;
+    /**
+     * Hits whose depth does not fit the pixel format; they were written as 0.
+     */
+    uint64_t out_of_range;
+} cylfuse_completion;
+
+/**
+ * What an end of the visible cylinder is.
+ */
+typedef int32_t cylfuse_end_state;
+/**
+ * No depth was measured beyond the end, or no depth image was pushed.
+ */
+#define CYLFUSE_END_STATE_UNKNOWN 0
+/**
+ * The surface ends there: what lies beyond is farther than the surface would be.
+ */
+#define CYLFUSE_END_STATE_SEEN 1
+/**
+ * The border of the image cuts the cylinder off.
+ */
+#define CYLFUSE_END_STATE_CUT 2
+/**
+ * Something nearer than the surface covers what lies beyond.
+ */
+#define CYLFUSE_END_STATE_HIDDEN 3
+
+/**
+ * The visible piece of the cylinder: `end` = `start` + `length` * direction of the model.
+ */
+typedef struct cylfuse_extent {
+    /**
+     * `sizeof(cylfuse_extent)`, set by the caller.
+     */
+    uint32_t struct_size;
+    /**
+     * What the end against the direction is.
+     */
+    cylfuse_end_state start_state;
+    /**
+     * What the end along the direction is.
+     */
+    cylfuse_end_state end_state;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
+    /**
+     * The end against the direction, a point on the axis.
+     */
+    double start[3];
+    /**
+     * The end along the direction, a point on the axis.
+     */
+    double end[3];
+    /**
+     * The middle of the ends.
+     */
+    double center[3];
+    /**
+     * The distance of the ends.
+     */
+    double length;
+} cylfuse_extent;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The `CYLFUSE_ABI_VERSION` of the loaded library.
+ */
+CYLFUSE_API uint32_t cylfuse_abi_version(void) CYLFUSE_NOEXCEPT;
+
+/**
+ * The version of the loaded library as a number, major * 65536 + minor * 256 + patch: compare it with
+ * `CYLFUSE_VERSION_NUMBER`, the version that the program was compiled for.
+ */
+CYLFUSE_API uint32_t cylfuse_version_number(void) CYLFUSE_NOEXCEPT;
+
+/**
+ * The version of the loaded library as text, such as "0.1.0". Static.
+ */
+CYLFUSE_API const char *cylfuse_version_string(void) CYLFUSE_NOEXCEPT;
+
+/**
+ * How the library was built: version, target, profile, compiler, features. Static, for reports of defects.
+ */
+CYLFUSE_API const char *cylfuse_build_info(void) CYLFUSE_NOEXCEPT;
+
+/**
+ * The name of a status without its prefix, a colon, and what it means in a few words. Static; a text for
+ * unknown numbers too.
+ */
+CYLFUSE_API const char *cylfuse_status_string(cylfuse_status status) CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills options with the defaults.
+ *
+ * @param options what to fill
+ * @param struct_size `sizeof(cylfuse_options)`
+ * @return STRUCT_SIZE for a size that cannot be, and then nothing is written
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_options_init(struct cylfuse_options *options,
+                                    size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills intrinsics with zeros: a pinhole, whose size, focal lengths and principal point the caller sets.
+ *
+ * @param intrinsics what to fill
+ * @param struct_size `sizeof(cylfuse_intrinsics)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_intrinsics_init(struct cylfuse_intrinsics *intrinsics,
+                                       size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a view of points with zeros and a height of 1: packed points without weights, whose scalar, data and
+ * width the caller sets.
+ *
+ * @param points what to fill
+ * @param struct_size `sizeof(cylfuse_points_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_points_view_init(struct cylfuse_points_view *points,
+                                        size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a view of a depth image with zeros and a scale of 1: packed, without limits of the depth; the caller
+ * sets format, data and size.
+ *
+ * @param depth what to fill
+ * @param struct_size `sizeof(cylfuse_depth_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_depth_view_init(struct cylfuse_depth_view *depth,
+                                       size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a view of a mask with zeros: packed; the caller sets data and size.
+ *
+ * @param mask what to fill
+ * @param struct_size `sizeof(cylfuse_mask_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_mask_view_init(struct cylfuse_mask_view *mask,
+                                      size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.
+ *
+ * @param segments what to fill
+ * @param struct_size `sizeof(cylfuse_segments_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_segments_view_init(struct cylfuse_segments_view *segments,
+                                          size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a buffer for points with zeros: packed points; the caller sets scalar, data and capacity.
+ *
+ * @param out what to fill
+ * @param struct_size `sizeof(cylfuse_points_out)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_points_out_init(struct cylfuse_points_out *out,
+                                       size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills a buffer for a depth image with zeros and a scale of 1: packed; the caller sets format, data and size.
+ *
+ * @param out what to fill
+ * @param struct_size `sizeof(cylfuse_depth_out)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_depth_out_init(struct cylfuse_depth_out *out,
+                                      size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Makes a fitter with default options and no data.
+ *
+ * @param abi_version `CYLFUSE_ABI_VERSION`
+ * @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call
+ *   fails
+ * @return ABI_MISMATCH when the program was compiled for another version of the interface
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_create(uint32_t abi_version,
+                                     struct cylfuse_fitter **out_fitter)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Destroys a fitter and frees what it holds. No other call on it may be running or follow.
+ *
+ * @param fitter the fitter; NULL does nothing
+ * @return BUSY when a call on the fitter is running, which a call from one of its callbacks always finds;
+ *   nothing is destroyed then
+ */
+CYLFUSE_API cylfuse_status cylfuse_fitter_destroy(struct cylfuse_fitter *fitter) CYLFUSE_NOEXCEPT;
+
+/**
+ * Makes room, so that pushing that many more points and segments needs no memory.
+ *
+ * @param fitter the fitter
+ * @param points how many points
+ * @param segments how many edge segments
+ * @return OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_reserve(struct cylfuse_fitter *fitter,
+                                      size_t points,
+                                      size_t segments)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Forgets data, result and a pending request to cancel; keeps options, camera, start model, callbacks and
+ * memory: the way from one frame to the next.
+ *
+ * @param fitter the fitter
+ */
+CYLFUSE_API cylfuse_status cylfuse_fitter_clear(struct cylfuse_fitter *fitter) CYLFUSE_NOEXCEPT;
+
+/**
+ * Why the last call on the fitter failed: what was wrong, the value, the limit and the remedy, in ASCII. Empty
+ * when it succeeded.
+ *
+ * @param fitter the fitter; NULL gives a text that says so
+ * @return a text that is valid until the next call on the fitter, never NULL. While another call is running it
+ *   is a fixed text that says so.
+ */
+CYLFUSE_API
+const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Asks the running fit to stop: it returns CANCELLED before its next linear solve. When no fit is running, the
+ * next one stops at once, unless `cylfuse_fitter_clear` comes before it. May be called from any thread and from
+ * callbacks while another call is running.
+ *
+ * @param fitter the fitter
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_cancel(struct cylfuse_fitter *fitter)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Replaces the options.
+ *
+ * @param fitter the fitter
+ * @param options copied
+ * @return INVALID_ARGUMENT for a value out of range, STRUCT_SIZE; the old options stay then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_set_options(struct cylfuse_fitter *fitter,
+                                          const struct cylfuse_options *options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the options.
+ *
+ * @param fitter the fitter
+ * @param out_options where they go; set its `struct_size` before
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_get_options(const struct cylfuse_fitter *fitter,
+                                          struct cylfuse_options *out_options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Sets the camera, which depth images and edges need. Points that were pushed before stay as they are.
+ *
+ * @param fitter the fitter
+ * @param intrinsics copied
+ * @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; the old camera stays then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_set_intrinsics(struct cylfuse_fitter *fitter,
+                                             const struct cylfuse_intrinsics *intrinsics)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Sets a start model: a candidate for the start AUTO, the start of MODEL.
+ *
+ * @param fitter the fitter
+ * @param model copied; NULL takes the start model away
+ * @return INVALID_ARGUMENT when a number is not finite, the direction 0 or the radius not positive; the old
+ *   start model stays then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_set_start_model(struct cylfuse_fitter *fitter,
+                                              const struct cylfuse_cylinder *model)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Sets or takes away the progress callback.
+ *
+ * @param fitter the fitter
+ * @param callback NULL for none
+ * @param user_data handed to the callback, kept until the callback is replaced; may be NULL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_set_progress(struct cylfuse_fitter *fitter,
+                                           cylfuse_progress_fn callback,
+                                           void *user_data)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Sets or takes away the log callback. There is none at first, and the library never prints.
+ *
+ * @param fitter the fitter
+ * @param max_level lines up to this level are handed over
+ * @param callback NULL for none
+ * @param user_data handed to the callback, kept until the callback is replaced; may be NULL
+ * @return INVALID_ARGUMENT for an unknown level
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_set_log(struct cylfuse_fitter *fitter,
+                                      cylfuse_log_level max_level,
+                                      cylfuse_log_fn callback,
+                                      void *user_data)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Adds points, in the camera frame (x right, y down, z forward) when edges, the near-wall rule, completion or
+ * extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
+ * mask are left out and counted.
+ *
+ * @param fitter the fitter
+ * @param points read during the call only
+ * @param mask selects pixels of an organised cloud, of the same size as it; NULL = all. Read during the call
+ *   only.
+ * @return SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT for a negative weight or a bad stride, OUT_OF_MEMORY;
+ *   nothing is added then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_push_points(struct cylfuse_fitter *fitter,
+                                          const struct cylfuse_points_view *points,
+                                          const struct cylfuse_mask_view *mask)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Adds the points of a depth image of the camera; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
+ * a depth, out of range or outside the mask are left out and counted. The image and the mask are kept, in place
+ * of earlier ones, for completion and extent.
+ *
+ * @param fitter the fitter
+ * @param depth read during the call only
+ * @param mask of the same size as the image; NULL = all pixels. Read during the call only.
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel is usable,
+ *   INVALID_ARGUMENT for a bad scale, range or stride, OUT_OF_MEMORY; nothing is added then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_push_depth(struct cylfuse_fitter *fitter,
+                                         const struct cylfuse_depth_view *depth,
+                                         const struct cylfuse_mask_view *mask)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Adds edge segments: pieces of the two limb lines in the (distorted) image, any number of either. A fit with
+ * segments needs intrinsics.
+ *
+ * @param fitter the fitter
+ * @param segments read during the call only
+ * @return INVALID_ARGUMENT when a coordinate is not finite or a weight is negative, OUT_OF_MEMORY; nothing is
+ *   added then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_push_edges(struct cylfuse_fitter *fitter,
+                                         const struct cylfuse_segments_view *segments)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says what was pushed since the fitter was created or cleared, and what was left out by reason.
+ *
+ * @param fitter the fitter
+ * @param out_counts where the counts go; set its `struct_size` before
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_counts(const struct cylfuse_fitter *fitter,
+                                     struct cylfuse_counts *out_counts)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Estimates the cylinder from everything that was pushed.
+ *
+ * @param fitter the fitter
+ * @param out_result where the result goes; set its `struct_size` before
+ * @return TOO_FEW_POINTS, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data do not determine a
+ *   cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; CANCELLED. The last
+ *   result stays then. No convergence and other doubts are not errors but fields of the result.
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_fit(struct cylfuse_fitter *fitter,
+                                  struct cylfuse_result *out_result)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says what a fit would report for a given model, without iterating. The last result stays.
+ *
+ * @param fitter the fitter
+ * @param model the model
+ * @param out_result where the result goes; set its `struct_size` before
+ * @return INVALID_ARGUMENT for a bad model, else as `cylfuse_fitter_fit`; EDGE_GEOMETRY where the cost is
+ *   infinite
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_evaluate(const struct cylfuse_fitter *fitter,
+                                       const struct cylfuse_cylinder *model,
+                                       struct cylfuse_result *out_result)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the result of the last fit that succeeded.
+ *
+ * @param fitter the fitter
+ * @param out_result where the result goes; set its `struct_size` before
+ * @return BAD_STATE when there is none
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_get_result(const struct cylfuse_fitter *fitter,
+                                         struct cylfuse_result *out_result)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Lists residuals.
+ *
+ * @param fitter the fitter
+ * @param model the model; NULL = that of the last fit
+ * @param kind which residuals
+ * @param out room for `capacity` doubles, of any alignment; may be NULL when `capacity` is 0
+ * @param capacity `points_used` of `cylfuse_fitter_counts` is enough for POINTS, 2 a segment for EDGES
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a model and a result, EDGE_GEOMETRY for EDGES when the camera is inside the
+ *   cylinder, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_residuals(const struct cylfuse_fitter *fitter,
+                                        const struct cylfuse_cylinder *model,
+                                        cylfuse_residual_kind kind,
+                                        double *out,
+                                        size_t capacity,
+                                        size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more precise
+ * than `condition` of a result, and far slower.
+ *
+ * @param fitter the fitter
+ * @param model the model; NULL = that of the last fit
+ * @param out_diagnosis where the diagnosis goes; set its `struct_size` before
+ * @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite, TOO_FEW_POINTS,
+ *   NUMERICAL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_diagnose(const struct cylfuse_fitter *fitter,
+                                       const struct cylfuse_cylinder *model,
+                                       struct cylfuse_diagnosis *out_diagnosis)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says how many points a completion may give at most.
+ *
+ * @param fitter the fitter
+ * @param mask the region; NULL = the mask of the last depth image
+ * @param layout for which layout
+ * @param out_capacity where the number goes: the set pixels of the mask when packed, all pixels of the image
+ *   when organised
+ * @return BAD_STATE without intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_complete_bound(const struct cylfuse_fitter *fitter,
+                                             const struct cylfuse_mask_view *mask,
+                                             cylfuse_layout layout,
+                                             size_t *out_capacity)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Completes the cloud: casts the ray of every pixel of a mask and takes its first meeting with the cylinder,
+ * the near wall from outside, the far one from inside a pipe. The points are in the camera frame.
+ *
+ * @param fitter the fitter, with intrinsics
+ * @param model the model; NULL = that of the last fit
+ * @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+ * @param out the buffer: `cylfuse_fitter_complete_bound` says what is enough. Must not overlap with what the
+ *   other parameters point to.
+ * @param out_completion what became of the pixels; set its `struct_size` before. After BUFFER_TOO_SMALL its
+ *   `count` is the capacity that is needed.
+ * @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT,
+ *   BUFFER_TOO_SMALL; no point is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_complete(const struct cylfuse_fitter *fitter,
+                                       const struct cylfuse_cylinder *model,
+                                       const struct cylfuse_mask_view *mask,
+                                       const struct cylfuse_points_out *out,
+                                       struct cylfuse_completion *out_completion)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Completes the depth image: writes the z of every point of `cylfuse_fitter_complete`, and 0 where there is
+ * none.
+ *
+ * @param fitter the fitter, with intrinsics
+ * @param model the model; NULL = that of the last fit
+ * @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+ * @param out the image, of the size of the intrinsics: every pixel of it is written. Must not overlap with what
+ *   the other parameters point to.
+ * @param out_completion what became of the pixels; set its `struct_size` before. Its `count` is the number of
+ *   pixels with a depth.
+ * @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT; nothing is
+ *   written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter,
+                                             const struct cylfuse_cylinder *model,
+                                             const struct cylfuse_mask_view *mask,
+                                             const struct cylfuse_depth_out *out,
+                                             struct cylfuse_completion *out_completion)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Finds the visible piece of the cylinder: the extreme positions along the axis of the points completed over
+ * the mask, and what the ends are, from the last depth image.
+ *
+ * @param fitter the fitter, with intrinsics
+ * @param model the model; NULL = that of the last fit
+ * @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+ * @param out_extent where the extent goes; set its `struct_size` before
+ * @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
+ *   the mask meets the cylinder
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_extent(const struct cylfuse_fitter *fitter,
+                                     const struct cylfuse_cylinder *model,
+                                     const struct cylfuse_mask_view *mask,
+                                     struct cylfuse_extent *out_extent)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Signed distances of points from the surface, negative inside.
+ *
+ * @param model the cylinder
+ * @param points the points; weights are ignored
+ * @param out room for `capacity` doubles, row by row of the points; NaN for a point with a coordinate that is not
+ *   finite. Of any alignment; must not overlap with the points. May be NULL when `capacity` is 0.
+ * @param capacity at least width * height of the points
+ * @return INVALID_ARGUMENT, STRUCT_SIZE, BUFFER_TOO_SMALL; nothing is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_cylinder_distances(const struct cylfuse_cylinder *model,
+                                          const struct cylfuse_points_view *points,
+                                          double *out,
+                                          size_t capacity)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * The two limb lines of a cylinder in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels, which
+ * are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
+ *
+ * @param model the cylinder in the camera frame
+ * @param intrinsics the camera
+ * @param out_lines room for 6 doubles: a, b, c of the first line, then of the second. Of any alignment.
+ * @return EDGE_GEOMETRY when the camera is inside the cylinder or a line lies at infinity, INVALID_ARGUMENT,
+ *   INVALID_INTRINSICS, STRUCT_SIZE; nothing is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_cylinder_project(const struct cylfuse_cylinder *model,
+                                        const struct cylfuse_intrinsics *intrinsics,
+                                        double *out_lines)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * How two cylinders differ.
+ *
+ * @param a the first cylinder, such as the truth
+ * @param b the second cylinder
+ * @param out_angle angle between the axes in radians, in [0, pi / 2], whatever the signs of the directions
+ * @param out_axis_distance shortest distance between the two axes, in the unit of length
+ * @param out_radius_relative (radius of b - radius of a) / radius of a
+ * @return INVALID_ARGUMENT for a bad cylinder; nothing is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_cylinder_compare(const struct cylfuse_cylinder *a,
+                                        const struct cylfuse_cylinder *b,
+                                        double *out_angle,
+                                        double *out_axis_distance,
+                                        double *out_radius_relative)
+CYLFUSE_NOEXCEPT;
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* CYLFUSE_H */

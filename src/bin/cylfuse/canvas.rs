@@ -1,0 +1,196 @@
+//! Drawing on an enlarged image: lines between pixel positions, text, bars.
+
+use image::RgbaImage;
+use image::imageops::{self, FilterType};
+use nalgebra::Vector2;
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use tiny_skia::{
+    FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke,
+    StrokeDash, Transform,
+};
+
+/// Red, green, blue, opacity.
+pub type Color = [u8; 4];
+
+/// Behind every line, so that it shows on bright ground too.
+const HALO: Color = [0, 0, 0, 110];
+
+/// The ground of the caption.
+const BAND: Color = [18, 20, 24, 255];
+
+/// Height of the text.
+const TEXT: RasterHeight = RasterHeight::Size16;
+
+/// Height of a line of text with its spacing.
+pub const LINE_HEIGHT: u32 = 26;
+
+/// How a line looks.
+#[derive(Debug, Clone, Copy)]
+pub struct Pen {
+    /// Its colour.
+    pub color: Color,
+    /// Its width on the canvas.
+    pub width: f32,
+    /// Lengths of dashes and gaps; none for a full line.
+    pub dash: Option<[f32; 2]>,
+}
+
+/// The image, enlarged so that fractions of its pixels show, above a band for the caption.
+pub struct Canvas {
+    pixels: Pixmap,
+    scale: u32,
+    image_height: u32,
+}
+
+impl Canvas {
+    /// Puts an image, `scale` times enlarged, on a canvas with a band of the given height below. `None` for
+    /// sizes that cannot be drawn.
+    pub fn new(image: &RgbaImage, scale: u32, band: u32) -> Option<Self> {
+        let (width, height) = (image.width().checked_mul(scale)?, image.height().checked_mul(scale)?);
+        let mut pixels = Pixmap::new(width, height.checked_add(band)?)?;
+        let enlarged;
+        let image = if scale == 1 {
+            image
+        } else {
+            enlarged = imageops::resize(image, width, height, FilterType::CatmullRom);
+            &enlarged
+        };
+        for (to, from) in pixels.pixels_mut().iter_mut().zip(image.pixels()) {
+            let [r, g, b, _] = from.0;
+            *to = opaque([r, g, b]);
+        }
+        Some(Self { pixels, scale, image_height: height })
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.pixels.width()
+    }
+
+    /// Where the band starts.
+    pub fn image_height(&self) -> u32 {
+        self.image_height
+    }
+
+    /// Where a pixel position of the image lies on the canvas: pixel centres are at whole numbers in the
+    /// image and at halves here.
+    pub fn place(&self, position: &Vector2<f64>) -> (f32, f32) {
+        let scale = f64::from(self.scale);
+        (((position.x + 0.5) * scale) as f32, ((position.y + 0.5) * scale) as f32)
+    }
+
+    /// A line through positions in the image; it breaks where there is none.
+    pub fn polyline(&mut self, positions: impl Iterator<Item = Option<Vector2<f64>>>, pen: Pen) {
+        let mut path = PathBuilder::new();
+        let mut broken = true;
+        for position in positions {
+            // Far outside there is nothing to see, and single precision runs out.
+            let place = position.map(|p| self.place(&p)).filter(|(x, y)| x.abs() < 1e5 && y.abs() < 1e5);
+            match place {
+                Some((x, y)) if broken => path.move_to(x, y),
+                Some((x, y)) => path.line_to(x, y),
+                None => {}
+            }
+            broken = place.is_none();
+        }
+        if let Some(path) = path.finish() {
+            self.stroke(&path, Pen { color: HALO, width: pen.width + 2.0, ..pen });
+            self.stroke(&path, pen);
+        }
+    }
+
+    /// A filled dot at a position in the image.
+    pub fn dot(&mut self, position: &Vector2<f64>, radius: f32, color: Color) {
+        let (x, y) = self.place(position);
+        for (radius, color) in [(radius + 1.0, HALO), (radius, color)] {
+            if let Some(path) = PathBuilder::from_circle(x, y, radius) {
+                self.pixels.fill_path(&path, &paint(color), FillRule::Winding, Transform::identity(), None);
+            }
+        }
+    }
+
+    /// A line between two places of the canvas.
+    pub fn line(&mut self, (x0, y0): (f32, f32), (x1, y1): (f32, f32), pen: Pen) {
+        let mut path = PathBuilder::new();
+        path.move_to(x0, y0);
+        path.line_to(x1, y1);
+        if let Some(path) = path.finish() {
+            self.stroke(&path, pen);
+        }
+    }
+
+    /// A filled rectangle of the canvas.
+    pub fn bar(&mut self, (x, y): (f32, f32), (width, height): (f32, f32), color: Color) {
+        if let Some(rect) = Rect::from_xywh(x, y, width, height) {
+            self.pixels.fill_rect(rect, &paint(color), Transform::identity(), None);
+        }
+    }
+
+    /// Makes the band empty.
+    pub fn clear_band(&mut self) {
+        let top = self.image_height;
+        let size = (self.width() as f32, (self.pixels.height() - top) as f32);
+        self.bar((0.0, top as f32), size, BAND);
+    }
+
+    /// Text with its upper left corner at a place of the canvas; what does not fit is cut off.
+    pub fn text(&mut self, (x, y): (u32, u32), text: &str, color: [u8; 3], bold: bool) {
+        let weight = if bold { FontWeight::Bold } else { FontWeight::Regular };
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        for (index, character) in text.chars().enumerate() {
+            let Some(glyph) = get_raster(character, weight, TEXT).or(get_raster('?', weight, TEXT)) else {
+                continue;
+            };
+            let left = x + index as u32 * glyph.width() as u32;
+            for (row, line) in (y..height).zip(glyph.rows()) {
+                for (column, &ink) in (left..width).zip(line) {
+                    let at = (row * width + column) as usize;
+                    let below = self.pixels.pixels()[at].demultiply();
+                    let mix = |below: u8, above: u8| {
+                        let (below, above, ink) = (u32::from(below), u32::from(above), u32::from(ink));
+                        ((below * (255 - ink) + above * ink) / 255) as u8
+                    };
+                    self.pixels.pixels_mut()[at] = opaque([
+                        mix(below.red(), color[0]),
+                        mix(below.green(), color[1]),
+                        mix(below.blue(), color[2]),
+                    ]);
+                }
+            }
+        }
+    }
+
+    /// The picture.
+    pub fn into_rgb(self) -> Option<image::RgbImage> {
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let bytes = self.pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        image::RgbImage::from_raw(width, height, bytes)
+    }
+
+    fn stroke(&mut self, path: &Path, pen: Pen) {
+        let stroke = Stroke {
+            width: pen.width,
+            line_cap: LineCap::Butt,
+            line_join: LineJoin::Round,
+            dash: pen.dash.and_then(|dash| StrokeDash::new(dash.to_vec(), 0.0)),
+            ..Stroke::default()
+        };
+        self.pixels.stroke_path(path, &paint(pen.color), &stroke, Transform::identity(), None);
+    }
+}
+
+/// Width of a text on the canvas.
+pub fn text_width(text: &str) -> u32 {
+    (text.chars().count() * get_raster_width(FontWeight::Regular, TEXT)) as u32
+}
+
+fn paint(color: Color) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    let [r, g, b, a] = color;
+    paint.set_color_rgba8(r, g, b, a);
+    paint
+}
+
+fn opaque([r, g, b]: [u8; 3]) -> PremultipliedColorU8 {
+    tiny_skia::ColorU8::from_rgba(r, g, b, 255).premultiply()
+}

@@ -1,0 +1,155 @@
+//! PLY: read by `ply-rs-bw` (ASCII and binary of either byte order, with any other elements around the
+//! vertices), written as binary floats, which need four lines.
+
+use super::{Cloud, little_endian};
+use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
+};
+use std::io::{Cursor, Write};
+
+/// Reads the vertices of a PLY file.
+pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
+    let mut reader = Reader::new(Cursor::new(bytes));
+    let header = Parser::<Skipped>::new()
+        .read_header(&mut reader)
+        .map_err(|error| format!("bad PLY header: {error}"))?;
+    let mut vertex = check(&header, bytes.len())?.clone();
+    let mut wide = false;
+    for name in ["x", "y", "z"] {
+        let property = vertex.properties.get_mut(name);
+        match property.map(|property| &mut property.data_type) {
+            // Text may have more digits than the type that the header names.
+            Some(PropertyType::Scalar(scalar)) if header.encoding == Encoding::Ascii => {
+                *scalar = ScalarType::Double;
+                wide = true;
+            }
+            Some(PropertyType::Scalar(scalar)) => wide |= *scalar != ScalarType::Float,
+            Some(PropertyType::List(..)) => {
+                return Err(format!("the PLY property {name} is a list; expected a number"));
+            }
+            None => return Err(format!("the PLY vertices have no property {name}; expected x, y and z")),
+        }
+    }
+    // Elements follow each other without an index: those before the vertices have to be read to be skipped.
+    for element in header.elements.values().take_while(|element| element.name != "vertex") {
+        let skipped = Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header);
+        skipped.map_err(|error| format!("bad PLY element {}: {error}", element.name))?;
+    }
+    let vertices = Parser::<Vertex>::new()
+        .read_payload_for_element(&mut reader, &vertex, &header)
+        .map_err(|error| format!("bad PLY vertices: {error}"))?;
+    Ok(if wide {
+        Cloud::F64(vertices.iter().map(|v| v.0).collect())
+    } else {
+        Cloud::F32(vertices.iter().map(|v| v.0.map(|x| x as f32)).collect())
+    })
+}
+
+/// The definition of the vertices; refuses headers that promise more than the file can hold.
+fn check(header: &Header, file_size: usize) -> Result<&ElementDef, String> {
+    for element in header.elements.values() {
+        if element.properties.is_empty() || element.count > file_size {
+            return Err(format!(
+                "the PLY header promises {} elements {} with {} properties in {file_size} bytes; the file is \
+                 cut off or its header wrong",
+                element.count,
+                element.name,
+                element.properties.len()
+            ));
+        }
+    }
+    header.elements.get("vertex").ok_or_else(|| "the PLY file has no element vertex".into())
+}
+
+/// The position of a vertex. Floats pass through f64 unchanged.
+#[derive(Clone, Copy)]
+struct Vertex([f64; 3]);
+
+impl PropertyAccess for Vertex {
+    fn new() -> Self {
+        Self([0.0; 3])
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let coordinate = match name {
+            "x" => &mut self.0[0],
+            "y" => &mut self.0[1],
+            "z" => &mut self.0[2],
+            _ => return PropertyAccessResult::Ignored,
+        };
+        *coordinate = match property {
+            Property::Char(value) => value.into(),
+            Property::UChar(value) => value.into(),
+            Property::Short(value) => value.into(),
+            Property::UShort(value) => value.into(),
+            Property::Int(value) => value.into(),
+            Property::UInt(value) => value.into(),
+            Property::Float(value) => value.into(),
+            Property::Double(value) => value,
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+/// An element that does not matter.
+struct Skipped;
+
+impl PropertyAccess for Skipped {
+    fn new() -> Self {
+        Self
+    }
+}
+
+/// Writes points as a binary PLY file.
+pub fn write(points: &[[f32; 3]], to: &mut impl Write) -> std::io::Result<()> {
+    write!(
+        to,
+        "ply\nformat binary_little_endian 1.0\ncomment completed by cylfuse, metres\nelement vertex {}\n\
+         property float x\nproperty float y\nproperty float z\nend_header\n",
+        points.len()
+    )?;
+    to.write_all(&little_endian(points))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINTS: [[f32; 3]; 2] = [[1.5, -2.25, 0.1], [4.0, 5.0, 6.0]];
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let mut file = Vec::new();
+        write(&POINTS, &mut file).unwrap();
+        assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()));
+        file.truncate(file.len() - 1);
+        assert!(parse(&file).unwrap_err().contains("vertex"));
+    }
+
+    #[test]
+    fn doubles_lists_and_other_elements_are_understood() {
+        let text = "ply\nformat ascii 1.0\nelement camera 1\nproperty list uchar float k\nelement vertex 1\n\
+                    property uchar red\nproperty double y\nproperty float x\nproperty int z\nend_header\n\
+                    2 0.5 0.5\n255 0.1 2.5 -7\n";
+        assert_eq!(parse(text.as_bytes()).unwrap(), Cloud::F64(vec![[2.5, 0.1, -7.0]]));
+    }
+
+    #[test]
+    fn headers_that_promise_too_much_are_refused() {
+        for (header, reason) in [
+            ("element vertex 99999999999\nproperty float x\n", "99999999999"),
+            ("element empty 5\nelement vertex 0\nproperty float x\n", "0 properties"),
+            ("element vertex 1\nproperty float x\nproperty float y\n", "no property z"),
+            ("element face 0\nproperty list uchar int i\n", "no element vertex"),
+            ("element vertex 1\nproperty list uchar int x\n", "is a list"),
+            ("element\n", "header"),
+        ] {
+            let file = format!("ply\nformat ascii 1.0\n{header}end_header\n");
+            let error = parse(file.as_bytes()).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+        }
+        assert!(parse(b"").is_err() && parse(&[0xff; 100]).is_err());
+    }
+}

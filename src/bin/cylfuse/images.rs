@@ -1,0 +1,126 @@
+//! Image files: checked by their header before any pixel is decoded or memory is taken for it.
+
+use crate::failure::Failure;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
+use std::path::Path;
+
+/// The largest image in pixels, that of the library's cameras.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Bytes of the largest pixel: four channels of 16 bits.
+const MAX_PIXEL_BYTES: u64 = 8;
+
+/// Bytes at the start of a file that are looked at for the size of the image.
+const HEAD: u64 = 1 << 16;
+
+/// What an image is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The grey or colour image.
+    Image,
+    /// The depth image.
+    Depth,
+    /// The mask.
+    Mask,
+}
+
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Role::Image => "image",
+            Role::Depth => "depth image",
+            Role::Mask => "mask",
+        }
+    }
+}
+
+/// Reads an image that must have the size of the camera.
+pub fn read(path: &Path, role: Role, camera: (u32, u32)) -> Result<DynamicImage, Failure> {
+    let not_readable = |error| Failure::not_readable(path, &error);
+    let mut file = File::open(path).map_err(not_readable)?;
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut head).map_err(not_readable)?;
+    file.rewind().map_err(not_readable)?;
+    // The limits below stop a decoder of a huge image before it can tell the size. If the head is not enough
+    // for the size, what is wrong shows below.
+    if let Ok(Ok(size)) = reader(Cursor::new(head)).map(ImageReader::into_dimensions) {
+        check_size(path, role, size, camera)?;
+    }
+    let mut reader = reader(BufReader::new(file)).map_err(not_readable)?;
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_PIXELS * MAX_PIXEL_BYTES);
+    reader.limits(limits);
+    let damaged = |error| Failure::bad_image(path, format!("the {} cannot be decoded: {error}", role.name()));
+    let decoder = reader.into_decoder().map_err(damaged)?;
+    check_size(path, role, decoder.dimensions(), camera)?;
+    let color = decoder.color_type();
+    if role == Role::Depth && color != ColorType::L16 {
+        let reason = format!(
+            "the depth image has {} pixels; it must be a PNG of one 16-bit channel (grey)",
+            color_name(color)
+        );
+        return Err(Failure::bad_image(path, reason));
+    }
+    DynamicImage::from_decoder(decoder).map_err(damaged)
+}
+
+/// A reader that goes by the content, not by the name, and knows no limits.
+fn reader<R: BufRead + Seek>(source: R) -> std::io::Result<ImageReader<R>> {
+    let mut reader = ImageReader::new(source).with_guessed_format()?;
+    reader.no_limits();
+    Ok(reader)
+}
+
+fn check_size(path: &Path, role: Role, size: (u32, u32), camera: (u32, u32)) -> Result<(), Failure> {
+    let (name, (width, height)) = (role.name(), size);
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        let reason = format!(
+            "the {name} claims {width} x {height} pixels; at most {MAX_PIXELS} are read, so crop or scale it"
+        );
+        return Err(Failure::image_too_large(path, reason));
+    }
+    if size != camera {
+        let (camera_width, camera_height) = camera;
+        let reason = format!(
+            "the {name} is {width} x {height} but the camera is {camera_width} x {camera_height}; both must \
+             have the same size"
+        );
+        return Err(Failure::size_mismatch(path, reason));
+    }
+    Ok(())
+}
+
+fn color_name(color: ColorType) -> String {
+    let channels = match color.channel_count() {
+        1 => "grey",
+        2 => "grey and alpha",
+        3 => "RGB",
+        _ => "RGBA",
+    };
+    let bits = 8 * u16::from(color.bytes_per_pixel()) / u16::from(color.channel_count());
+    format!("{bits}-bit {channels}")
+}
+
+/// A mask byte for each pixel: non-zero where any colour channel is. Alpha does not count.
+pub fn mask_bytes(image: DynamicImage) -> Vec<u8> {
+    match image {
+        DynamicImage::ImageLuma8(grey) => grey.into_raw(),
+        // 16 bits a channel, because rounding to fewer would lose small values.
+        other => other.into_rgb16().pixels().map(|pixel| u8::from(pixel.0 != [0; 3])).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_colour_channel_makes_a_mask_pixel_but_alpha_does_not() {
+        let colour = image::RgbaImage::from_raw(3, 1, vec![0, 0, 1, 0, 0, 0, 0, 255, 9, 0, 0, 255]);
+        assert_eq!(mask_bytes(DynamicImage::ImageRgba8(colour.unwrap())), [1, 0, 1]);
+        let grey = image::ImageBuffer::from_raw(2, 1, vec![1_u16, 0]).unwrap();
+        assert_eq!(mask_bytes(DynamicImage::ImageLuma16(grey)), [1, 0]);
+    }
+}

@@ -1,0 +1,140 @@
+//! `cylfuse`: fits cylinders to RGB-D frames and point clouds from the command line.
+
+mod arguments;
+mod canvas;
+mod cloud;
+mod demo;
+mod failure;
+mod fit;
+mod frame;
+mod images;
+mod inputs;
+mod overlay;
+mod report;
+mod table;
+
+use arguments::{Arguments, Command, DemoArguments, FitArguments};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+use failure::Failure;
+use fit::Settings;
+use indicatif::{ProgressBar, ProgressStyle};
+use inputs::Input;
+use report::{Outcome, Report};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let failed = match Arguments::parse().command {
+        Command::Fit(arguments) => fit_all(&arguments),
+        Command::Demo(arguments) => run_demo(&arguments),
+    };
+    match failed {
+        Ok(false) => ExitCode::SUCCESS,
+        Ok(true) => ExitCode::FAILURE,
+        // Whoever reads the output has seen enough, as `head` does.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(&format!("the output cannot be written: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Fits everything; tells whether something failed.
+fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
+    let settings = match arguments.check() {
+        Ok(()) => Settings::new(arguments),
+        Err(message) => usage_error(ErrorKind::ArgumentConflict, &message),
+    };
+    let settings = match settings {
+        Ok(settings) => settings,
+        Err(error) => usage_error(ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+    };
+    let inputs = if arguments.points.is_empty() {
+        inputs::find_frames(&arguments.frames)
+    } else {
+        arguments.points.iter().cloned().map(Input::Cloud).collect()
+    };
+    let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    let progress = progress_bar(inputs.len());
+    let mut failed = false;
+    let mut reports = Vec::new();
+    let mut written = Ok(());
+    let mut take = |report: Report| {
+        failed |= matches!(report.outcome, Outcome::Failed { .. });
+        if arguments.json && written.is_ok() {
+            written = progress.suspend(|| print_json(&report));
+        }
+        if !arguments.json {
+            reports.push(report);
+        }
+        progress.inc(1);
+    };
+    fit::run_all(&inputs, folders.as_deref().unwrap_or_default(), settings, &mut take)
+        .map_err(io::Error::other)?;
+    progress.finish_and_clear();
+    written?;
+    if !arguments.json {
+        print_table(&reports)?;
+    }
+    Ok(failed)
+}
+
+fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
+    let folder = arguments.out.display();
+    match demo::run(&arguments.out) {
+        Ok(report) => {
+            print_table(&[report])?;
+            let contents = demo::CONTENTS;
+            writeln!(
+                io::stdout(),
+                "\n{folder}/\n{contents}\n\nTry: cylfuse fit --objective paper {folder}/frame"
+            )?;
+            Ok(false)
+        }
+        Err(Failure { status, message }) => {
+            complain(&format!("{status}: {message}"));
+            Ok(true)
+        }
+    }
+}
+
+fn print_json(report: &Report) -> io::Result<()> {
+    let line = serde_json::to_string(report).map_err(io::Error::other)?;
+    writeln!(io::stdout(), "{line}")
+}
+
+fn print_table(reports: &[Report]) -> io::Result<()> {
+    write!(io::stdout(), "{}", table::render(reports))?;
+    for report in reports {
+        if let Outcome::Failed { error: Failure { status, message } } = &report.outcome {
+            complain(&format!("{}: {status}: {message}", table::short_name(report)));
+        }
+    }
+    Ok(())
+}
+
+/// A bar on stderr while several frames are under way; none when that is no terminal.
+fn progress_bar(count: usize) -> ProgressBar {
+    if count < 2 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed}, {eta} left");
+    ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// A mistake in the command line: explained on stderr, exit status 2.
+fn usage_error(kind: ErrorKind, message: &str) -> ! {
+    let mut command = Arguments::command();
+    command.build();
+    match command.find_subcommand_mut("fit") {
+        Some(fit) => fit.error(kind, message).exit(),
+        None => command.error(kind, message).exit(),
+    }
+}
+
+/// A line on stderr. When even that is gone, nobody is left to be told.
+fn complain(message: &str) {
+    let _ = writeln!(io::stderr(), "cylfuse: {message}");
+}

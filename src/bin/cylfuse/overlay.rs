@@ -1,0 +1,309 @@
+//! The picture of a fit: the image with limb lines, ends, axis, given edges and completed surface.
+
+use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, text_width};
+use crate::failure::Failure;
+use crate::fit::write_file;
+use crate::frame::Frame;
+use crate::report::Measurement;
+use cylfuse::geometry::{Cylinder, LimbFrame, Line, any_orthogonal};
+use cylfuse::observations::EdgeSegment;
+use image::{DynamicImage, ImageFormat, RgbaImage};
+use nalgebra::{Vector2, Vector3};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+// Colours that people with any colour vision can tell apart, in hue and in brightness.
+const LIMBS: Color = [64, 224, 255, 255];
+const EDGES: Color = [255, 150, 20, 255];
+const ENDS: Color = [255, 240, 80, 255];
+const AXIS: Color = [255, 255, 255, 220];
+const SURFACE: Color = [40, 150, 255, 70];
+const PAPER: [u8; 3] = [235, 238, 242];
+const GREY: [u8; 3] = [165, 172, 180];
+
+const LIMB_PEN: Pen = Pen { color: LIMBS, width: 1.8, dash: None };
+// Wide and below the limbs, which nearly cover it where the fit is good.
+const EDGE_PEN: Pen = Pen { color: EDGES, width: 5.0, dash: None };
+const END_PEN: Pen = Pen { color: ENDS, width: 2.0, dash: None };
+const HIDDEN_END_PEN: Pen = Pen { color: [255, 240, 80, 150], width: 1.4, dash: Some([6.0, 5.0]) };
+const AXIS_PEN: Pen = Pen { color: AXIS, width: 1.2, dash: Some([12.0, 6.0]) };
+
+/// The picture is made about this wide, so that fractions of a pixel show.
+const WIDTH: u32 = 1280;
+
+/// Samples of a line of the cylinder: with distortion it is a curve in the image.
+const LINE_SAMPLES: usize = 400;
+
+/// Samples of a circle.
+const CIRCLE_SAMPLES: usize = 720;
+
+/// Without an extent the limbs are drawn this many times the distance of the axis to either side.
+const ENDLESS: f64 = 3.0;
+
+/// Distance of the middle of a label from the end that it names, on a picture of the ordinary width.
+const LABEL_DISTANCE: f64 = 26.0;
+
+/// What is drawn.
+pub struct Overlay<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// The segments that were given to the fit.
+    pub edges: &'a [EdgeSegment],
+    /// The fitted cylinder.
+    pub cylinder: &'a Cylinder,
+    /// Its extent and numbers.
+    pub measurement: &'a Measurement,
+    /// The pixels (column, row) with completed points.
+    pub completed: &'a [(u32, u32)],
+}
+
+impl Overlay<'_> {
+    /// Draws the picture into a PNG file.
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        let picture = self.draw().ok_or_else(|| Failure::not_writable(path, "the picture is too large"))?;
+        write_file(path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
+    }
+
+    fn draw(&self) -> Option<image::RgbImage> {
+        let mut image = self.background();
+        for &(column, row) in self.completed {
+            tint(image.get_pixel_mut(column, row), SURFACE);
+        }
+        let scale = ((WIDTH + image.width() / 2) / image.width()).clamp(1, 16);
+        let caption = self.caption();
+        let lines = layout(&caption, image.width() * scale);
+        let band = (lines.len() as u32 + 1) * LINE_HEIGHT;
+        let mut canvas = Canvas::new(&image, scale, band)?;
+        for edge in self.edges {
+            canvas.polyline(edge.endpoints.iter().map(|&end| Some(end)), EDGE_PEN);
+            for end in &edge.endpoints {
+                canvas.dot(end, 4.5, EDGES);
+            }
+        }
+        self.draw_lines(&mut canvas);
+        self.draw_ends(&mut canvas);
+        draw_caption(&mut canvas, &lines);
+        canvas.into_rgb()
+    }
+
+    /// The image, or the depth as grey levels when there is none.
+    fn background(&self) -> RgbaImage {
+        match &self.frame.image {
+            Some(image @ (DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_))) => {
+                let grey = image.to_luma16();
+                grey_levels(grey.dimensions(), grey.as_raw(), false)
+            }
+            Some(image) => image.to_rgba8(),
+            None => {
+                let (width, height) = self.frame.size();
+                grey_levels((width as u32, height as u32), &self.frame.depth, true)
+            }
+        }
+    }
+
+    /// Limb lines and axis, between the ends where there are any.
+    fn draw_lines(&self, canvas: &mut Canvas) {
+        let axis = self.cylinder.axis;
+        let along = |point: &Vector3<f64>| point.dot(&axis.direction);
+        let (from, to) = match &self.measurement.extent {
+            Some(extent) => {
+                let [(start, _), (end, _)] = extent.ends();
+                (along(&start), along(&end))
+            }
+            None => {
+                let (middle, reach) = (along(&axis.point), ENDLESS * axis.point.norm());
+                (middle - reach, middle + reach)
+            }
+        };
+        let mut draw = |line: &Line, pen| {
+            let foot = line.point - line.direction * along(&line.point);
+            let sample = |k: usize| {
+                let part = k as f64 / LINE_SAMPLES as f64;
+                self.frame.camera.project(&(foot + line.direction * (from + part * (to - from))))
+            };
+            canvas.polyline((0..=LINE_SAMPLES).map(sample), pen);
+        };
+        draw(&axis, AXIS_PEN);
+        if let Some(limbs) = LimbFrame::new(self.cylinder) {
+            for line in &limbs.limb_lines() {
+                draw(line, LIMB_PEN);
+            }
+        }
+    }
+
+    /// The circles at the ends, full where they are seen and dashed behind the cylinder, with their states.
+    fn draw_ends(&self, canvas: &mut Canvas) {
+        let Some(extent) = &self.measurement.extent else { return };
+        let direction = self.cylinder.axis.direction;
+        let inside = self.cylinder.contains_origin();
+        let (u, v) = any_orthogonal(&direction);
+        for ((center, state), outward) in extent.ends().into_iter().zip([-direction, direction]) {
+            // A cap that faces the camera shows its whole circle, and so does a pipe from inside.
+            let whole = inside || outward.dot(&center) < 0.0;
+            let sample = |k: usize| {
+                let (sin, cos) = (TAU * k as f64 / CIRCLE_SAMPLES as f64).sin_cos();
+                let across = u * cos + v * sin;
+                let point = center + across * self.cylinder.radius;
+                (self.frame.camera.project(&point), whole || across.dot(&point) < 0.0)
+            };
+            let circle: Vec<_> = (0..=CIRCLE_SAMPLES).map(sample).collect();
+            let part = |seen: bool| circle.iter().map(move |(at, near)| at.filter(|_| *near == seen));
+            canvas.polyline(part(false), HIDDEN_END_PEN);
+            canvas.polyline(part(true), END_PEN);
+            let rim = circle.iter().filter_map(|(at, _)| at.as_ref());
+            if let Some(at) = self.beside_end(&center, &outward, rim) {
+                label(canvas, &at, state);
+            }
+        }
+    }
+
+    /// The position beyond an end where its label covers neither the end nor the cylinder.
+    fn beside_end<'r>(
+        &self,
+        center: &Vector3<f64>,
+        outward: &Vector3<f64>,
+        rim: impl Iterator<Item = &'r Vector2<f64>>,
+    ) -> Option<Vector2<f64>> {
+        let at = self.frame.camera.project(center)?;
+        let ahead = self.frame.camera.project(&(center + outward * (0.1 * self.cylinder.radius)))?;
+        let away = (ahead - at).try_normalize(1e-9)?;
+        let reach = rim.map(|point| (point - at).dot(&away)).fold(0.0, f64::max);
+        let pixels = LABEL_DISTANCE * self.frame.size().0 as f64 / f64::from(WIDTH);
+        Some(at + away * (reach + pixels))
+    }
+
+    fn caption(&self) -> Vec<Item> {
+        let Measurement { cylinder, extent, result, .. } = self.measurement;
+        let mut items = vec![Item::Strong(format!("radius {:.2} mm", cylinder.radius * 1000.0))];
+        items.extend(extent.as_ref().map(|e| Item::Strong(format!("length {:.1} mm", e.length * 1000.0))));
+        let points = format!("{} points, rms {:.2} mm", result.points_used, result.point_rms * 1000.0);
+        items.push(Item::Plain(points));
+        let edges =
+            result.edge_rms_pixels.map(|rms| format!("{} edges, rms {rms:.2} px", result.segments_used));
+        items.extend(edges.map(Item::Plain));
+        items.push(Item::Break);
+        items.push(Item::Line("fitted limbs", LIMB_PEN));
+        items.push(Item::Line("fitted ends", END_PEN));
+        items.push(Item::Line("axis", AXIS_PEN));
+        if !self.edges.is_empty() {
+            items.push(Item::Line("given edges", EDGE_PEN));
+        }
+        if !self.completed.is_empty() {
+            items.push(Item::Area("completed surface", SURFACE));
+        }
+        items
+    }
+}
+
+/// Names the state of an end beside it, inside the image.
+fn label(canvas: &mut Canvas, at: &Vector2<f64>, state: &str) {
+    const PADDING: f32 = 4.0;
+    let (width, height) = (text_width(state) as f32, 16.0);
+    let (x, y) = canvas.place(at);
+    let fit = |center: f32, size: f32, most: u32| {
+        (center - 0.5 * size).min(most as f32 - size - 2.0 * PADDING).max(2.0 * PADDING).floor()
+    };
+    let (left, top) = (fit(x, width, canvas.width()), fit(y, height, canvas.image_height()));
+    let size = (width + 2.0 * PADDING, height + PADDING);
+    canvas.bar((left - PADDING, top - 0.5 * PADDING), size, [18, 20, 24, 190]);
+    canvas.text((left as u32, top as u32), state, [ENDS[0], ENDS[1], ENDS[2]], false);
+}
+
+/// A part of the caption.
+enum Item {
+    Strong(String),
+    Plain(String),
+    Line(&'static str, Pen),
+    Area(&'static str, Color),
+    Break,
+}
+
+/// Length of the sample beside a word of the legend.
+const SAMPLE: u32 = 34;
+
+/// Space between two parts of the caption, and at its borders.
+const SPACE: u32 = 24;
+
+impl Item {
+    fn width(&self) -> u32 {
+        match self {
+            Item::Strong(text) | Item::Plain(text) => text_width(text),
+            Item::Line(text, _) | Item::Area(text, _) => SAMPLE + text_width(text),
+            Item::Break => 0,
+        }
+    }
+}
+
+/// Breaks the caption into lines that fit the width.
+fn layout(items: &[Item], width: u32) -> Vec<Vec<&Item>> {
+    let mut lines: Vec<Vec<&Item>> = vec![Vec::new()];
+    let mut x = SPACE;
+    for item in items {
+        let full = x > SPACE && x + item.width() + SPACE > width;
+        if full || matches!(item, Item::Break) {
+            lines.push(Vec::new());
+            x = SPACE;
+        }
+        if let (Some(line), false) = (lines.last_mut(), matches!(item, Item::Break)) {
+            line.push(item);
+            x += item.width() + SPACE;
+        }
+    }
+    lines
+}
+
+/// Draws the caption on its band, from which it removes what ran over the border of the image.
+fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
+    canvas.clear_band();
+    for (index, line) in lines.iter().enumerate() {
+        let y = canvas.image_height() + LINE_HEIGHT / 2 + index as u32 * LINE_HEIGHT + 5;
+        let middle = y as f32 + 8.0;
+        let mut x = SPACE;
+        for item in line {
+            let (left, right) = (x as f32, (x + SAMPLE - 10) as f32);
+            match item {
+                Item::Strong(text) => canvas.text((x, y), text, PAPER, true),
+                Item::Plain(text) => canvas.text((x, y), text, GREY, false),
+                Item::Line(text, pen) => {
+                    canvas.line((left, middle), (right, middle), *pen);
+                    canvas.text((x + SAMPLE, y), text, PAPER, false);
+                }
+                Item::Area(text, [r, g, b, _]) => {
+                    canvas.bar((left, middle - 6.0), (right - left, 12.0), [*r, *g, *b, 200]);
+                    canvas.text((x + SAMPLE, y), text, PAPER, false);
+                }
+                Item::Break => {}
+            }
+            x += item.width() + SPACE;
+        }
+    }
+}
+
+fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
+    for (below, above) in pixel.0.iter_mut().zip([r, g, b]) {
+        let (old, new, part) = (u32::from(*below), u32::from(above), u32::from(opacity));
+        *below = ((old * (255 - part) + new * part) / 255) as u8;
+    }
+}
+
+/// Grey levels of 16-bit values, spread over the range that is in use: sensors fill 10 or 12 of the bits, and
+/// depths a part of theirs. Zero stays black where it stands for no measurement.
+fn grey_levels((width, height): (u32, u32), values: &[u16], depth: bool) -> RgbaImage {
+    let mut sorted: Vec<u16> = values.iter().copied().filter(|&value| value > 0 || !depth).collect();
+    sorted.sort_unstable();
+    // One value in fifty at either side may be an outlier.
+    let quantile = |part: usize| sorted.get(sorted.len().saturating_sub(1) * part / 50).copied().unwrap_or(0);
+    let (low, high) = if depth { (quantile(1), quantile(49)) } else { (0, quantile(50)) };
+    let range = f32::from(high.saturating_sub(low).max(1));
+    RgbaImage::from_fn(width, height, |x, y| {
+        let value = values[(y * width + x) as usize];
+        let part = ((f32::from(value) - f32::from(low)) / range).clamp(0.0, 1.0);
+        let level = match (depth, value) {
+            (true, 0) => 0.0,
+            // Near is bright.
+            (true, _) => 235.0 - 190.0 * part,
+            (false, _) => 255.0 * part,
+        };
+        image::Rgba([level as u8, level as u8, level as u8, 255])
+    })
+}

@@ -1,0 +1,122 @@
+//! The short table for people.
+
+use crate::report::{Fitted, Measurement, Outcome, Report};
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+/// Millimetres in a metre: frames are in metres, people read millimetres.
+const MILLIMETRES: f64 = 1000.0;
+
+/// A column: its title, whether it holds numbers, and what a measurement has in it.
+struct Column {
+    title: &'static str,
+    number: bool,
+    cell: fn(&Measurement) -> String,
+}
+
+impl Column {
+    const fn number(title: &'static str, cell: fn(&Measurement) -> String) -> Self {
+        Self { title, number: true, cell }
+    }
+
+    const fn text(title: &'static str, cell: fn(&Measurement) -> String) -> Self {
+        Self { title, number: false, cell }
+    }
+}
+
+const FRAME_COLUMNS: &[Column] = &[
+    Column::number("radius mm", |m| format!("{:.2}", m.cylinder.radius * MILLIMETRES)),
+    Column::number("length mm", |m| optional(m.extent.as_ref().map(|e| e.length * MILLIMETRES), 1)),
+    Column::text("ends", |m| {
+        m.extent.as_ref().map_or("-".into(), |e| format!("{} {}", e.start_state, e.end_state))
+    }),
+    DIRECTION,
+    POINTS,
+    Column::number("rms mm", |m| format!("{:.2}", m.result.point_rms * MILLIMETRES)),
+    Column::number("edges px", |m| optional(m.result.edge_rms_pixels, 2)),
+    ITERATIONS,
+    TIME,
+];
+
+/// A cloud has no unit that the program knows, so its lengths keep their digits.
+const CLOUD_COLUMNS: &[Column] = &[
+    Column::number("radius", |m| significant(m.cylinder.radius)),
+    DIRECTION,
+    POINTS,
+    Column::number("rms", |m| significant(m.result.point_rms)),
+    ITERATIONS,
+    TIME,
+];
+
+const DIRECTION: Column = Column::text("axis direction", |m| {
+    let [x, y, z] = m.cylinder.direction;
+    format!("{x:+.3} {y:+.3} {z:+.3}")
+});
+const POINTS: Column = Column::number("points", |m| m.result.points_used.to_string());
+const ITERATIONS: Column = Column::number("its", |m| m.result.iterations.to_string());
+const TIME: Column = Column::number("ms", |m| format!("{:.1}", m.seconds.fit * 1000.0));
+
+/// The table, and below it what has to be said about single frames.
+pub fn render(reports: &[Report]) -> String {
+    let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.fitted == Fitted::Cloud);
+    let (name, columns) =
+        if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY);
+    let titles = std::iter::once(name).chain(columns.iter().map(|column| column.title));
+    table.set_header(titles.collect::<Vec<_>>());
+    for report in reports {
+        let cells: Vec<String> = match &report.outcome {
+            Outcome::Measured(measurement) => columns.iter().map(|c| (c.cell)(measurement)).collect(),
+            Outcome::Failed { .. } => vec!["failed".into()],
+        };
+        table.add_row(std::iter::once(short_name(report).to_string()).chain(cells).collect::<Vec<_>>());
+    }
+    for (drawn, column) in table.column_iter_mut().skip(1).zip(columns) {
+        if column.number {
+            drawn.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let mut text = format!("{table}\n");
+    for report in reports {
+        if let Outcome::Measured(measurement) = &report.outcome {
+            for note in &measurement.notes {
+                text.push_str(&format!("{}: {note}\n", short_name(report)));
+            }
+        }
+    }
+    text
+}
+
+/// The folder of a frame.json says which frame it is.
+pub fn short_name(report: &Report) -> &str {
+    let path = report.frame.as_str();
+    path.strip_suffix("frame.json").and_then(|p| p.strip_suffix(['/', '\\'])).unwrap_or(path)
+}
+
+fn optional(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".into(), |value| format!("{value:.decimals$}"))
+}
+
+/// Six significant digits.
+fn significant(value: f64) -> String {
+    if value == 0.0 || !(1e-4..1e6).contains(&value.abs()) {
+        return format!("{value:.5e}");
+    }
+    let decimals = (5 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_digits_are_kept_at_any_size() {
+        for (value, text) in
+            [(0.0377856, "0.0377856"), (37.7856, "37.7856"), (123_456.7, "123457"), (1.5e-7, "1.50000e-7")]
+        {
+            assert_eq!(significant(value), text);
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! What follows a fit: completion and extent.
+
+use super::constants::cylfuse_layout;
+use super::data::optional_mask;
+use super::handle::{cylfuse_fitter, enter};
+use super::sized::{Output, check_reserved, read, zeroed};
+use super::status::{Failure, cylfuse_status};
+use super::structs::{
+    cylfuse_completion, cylfuse_cylinder, cylfuse_depth_out, cylfuse_extent, cylfuse_mask_view,
+    cylfuse_points_out,
+};
+use super::views::{Grid, Slot, optional_cylinder, pixel_size};
+use crate::completion::{CompletionCounts, Region};
+use crate::fitter::Fitter;
+use crate::geometry::Cylinder;
+use crate::observations::{MaskView, Pixels, Scalar};
+use nalgebra::Vector3;
+
+const CALL: &str = "completing the points";
+
+/// Says how many points a completion may give at most.
+///
+/// @param fitter the fitter
+/// @param mask the region; NULL = the mask of the last depth image
+/// @param layout for which layout
+/// @param out_capacity where the number goes: the set pixels of the mask when packed, all pixels of the image
+///   when organised
+/// @return BAD_STATE without intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_complete_bound(
+    fitter: *const cylfuse_fitter,
+    mask: *const cylfuse_mask_view,
+    layout: cylfuse_layout,
+    out_capacity: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let out = Slot::new(out_capacity, "out_capacity")?;
+            let organised = layout.read("layout")?;
+            let region = Region::new(CALL, &content.fitter, optional_mask(mask)?.as_ref())?;
+            out.write(bound(&region, organised));
+            Ok(())
+        })
+    }
+}
+
+fn bound(region: &Region<'_>, organised: bool) -> usize {
+    let mask = region.mask();
+    if organised { mask.width() * mask.height() } else { mask.count() }
+}
+
+/// Completes the cloud: casts the ray of every pixel of a mask and takes its first meeting with the cylinder,
+/// the near wall from outside, the far one from inside a pipe. The points are in the camera frame.
+///
+/// @param fitter the fitter, with intrinsics
+/// @param model the model; NULL = that of the last fit
+/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+/// @param out the buffer: `cylfuse_fitter_complete_bound` says what is enough. Must not overlap with what the
+///   other parameters point to.
+/// @param out_completion what became of the pixels; set its `struct_size` before. After BUFFER_TOO_SMALL its
+///   `count` is the capacity that is needed.
+/// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT,
+///   BUFFER_TOO_SMALL; no point is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_complete(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    mask: *const cylfuse_mask_view,
+    out: *const cylfuse_points_out,
+    out_completion: *mut cylfuse_completion,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let out_completion = Output::new(out_completion, "out_completion")?;
+            let out = read(out, "out")?;
+            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
+            match complete(&content.fitter, model.as_ref(), mask.as_ref(), &out) {
+                Ok((count, counts)) => {
+                    out_completion.write(&completion(count, &counts, 0));
+                    Ok(())
+                }
+                Err(Failure::BufferTooSmall { name, capacity, needed }) => {
+                    out_completion.write(&cylfuse_completion { count: needed as u64, ..zeroed() });
+                    Err(Failure::BufferTooSmall { name, capacity, needed })
+                }
+                Err(failure) => Err(failure),
+            }
+        })
+    }
+}
+
+fn completion(count: usize, counts: &CompletionCounts, out_of_range: u64) -> cylfuse_completion {
+    cylfuse_completion {
+        struct_size: 0,
+        reserved: 0,
+        count: count as u64,
+        hits: counts.hits as u64 - out_of_range,
+        misses: counts.misses as u64,
+        outside_camera: counts.outside_camera as u64,
+        out_of_range,
+    }
+}
+
+/// How many points were written, and what became of the pixels.
+///
+/// # Safety
+/// `out.data` is NULL or writable as the fields of `out` describe.
+unsafe fn complete(
+    fitter: &Fitter,
+    model: Option<&Cylinder>,
+    mask: Option<&MaskView<'_>>,
+    out: &cylfuse_points_out,
+) -> Result<(usize, CompletionCounts), Failure> {
+    check_reserved("out.reserved", out.reserved)?;
+    let scalar = out.scalar.read("out.scalar")?;
+    let organised = out.layout.read("out.layout")?;
+    if !organised && out.row_stride != 0 {
+        return Err(Failure::argument("out.row_stride", out.row_stride, "be 0 for packed points"));
+    }
+    let region = Region::new(CALL, fitter, mask)?;
+    let bound = bound(&region, organised);
+    if out.capacity < bound {
+        // Fewer rays than pixels may hit; counting them first is only needed here.
+        let needed = if organised { bound } else { fitter.complete(model, mask, &mut |_, _, _| ())?.hits };
+        if out.capacity < needed {
+            return Err(Failure::BufferTooSmall { name: "out.data", capacity: out.capacity, needed });
+        }
+    }
+    let (width, height) = match organised {
+        true => (region.mask().width(), region.mask().height()),
+        false => (out.capacity.min(bound), 1),
+    };
+    let grid = Grid {
+        name: "out.data",
+        element: "point",
+        width,
+        height,
+        element_size: 3 * scalar.size(),
+        element_stride: out.point_stride,
+        row_stride: out.row_stride,
+    };
+    let grid = grid.check(out.data)?;
+    let mut count = 0;
+    let counts = fitter.complete(model, mask, &mut |column, row, point| {
+        let offset = match (organised, &point) {
+            (true, _) => grid.offset(column, row),
+            (false, Some(_)) => grid.offset(count, 0),
+            (false, None) => return,
+        };
+        let point = point.unwrap_or(Vector3::repeat(f64::NAN));
+        // SAFETY: inside the checked grid: (column, row) is a pixel of the image, and a packed count is below
+        // the number of hits, which fits the capacity.
+        unsafe { write_point(out.data.cast::<u8>().offset(offset), scalar, &point) };
+        count += 1;
+    })?;
+    Ok((count, counts))
+}
+
+/// # Safety
+/// `at` is writable for three scalars.
+unsafe fn write_point(at: *mut u8, scalar: Scalar, point: &Vector3<f64>) {
+    match scalar {
+        // SAFETY: the caller's obligation; no alignment is assumed.
+        Scalar::F32 => unsafe { at.cast::<[f32; 3]>().write_unaligned(point.map(|x| x as f32).into()) },
+        // SAFETY: as above.
+        Scalar::F64 => unsafe { at.cast::<[f64; 3]>().write_unaligned((*point).into()) },
+    }
+}
+
+/// Completes the depth image: writes the z of every point of `cylfuse_fitter_complete`, and 0 where there is
+/// none.
+///
+/// @param fitter the fitter, with intrinsics
+/// @param model the model; NULL = that of the last fit
+/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+/// @param out the image, of the size of the intrinsics: every pixel of it is written. Must not overlap with what
+///   the other parameters point to.
+/// @param out_completion what became of the pixels; set its `struct_size` before. Its `count` is the number of
+///   pixels with a depth.
+/// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT; nothing is
+///   written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_complete_depth(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    mask: *const cylfuse_mask_view,
+    out: *const cylfuse_depth_out,
+    out_completion: *mut cylfuse_completion,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let out_completion = Output::new(out_completion, "out_completion")?;
+            let out = read(out, "out")?;
+            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
+            out_completion.write(&complete_depth(&content.fitter, model.as_ref(), mask.as_ref(), &out)?);
+            Ok(())
+        })
+    }
+}
+
+/// # Safety
+/// `out.data` is NULL or writable as the fields of `out` describe.
+unsafe fn complete_depth(
+    fitter: &Fitter,
+    model: Option<&Cylinder>,
+    mask: Option<&MaskView<'_>>,
+    out: &cylfuse_depth_out,
+) -> Result<cylfuse_completion, Failure> {
+    let format = out.format.read("out.format")?;
+    if !(out.scale > 0.0 && out.scale.is_finite()) {
+        return Err(Failure::argument("out.scale", out.scale, "be finite and greater than 0"));
+    }
+    let region = Region::new("completing the depth image", fitter, mask)?;
+    let (width, height) = (out.width as usize, out.height as usize);
+    region.mask().check_size("the depth image to be written", (width, height))?;
+    let grid = Grid {
+        name: "out.data",
+        element: "pixel",
+        width,
+        height,
+        element_size: pixel_size(format),
+        element_stride: out.pixel_stride,
+        row_stride: out.row_stride,
+    };
+    let grid = grid.check(out.data)?;
+    let (mut count, mut out_of_range) = (0, 0);
+    let counts = fitter.complete(model, mask, &mut |column, row, point| {
+        let stored = point.map_or(0.0, |point| stored_depth(format, point.z / out.scale));
+        if stored > 0.0 {
+            count += 1;
+        } else if point.is_some() {
+            out_of_range += 1;
+        }
+        // SAFETY: (column, row) is a pixel of the image, which the checked grid covers.
+        unsafe { write_depth(out.data.cast::<u8>().offset(grid.offset(column, row)), format, stored) };
+    })?;
+    Ok(completion(count, &counts, out_of_range))
+}
+
+/// What a pixel can hold of a depth in its unit; 0 when it cannot.
+fn stored_depth(format: Pixels, value: f64) -> f64 {
+    let stored = match format {
+        Pixels::U16 => value.round(),
+        Pixels::F32 => f64::from(value as f32),
+    };
+    let largest = match format {
+        Pixels::U16 => f64::from(u16::MAX),
+        Pixels::F32 => f64::from(f32::MAX),
+    };
+    if stored <= largest { stored } else { 0.0 }
+}
+
+/// # Safety
+/// `at` is writable for a pixel.
+unsafe fn write_depth(at: *mut u8, format: Pixels, stored: f64) {
+    match format {
+        // SAFETY: the caller's obligation; no alignment is assumed.
+        Pixels::U16 => unsafe { at.cast::<u16>().write_unaligned(stored as u16) },
+        // SAFETY: as above.
+        Pixels::F32 => unsafe { at.cast::<f32>().write_unaligned(stored as f32) },
+    }
+}
+
+/// Finds the visible piece of the cylinder: the extreme positions along the axis of the points completed over
+/// the mask, and what the ends are, from the last depth image.
+///
+/// @param fitter the fitter, with intrinsics
+/// @param model the model; NULL = that of the last fit
+/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+/// @param out_extent where the extent goes; set its `struct_size` before
+/// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
+///   the mask meets the cylinder
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_extent(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    mask: *const cylfuse_mask_view,
+    out_extent: *mut cylfuse_extent,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let out = Output::new(out_extent, "out_extent")?;
+            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
+            let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
+            out.write(&cylfuse_extent {
+                struct_size: 0,
+                start_state: extent.start_state.into(),
+                end_state: extent.end_state.into(),
+                reserved: 0,
+                start: extent.start.into(),
+                end: extent.end.into(),
+                center: extent.center.into(),
+                length: extent.length,
+            });
+            Ok(())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_that_do_not_fit_become_zero() {
+        let u16 = |value| stored_depth(Pixels::U16, value);
+        assert_eq!([u16(0.4), u16(0.6), u16(65535.4), u16(65535.6)], [0.0, 1.0, 65535.0, 0.0]);
+        let f32 = |value| stored_depth(Pixels::F32, value);
+        assert_eq!([f32(1e-60), f32(0.5), f32(1e60)], [0.0, 0.5, 0.0]);
+    }
+}

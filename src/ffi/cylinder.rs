@@ -1,0 +1,121 @@
+//! Geometry without a fitter, and so without a message: only the status says what was wrong.
+
+use super::handle::stateless;
+use super::sized::read;
+use super::status::{Failure, cylfuse_status};
+use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_points_view};
+use super::views::{self, Slot, cylinder};
+use crate::camera::Camera;
+use crate::error::Error;
+use crate::geometry::LimbFrame;
+
+/// Signed distances of points from the surface, negative inside.
+///
+/// @param model the cylinder
+/// @param points the points; weights are ignored
+/// @param out room for `capacity` doubles, row by row of the points; NaN for a point with a coordinate that is not
+///   finite. Of any alignment; must not overlap with the points. May be NULL when `capacity` is 0.
+/// @param capacity at least width * height of the points
+/// @return INVALID_ARGUMENT, STRUCT_SIZE, BUFFER_TOO_SMALL; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_cylinder_distances(
+    model: *const cylfuse_cylinder,
+    points: *const cylfuse_points_view,
+    out: *mut f64,
+    capacity: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let cylinder = cylinder(model, "model")?;
+            let points = views::points_view(&read(points, "points")?)?;
+            let (width, height) = (points.width(), points.height());
+            let needed = width * height;
+            if needed > capacity {
+                return Err(Failure::BufferTooSmall { name: "out", capacity, needed });
+            }
+            if needed > 0 && out.is_null() {
+                return Err(Failure::NullPointer { name: "out" });
+            }
+            for index in 0..needed {
+                let point = points.points.at(index % width, index / width);
+                let finite = point.iter().all(|x| x.is_finite());
+                let distance = if finite { cylinder.distance(&point) } else { f64::NAN };
+                // The index is below the capacity.
+                out.add(index).write_unaligned(distance);
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The two limb lines of a cylinder in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels, which
+/// are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
+///
+/// @param model the cylinder in the camera frame
+/// @param intrinsics the camera
+/// @param out_lines room for 6 doubles: a, b, c of the first line, then of the second. Of any alignment.
+/// @return EDGE_GEOMETRY when the camera is inside the cylinder or a line lies at infinity, INVALID_ARGUMENT,
+///   INVALID_INTRINSICS, STRUCT_SIZE; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_cylinder_project(
+    model: *const cylfuse_cylinder,
+    intrinsics: *const cylfuse_intrinsics,
+    out_lines: *mut f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let out = Slot::new(out_lines.cast::<[f64; 6]>(), "out_lines")?;
+            let cylinder = cylinder(model, "model")?;
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            let no_limbs = || Error::EdgeGeometry {
+                reason: "the camera is inside the cylinder or a limb line lies at infinity".into(),
+                remedy: "give a cylinder in front of the camera",
+            };
+            let limbs = LimbFrame::new(&cylinder).ok_or_else(no_limbs)?;
+            let mut lines = [0.0; 6];
+            for (line, normal) in lines.chunks_exact_mut(3).zip(limbs.limb_plane_normals()) {
+                let projected = camera.line_projection() * normal;
+                let scaled = projected / projected.x.hypot(projected.y);
+                if !scaled.iter().all(|x| x.is_finite()) {
+                    return Err(no_limbs().into());
+                }
+                line.copy_from_slice(scaled.as_slice());
+            }
+            out.write(lines);
+            Ok(())
+        })
+    }
+}
+
+/// How two cylinders differ.
+///
+/// @param a the first cylinder, such as the truth
+/// @param b the second cylinder
+/// @param out_angle angle between the axes in radians, in [0, pi / 2], whatever the signs of the directions
+/// @param out_axis_distance shortest distance between the two axes, in the unit of length
+/// @param out_radius_relative (radius of b - radius of a) / radius of a
+/// @return INVALID_ARGUMENT for a bad cylinder; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_cylinder_compare(
+    a: *const cylfuse_cylinder,
+    b: *const cylfuse_cylinder,
+    out_angle: *mut f64,
+    out_axis_distance: *mut f64,
+    out_radius_relative: *mut f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let angle = Slot::new(out_angle, "out_angle")?;
+            let axis_distance = Slot::new(out_axis_distance, "out_axis_distance")?;
+            let radius_relative = Slot::new(out_radius_relative, "out_radius_relative")?;
+            let difference = cylinder(a, "a")?.compare(&cylinder(b, "b")?);
+            angle.write(difference.angle);
+            axis_distance.write(difference.axis_distance);
+            radius_relative.write(difference.radius_relative);
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,141 @@
+//! Pushing observations. Each call adds to what was pushed before.
+
+use super::constants::cylfuse_log_level;
+use super::handle::{Content, cylfuse_fitter, enter};
+use super::sized::{Output, read, read_optional};
+use super::status::{Failure, cylfuse_status};
+use super::structs::{
+    cylfuse_counts, cylfuse_depth_view, cylfuse_mask_view, cylfuse_points_view, cylfuse_segments_view,
+};
+use super::views;
+use crate::observations::MaskView;
+
+/// A mask that may be missing.
+///
+/// # Safety
+/// `mask` is NULL or a mask whose pixels are readable during `'a`.
+pub(super) unsafe fn optional_mask<'a>(
+    mask: *const cylfuse_mask_view,
+) -> Result<Option<MaskView<'a>>, Failure> {
+    // SAFETY: the caller's obligation.
+    let mask = unsafe { read_optional(mask, "mask") }?;
+    // SAFETY: the caller's obligation.
+    mask.map(|mask| unsafe { views::mask_view(&mask) }).transpose()
+}
+
+fn log_points(content: &Content, what: &str) {
+    content.log.write(cylfuse_log_level::INFO, || {
+        let cloud = content.fitter.cloud();
+        format!("{what} pushed: {} of {} points so far are usable", cloud.len(), cloud.given())
+    });
+}
+
+/// Adds points, in the camera frame (x right, y down, z forward) when edges, the near-wall rule, completion or
+/// extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
+/// mask are left out and counted.
+///
+/// @param fitter the fitter
+/// @param points read during the call only
+/// @param mask selects pixels of an organised cloud, of the same size as it; NULL = all. Read during the call
+///   only.
+/// @return SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT for a negative weight or a bad stride, OUT_OF_MEMORY;
+///   nothing is added then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_push_points(
+    fitter: *mut cylfuse_fitter,
+    points: *const cylfuse_points_view,
+    mask: *const cylfuse_mask_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let points = views::points_view(&read(points, "points")?)?;
+            content.fitter.push_points(&points, optional_mask(mask)?.as_ref())?;
+            log_points(content, "cloud");
+            Ok(())
+        })
+    }
+}
+
+/// Adds the points of a depth image of the camera; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
+/// a depth, out of range or outside the mask are left out and counted. The image and the mask are kept, in place
+/// of earlier ones, for completion and extent.
+///
+/// @param fitter the fitter
+/// @param depth read during the call only
+/// @param mask of the same size as the image; NULL = all pixels. Read during the call only.
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel is usable,
+///   INVALID_ARGUMENT for a bad scale, range or stride, OUT_OF_MEMORY; nothing is added then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_push_depth(
+    fitter: *mut cylfuse_fitter,
+    depth: *const cylfuse_depth_view,
+    mask: *const cylfuse_mask_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
+            content.fitter.push_depth(&depth, optional_mask(mask)?.as_ref(), &range)?;
+            log_points(content, "depth image");
+            Ok(())
+        })
+    }
+}
+
+/// Adds edge segments: pieces of the two limb lines in the (distorted) image, any number of either. A fit with
+/// segments needs intrinsics.
+///
+/// @param fitter the fitter
+/// @param segments read during the call only
+/// @return INVALID_ARGUMENT when a coordinate is not finite or a weight is negative, OUT_OF_MEMORY; nothing is
+///   added then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_push_edges(
+    fitter: *mut cylfuse_fitter,
+    segments: *const cylfuse_segments_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let segments = views::segments(&read(segments, "segments")?)?;
+            content.fitter.push_edges(&segments)?;
+            let count = content.fitter.segments().len();
+            content.log.write(cylfuse_log_level::INFO, || format!("edges pushed: {count} segments so far"));
+            Ok(())
+        })
+    }
+}
+
+/// Says what was pushed since the fitter was created or cleared, and what was left out by reason.
+///
+/// @param fitter the fitter
+/// @param out_counts where the counts go; set its `struct_size` before
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_counts(
+    fitter: *const cylfuse_fitter,
+    out_counts: *mut cylfuse_counts,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let out = Output::new(out_counts, "out_counts")?;
+            let cloud = content.fitter.cloud();
+            let dropped = cloud.dropped();
+            out.write(&cylfuse_counts {
+                struct_size: 0,
+                reserved: 0,
+                points_given: cloud.given() as u64,
+                points_used: cloud.len() as u64,
+                dropped_not_finite: dropped.not_finite as u64,
+                dropped_zero_weight: dropped.zero_weight as u64,
+                dropped_outside_mask: dropped.outside_mask as u64,
+                dropped_no_depth: dropped.no_depth as u64,
+                dropped_out_of_range: dropped.out_of_range as u64,
+                dropped_outside_camera: dropped.outside_camera as u64,
+                segments_given: content.fitter.segments().len() as u64,
+            });
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,230 @@
+use super::*;
+use crate::geometry::Cylinder;
+use crate::start::clouds::{Arc, oblique};
+
+fn fixed(threshold: f64) -> RansacOptions {
+    RansacOptions { threshold, ..RansacOptions::default() }
+}
+
+/// Asserts that two cylinders agree: radius and axis position relative to the radius, angle in radians.
+fn assert_near(expected: &Cylinder, found: &Cylinder, tolerance: f64) {
+    let difference = expected.compare(found);
+    let shift = expected.axis.distance(&found.axis.point) / expected.radius;
+    assert!(difference.radius_relative.abs() < tolerance, "{difference:?}");
+    assert!(difference.angle < tolerance && shift < tolerance, "{difference:?} {shift}");
+}
+
+#[test]
+fn points_without_noise_give_the_cylinder() {
+    let (points, normals) = Arc::default().sample(1);
+    for normals in [None, Some(normals.as_slice())] {
+        for observer in [false, true] {
+            let fit = ransac(&points, normals, observer, &RansacOptions::default()).unwrap();
+            assert_near(&oblique(), &fit.cylinder, 1e-9);
+            assert_eq!(fit.inliers, points.len());
+            assert!(fit.score < 1e-6 && fit.threshold < 1e-6 * oblique().radius);
+        }
+    }
+}
+
+#[test]
+fn noise_and_outliers_leave_the_cylinder() {
+    for (noise, outliers, tolerance) in [(1e-3, 0.0, 0.02), (2e-4, 0.4, 0.01), (1e-3, 0.4, 0.05)] {
+        for seed in 0..5 {
+            let (points, normals) = Arc { noise, outliers, ..Arc::default() }.sample(seed);
+            for normals in [None, Some(normals.as_slice())] {
+                let options = RansacOptions { seed, ..RansacOptions::default() };
+                let fit = ransac(&points, normals, true, &options).unwrap();
+                assert_near(&oblique(), &fit.cylinder, tolerance);
+                // 2.5 standard deviations of the noise; outliers inside the band widen it a little.
+                assert!((2.0..3.5).contains(&(fit.threshold / noise)), "{fit:?}");
+                let expected = 0.985 * (1.0 - outliers) * points.len() as f64;
+                assert!(fit.inliers as f64 > 0.95 * expected, "{fit:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_given_threshold_withstands_more_outliers_than_half() {
+    let (points, _) = Arc { noise: 2e-4, outliers: 0.6, ..Arc::default() }.sample(3);
+    let fit = ransac(&points, None, true, &fixed(6e-4)).unwrap();
+    assert_near(&oblique(), &fit.cylinder, 0.02);
+    assert_eq!(fit.threshold, 6e-4);
+}
+
+#[test]
+fn equal_seeds_give_equal_bits() {
+    let (points, normals) = Arc { noise: 1e-3, outliers: 0.3, ..Arc::default() }.sample(4);
+    for normals in [None, Some(normals.as_slice())] {
+        let runs = [7, 7, 8].map(|seed| {
+            let options = RansacOptions { seed, ..RansacOptions::default() };
+            ransac(&points, normals, true, &options).unwrap()
+        });
+        assert_eq!(runs[0], runs[1]);
+        assert_ne!(runs[0], runs[2]);
+    }
+}
+
+#[test]
+fn the_unit_of_length_and_the_place_do_not_matter() {
+    let (points, _) = Arc { noise: 5e-4, outliers: 0.2, ..Arc::default() }.sample(5);
+    let reference = ransac(&points, None, false, &RansacOptions::default()).unwrap();
+    for (scale, offset) in
+        [(1024.0, Vector3::zeros()), (1000.0, Vector3::zeros()), (1.0, Vector3::new(6e3, -7e3, 4e3))]
+    {
+        let moved: Vec<_> = points.iter().map(|p| p * scale + offset).collect();
+        let fit = ransac(&moved, None, false, &RansacOptions::default()).unwrap();
+        let mut expected = reference.cylinder;
+        expected.axis.point = expected.axis.point * scale + offset;
+        expected.radius *= scale;
+        assert_near(&expected, &fit.cylinder, 1e-3);
+        assert!((fit.inliers as f64 / reference.inliers as f64 - 1.0).abs() < 0.01);
+        if scale == 1024.0 {
+            // A power of two scales without rounding.
+            assert_eq!(fit.cylinder, expected);
+        }
+    }
+}
+
+#[test]
+fn an_observer_sees_one_wall_only() {
+    // Most points on an arc that is open towards the observer, as none sees a cylinder from outside, and the
+    // others on one that is closed.
+    let hollow = oblique();
+    let c = hollow.axis.nearest_to_origin();
+    let open = Arc { noise: 2e-4, points: 1200, ..Arc::default() }.sample(6).0;
+    let mut cylinder = hollow;
+    cylinder.axis.point += Vector3::new(0.08, 0.02, 0.0);
+    let closed = Arc { cylinder, noise: 2e-4, points: 800, ..Arc::default() }.sample(7).0;
+    let points: Vec<_> = open.iter().map(|p| c * 2.0 - p).chain(closed).collect();
+
+    let fit = ransac(&points, None, false, &fixed(6e-4)).unwrap();
+    assert_near(&hollow, &fit.cylinder, 0.02);
+    let fit = ransac(&points, None, true, &fixed(6e-4)).unwrap();
+    assert_near(&cylinder, &fit.cylinder, 0.02);
+    assert!((700..=820).contains(&fit.inliers), "{fit:?}");
+}
+
+#[test]
+fn an_observer_inside_sees_the_far_wall() {
+    let pipe = Cylinder::new(Vector3::new(0.1, 0.05, 0.0), Vector3::new(0.1, 0.2, 1.0), 0.4).unwrap();
+    let mut arc = Arc { cylinder: pipe, half_angle: 3.0, length: 2.0, noise: 5e-3, ..Arc::default() };
+    arc.outliers = 0.2;
+    let fit = ransac(&arc.sample(7).0, None, true, &RansacOptions::default()).unwrap();
+    assert_near(&pipe, &fit.cylinder, 0.02);
+}
+
+#[test]
+fn limits_of_the_radius_hold() {
+    let (points, normals) = Arc { noise: 2e-4, outliers: 0.1, ..Arc::default() }.sample(8);
+    for (radius_min, radius_max) in [(0.0, 0.018), (0.023, 1.0), (0.0201, 0.0201), (0.019, 0.021)] {
+        for normals in [None, Some(normals.as_slice())] {
+            let options = RansacOptions { radius_min, radius_max, ..RansacOptions::default() };
+            let fit = ransac(&points, normals, true, &options).unwrap();
+            assert!((radius_min..=radius_max).contains(&fit.cylinder.radius), "{fit:?}");
+            assert!(oblique().compare(&fit.cylinder).angle < 0.05, "{fit:?}");
+            if radius_min == radius_max {
+                assert!(fit.inliers > 1500, "{fit:?}");
+            }
+        }
+    }
+    // A plane behind with more points than the cylinder, which a limit keeps from being one.
+    let plane = (0..3000)
+        .map(|i| Vector3::new(f64::from(i % 50) * 0.006 - 0.1, f64::from(i / 50) * 0.005 - 0.2, 0.73));
+    let scene: Vec<_> = points.iter().copied().chain(plane).collect();
+    let options = RansacOptions { radius_max: 0.1, ..fixed(6e-4) };
+    let fit = ransac(&scene, None, true, &options).unwrap();
+    assert_near(&oblique(), &fit.cylinder, 0.02);
+}
+
+#[test]
+fn degenerate_clouds_are_refused() {
+    let (a, b) = (Vector3::new(0.3, 0.1, -0.7), Vector3::new(-0.2, 0.9, 0.4));
+    let line: Vec<_> = (0..50).map(|i| a * f64::from(i)).collect();
+    let plane: Vec<_> = (0..50).map(|i| a * f64::from(i % 7) + b * f64::from(i / 7)).collect();
+    let normals = vec![a.cross(&b); 50];
+    let huge: Vec<_> = plane.iter().map(|p| p * 1e300).collect();
+    for points in [line, plane, vec![a; 50], huge] {
+        for normals in [None, Some(normals.as_slice())] {
+            let error = ransac(&points, normals, true, &RansacOptions::default()).unwrap_err();
+            assert!(matches!(error, Error::NoStart { .. }), "{error}");
+        }
+    }
+    let (mut few, _) = Arc { points: 6, ..Arc::default() }.sample(9);
+    few[1].x = f64::NAN;
+    few[4].z = f64::INFINITY;
+    let error = ransac(&few, None, true, &RansacOptions::default()).unwrap_err();
+    assert!(matches!(error, Error::TooFewPoints { usable: 4, given: 6, needed: 5, .. }), "{error}");
+    assert!(ransac(&[], None, true, &RansacOptions::default()).is_err());
+}
+
+#[test]
+fn a_threshold_below_the_noise_finds_nothing() {
+    let (points, _) = Arc { noise: 1e-3, points: 200, ..Arc::default() }.sample(10);
+    let options = RansacOptions { max_iterations: 50, ..fixed(1e-9) };
+    let error = ransac(&points, None, true, &options).unwrap_err();
+    assert!(error.to_string().contains("none of 50 samples"), "{error}");
+}
+
+#[test]
+fn the_least_numbers_of_points_work() {
+    for count in 5..=8 {
+        let (points, normals) = Arc { points: count, ..Arc::default() }.sample(11);
+        let fit = ransac(&points, None, false, &RansacOptions::default()).unwrap();
+        assert_eq!(fit.inliers, count);
+        let fit = ransac(&points, Some(&normals), true, &RansacOptions::default()).unwrap();
+        assert_near(&oblique(), &fit.cylinder, 1e-8);
+    }
+}
+
+#[test]
+fn points_and_normals_that_are_not_finite_are_left_out() {
+    let (mut points, mut normals) = Arc { noise: 2e-4, points: 5000, ..Arc::default() }.sample(12);
+    for i in (0..5000).step_by(3) {
+        points[i].y = f64::NAN;
+        normals[i + 1] = Vector3::zeros();
+    }
+    for normals in [None, Some(normals.as_slice())] {
+        let fit = ransac(&points, normals, true, &RansacOptions::default()).unwrap();
+        assert_near(&oblique(), &fit.cylinder, 0.02);
+        // Counted over all points, not only over the scored ones.
+        assert!((3200..=3333).contains(&fit.inliers), "{fit:?}");
+    }
+}
+
+#[test]
+fn chosen_points_are_evenly_spaced_and_finite() {
+    let points: Vec<_> =
+        (0..10_001).map(|i| Vector3::repeat(if i % 5 == 2 { f64::NAN } else { f64::from(i) })).collect();
+    let chosen = choose(&points).unwrap();
+    assert_eq!(chosen.len(), SCORED_POINTS);
+    assert!(chosen.iter().all(|i| i % 5 != 2));
+    assert!(chosen.windows(2).all(|pair| (4..=7).contains(&(pair[1] - pair[0]))));
+    assert_eq!(choose(&points[..100]).unwrap().len(), 80);
+}
+
+#[test]
+fn options_out_of_range_are_refused_with_their_value() {
+    let (points, normals) = Arc { points: 50, ..Arc::default() }.sample(13);
+    let good = RansacOptions::default;
+    let cases = [
+        (RansacOptions { max_iterations: 0, ..good() }, "max_iterations is 0"),
+        (RansacOptions { max_iterations: usize::MAX, ..good() }, "max_iterations is"),
+        (RansacOptions { threshold: -1.0, ..good() }, "threshold is -1"),
+        (RansacOptions { threshold: f64::NAN, ..good() }, "threshold is NaN"),
+        (RansacOptions { confidence: 1.0, ..good() }, "confidence is 1"),
+        (RansacOptions { confidence: f64::NAN, ..good() }, "confidence is NaN"),
+        (RansacOptions { radius_min: -0.5, ..good() }, "radius_min is -0.5"),
+        (RansacOptions { radius_min: f64::INFINITY, ..good() }, "radius_min is inf"),
+        (RansacOptions { radius_max: 0.0, ..good() }, "radius_max is 0"),
+        (RansacOptions { radius_min: 2.0, radius_max: 1.0, ..good() }, "radius_max is 1"),
+        (RansacOptions { radius_max: f64::NAN, ..good() }, "radius_max is NaN"),
+    ];
+    for (options, text) in cases {
+        let error = ransac(&points, None, true, &options).unwrap_err();
+        assert!(error.to_string().contains(text), "{error}");
+    }
+    let error = ransac(&points, Some(&normals[..49]), true, &good()).unwrap_err();
+    assert!(error.to_string().contains("number of normals is 49"), "{error}");
+}

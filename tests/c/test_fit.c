@@ -1,0 +1,302 @@
+/* Fits, options, what is asked about a result, and calls in the wrong order. */
+#include "check.h"
+
+void test_order_of_calls(void)
+{
+    cylfuse_fitter *fitter = new_fitter();
+    cylfuse_result result = {.struct_size = sizeof result};
+    cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
+    cylfuse_completion completion = {.struct_size = sizeof completion};
+    cylfuse_extent extent = {.struct_size = sizeof extent};
+    cylfuse_points_out out;
+    CHECK_OK(cylfuse_points_out_init(&out, sizeof out));
+    out.scalar = CYLFUSE_SCALAR_F32;
+    cylfuse_depth_out depth_out;
+    CHECK_OK(cylfuse_depth_out_init(&depth_out, sizeof depth_out));
+    depth_out.format = CYLFUSE_DEPTH_FORMAT_F32;
+    cylfuse_depth_view depth = scene_depth();
+    cylfuse_mask_view mask = scene_mask();
+    size_t count;
+    double values[2];
+
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), TOO_FEW_POINTS, "0 of 0 points");
+    CHECK_ERROR(fitter, cylfuse_fitter_get_result(fitter, &result), BAD_STATE, "fit first");
+    CHECK_ERROR(fitter, cylfuse_fitter_evaluate(fitter, &the_scene.truth, &result), TOO_FEW_POINTS, "0 of 0");
+    CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, values, 2, &count),
+                BAD_STATE, "give one or fit first");
+    CHECK_ERROR(fitter, cylfuse_fitter_diagnose(fitter, NULL, &diagnosis), BAD_STATE, "give one or fit first");
+    CHECK_ERROR(fitter, cylfuse_fitter_push_depth(fitter, &depth, &mask), BAD_STATE, "set the intrinsics first");
+    CHECK_ERROR(fitter, cylfuse_fitter_complete_bound(fitter, &mask, CYLFUSE_LAYOUT_PACKED, &count), BAD_STATE,
+                "set the intrinsics first");
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, &the_scene.truth, &mask, &out, &completion), BAD_STATE,
+                "set the intrinsics first");
+    CHECK_OK(cylfuse_fitter_set_intrinsics(fitter, &the_scene.intrinsics));
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, &the_scene.truth, NULL, &out, &completion), BAD_STATE,
+                "needs a mask");
+    CHECK_ERROR(fitter, cylfuse_fitter_complete_depth(fitter, &the_scene.truth, NULL, &depth_out, &completion),
+                BAD_STATE, "needs a mask");
+    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, &the_scene.truth, NULL, &extent), BAD_STATE, "needs a mask");
+    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, NULL, &mask, &extent), BAD_STATE, "give one or fit first");
+    CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, &out, &completion), BAD_STATE,
+                "give one or fit first");
+
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.start = CYLFUSE_START_MODEL;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), BAD_STATE, "needs a start model");
+    CHECK_OK(cylfuse_fitter_set_start_model(fitter, &the_scene.truth));
+    CHECK(fits_truth(fitter, 1e-5));
+    destroy(fitter);
+
+    /* Edges without a camera. */
+    fitter = new_fitter();
+    cylfuse_points_view points = scene_points();
+    cylfuse_segments_view edges = scene_edges();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), BAD_STATE, "intrinsics to use the edge segments");
+    CHECK_OK(cylfuse_fitter_set_intrinsics(fitter, &the_scene.intrinsics));
+    CHECK(fits_truth(fitter, 1e-8));
+    destroy(fitter);
+}
+
+static void a_fit_and_what_it_says(void)
+{
+    cylfuse_fitter *fitter = new_full_fitter();
+    cylfuse_result result = fit(fitter);
+    CHECK(is_truth(&result.model, 1e-9));
+    CHECK_NEAR(result.model.radius, 0.05, 1e-6 * 0.05);
+    CHECK(result.struct_size == sizeof result && result.flags == 0);
+    CHECK(result.start_kind != CYLFUSE_START_AUTO && result.termination != CYLFUSE_TERMINATION_NONE);
+    CHECK(result.points_used == POINTS && result.segments_used == 2);
+    CHECK(result.point_rms < 1e-10 && result.edge_rms_pixels < 1e-6 && result.near_wall_fraction == 1.0);
+    CHECK(isnan(result.edge_weight) && result.cost <= result.initial_cost);
+    CHECK(result.condition > 1.0 && result.condition < 1e4);
+    CHECK(result.seconds_total >= result.seconds_solve && result.seconds_total > 0.0);
+
+    cylfuse_result again = {.struct_size = sizeof again};
+    CHECK_OK(cylfuse_fitter_get_result(fitter, &again));
+    CHECK(memcmp(&again, &result, sizeof again) == 0);
+
+    double residuals[POINTS + 1], few[2] = {7.0, 7.0};
+    size_t count = 0;
+    CHECK_OK(cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, residuals, POINTS + 1, &count));
+    CHECK(count == POINTS);
+    for (size_t k = 0; k < count; k++) {
+        CHECK(fabs(residuals[k]) < 1e-9);
+    }
+    cylfuse_cylinder wider = the_scene.truth;
+    wider.radius += 0.01;
+    CHECK_OK(cylfuse_fitter_residuals(fitter, &wider, CYLFUSE_RESIDUAL_KIND_POINTS, residuals, POINTS, &count));
+    CHECK_NEAR(residuals[0], -0.01, 1e-12);
+    CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, few, 2, &count),
+                BUFFER_TOO_SMALL, "out holds 2 but 600 are needed");
+    CHECK(count == POINTS && few[0] == 7.0 && few[1] == 7.0);
+    count = 0;
+    CHECK_STATUS(cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_EDGES, NULL, 0, &count),
+                 BUFFER_TOO_SMALL);
+    CHECK(count == 4);
+    CHECK_OK(cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_EDGES, residuals, 4, &count));
+    CHECK(count == 4 && fabs(residuals[0]) < 1e-6);
+
+    cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
+    CHECK_OK(cylfuse_fitter_diagnose(fitter, NULL, &diagnosis));
+    CHECK(diagnosis.rank == 5 && diagnosis.singular_values[0] >= diagnosis.singular_values[4]);
+    CHECK_NEAR(diagnosis.condition, diagnosis.singular_values[0] / diagnosis.singular_values[4],
+               1e-9 * diagnosis.condition);
+    const double *tilt = diagnosis.weakest_tilt, *d = result.model.direction;
+    CHECK_NEAR(tilt[0] * d[0] + tilt[1] * d[1] + tilt[2] * d[2], 0.0, 1e-12);
+    CHECK(isfinite(diagnosis.weakest_shift[0]) && isfinite(diagnosis.weakest_radius));
+
+    CHECK_OK(cylfuse_fitter_evaluate(fitter, &wider, &again));
+    CHECK(again.termination == CYLFUSE_TERMINATION_NONE && again.iterations == 0);
+    CHECK_NEAR(again.point_rms, 0.01, 1e-9);
+    /* Evaluating does not replace the result. */
+    CHECK_OK(cylfuse_fitter_get_result(fitter, &again));
+    CHECK(again.model.radius == result.model.radius);
+    destroy(fitter);
+}
+
+static void the_objective_of_the_paper(void)
+{
+    cylfuse_fitter *fitter = new_full_fitter();
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.objective = CYLFUSE_OBJECTIVE_PAPER;
+    options.chart = CYLFUSE_CHART_ORTHONORMAL;
+    options.start = CYLFUSE_START_MODEL;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    cylfuse_cylinder start = the_scene.truth;
+    start.point[0] += 0.01;
+    start.direction[1] += 0.1;
+    start.radius *= 1.2;
+    CHECK_OK(cylfuse_fitter_set_start_model(fitter, &start));
+    cylfuse_result result = fit(fitter);
+    CHECK(is_truth(&result.model, 1e-9));
+    CHECK(result.start_kind == CYLFUSE_START_MODEL && result.start_model.radius == start.radius);
+    CHECK(result.edge_weight == 0.6 && result.energy_edges >= 0.0);
+    CHECK_NEAR(result.cost, 0.4 * result.energy_points + 0.6 * result.energy_edges, 1e-20);
+
+    /* A third segment: the paper has two. */
+    cylfuse_segments_view edges = scene_edges();
+    edges.count = 1;
+    CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), UNSUPPORTED, "exactly 2 edge segments, not 3");
+    cylfuse_result kept = {.struct_size = sizeof kept};
+    CHECK_OK(cylfuse_fitter_get_result(fitter, &kept));
+    CHECK(memcmp(&kept, &result, sizeof kept) == 0);
+    options.edge_weight = 0.0;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    result = fit(fitter);
+    CHECK(is_truth(&result.model, 1e-9) && result.edge_weight == 0.0 && result.segments_used == 0);
+    CHECK(isnan(result.energy_edges));
+    destroy(fitter);
+}
+
+static void data_that_are_no_cylinder(void)
+{
+    cylfuse_fitter *fitter = new_fitter();
+    double flat[POINTS][3], line[POINTS][3];
+    for (int k = 0; k < POINTS; k++) {
+        flat[k][0] = 0.01 * (k % 20);
+        flat[k][1] = 0.01 * (k / 20);
+        flat[k][2] = 1.0;
+        line[k][0] = line[k][1] = line[k][2] = 0.01 * k;
+    }
+    cylfuse_points_view points = scene_points();
+    cylfuse_result result = {.struct_size = sizeof result};
+    points.data = flat;
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), PLANAR_POINTS, "on a plane");
+    CHECK_OK(cylfuse_fitter_clear(fitter));
+    points.data = line;
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), COLLINEAR_POINTS, "on one line");
+    CHECK_OK(cylfuse_fitter_clear(fitter));
+    points = scene_points();
+    points.width = 4;
+    points.height = 1;
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), TOO_FEW_POINTS, "4 of 4 points");
+    points = scene_points();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK(fits_truth(fitter, 1e-8));
+    destroy(fitter);
+}
+
+static void cameras_that_cannot_be(void)
+{
+    cylfuse_fitter *fitter = new_camera_fitter();
+    double bad[4] = {0.0, -200.0, NAN, INFINITY};
+    for (int k = 0; k < 4; k++) {
+        cylfuse_intrinsics intrinsics = the_scene.intrinsics;
+        intrinsics.fx = bad[k];
+        CHECK_ERROR(fitter, cylfuse_fitter_set_intrinsics(fitter, &intrinsics), INVALID_INTRINSICS, "fx is");
+    }
+    cylfuse_intrinsics intrinsics = the_scene.intrinsics;
+    intrinsics.width = 0;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_intrinsics(fitter, &intrinsics), INVALID_INTRINSICS, "width is 0");
+    intrinsics = the_scene.intrinsics;
+    intrinsics.distortion[0] = 0.1;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_intrinsics(fitter, &intrinsics), INVALID_INTRINSICS,
+                "distortion[0] is 0.1; it must be 0");
+    intrinsics.distortion_model = CYLFUSE_DISTORTION_BROWN_CONRADY;
+    CHECK_OK(cylfuse_fitter_set_intrinsics(fitter, &intrinsics));
+    intrinsics.distortion[7] = NAN;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_intrinsics(fitter, &intrinsics), INVALID_INTRINSICS, "k6 is NaN");
+    intrinsics.distortion_model = CYLFUSE_DISTORTION_KANNALA_BRANDT;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_intrinsics(fitter, &intrinsics), INVALID_INTRINSICS, "distortion[7]");
+    cylfuse_cylinder model = the_scene.truth;
+    model.radius = 0.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_start_model(fitter, &model), INVALID_ARGUMENT, "radius is 0");
+    model = the_scene.truth;
+    model.direction[0] = model.direction[1] = model.direction[2] = 0.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_start_model(fitter, &model), INVALID_ARGUMENT, "axis direction");
+    destroy(fitter);
+}
+
+void test_fit(void)
+{
+    a_fit_and_what_it_says();
+    the_objective_of_the_paper();
+    data_that_are_no_cylinder();
+    cameras_that_cannot_be();
+}
+
+void test_options(void)
+{
+    cylfuse_fitter *fitter = new_fitter();
+    cylfuse_options options = {
+        .struct_size = sizeof options,
+        .method = CYLFUSE_METHOD_EBERLY,
+        .objective = CYLFUSE_OBJECTIVE_PAPER,
+        .start = CYLFUSE_START_MOMENTS,
+        .near_wall = CYLFUSE_NEAR_WALL_OFF,
+        .chart = CYLFUSE_CHART_ORTHONORMAL,
+        .max_iterations = 11,
+        .max_threads = 3,
+        .edge_weight = 0.25,
+        .initial_lambda = 0.5,
+        .lambda_factor = 4.0,
+        .max_lambda = 1e6,
+        .cost_tolerance = 1e-6,
+        .ransac_threshold = 0.125,
+        .seed = UINT64_MAX,
+        .ransac_max_iterations = 99,
+        .reserved = 0,
+    };
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    cylfuse_options back = {.struct_size = sizeof back};
+    CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
+    CHECK(memcmp(&options, &back, sizeof back) == 0);
+
+    static const struct {
+        size_t offset;
+        double value;
+        const char *text;
+    } bad[] = {
+        {offsetof(cylfuse_options, edge_weight), 1.4, "edge weight is 1.4; it must lie in [0, 1]"},
+        {offsetof(cylfuse_options, edge_weight), -0.1, "edge weight is -0.1"},
+        {offsetof(cylfuse_options, initial_lambda), -1.0, "initial lambda is -1"},
+        {offsetof(cylfuse_options, lambda_factor), 1.0, "lambda factor is 1"},
+        {offsetof(cylfuse_options, max_lambda), 1e-9, "max lambda is"},
+        {offsetof(cylfuse_options, cost_tolerance), 1.0, "cost tolerance is 1"},
+        {offsetof(cylfuse_options, ransac_threshold), -1.0, "ransac threshold is -1"},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        cylfuse_options wrong = options;
+        memcpy((char *)&wrong + bad[k].offset, &bad[k].value, sizeof(double));
+        CHECK_ERROR(fitter, cylfuse_fitter_set_options(fitter, &wrong), INVALID_ARGUMENT, bad[k].text);
+        double not_a_number = NAN;
+        memcpy((char *)&wrong + bad[k].offset, &not_a_number, sizeof(double));
+        CHECK_ERROR(fitter, cylfuse_fitter_set_options(fitter, &wrong), INVALID_ARGUMENT, "is NaN");
+    }
+    CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
+    CHECK(memcmp(&options, &back, sizeof back) == 0);
+
+    /* All zeros but the size: the defaults, but for the weight and the tolerance, where 0 is a value. */
+    cylfuse_options zeros = {.struct_size = sizeof zeros};
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &zeros));
+    CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.edge_weight = options.cost_tolerance = 0.0;
+    CHECK(memcmp(&options, &back, sizeof back) == 0);
+
+    /* The methods without iteration. */
+    cylfuse_points_view points = scene_points();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    options.method = CYLFUSE_METHOD_EBERLY;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    cylfuse_result result = fit(fitter);
+    CHECK(result.termination == CYLFUSE_TERMINATION_NONE && result.start_kind == CYLFUSE_START_MOMENTS);
+    CHECK(is_truth(&result.model, 1e-6));
+    CHECK(isnan(result.near_wall_fraction));
+    options.method = CYLFUSE_METHOD_POINTS;
+    options.max_iterations = 1;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    CHECK_OK(cylfuse_fitter_set_start_model(fitter, &result.start_model));
+    CHECK(fit(fitter).iterations <= 1);
+    destroy(fitter);
+}

@@ -1,0 +1,74 @@
+/* Versions, statuses, defaults. */
+#include "check.h"
+
+static void versions_agree(void)
+{
+    CHECK(cylfuse_abi_version() == CYLFUSE_ABI_VERSION);
+    CHECK(cylfuse_version_number() == CYLFUSE_VERSION_NUMBER);
+    CHECK(CYLFUSE_VERSION_NUMBER
+          == CYLFUSE_VERSION_MAJOR * 65536 + CYLFUSE_VERSION_MINOR * 256 + CYLFUSE_VERSION_PATCH);
+    char text[40];
+    snprintf(text, sizeof text, "%d.%d.%d", CYLFUSE_VERSION_MAJOR, CYLFUSE_VERSION_MINOR, CYLFUSE_VERSION_PATCH);
+    CHECK(strcmp(text, CYLFUSE_VERSION_STRING) == 0);
+    CHECK(strcmp(cylfuse_version_string(), CYLFUSE_VERSION_STRING) == 0);
+    CHECK(strncmp(cylfuse_build_info(), "cylfuse " CYLFUSE_VERSION_STRING ",", 9 + strlen(text)) == 0);
+}
+
+static void statuses_have_texts(void)
+{
+    CHECK(CYLFUSE_STATUS_OK == 0);
+    CHECK(strncmp(cylfuse_status_string(CYLFUSE_STATUS_OK), "OK: ", 4) == 0);
+    CHECK(strncmp(cylfuse_status_string(CYLFUSE_STATUS_BUSY), "BUSY: ", 6) == 0);
+    CHECK(strncmp(cylfuse_status_string(CYLFUSE_STATUS_TOO_FEW_POINTS), "TOO_FEW_POINTS: ", 16) == 0);
+    for (cylfuse_status status = -120; status < 20; status++) {
+        CHECK(strlen(cylfuse_status_string(status)) > 3);
+    }
+    CHECK(strncmp(cylfuse_status_string(INT32_MIN), "unknown", 7) == 0);
+}
+
+static void a_handle_needs_the_same_interface(void)
+{
+    cylfuse_fitter *fitter = (cylfuse_fitter *)&the_scene;
+    CHECK_STATUS(cylfuse_fitter_create(CYLFUSE_ABI_VERSION + 1, &fitter), ABI_MISMATCH);
+    CHECK(fitter == NULL);
+    CHECK_STATUS(cylfuse_fitter_create(CYLFUSE_ABI_VERSION, NULL), NULL_POINTER);
+    CHECK_OK(cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &fitter));
+    CHECK(fitter != NULL && cylfuse_fitter_last_error(fitter)[0] == '\0');
+    destroy(fitter);
+    CHECK_OK(cylfuse_fitter_destroy(NULL));
+}
+
+static void defaults_are_filled(void)
+{
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    CHECK(options.struct_size == sizeof options);
+    CHECK(options.method == CYLFUSE_METHOD_FUSED && options.objective == CYLFUSE_OBJECTIVE_ROBUST);
+    CHECK(options.start == CYLFUSE_START_AUTO && options.near_wall == CYLFUSE_NEAR_WALL_AUTO);
+    CHECK(options.chart == CYLFUSE_CHART_AUTO);
+    CHECK(options.max_iterations == 500 && options.max_threads == 0 && options.ransac_max_iterations == 1000);
+    CHECK(options.edge_weight == 0.6 && options.initial_lambda == 1e-3 && options.lambda_factor == 10.0);
+    CHECK(options.max_lambda == 1e12 && options.cost_tolerance == 1e-12);
+    CHECK(options.ransac_threshold == 0.0 && options.seed == 0 && options.reserved == 0);
+
+    cylfuse_points_view points;
+    CHECK_OK(cylfuse_points_view_init(&points, sizeof points));
+    CHECK(points.struct_size == sizeof points && points.height == 1 && points.data == NULL);
+    cylfuse_depth_view depth;
+    CHECK_OK(cylfuse_depth_view_init(&depth, sizeof depth));
+    CHECK(depth.struct_size == sizeof depth && depth.scale == 1.0 && depth.max_depth == 0.0);
+    cylfuse_depth_out depth_out;
+    CHECK_OK(cylfuse_depth_out_init(&depth_out, sizeof depth_out));
+    CHECK(depth_out.struct_size == sizeof depth_out && depth_out.scale == 1.0);
+    cylfuse_points_out points_out;
+    CHECK_OK(cylfuse_points_out_init(&points_out, sizeof points_out));
+    CHECK(points_out.struct_size == sizeof points_out && points_out.layout == CYLFUSE_LAYOUT_PACKED);
+}
+
+void test_library(void)
+{
+    versions_agree();
+    statuses_have_texts();
+    a_handle_needs_the_same_interface();
+    defaults_are_filled();
+}

@@ -1,0 +1,218 @@
+//! Input that is wrong: its own status, a message with file, value and remedy, never a panic.
+
+use crate::support::{Copy, data, fails, fit};
+use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
+use serde_json::{Value, json};
+
+#[test]
+fn missing_fields_are_named() {
+    for field in ["camera", "depth", "depth_scale"] {
+        let mut copy = Copy::new();
+        copy.json.as_object_mut().unwrap().remove(field);
+        fails(&copy.write(), &[], "BAD_FRAME", &["frame.json", &format!("missing field `{field}`")]);
+    }
+    for field in ["width", "height", "fx", "fy", "cx", "cy", "distortion"] {
+        let mut copy = Copy::new();
+        copy.json["camera"].as_object_mut().unwrap().remove(field);
+        fails(&copy.write(), &[], "BAD_FRAME", &["frame.json: camera", &format!("missing field `{field}`")]);
+    }
+}
+
+#[test]
+fn unknown_fields_are_named() {
+    let mut copy = Copy::new();
+    copy.json["colour"] = "image.png".into();
+    fails(&copy.write(), &[], "BAD_FRAME", &["frame.json", "unknown field `colour`"]);
+    let mut copy = Copy::new();
+    copy.json["camera"]["skew"] = 0.into();
+    fails(&copy.write(), &[], "BAD_FRAME", &["frame.json: camera", "unknown field `skew`"]);
+}
+
+#[test]
+fn fields_of_another_type_are_named() {
+    for (pointer, value, fragments) in [
+        ("/camera/fx", json!("570"), &["camera.fx", "expected f64"][..]),
+        ("/camera/width", json!(640.5), &["camera.width", "expected u32"]),
+        ("/camera/width", json!(-640), &["camera.width", "-640"]),
+        ("/camera/distortion", json!(null), &["camera.distortion", "null"]),
+        ("/camera/distortion/2", json!("x"), &["camera.distortion[2]"]),
+        ("/depth", json!(3), &["depth"]),
+        ("/depth_scale", json!(null), &["depth_scale"]),
+        ("/edges/1/0", json!([1.0]), &["edges[1][0]"]),
+        ("/edges/0", json!([[1, 2], [3, 4], [5, 6]]), &["edges[0]"]),
+        ("/edges/0/0/1", json!(null), &["edges[0][0][1]"]),
+    ] {
+        let mut copy = Copy::new();
+        *copy.json.pointer_mut(pointer).unwrap() = value;
+        fails(&copy.write(), &[], "BAD_FRAME", &[&["frame.json"], fragments].concat());
+    }
+}
+
+#[test]
+fn files_that_are_no_json_are_refused() {
+    let copy = Copy::new();
+    let whole = copy.json.to_string();
+    let frame = copy.write();
+    let huge_number = whole.replace("570.0", "1e999");
+    for content in
+        ["", "[]", "nonsense", "{\"camera\": 1}", "\u{feff}{}", &whole[..whole.len() / 2], &huge_number]
+    {
+        std::fs::write(&frame, content).unwrap();
+        fails(&frame, &[], "BAD_FRAME", &["frame.json"]);
+    }
+    std::fs::write(&frame, format!("{whole} x")).unwrap();
+    fails(&frame, &[], "BAD_FRAME", &["trailing characters"]);
+    std::fs::write(&frame, [0xff, 0xfe, 0x00]).unwrap();
+    fails(&frame, &[], "BAD_FRAME", &["frame.json"]);
+    std::fs::write(&frame, "[".repeat(100_000)).unwrap();
+    fails(&frame, &[], "BAD_FRAME", &["frame.json"]);
+}
+
+#[test]
+fn values_that_no_camera_has_are_refused() {
+    for (pointer, value, status, fragments) in [
+        ("/camera/fx", json!(0), "INVALID_INTRINSICS", ["fx is 0", "above 0"]),
+        ("/camera/fy", json!(-570.0), "INVALID_INTRINSICS", ["fy is -570", "above 0"]),
+        ("/camera/width", json!(0), "INVALID_INTRINSICS", ["width is 0", "at least 1"]),
+        ("/camera/height", json!(4_000_000_000_u32), "INVALID_INTRINSICS", ["640 x 4000000000", "at most"]),
+        ("/depth_scale", json!(0), "INVALID_ARGUMENT", ["depth scale is 0", "greater than 0"]),
+        ("/depth_scale", json!(-0.001), "INVALID_ARGUMENT", ["depth scale is -0.001", "greater than 0"]),
+    ] {
+        let mut copy = Copy::new();
+        *copy.json.pointer_mut(pointer).unwrap() = value;
+        fails(&copy.write(), &[], status, &fragments);
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    for name in ["image", "depth", "mask"] {
+        let mut copy = Copy::new();
+        copy.json[name] = "missing.png".into();
+        fails(&copy.write(), &[], "FILE_NOT_READABLE", &["missing.png"]);
+        copy.json[name] = ".".into();
+        fails(&copy.write(), &[], "FILE_NOT_READABLE", &["directory"]);
+    }
+    fails(&data("missing/frame.json"), &[], "FILE_NOT_READABLE", &["frame.json"]);
+    let empty = tempfile::tempdir().unwrap();
+    fails(empty.path(), &[], "NO_FRAMES", &["no frame.json"]);
+}
+
+#[test]
+fn damaged_images_are_named() {
+    for name in ["image.png", "depth.png", "mask.png"] {
+        let copy = Copy::new();
+        let frame = copy.write();
+        let whole = std::fs::read(copy.path(name)).unwrap();
+        for length in [0, 5, 30, 60, whole.len() / 2, whole.len() - 30] {
+            std::fs::write(copy.path(name), &whole[..length]).unwrap();
+            fails(&frame, &[], "BAD_IMAGE", &[name]);
+        }
+        std::fs::write(copy.path(name), "no image").unwrap();
+        fails(&frame, &[], "BAD_IMAGE", &[name]);
+    }
+}
+
+#[test]
+fn garbage_never_ends_in_a_panic() {
+    let copy = Copy::new();
+    let frame = copy.write();
+    for name in ["depth.png", "mask.png"] {
+        let whole = std::fs::read(copy.path(name)).unwrap();
+        for step in 1..20 {
+            let mut spoilt = whole.clone();
+            for at in (step * 3..spoilt.len()).step_by(step * 97 + 13) {
+                spoilt[at] ^= (at % 255 + 1) as u8;
+            }
+            std::fs::write(copy.path(name), &spoilt).unwrap();
+            let run = fit(&frame, &[]);
+            assert!(run.code == 0 || run.code == 1, "{}", run.stderr);
+            assert_eq!(run.objects().len(), 1);
+        }
+        std::fs::write(copy.path(name), whole).unwrap();
+    }
+}
+
+/// The start of a PNG file that promises an image.
+fn png_header(width: u32, height: u32, depth: u8) -> Vec<u8> {
+    let mut chunk = b"IHDR".to_vec();
+    chunk.extend([width.to_be_bytes(), height.to_be_bytes()].concat());
+    chunk.extend([depth, 0, 0, 0, 0]);
+    let mut crc = u32::MAX;
+    for &byte in &chunk {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 };
+        }
+    }
+    [b"\x89PNG\r\n\x1a\n\0\0\0\x0d", &chunk[..], &(!crc).to_be_bytes(), b"\0\0\0\x04IDAT"].concat()
+}
+
+#[test]
+fn huge_images_are_refused_by_their_header() {
+    for name in ["image", "depth", "mask"] {
+        let copy = Copy::new();
+        let file = format!("{name}.png");
+        for (width, height) in [(100_000, 100_000), (i32::MAX as u32, i32::MAX as u32), (1 << 28, 2)] {
+            std::fs::write(copy.path(&file), png_header(width, height, 16)).unwrap();
+            let size = format!("{width} x {height}");
+            fails(&copy.write(), &[], "IMAGE_TOO_LARGE", &[&file, &size, "at most 268435456"]);
+        }
+        // The header alone decides here too.
+        std::fs::write(copy.path(&file), png_header(641, 480, 16)).unwrap();
+        fails(&copy.write(), &[], "SIZE_MISMATCH", &[&file, "641 x 480", "640 x 480"]);
+    }
+}
+
+#[test]
+fn images_of_another_size_than_the_camera_are_refused() {
+    for name in ["image", "depth", "mask"] {
+        let copy = Copy::new();
+        let file = format!("{name}.png");
+        ImageBuffer::<Luma<u16>, _>::new(640, 479).save(copy.path(&file)).unwrap();
+        fails(&copy.write(), &[], "SIZE_MISMATCH", &[&file, "640 x 479", "640 x 480"]);
+    }
+}
+
+#[test]
+fn depth_is_16_bit_grey() {
+    let copy = Copy::new();
+    let frame = copy.write();
+    for (image, kind) in [
+        (DynamicImage::new_luma8(640, 480), "8-bit grey pixels"),
+        (DynamicImage::new_rgb8(640, 480), "8-bit RGB pixels"),
+        (DynamicImage::new_rgb16(640, 480), "16-bit RGB pixels"),
+        (DynamicImage::new_luma_a16(640, 480), "16-bit grey and alpha pixels"),
+    ] {
+        image.save(copy.path("depth.png")).unwrap();
+        fails(&frame, &[], "BAD_IMAGE", &["depth.png", kind, "one 16-bit channel"]);
+    }
+}
+
+#[test]
+fn images_without_content_have_their_own_status() {
+    let copy = Copy::new();
+    GrayImage::new(640, 480).save(copy.path("mask.png")).unwrap();
+    fails(&copy.write(), &[], "EMPTY_MASK", &["640 x 480", "zero"]);
+
+    let copy = Copy::new();
+    ImageBuffer::<Luma<u16>, _>::new(640, 480).save(copy.path("depth.png")).unwrap();
+    fails(&copy.write(), &[], "NO_DEPTH", &["depth scale"]);
+
+    let copy = Copy::new();
+    let mut mask = GrayImage::new(640, 480);
+    (0..4).for_each(|x| mask.put_pixel(330 + x, 240, Luma([1])));
+    mask.save(copy.path("mask.png")).unwrap();
+    fails(&copy.write(), &[], "TOO_FEW_POINTS", &["4 of 307200 points", "at least 5"]);
+}
+
+#[test]
+fn edges_that_are_no_limbs_are_a_doubt_and_no_error() {
+    let mut copy = Copy::new();
+    let edges = copy.json["edges"].as_array().unwrap().clone();
+    copy.json["edges"] = vec![edges[0].clone(), edges[0].clone()].into();
+    let object = crate::support::fitted(&copy.write(), &[]);
+    assert_eq!(object["result"]["flags"], json!(["edges_ignored", "edges_coincide"]));
+    assert_eq!(object["result"]["segments_used"], 0);
+    assert!(object["notes"].as_array().unwrap().iter().all(Value::is_string));
+}
