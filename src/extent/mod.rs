@@ -4,9 +4,9 @@
 //! Here an end is located from all generators (lines of the surface along the axis) together, in three steps:
 //!
 //! 1. in the mask: where each generator leaves it, robustly averaged, and freed of the mask's bias, which shows
-//!    at the limbs ([`silhouette`]);
-//! 2. in the depth image: what lies beyond, from which the state of the end follows ([`surroundings`]);
-//! 3. in the grey image: the arc of the end circle that bounds the visible surface ([`arc`]).
+//!    at the limbs (`silhouette`);
+//! 2. in the depth image: what lies beyond, from which the state of the end follows (`surroundings`);
+//! 3. in the grey image: the arc of the end circle that bounds the visible surface (`arc`).
 
 mod arc;
 mod border;
@@ -272,16 +272,11 @@ fn locate(
         return End { position, deviation: None, state, source: EndSource::Extreme, samples: Vec::new() };
     };
     let state = surroundings.state(rough.position, outward);
-    if state == EndState::Cut {
-        if let Some(position) = border::last_inside(silhouette, outward) {
-            return End {
-                position,
-                deviation: Some(rough.pixel),
-                state,
-                source: EndSource::Border,
-                samples: Vec::new(),
-            };
-        }
+    let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
+    if let Some(position) = cut {
+        // The last pixel lies within a pixel of the border.
+        let deviation = Some(rough.pixel);
+        return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
     }
     let arc = image
         .filter(|_| state != EndState::Hidden)

@@ -21,6 +21,9 @@ const BEYOND_EXTREME_PIXELS: f64 = 12.0;
 /// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
 const LIMB_REACH_PIXELS: f64 = 6.0;
 
+/// Places along each limb at which the mask's boundary is looked at.
+const LIMB_PLACES: usize = 64;
+
 /// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
 /// a person or a network draws a boundary to about a pixel, smoothly.
 const BOUNDARY_DEVIATION: f64 = 0.8;
@@ -163,9 +166,6 @@ impl<'a> Silhouette<'a> {
         (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * STEP_PIXELS)
     }
 }
-
-/// Places along each limb at which the mask's boundary is looked at.
-const LIMB_PLACES: usize = 64;
 
 fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     let inside = pixel.x > -0.5 && pixel.y > -0.5;

@@ -108,7 +108,11 @@ pub(super) enum Failure {
 
 impl Failure {
     /// An argument or field outside its range.
-    pub fn argument(name: impl Into<String>, value: impl std::fmt::Display, requirement: impl Into<String>) -> Self {
+    pub fn argument(
+        name: impl Into<String>,
+        value: impl std::fmt::Display,
+        requirement: impl Into<String>,
+    ) -> Self {
         Self::Library(Error::argument(name, value, requirement))
     }
 
