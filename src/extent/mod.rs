@@ -165,6 +165,8 @@ impl Fitter {
         // Generators are only followed between the extremes, so that they need not be exact.
         let stride = if surface.is_some() { BOUNDS_STRIDE } else { 1 };
         let extremes = extremes(&region, &cylinder, stride)?;
+        // A single pixel has no generators to follow.
+        let surface = surface.filter(|_| extremes.0 < extremes.1);
         let surroundings = Surroundings {
             camera: region.camera,
             mask: region.mask(),
