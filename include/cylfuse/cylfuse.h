@@ -1680,8 +1680,9 @@ cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Finds the visible piece of the cylinder: the extreme positions along the axis of the points completed over
- * the mask, and what the ends are, from the last depth image.
+ * Finds the visible piece of the cylinder and what its ends are. With the paper's objective and the methods
+ * other than FUSED the ends are the extreme positions along the axis of the points completed over the mask;
+ * with the robust objective they are located from all lines along the surface together.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model; NULL = that of the last fit

@@ -4,13 +4,17 @@
 //! plain array pass without conversion. Pushing copies what is usable and counts the rest by reason.
 
 mod depth;
+mod image;
 mod mask;
 mod points;
 mod segments;
 mod views;
 
 pub use depth::{DepthImage, DepthRange};
+pub use image::GreyImage;
 pub use mask::Mask;
 pub use points::{Dropped, Offsets, PointCloud};
 pub use segments::{EdgeSegment, check_segments};
-pub use views::{DepthView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView};
+pub use views::{
+    DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
+};

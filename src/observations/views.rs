@@ -311,6 +311,87 @@ impl<'a> DepthView<'a> {
     }
 }
 
+/// How a value of a grey image is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// 8-bit unsigned integer.
+    U8,
+    /// 16-bit unsigned integer.
+    U16,
+    /// 32-bit float.
+    F32,
+}
+
+/// A grey image in memory.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageView<'a> {
+    pixels: Strided<'a>,
+    format: ImageFormat,
+}
+
+impl<'a> ImageView<'a> {
+    /// A grey image at the elements of a grid.
+    #[must_use]
+    pub fn new(pixels: Strided<'a>, format: ImageFormat) -> Self {
+        Self { pixels, format }
+    }
+
+    /// A packed 8-bit image, row by row.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when the slice is too short.
+    pub fn from_u8(pixels: &'a [u8], (width, height): (usize, usize)) -> Result<Self> {
+        Ok(Self::new(Strided::new(pixels, 0, (width, height), 1, (1, width as isize))?, ImageFormat::U8))
+    }
+
+    /// A packed 16-bit image, row by row.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when the slice is too short.
+    pub fn from_u16(pixels: &'a [u16], (width, height): (usize, usize)) -> Result<Self> {
+        let rows = Strided::new(bytes_of(pixels), 0, (width, height), 2, (2, 2 * width as isize))?;
+        Ok(Self::new(rows, ImageFormat::U16))
+    }
+
+    /// A packed f32 image, row by row.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when the slice is too short.
+    pub fn from_f32(pixels: &'a [f32], (width, height): (usize, usize)) -> Result<Self> {
+        let rows = Strided::new(bytes_of(pixels), 0, (width, height), 4, (4, 4 * width as isize))?;
+        Ok(Self::new(rows, ImageFormat::F32))
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.pixels.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.pixels.height
+    }
+
+    /// How a value is stored.
+    #[must_use]
+    pub fn format(&self) -> ImageFormat {
+        self.format
+    }
+
+    /// One value.
+    #[inline]
+    #[must_use]
+    pub fn value(&self, column: usize, row: usize) -> f32 {
+        match self.format {
+            ImageFormat::U8 => f32::from(self.pixels.u8(column, row)),
+            ImageFormat::U16 => f32::from(self.pixels.u16(column, row)),
+            ImageFormat::F32 => self.pixels.scalar(Scalar::F32, column, row, 0) as f32,
+        }
+    }
+}
+
 /// A mask in memory: non-zero = cylinder.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskView<'a> {

@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
+use cylfuse::extent::{ExtentOptions, ExtentRule};
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, MaskView};
@@ -140,7 +141,16 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     let mut measurement = Measurement::new(fitted, &settings.options, &result);
     let mut completed = Completed::default();
     if frame.mask.is_some() {
-        match fitter.extent(None, None) {
+        let rule = ExtentRule::of(fitter.options());
+        let image = match rule {
+            ExtentRule::Located => frame.grey_image()?,
+            ExtentRule::Extremes => None,
+        };
+        match fitter.extent_with(
+            None,
+            None,
+            &ExtentOptions { rule, image: image.as_ref(), limbs_known: None },
+        ) {
             Ok(extent) => measurement.set_extent(&extent),
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }

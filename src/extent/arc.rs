@@ -1,0 +1,381 @@
+//! The ends in the grey image: the arc of the end circle that bounds the visible surface.
+//!
+//! Along a generator the surface has one brightness, as far as it is plain, and something else begins at the end:
+//! the background, or the cap where it faces the camera. So the profile along every generator is a blurred step,
+//! and all steps lie on one end circle: the position of that circle is the only unknown they share. Brightness on
+//! both sides, and with it the polarity, is free on every generator; background texture meets few of them in the
+//! same place. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
+//! profile has two steps then, with the brightness of the cap between them.
+
+use super::silhouette::RoughEnd;
+use super::surface::Surface;
+use crate::observations::{GreyImage, Mask};
+use nalgebra::Vector2;
+
+/// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
+/// pixels.
+const SEARCH_DEVIATIONS: f64 = 5.0;
+const SEARCH_PIXELS: f64 = 6.0;
+
+/// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
+const WINDOW_PIXELS: f64 = 5.0;
+
+/// Distance of the samples of a profile, in pixels across the arc.
+const SAMPLE_PIXELS: f64 = 0.5;
+
+/// Steps of the search, in pixels: less than the blur of any image.
+const COARSE_PIXELS: f64 = 0.4;
+
+/// The most generators that are sampled; fewer when they would be less than a pixel apart.
+const GENERATORS: usize = 48;
+
+/// The fewest that make an arc.
+const LEAST_GENERATORS: usize = 5;
+
+/// The distance in pixels that generators keep from the limbs, where the background shines in.
+const LIMB_MARGIN_PIXELS: f64 = 2.5;
+
+/// A generator that the arc meets at a sine below this is nearly along it: its profile says little.
+const LEAST_SINE: f64 = 0.35;
+
+/// Blur of the image that is tried, standard deviation in pixels. The first is for the search.
+const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
+
+/// Samples of a window that are independent: neighbours share pixels.
+const INDEPENDENT_SAMPLES: f64 = WINDOW_PIXELS;
+
+/// The mean gain in log-likelihood per generator from which on an arc is believed.
+const LEAST_GAIN: f64 = 1.0;
+
+/// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
+/// the axis by some degrees departs by so much.
+const SAMPLE_REACH_PIXELS: f64 = 2.5;
+
+/// Standard deviation in pixels of what the model of the profile leaves out.
+const MODEL_DEVIATION: f64 = 0.1;
+
+/// An end as the image shows it.
+#[derive(Debug, Clone)]
+pub(super) struct ArcEnd {
+    pub position: f64,
+    pub deviation: f64,
+    pub samples: Vec<ArcSample>,
+}
+
+/// A place in the image at which the surface ends on one generator of the model, located on its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArcSample {
+    /// Where, in pixels of the (distorted) image.
+    pub pixel: Vector2<f64>,
+    /// The direction across the arc, away from the surface: a unit vector.
+    pub normal: Vector2<f64>,
+    /// Standard deviation along `normal`, in pixels.
+    pub deviation: f64,
+}
+
+/// The image along one generator about the rough end.
+struct Profile {
+    angle: f64,
+    /// Pixels across the arc by length along the axis.
+    across: f64,
+    /// Width of the cap beyond the arc in pixels across the arc; infinite where none is seen.
+    cap: f64,
+    /// Brightness every `SAMPLE_PIXELS` outward; the sample `zero` lies on the rough end.
+    samples: Vec<f64>,
+    zero: f64,
+}
+
+/// Searches the arc about a rough end.
+pub(super) fn locate(
+    surface: &Surface<'_>,
+    mask: &Mask,
+    image: &GreyImage,
+    rough: &RoughEnd,
+    outward: f64,
+) -> Option<ArcEnd> {
+    let search = (SEARCH_DEVIATIONS * rough.deviation).min(SEARCH_PIXELS * rough.pixel);
+    let profiles = sample(surface, mask, image, rough, outward, search);
+    if profiles.len() < LEAST_GENERATORS {
+        return None;
+    }
+    let noise = noise(&profiles);
+    let smooth_step = SmoothStep::new();
+    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step);
+    // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
+    // generator: the mean gain answers it together with the rough end.
+    let step = COARSE_PIXELS * rough.pixel;
+    let steps = (search / step).ceil() as i64;
+    let scores: Vec<f64> = (-steps..=steps).map(|k| score(step * k as f64, BLURS[0])).collect();
+    let evidence = |peak: usize| {
+        let deviations = step * (peak as f64 - steps as f64) / rough.deviation;
+        scores[peak] / profiles.len() as f64 - 0.5 * deviations * deviations
+    };
+    let peak = (1..scores.len() - 1)
+        .filter(|&k| scores[k] >= scores[k - 1] && scores[k] >= scores[k + 1])
+        .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
+    let coarse = step * (peak as f64 - steps as f64);
+    // The position hardly depends on the blur, so one after the other.
+    let blur = BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?;
+    let side = 0.25 * step;
+    let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
+    let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    // A parabola through three scores, twice; its curvature is one over the variance.
+    let mut variance = 0.0;
+    for _ in 0..2 {
+        let (before, after) = (score(shift - side, blur), score(shift + side, blur));
+        let curvature = (before - 2.0 * value + after) / (side * side);
+        if !(curvature < 0.0) {
+            return None;
+        }
+        variance = -1.0 / curvature;
+        shift += (0.5 * (after - before) / side * variance).clamp(-side, side);
+        value = score(shift, blur);
+    }
+    let mean = value / profiles.len() as f64;
+    if !(mean >= LEAST_GAIN) {
+        return None;
+    }
+    let model = MODEL_DEVIATION * rough.pixel;
+    let samples = profiles.iter().filter_map(|profile| {
+        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, &smooth_step)?;
+        let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
+        let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
+            - surface.pixel(profile.angle, rough.position)?;
+        let normal = Vector2::new(-tangent.y, tangent.x).normalize();
+        let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
+        let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
+        Some(ArcSample { pixel, normal, deviation: deviation.hypot(MODEL_DEVIATION) })
+    });
+    Some(ArcEnd {
+        position: rough.position + outward * shift,
+        deviation: (variance + model * model).sqrt(),
+        samples: samples.collect(),
+    })
+}
+
+/// Samples the image along the generators.
+fn sample(
+    surface: &Surface<'_>,
+    mask: &Mask,
+    image: &GreyImage,
+    rough: &RoughEnd,
+    outward: f64,
+    search: f64,
+) -> Vec<Profile> {
+    let Some(half_width) = surface.half_width(rough.position) else { return Vec::new() };
+    let part = 1.0 - LIMB_MARGIN_PIXELS / half_width;
+    if !(part > 0.0) {
+        return Vec::new();
+    }
+    let count = GENERATORS.min((2.0 * part * half_width) as usize);
+    let mut profiles = Vec::with_capacity(count);
+    for angle in surface.generators(count, part) {
+        let Some(crossing) = surface.crossing(angle, rough.position) else { continue };
+        if crossing.across < LEAST_SINE * crossing.along {
+            continue;
+        }
+        let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
+        // Where the surface before the end is covered there is no end to be seen.
+        let inside = at(-WINDOW_PIXELS).is_some_and(|pixel| {
+            pixel.x >= 0.0
+                && pixel.y >= 0.0
+                && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
+        });
+        if !inside {
+            continue;
+        }
+        let reach = ((search * crossing.across + WINDOW_PIXELS) / SAMPLE_PIXELS).ceil() as i64;
+        let samples: Option<Vec<f64>> = (-reach..=reach)
+            .map(|k| at(SAMPLE_PIXELS * k as f64).and_then(|pixel| interpolate(image, &pixel)))
+            .collect();
+        let Some(samples) = samples else { continue };
+        let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
+        profiles.push(Profile { angle, across: crossing.across, cap, samples, zero: reach as f64 });
+    }
+    profiles
+}
+
+/// The length along the axis by which the generator at an angle must be continued beyond the end until it leaves
+/// the cap in the image; infinite when the cap is not seen.
+fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> f64 {
+    let direction = surface.cylinder.axis.direction;
+    let point = surface.point(angle, position);
+    let height = point.dot(&direction);
+    if !(outward * height < 0.0) {
+        return f64::INFINITY;
+    }
+    // The ray of the continued generator meets the plane of the cap at λ times its place across the axis; the
+    // two λ on the circle are 1 and, by Vieta, this one.
+    let across = point - direction * height;
+    let axis = surface.frame.toward * surface.frame.distance;
+    let other = (axis.norm_squared() - surface.cylinder.radius.powi(2)) / across.norm_squared();
+    if other > 1.0 { height.abs() * (1.0 - 1.0 / other) } else { f64::INFINITY }
+}
+
+/// The brightness between pixels, bilinear.
+fn interpolate(image: &GreyImage, pixel: &Vector2<f64>) -> Option<f64> {
+    let (x, y) = (pixel.x.floor(), pixel.y.floor());
+    if !(x >= 0.0 && y >= 0.0 && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
+        return None;
+    }
+    let (column, row) = (x as usize, y as usize);
+    let (right, down) = (pixel.x - x, pixel.y - y);
+    let line = |row: usize| {
+        let values = &image.row(row)[column..column + 2];
+        f64::from(values[0]) * (1.0 - right) + f64::from(values[1]) * right
+    };
+    Some(line(row) * (1.0 - down) + line(row + 1) * down)
+}
+
+/// The noise of the samples: the median size of their second difference over a step of one pixel, at which they
+/// hardly share pixels, on the inner half of the profiles. Not below a thousandth of the contrast.
+fn noise(profiles: &[Profile]) -> f64 {
+    let mut differences: Vec<f64> = Vec::new();
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for profile in profiles {
+        let samples = &profile.samples;
+        differences.extend(
+            (4..=profile.zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()),
+        );
+        low = samples.iter().copied().fold(low, f64::min);
+        high = samples.iter().copied().fold(high, f64::max);
+    }
+    let middle = differences.len() / 2;
+    let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // The median of |x| is 0.6745 σ, and (1, −2, 1) has norm √6.
+    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-3 * (high - low)).max(f64::MIN_POSITIVE)
+}
+
+/// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
+#[derive(Default, Clone, Copy)]
+struct Window {
+    n: f64,
+    /// Sums of the products of the three parts of the template and the samples: surface, cap, background.
+    ss: f64,
+    sc: f64,
+    cc: f64,
+    cb: f64,
+    bb: f64,
+    sb: f64,
+    sy: f64,
+    cy: f64,
+    by: f64,
+    y: f64,
+    yy: f64,
+}
+
+impl Window {
+    fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
+        let mut sums = Self::default();
+        let first = ((edge - WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize;
+        let last = (((edge + WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize)
+            .min(profile.samples.len() - 1);
+        let has_cap = profile.cap < WINDOW_PIXELS;
+        // Brightness relative to one sample, against cancellation.
+        let origin = profile.samples[first.min(last)];
+        let sharpness = 1.0 / blur;
+        for k in first..=last {
+            let at = (k as f64 - profile.zero) * SAMPLE_PIXELS - edge;
+            let y = profile.samples[k] - origin;
+            let beyond = smooth_step.at(at * sharpness);
+            let b = if has_cap { smooth_step.at((at - profile.cap) * sharpness) } else { beyond };
+            let (s, c) = (1.0 - beyond, beyond - b);
+            sums.n += 1.0;
+            sums.ss += s * s;
+            sums.sc += s * c;
+            sums.cc += c * c;
+            sums.cb += c * b;
+            sums.bb += b * b;
+            sums.sb += s * b;
+            sums.sy += s * y;
+            sums.cy += c * y;
+            sums.by += b * y;
+            sums.y += y;
+            sums.yy += y * y;
+        }
+        sums
+    }
+
+    /// Sum of squares about the mean.
+    fn constant(&self) -> f64 {
+        (self.yy - self.y * self.y / self.n).max(0.0)
+    }
+
+    /// Sum of squares about the best steps, for a cap of brightness x: A − 2 B x + C x².
+    fn steps(&self) -> [f64; 3] {
+        let determinant = self.ss * self.bb - self.sb * self.sb;
+        if !(determinant > 1e-9 * self.ss * self.bb) {
+            return [self.constant(), 0.0, 0.0];
+        }
+        // Product of two vectors freed of what surface and background explain.
+        let project = |s1: f64, b1: f64, s2: f64, b2: f64| {
+            (self.bb * s1 * s2 - self.sb * (s1 * b2 + b1 * s2) + self.ss * b1 * b2) / determinant
+        };
+        [
+            (self.yy - project(self.sy, self.by, self.sy, self.by)).max(0.0),
+            self.cy - project(self.sc, self.cb, self.sy, self.by),
+            (self.cc - project(self.sc, self.cb, self.sc, self.cb)).max(0.0),
+        ]
+    }
+}
+
+/// By how much a step at the end circle, moved outward by `shift`, explains the profiles better than constant
+/// brightness does: the sum of log-likelihoods, each with its own noise so that texture on one generator does
+/// not count.
+fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
+    profiles.iter().map(|profile| profile.gain(shift * profile.across, blur, noise, smooth_step)).sum()
+}
+
+impl Profile {
+    /// The same for one profile and a step at `edge`, in pixels across the arc.
+    fn gain(&self, edge: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
+        let window = Window::new(self, edge, blur, smooth_step);
+        let floor = window.n * noise * noise;
+        let [a, b, c] = window.steps();
+        let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
+        0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
+    }
+
+    /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
+    fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
+        let side = 0.25;
+        let reach = (SAMPLE_REACH_PIXELS / side) as i64;
+        let score = |edge: f64| self.gain(edge, blur, noise, smooth_step);
+        let (k, best) = (-reach..=reach)
+            .map(|k| (k, score(expected + side * k as f64)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let edge = expected + side * k as f64;
+        let (before, after) = (score(edge - side), score(edge + side));
+        let curvature = (before - 2.0 * best + after) / (side * side);
+        if k.abs() == reach || best < LEAST_GAIN || !(curvature < 0.0) {
+            return None;
+        }
+        let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);
+        Some((edge + shift, (-1.0 / curvature).sqrt()))
+    }
+}
+
+/// A step blurred by a Gauss curve of unit deviation, the normal distribution function, from a table: it is
+/// evaluated some hundred thousand times an end.
+struct SmoothStep([f64; TABLE + 1]);
+
+/// The table covers ± 4 deviations.
+const TABLE: usize = 512;
+const TABLE_REACH: f64 = 4.0;
+
+impl SmoothStep {
+    fn new() -> Self {
+        Self(std::array::from_fn(|k| {
+            let x = (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
+            // Logistic with a cubic term: off by less than 2e-4.
+            1.0 / (1.0 + (-x * (1.5976 + 0.070_565_992 * x * x)).exp())
+        }))
+    }
+
+    #[inline]
+    fn at(&self, x: f64) -> f64 {
+        let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;
+        // The conversion holds what is below the table at its first entry.
+        self.0[(place as usize).min(TABLE)]
+    }
+}

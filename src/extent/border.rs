@@ -1,0 +1,44 @@
+//! Ends that the border of the image cuts off.
+
+use super::silhouette::Silhouette;
+use nalgebra::Vector2;
+
+/// How far from the mask a pixel of the border may lie and still show the cylinder: more than a mask is off by.
+const NEAR_MASK_PIXELS: i64 = 4;
+
+/// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
+/// surface, a pixel one row further in may show a point further out.
+const BORDER_PIXELS: usize = 4;
+
+/// The last position towards `outward` at which a pixel of the image still shows the surface. On a surface that
+/// runs out of the image that is a pixel of the border.
+pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f64> {
+    let surface = silhouette.surface();
+    let (mask, axis) = (silhouette.mask(), surface.cylinder.axis);
+    let (width, height) = (mask.width(), mask.height());
+    let near_mask = |column: usize, row: usize| {
+        let span = -NEAR_MASK_PIXELS..=NEAR_MASK_PIXELS;
+        span.clone().any(|down| {
+            span.clone().any(|right| {
+                // Outside the image a negative number becomes a large one, which the mask does not contain.
+                mask.contains((column as i64 + right) as usize, (row as i64 + down) as usize)
+            })
+        })
+    };
+    let beside_border = |column: usize, row: usize| {
+        column.min(width - 1 - column).min(row).min(height - 1 - row) < BORDER_PIXELS
+    };
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let mut last: Option<f64> = None;
+    for (column, row) in pixels.filter(|&(column, row)| beside_border(column, row)) {
+        let ray = surface.camera.unproject(&Vector2::new(column as f64, row as f64));
+        let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
+        let position = (point - axis.point).dot(&axis.direction);
+        let beyond = (position - silhouette.middle()) * outward;
+        if beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0) && near_mask(column, row)
+        {
+            last = Some(position);
+        }
+    }
+    last
+}

@@ -1,0 +1,207 @@
+//! The ends in the mask: where the generators of the surface leave it.
+
+use super::EndState;
+use super::surface::Surface;
+use super::surroundings::Surroundings;
+use crate::observations::Mask;
+use nalgebra::Vector2;
+
+/// Generators that are followed out of the mask.
+const GENERATORS: usize = 41;
+
+/// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
+const WIDTH_PART: f64 = 0.85;
+
+/// Steps along a generator or across a limb, in pixels: finer than the pixels of the mask.
+const STEP_PIXELS: f64 = 0.5;
+
+/// How far beyond the extreme of the mask generators are followed, in pixels.
+const BEYOND_EXTREME_PIXELS: f64 = 12.0;
+
+/// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
+const LIMB_REACH_PIXELS: f64 = 6.0;
+
+/// Places along each limb at which the mask's boundary is looked at.
+const LIMB_PLACES: usize = 64;
+
+/// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
+/// a person or a network draws a boundary to about a pixel, smoothly.
+const BOUNDARY_DEVIATION: f64 = 0.8;
+const BOUNDARY_CORRELATION_PIXELS: f64 = 10.0;
+
+/// Standard deviation in pixels of what is left of a mask's bias after it was read off at the limbs, and without
+/// that.
+const BIAS_DEVIATION: [f64; 2] = [0.4, 1.0];
+
+/// The mask beside the model.
+pub(super) struct Silhouette<'a> {
+    surface: &'a Surface<'a>,
+    mask: &'a Mask,
+    extremes: (f64, f64),
+    /// How far the mask reaches beyond the surface, in pixels, where it is known.
+    bias: Option<f64>,
+}
+
+/// An end as the mask shows it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoughEnd {
+    /// Position along the axis.
+    pub position: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+    /// Length along the axis of one pixel across the arc of the end.
+    pub pixel: f64,
+}
+
+impl<'a> Silhouette<'a> {
+    pub fn new(surface: &'a Surface<'a>, mask: &'a Mask, extremes: (f64, f64), limbs_known: bool) -> Self {
+        let mut silhouette = Self { surface, mask, extremes, bias: None };
+        if limbs_known {
+            silhouette.bias = silhouette.bias_at_limbs();
+        }
+        silhouette
+    }
+
+    pub fn surface(&self) -> &'a Surface<'a> {
+        self.surface
+    }
+
+    pub fn mask(&self) -> &'a Mask {
+        self.mask
+    }
+
+    /// The middle between the extremes of the mask.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.extremes.0 + self.extremes.1)
+    }
+
+    /// The extreme of the mask towards `outward`.
+    pub fn extreme(&self, outward: f64) -> f64 {
+        if outward < 0.0 { self.extremes.0 } else { self.extremes.1 }
+    }
+
+    /// The end towards `outward`; `None` when no generator shows it.
+    pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
+        let extreme = self.extreme(outward);
+        // (position, pixels per unit across the arc)
+        let mut ends = Vec::with_capacity(GENERATORS);
+        for angle in self.surface.generators(GENERATORS, WIDTH_PART) {
+            let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
+            let Some(position) = self.last_in_mask(angle, STEP_PIXELS / crossing.along, outward) else {
+                continue;
+            };
+            ends.push((angle, position, crossing.across));
+        }
+        let all: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
+        // Generators that an occluder covers end early.
+        ends.retain(|&(angle, position, _)| {
+            surroundings.state_on(self.surface, angle, position, outward) != EndState::Hidden
+        });
+        let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
+        let used = if open.is_empty() { all } else { open };
+        let (position, across) = robust_mean(&used)?;
+        let pixel = 1.0 / across;
+        let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
+        let places = (width * used.len() as f64 / GENERATORS as f64 / BOUNDARY_CORRELATION_PIXELS).max(1.0);
+        let bias = self.bias.unwrap_or(0.0);
+        let left = BIAS_DEVIATION[usize::from(self.bias.is_none())];
+        Some(RoughEnd {
+            position: position - outward * bias * pixel,
+            deviation: (BOUNDARY_DEVIATION * BOUNDARY_DEVIATION / places + left * left).sqrt() * pixel,
+            pixel,
+        })
+    }
+
+    /// Where the generator at an angle leaves the mask for the last time.
+    fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
+        let (middle, extreme) = (self.middle(), self.extreme(outward));
+        // The extreme is one of a grid, see its stride, and not of the border.
+        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS / STEP_PIXELS).ceil() as usize;
+        let position = |k: usize| middle + outward * step * k as f64;
+        // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
+        let last = (0..=steps).rev().find(|&k| {
+            self.surface.pixel(angle, position(k)).is_some_and(|pixel| contains(self.mask, &pixel))
+        })?;
+        Some(position(last) + 0.5 * outward * step)
+    }
+
+    /// How far the boundary of the mask lies outside the limbs of the model in pixels, the mean of both limbs so
+    /// that a shift of the model drops out; `None` when a limb is not seen.
+    fn bias_at_limbs(&self) -> Option<f64> {
+        let limb = self.surface.limb_angle();
+        let half_width = self.surface.half_width(self.middle())?;
+        let reach = LIMB_REACH_PIXELS.min(0.6 * half_width);
+        let mut sum = 0.0;
+        for angle in [-limb, limb] {
+            let mut offsets = Vec::new();
+            for k in 0..LIMB_PLACES {
+                // Beside the ends the boundary turns away from the limb.
+                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES - 1) as f64;
+                let position = self.extremes.0 + part * (self.extremes.1 - self.extremes.0);
+                offsets.extend(self.boundary_at_limb(angle, position, reach));
+            }
+            if offsets.len() < LIMB_PLACES / 8 {
+                return None;
+            }
+            offsets.sort_by(f64::total_cmp);
+            sum += offsets[offsets.len() / 2];
+        }
+        Some(0.5 * sum)
+    }
+
+    /// The offset of the mask's boundary from the limb at an angle, in pixels outward; `None` where something
+    /// else than the limb bounds the mask.
+    fn boundary_at_limb(&self, angle: f64, position: f64, reach: f64) -> Option<f64> {
+        let radius = self.surface.cylinder.radius;
+        let at = self.surface.pixel(angle, position)?;
+        let along = self.surface.pixel(angle, position + 0.01 * radius)? - at;
+        let inward = self.surface.pixel(0.0, position)? - at;
+        let normal = Vector2::new(-along.y, along.x).normalize();
+        let outward = if normal.dot(&inward) < 0.0 { normal } else { -normal };
+        let steps = ((reach + LIMB_REACH_PIXELS) / STEP_PIXELS) as usize;
+        let offset = |k: usize| STEP_PIXELS * k as f64 - reach;
+        let pixel = |k: usize| at + outward * offset(k);
+        let first_out = (0..=steps).find(|&k| !contains(self.mask, &pixel(k)))?;
+        let inside = self.surface.camera.contains(&pixel(first_out));
+        (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * STEP_PIXELS)
+    }
+}
+
+fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
+    let inside = pixel.x > -0.5 && pixel.y > -0.5;
+    inside && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
+}
+
+/// A location of positions whose deviation is one over their second number, robust against a minority of others,
+/// and the root mean square of these numbers there.
+fn robust_mean(ends: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let mut sorted = ends.to_vec();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
+    let mut below = 0.0;
+    let mut location = sorted.iter().find_map(|end| {
+        below += end.1 * end.1;
+        (below >= 0.5 * total).then_some(end.0)
+    })?;
+    // Tukey's biweight at three pixels: past the noise of any boundary, short of an occluder.
+    const LIMIT: f64 = 3.0;
+    let mut across = 0.0;
+    for _ in 0..10 {
+        let (mut sum, mut weights, mut count) = (0.0, 0.0, 0.0);
+        for &(position, scale) in &sorted {
+            let r = (position - location) * scale / LIMIT;
+            if r.abs() < 1.0 {
+                let robust = (1.0 - r * r).powi(2);
+                sum += robust * scale * scale * position;
+                weights += robust * scale * scale;
+                count += robust;
+            }
+        }
+        if !(weights > 0.0) {
+            return None;
+        }
+        location = sum / weights;
+        across = (weights / count).sqrt();
+    }
+    Some((location, across))
+}

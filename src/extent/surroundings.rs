@@ -1,0 +1,161 @@
+//! What lies beyond an end: its state.
+
+use super::EndState;
+use super::surface::Surface;
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, any_orthogonal};
+use crate::observations::{DepthImage, Mask};
+use nalgebra::Vector3;
+
+/// How far beyond an end its surroundings are looked at, in pixels: past the reach of a mask that is off by a
+/// pixel or two and of depth that a matching window carries over the edge, yet still beside the end.
+const BEYOND_PIXELS: [f64; 4] = [4.0, 6.0, 8.0, 10.0];
+
+/// Lines along the surface on which the surroundings of an end are looked at.
+const GENERATORS: usize = 15;
+
+/// The part of the visible arc that these lines cover: near the limbs depth is worst.
+const ARC_PART: f64 = 0.7;
+
+/// What is looked at beyond an end.
+pub(super) struct Surroundings<'a> {
+    pub camera: &'a Camera,
+    pub mask: &'a Mask,
+    pub depth: Option<&'a DepthImage>,
+    pub cylinder: &'a Cylinder,
+    /// Depth differences up to this are noise.
+    pub tolerance: f64,
+}
+
+/// How often the places beyond an end told each state.
+#[derive(Debug, Clone, Copy, Default)]
+struct Votes {
+    cut: usize,
+    hidden: usize,
+    seen: usize,
+    unknown: usize,
+}
+
+impl Votes {
+    fn state(&self) -> EndState {
+        let Self { cut, hidden, seen, unknown } = *self;
+        let most = cut.max(hidden).max(seen).max(unknown);
+        match most {
+            0 => EndState::Unknown,
+            _ if most == cut => EndState::Cut,
+            _ if most == seen => EndState::Seen,
+            _ if most == hidden => EndState::Hidden,
+            _ => EndState::Unknown,
+        }
+    }
+}
+
+impl Surroundings<'_> {
+    /// Continues the surface beyond a position along the axis in the direction `outward` (± 1 along the axis
+    /// direction) and lets what is seen there vote.
+    pub fn state(&self, position: f64, outward: f64) -> EndState {
+        let mut votes = Votes::default();
+        for rim in self.rim(position) {
+            self.look(&rim, outward, &mut votes);
+        }
+        votes.state()
+    }
+
+    /// The same for one generator of the surface.
+    pub fn state_on(&self, surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> EndState {
+        let mut votes = Votes::default();
+        self.look(&surface.point(angle, position), outward, &mut votes);
+        votes.state()
+    }
+
+    /// Looks beyond one point of an end circle.
+    fn look(&self, rim: &Vector3<f64>, outward: f64, votes: &mut Votes) {
+        let outward = self.cylinder.axis.direction * outward;
+        let Some(at_rim) = self.camera.project(rim) else {
+            votes.cut += 1;
+            return;
+        };
+        // Length along the axis of one pixel, by a step of 1 % of the radius.
+        let step = 0.01 * self.cylinder.radius;
+        let Some(ahead) = self.camera.project(&(rim + outward * step)) else {
+            votes.cut += 1;
+            return;
+        };
+        let pixel = step / (ahead - at_rim).norm().max(1e-6);
+        // (pixels beyond the end, depth measured there less that of the continued surface)
+        let mut steps = Vec::with_capacity(BEYOND_PIXELS.len());
+        for beyond in BEYOND_PIXELS {
+            let point = rim + outward * (pixel * beyond);
+            let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
+                votes.cut += 1;
+                continue;
+            };
+            let (column, row) = (at.x.round() as usize, at.y.round() as usize);
+            if self.mask.contains(column, row) {
+                continue;
+            }
+            match self.depth.and_then(|depth| depth.depth(column, row)) {
+                None => votes.unknown += 1,
+                Some(z) => steps.push((beyond, z - point.z)),
+            }
+        }
+        if step_at_end(&steps) < -self.tolerance {
+            votes.hidden += steps.len();
+        } else {
+            votes.seen += steps.len();
+        }
+    }
+
+    /// Points of the visible arc of the surface around the axis point at a position.
+    fn rim(&self, position: f64) -> impl Iterator<Item = Vector3<f64>> {
+        let Cylinder { axis, radius } = *self.cylinder;
+        let end = axis.point + axis.direction * position;
+        let across = end - axis.direction * end.dot(&axis.direction);
+        let distance = across.norm();
+        let inside = self.cylinder.contains_origin();
+        let toward = if distance > 0.0 { -across / distance } else { any_orthogonal(&axis.direction).0 };
+        let sideways = axis.direction.cross(&toward);
+        // From outside the surface is visible up to the limbs, at acos(r / ‖c‖) from the line of sight; from
+        // inside all of it.
+        let half_arc = if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART;
+        (0..GENERATORS).map(move |k| {
+            let angle = half_arc * (2.0 * k as f64 / (GENERATORS - 1) as f64 - 1.0);
+            end + (toward * angle.cos() + sideways * angle.sin()) * radius
+        })
+    }
+}
+
+/// The step of the depth at the end, from the steps seen at some distances beyond it: a line through them at
+/// distance 0. A table that the cylinder stands on comes nearer than the continued surface too, but from no step
+/// at the end; what covers the cylinder begins with one. Where the line would turn the sign of what is seen there
+/// is no step.
+fn step_at_end(steps: &[(f64, f64)]) -> f64 {
+    let n = steps.len().max(1) as f64;
+    let mean = steps.iter().fold((0.0, 0.0), |sum, step| (sum.0 + step.0 / n, sum.1 + step.1 / n));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for step in steps {
+        xx += (step.0 - mean.0).powi(2);
+        xy += (step.0 - mean.0) * (step.1 - mean.1);
+    }
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    let step = mean.1 - slope * mean.0;
+    if step * mean.1 < 0.0 { 0.0 } else { step }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_hides_and_a_table_does_not() {
+        let occluder = [(4.0, -0.05), (6.0, -0.052), (8.0, -0.054), (10.0, -0.056)];
+        assert!((step_at_end(&occluder) + 0.046).abs() < 1e-12);
+        let table = [(4.0, -0.008), (6.0, -0.012), (8.0, -0.016), (10.0, -0.020)];
+        assert!(step_at_end(&table).abs() < 1e-12);
+        // The table begins a little beyond the end: no step the other way.
+        let later = [(4.0, -0.004), (6.0, -0.012), (10.0, -0.028)];
+        assert_eq!(step_at_end(&later), 0.0);
+        assert_eq!(step_at_end(&[(4.0, -0.05)]), -0.05);
+        assert_eq!(step_at_end(&[]), 0.0);
+    }
+}

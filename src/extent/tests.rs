@@ -1,0 +1,148 @@
+//! Tests of the extent on rendered scenes.
+
+use super::scene::{SIZE, Scene};
+use super::*;
+use crate::observations::ImageView;
+
+/// The errors of start and end in pixels, outward positive.
+fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
+    let axis = scene.cylinder.axis;
+    let position = |point: Vector3<f64>| (point - axis.point).dot(&axis.direction);
+    [scene.ends.0 - position(extent.start), position(extent.end) - scene.ends.1].map(|e| e * Scene::PIXELS)
+}
+
+fn extent(scene: &Scene, mask_bias: i64, rule: ExtentRule, with_image: bool) -> Extent {
+    let (image, depth, mask) = scene.render(mask_bias);
+    let options = ExtentOptions { rule, image: with_image.then_some(&image), limbs_known: Some(true) };
+    Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap()
+}
+
+#[test]
+fn ends_come_from_the_image_whatever_the_mask() {
+    for tilt in [0.0, 0.05, 0.4, -0.6] {
+        let scene = Scene::tilted(tilt);
+        for bias in [-3, 0, 3] {
+            let found = extent(&scene, bias, ExtentRule::Located, true);
+            for error in errors(&scene, &found) {
+                assert!(error.abs() < 0.1, "tilt {tilt}, bias {bias}: {error} pixels");
+            }
+            assert_eq!((found.start_source, found.end_source), (EndSource::Image, EndSource::Image));
+            assert_eq!((found.start_state, found.end_state), (EndState::Seen, EndState::Seen));
+            assert!(found.start_deviation.unwrap() * Scene::PIXELS < 0.3);
+            assert!((found.end - found.start - scene.cylinder.axis.direction * found.length).norm() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn without_an_image_the_bias_of_the_mask_is_taken_off() {
+    let scene = Scene::tilted(0.4);
+    for bias in [-2, 0, 2] {
+        let found = extent(&scene, bias, ExtentRule::Located, false);
+        for error in errors(&scene, &found) {
+            assert!(error.abs() < 0.5, "bias {bias}: {error} pixels");
+        }
+        assert_eq!(found.start_source, EndSource::Mask);
+    }
+    let paper = extent(&scene, 2, ExtentRule::Extremes, true);
+    assert!(errors(&scene, &paper).iter().all(|&error| error > 1.5));
+    assert_eq!((paper.start_source, paper.start_deviation), (EndSource::Extreme, None));
+}
+
+#[test]
+fn an_occluder_over_a_part_of_the_ends_does_not_shorten() {
+    let mut scene = Scene::tilted(0.3);
+    scene.bar = Some((70.0, 90.0));
+    for with_image in [false, true] {
+        let found = extent(&scene, 0, ExtentRule::Located, with_image);
+        for error in errors(&scene, &found) {
+            assert!(error.abs() < 0.8, "{error} pixels");
+        }
+    }
+}
+
+#[test]
+fn an_occluder_over_an_end_hides_it() {
+    let direction = Vector3::x();
+    let cylinder = Cylinder::new(Vector3::new(0.0, 0.0, 0.7), direction, 0.03).unwrap();
+    let scene = Scene { cylinder, ends: (-0.06, 0.06), bar: Some((120.0, 170.0)) };
+    let found = extent(&scene, 0, ExtentRule::Located, true);
+    assert_eq!((found.start_state, found.end_state), (EndState::Seen, EndState::Hidden));
+    assert_eq!((found.start_source, found.end_source), (EndSource::Image, EndSource::Mask));
+    assert!(errors(&scene, &found)[0].abs() < 0.1);
+}
+
+#[test]
+fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
+    let mut scene = Scene::tilted(0.2);
+    scene.ends.1 = 0.5;
+    let camera = Scene::camera();
+    let axis = scene.cylinder.axis;
+    let mut last = f64::NEG_INFINITY;
+    for (column, row) in (0..SIZE.0).flat_map(|column| (0..SIZE.1).map(move |row| (column, row))) {
+        let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
+        if let Some(point) = scene.cylinder.first_hit(&ray) {
+            last = last.max((point - axis.point).dot(&axis.direction));
+        }
+    }
+    scene.ends.1 = last;
+    let rendered = Scene { ends: (scene.ends.0, 0.5), ..scene };
+    let found = extent(&rendered, 2, ExtentRule::Located, true);
+    assert_eq!((found.start_state, found.end_state), (EndState::Seen, EndState::Cut));
+    assert_eq!(found.end_source, EndSource::Border);
+    assert!(((found.end - axis.point).dot(&axis.direction) - last).abs() < 1e-12);
+}
+
+#[test]
+fn samples_of_the_arcs_lie_on_the_end_circles() {
+    let scene = Scene::tilted(0.5);
+    let (image, depth, mask) = scene.render(0);
+    let options = ExtentOptions { image: Some(&image), ..ExtentOptions::default() };
+    let fitter = Scene::fitter(&depth, &mask);
+    let (_, arcs) = fitter.extent_and_arcs(Some(&scene.cylinder), None, &options).unwrap();
+    let camera = Scene::camera();
+    let axis = scene.cylinder.axis;
+    for (samples, end) in arcs.iter().zip([scene.ends.0, scene.ends.1]) {
+        assert!(samples.len() > 20);
+        let mut offsets: Vec<f64> = Vec::new();
+        for sample in samples {
+            let ray = camera.unproject(&sample.pixel).unwrap();
+            let point = scene.cylinder.first_hit(&ray).unwrap();
+            let position = (point - axis.point).dot(&axis.direction);
+            let on_circle = camera.project(&(point + axis.direction * (end - position))).unwrap();
+            offsets.push((sample.pixel - on_circle).dot(&sample.normal).abs());
+        }
+        offsets.sort_by(f64::total_cmp);
+        assert!(offsets[offsets.len() / 2] < 0.1, "{offsets:?}");
+    }
+}
+
+#[test]
+fn a_plain_image_leaves_the_mask() {
+    let scene = Scene::tilted(0.3);
+    let (_, depth, mask) = scene.render(0);
+    let plain = GreyImage::copy(&ImageView::from_u8(&vec![90; SIZE.0 * SIZE.1], SIZE).unwrap()).unwrap();
+    let options = ExtentOptions { image: Some(&plain), ..ExtentOptions::default() };
+    let found = Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap();
+    assert_eq!((found.start_source, found.end_source), (EndSource::Mask, EndSource::Mask));
+}
+
+#[test]
+fn an_image_of_another_size_is_refused() {
+    let scene = Scene::tilted(0.3);
+    let (_, depth, mask) = scene.render(0);
+    let small = GreyImage::copy(&ImageView::from_u8(&[0; 6], (3, 2)).unwrap()).unwrap();
+    let options = ExtentOptions { image: Some(&small), ..ExtentOptions::default() };
+    let error = Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap_err();
+    assert!(matches!(error, Error::SizeMismatch { other: "grey image", .. }), "{error}");
+}
+
+#[test]
+fn from_inside_a_pipe_the_rule_is_that_of_the_paper() {
+    let scene = Scene::tilted(0.3);
+    let (image, depth, mask) = scene.render(0);
+    let pipe = Cylinder::new(Vector3::new(0.0, 0.1, 0.0), Vector3::new(0.1, 0.0, 1.0), 0.4).unwrap();
+    let options = ExtentOptions { image: Some(&image), ..ExtentOptions::default() };
+    let found = Scene::fitter(&depth, &mask).extent_with(Some(&pipe), None, &options).unwrap();
+    assert_eq!((found.start_source, found.end_source), (EndSource::Extreme, EndSource::Extreme));
+}
