@@ -5,6 +5,7 @@ pub mod error;
 pub mod extent;
 pub mod fitter;
 pub mod geometry;
+pub mod limb_location;
 pub mod observations;
 pub mod residuals;
 pub mod solver;
