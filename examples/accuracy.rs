@@ -9,10 +9,18 @@ use cylfuse::fitter::{Method, ObjectiveKind, Options};
 use std::path::Path;
 
 /// E_o (degrees), E_p (mm), E_r (%), E_l (%) of one frame, or why there is none.
-fn errors(folder: &Path, options: Options, edges: bool) -> Result<[f64; 4], cylfuse::error::Error> {
+fn errors(
+    folder: &Path,
+    options: Options,
+    edges: bool,
+    image: bool,
+) -> Result<[f64; 4], cylfuse::error::Error> {
     let truth = frames::json(&folder.join("truth.json"));
     let cylinder = frames::cylinder(&truth, "center", "axis");
     let mut fitter = frames::fitter_with_edges(folder, edges);
+    if image {
+        frames::push_image(&mut fitter, folder);
+    }
     fitter.set_options(options)?;
     let result = fitter.fit()?;
     let extent = fitter.extent(None, None)?;
@@ -42,6 +50,7 @@ fn main() {
         ("points, w_L = 0", alone(Method::Points), true),
         ("RANSAC", alone(Method::Ransac), true),
         ("Eberly", alone(Method::Eberly), true),
+        ("robust with image", fused(ObjectiveKind::Robust), true),
         ("robust", fused(ObjectiveKind::Robust), true),
         ("robust, no edges", fused(ObjectiveKind::Robust), false),
     ];
@@ -53,7 +62,8 @@ fn main() {
         println!("\n### {set}: {} frames, mean / median / 90 % / worst\n", folders.len());
         println!("| method | E_o (deg) | E_p (mm) | E_r (%) | E_l (%) | failed |\n|---|---|---|---|---|---|");
         for (name, options, edges) in &rows {
-            let all: Vec<_> = folders.iter().map(|folder| errors(folder, *options, *edges)).collect();
+            let image = name.ends_with("image");
+            let all: Vec<_> = folders.iter().map(|folder| errors(folder, *options, *edges, image)).collect();
             let good: Vec<[f64; 4]> = all.iter().filter_map(|outcome| outcome.clone().ok()).collect();
             let columns = [0, 1, 2, 3].map(|k| summary(good.iter().map(|e| e[k]).collect()));
             println!("| {name} | {} | {} |", columns.join(" | "), all.len() - good.len());

@@ -28,7 +28,8 @@
 //!
 //! # Layers
 //! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`] and [`start`], [`fitter`], then what follows a fit: [`completion`] and [`extent`], and on top the C interface, [`ffi`].
+//! [`solver`], [`start`] and [`limb_location`], [`fitter`], then what follows a fit: [`completion`] and [`extent`],
+//! and on top the C interface, [`ffi`].
 
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
@@ -41,6 +42,7 @@ pub mod extent;
 pub mod ffi;
 pub mod fitter;
 pub mod geometry;
+pub mod limb_location;
 pub mod observations;
 pub mod residuals;
 pub mod solver;

@@ -129,13 +129,14 @@ struct End {
 }
 
 impl Fitter {
-    /// The extent by the rule that goes with the method ([`ExtentRule::of`]), without a grey image. See
+    /// The extent by the rule that goes with the method ([`ExtentRule::of`]), in the image that was pushed. See
     /// [`Fitter::extent_with`].
     ///
     /// # Errors
     /// Those of [`Fitter::extent_with`].
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
-        let options = ExtentOptions { rule: ExtentRule::of(self.options()), ..ExtentOptions::default() };
+        let rule = ExtentRule::of(self.options());
+        let options = ExtentOptions { rule, image: self.image(), limbs_known: None };
         self.extent_with(model, mask, &options)
     }
 

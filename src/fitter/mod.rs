@@ -1,6 +1,7 @@
 //! The fitter: takes observations, finds a start, minimises, and says how far to trust the result.
 
 mod edges;
+mod limbs;
 mod options;
 mod problem;
 mod result;
@@ -14,8 +15,10 @@ use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::observations::{
-    DepthImage, DepthRange, DepthView, EdgeSegment, Mask, MaskView, PointCloud, PointsView, check_segments,
+    DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
+    PointsView, check_segments,
 };
+use crate::residuals::PixelSegment;
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
 use nalgebra::Vector3;
 use problem::Problem;
@@ -68,6 +71,9 @@ pub struct Fitter {
     segments: Vec<EdgeSegment>,
     mask: Option<Mask>,
     depth: Option<DepthImage>,
+    image: Option<GreyImage>,
+    /// The limb lines that the last fit located in the image.
+    located: Vec<PixelSegment>,
     result: Option<FitResult>,
 }
 
@@ -160,12 +166,43 @@ impl Fitter {
         Ok(())
     }
 
+    /// Takes a grey image on the grid of the camera, in place of an earlier one. The robust objective locates the
+    /// limbs in it from the given edges, and the ends are located in it.
+    ///
+    /// # Errors
+    /// `BadState` without intrinsics, `SizeMismatch` when it has another size than they, else see
+    /// [`GreyImage::copy`]. The earlier image stays then.
+    pub fn push_image(&mut self, image: &ImageView<'_>) -> Result<()> {
+        let camera = self.camera.as_ref().ok_or(Error::BadState {
+            call: "pushing an image",
+            missing: "intrinsics",
+            remedy: "set the intrinsics first",
+        })?;
+        let (width, height) = (image.width(), image.height());
+        let intrinsics = camera.intrinsics();
+        let (other_width, other_height) = (intrinsics.width as usize, intrinsics.height as usize);
+        if (width, height) != (other_width, other_height) {
+            let (name, other) = ("grey image", "the image of the intrinsics");
+            return Err(Error::SizeMismatch { name, width, height, other, other_width, other_height });
+        }
+        self.image = Some(GreyImage::copy(image)?);
+        Ok(())
+    }
+
+    /// The grey image.
+    #[must_use]
+    pub fn image(&self) -> Option<&GreyImage> {
+        self.image.as_ref()
+    }
+
     /// Forgets data and result; keeps options, camera, start model and memory.
     pub fn clear(&mut self) {
         self.cloud.clear();
         self.segments.clear();
         self.mask = None;
         self.depth = None;
+        self.image = None;
+        self.located.clear();
         self.result = None;
     }
 
@@ -225,7 +262,8 @@ impl Fitter {
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
-        let mut problem = self.problem()?;
+        let mut problem = self.problem_without_located()?;
+        let mut located = Vec::new();
         if report(&Iteration::before_start()).is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
@@ -245,7 +283,16 @@ impl Fitter {
             Method::Fused | Method::Points => {
                 let candidates = problem.candidates(self.start.as_ref())?;
                 let started = clock.elapsed().as_secs_f64();
-                let (start, convergence) = best_minimum(&mut problem, &candidates, report)?;
+                let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
+                located = self.locate(&problem, &convergence.cylinder);
+                if !located.is_empty() {
+                    problem.add_located(&located);
+                    let before = convergence;
+                    convergence = problem.minimise(&before.cylinder, report)?;
+                    problem.check_radius(&convergence.cylinder)?;
+                    convergence.iterations += before.iterations;
+                    convergence.rejected_steps += before.rejected_steps;
+                }
                 let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
                 result.add_convergence(&convergence);
                 result.seconds.start = started;
@@ -253,7 +300,9 @@ impl Fitter {
                 result
             }
         };
+        result.limbs_located = located.len();
         result.seconds.total = clock.elapsed().as_secs_f64();
+        self.located = located;
         self.result = Some(result);
         Ok(result)
     }
@@ -282,7 +331,7 @@ impl Fitter {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
                 })?;
-                Ok(distances.into_iter().flatten().collect())
+                Ok(distances.into_iter().take(problem.edges.segments.len()).flatten().collect())
             }
         }
     }
@@ -317,7 +366,14 @@ impl Fitter {
         cylinder.copied().or(self.result.map(|result| result.cylinder)).ok_or(missing)
     }
 
+    /// What the last fit minimised at its end.
     fn problem(&self) -> Result<Problem<'_>> {
+        let mut problem = self.problem_without_located()?;
+        problem.add_located(&self.located);
+        Ok(problem)
+    }
+
+    fn problem_without_located(&self) -> Result<Problem<'_>> {
         let Self { options, cloud, camera, segments, start, .. } = self;
         Problem::new(options, cloud, camera.as_ref(), segments, start.as_ref())
     }
@@ -352,8 +408,9 @@ impl Fitter {
         flags.set(Flags::POINTS_NOT_FINITE, self.cloud.dropped().not_finite > 0);
         let distances = problem.pixels.as_ref().and_then(|pixels| pixels.distances(cylinder));
         let edge_rms_pixels = distances.map(|distances| {
-            let sum: f64 = distances.iter().flatten().map(|d| d * d).sum();
-            (sum / (2 * distances.len()) as f64).sqrt()
+            let given = &distances[..problem.edges.segments.len()];
+            let sum: f64 = given.iter().flatten().map(|d| d * d).sum();
+            (sum / (2 * given.len()) as f64).sqrt()
         });
         Ok(FitResult {
             cylinder: problem.canonical(cylinder),
@@ -372,6 +429,7 @@ impl Fitter {
             dropped: *self.cloud.dropped(),
             segments_used: problem.segments_used(),
             segments_given: self.segments.len(),
+            limbs_located: self.located.len(),
             point_rms: energy_points.sqrt(),
             edge_rms_pixels,
             near_wall_fraction: walls.map(|walls| walls.fraction()),

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::observations::PointCloud;
-use crate::residuals::{LimbTerm, PixelTerm, PointTerm};
+use crate::residuals::{LimbTerm, PixelSegment, PixelTerm, PointTerm};
 use nalgebra::{Matrix3, Vector3};
 
 /// Degrees of freedom of a cylinder, so the least number of points.
@@ -120,6 +120,13 @@ impl<'a> Problem<'a> {
     /// Segments that count in the objective.
     pub fn segments_used(&self) -> usize {
         if self.has_edge_weight() && self.edge_weight == 0.0 { 0 } else { self.edges.segments.len() }
+    }
+
+    /// Adds limb lines that were located in the image to the segments of the robust objective.
+    pub fn add_located(&mut self, located: &[PixelSegment]) {
+        if let Some(pixels) = &mut self.pixels {
+            pixels.extend(located);
+        }
     }
 
     /// Gives the edges up for the whole fit.

@@ -83,9 +83,11 @@ pub struct FitResult {
     pub segments_used: usize,
     /// Segments that were pushed.
     pub segments_given: usize,
+    /// Limb lines that were located in the image and took part.
+    pub limbs_located: usize,
     /// Root of E_P.
     pub point_rms: f64,
-    /// Root mean square distance in pixels of the endpoints from the limb lines; `None` without edges.
+    /// Root mean square distance in pixels of the given endpoints from the limb lines; `None` without edges.
     pub edge_rms_pixels: Option<f64>,
     /// The part of the points on the wall that the camera sees; `None` when the origin is no camera.
     pub near_wall_fraction: Option<f64>,

@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 pub(super) type Report<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
 
 /// Standard deviation of a hand-set endpoint across its limb, in pixels: people set edges to half a pixel.
-const ENDPOINT_PIXELS: f64 = 0.5;
+pub(super) const ENDPOINT_PIXELS: f64 = 0.5;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
 const SCALE_TOLERANCE: f64 = 1e-4;

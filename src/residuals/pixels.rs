@@ -51,6 +51,11 @@ impl PixelTerm {
         Self { segments, line_projection }
     }
 
+    /// Adds segments behind those that are there.
+    pub fn extend(&mut self, segments: &[PixelSegment]) {
+        self.segments.extend_from_slice(segments);
+    }
+
     /// The segments.
     #[must_use]
     pub fn segments(&self) -> &[PixelSegment] {

@@ -32,7 +32,9 @@ fn images_may_be_grey_or_colour_of_8_or_16_bits() {
     }
     // The content tells the format, not the name.
     grey.to_rgb8().save_with_format(copy.path("image.png"), ImageFormat::Jpeg).unwrap();
-    assert_eq!(fitted(&copy.write(), &[])["cylinder"], expected);
+    let radius = |cylinder: &Value| cylinder["radius"].as_f64().unwrap();
+    let lossy = radius(&fitted(&copy.write(), &[])["cylinder"]);
+    assert!((lossy / radius(&expected) - 1.0).abs() < 0.01, "{lossy}");
 }
 
 #[test]
@@ -63,7 +65,8 @@ fn image_and_edges_are_optional() {
     for absent in [remove as Absent, set_null] {
         let mut copy = Copy::new();
         absent(&mut copy.json, "image");
-        assert_eq!(fitted(&copy.write(), &[])["cylinder"], plain());
+        let without = fitted(&data("r40_a20_f0"), &["--no-image"]);
+        assert_eq!(fitted(&copy.write(), &[])["cylinder"], without["cylinder"]);
         absent(&mut copy.json, "edges");
         assert_eq!(fitted(&copy.write(), &[])["result"]["segments_given"], 0);
         fails(&copy.write(), &["--objective", "paper"], "UNSUPPORTED", &["2 edge segments, not 0"]);

@@ -4,7 +4,7 @@
 use cylfuse::camera::{Distortion, Intrinsics};
 use cylfuse::fitter::Fitter;
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, MaskView};
+use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView};
 use nalgebra::{Vector2, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -86,4 +86,12 @@ pub fn fitter_with_edges(folder: &Path, with_edges: bool) -> Fitter {
         .collect();
     fitter.push_edges(&edges).unwrap();
     fitter
+}
+
+/// Gives the image of a frame to its fitter.
+pub fn push_image(fitter: &mut Fitter, folder: &Path) {
+    let frame = json(&folder.join("frame.json"));
+    let image = image::open(folder.join(frame["image"].as_str().unwrap())).unwrap().into_luma8();
+    let size = (image.width() as usize, image.height() as usize);
+    fitter.push_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();
 }

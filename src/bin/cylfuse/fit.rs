@@ -7,10 +7,9 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
-use cylfuse::extent::{ExtentOptions, ExtentRule};
-use cylfuse::fitter::{Fitter, Options};
+use cylfuse::fitter::{Fitter, ObjectiveKind, Options};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{DepthRange, DepthView, MaskView};
+use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::fs::{self, File};
@@ -136,21 +135,18 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     if settings.edges {
         fitter.push_edges(&frame.edges)?;
     }
+    if let Some(image) = &frame.image
+        && settings.options.objective == ObjectiveKind::Robust
+    {
+        let grey = image.to_luma16();
+        fitter.push_image(&ImageView::from_u16(&grey, frame.size())?)?;
+    }
     let result = fitter.fit()?;
     let fitted = if frame.mask.is_some() { Fitted::Mask } else { Fitted::AllMeasuredPixels };
     let mut measurement = Measurement::new(fitted, &settings.options, &result);
     let mut completed = Completed::default();
     if frame.mask.is_some() {
-        let rule = ExtentRule::of(fitter.options());
-        let image = match rule {
-            ExtentRule::Located => frame.grey_image()?,
-            ExtentRule::Extremes => None,
-        };
-        match fitter.extent_with(
-            None,
-            None,
-            &ExtentOptions { rule, image: image.as_ref(), limbs_known: None },
-        ) {
+        match fitter.extent(None, None) {
             Ok(extent) => measurement.set_extent(&extent),
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::images::{self, Role};
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::observations::{EdgeSegment, GreyImage, ImageView};
+use cylfuse::observations::EdgeSegment;
 use image::DynamicImage;
 use nalgebra::Vector2;
 use serde::Deserialize;
@@ -76,14 +76,6 @@ impl CameraFields {
 }
 
 impl Frame {
-    /// The image in grey, where there is one.
-    pub fn grey_image(&self) -> Result<Option<GreyImage>, Failure> {
-        let Some(image) = &self.image else { return Ok(None) };
-        let grey = image.to_luma16();
-        let view = ImageView::from_u16(&grey, (grey.width() as usize, grey.height() as usize))?;
-        Ok(Some(GreyImage::copy(&view)?))
-    }
-
     /// Reads a frame file and the images that it names, relative to itself.
     pub fn read(path: &Path, with_image: bool) -> Result<Self, Failure> {
         let file = parse(path)?;

@@ -149,6 +149,7 @@ pub struct ResultValues {
     /// Segments that took part.
     pub segments_used: usize,
     segments_given: usize,
+    limbs_located: usize,
     /// Root mean square distance of the points from the surface.
     pub point_rms: f64,
     /// Root mean square distance of the endpoints from the limb lines.
@@ -285,6 +286,7 @@ impl ResultValues {
             },
             segments_used: result.segments_used,
             segments_given: result.segments_given,
+            limbs_located: result.limbs_located,
             point_rms: result.point_rms,
             edge_rms_pixels: result.edge_rms_pixels,
             near_wall_fraction: result.near_wall_fraction,

@@ -1,0 +1,130 @@
+//! The rough limb line: the line along which the image has an edge almost everywhere.
+//!
+//! A single strong edge (a tile of the background, a letter of a label, the rim of a cap) covers a short
+//! stretch; the limb is weak perhaps, but long. Every line that crosses the strip within reach of the expected
+//! one is scored by the sum over short blocks of ln(1 + t²), t the significance of an edge there, which lets no
+//! block count for much more than another, and by the significance of all blocks together.
+
+use super::strip::Strip;
+
+/// Pixels on either side of an edge that the step filter spans.
+const FILTER_HALF: usize = 3;
+
+/// Weights of the step filter on one side, from the edge outwards: a step less its part along a ramp, so that
+/// shading without an edge gives nothing. At v = ½, 1½, 2½: 1 − v Σ|v| / Σv².
+const FILTER: [f64; FILTER_HALF] =
+    [0.742_857_142_857_142_9, 0.228_571_428_571_428_6, -0.285_714_285_714_285_7];
+
+/// Spacing of the lines that are tried, at either end of the strip, in pixels: half the width of the filter's
+/// response to a sharp step.
+const LINE_STEP: f64 = 0.5;
+
+/// How many runs form a block: edges shorter than this are no evidence, and polarity may change from one block
+/// to the next.
+pub(super) const BLOCK_RUNS: usize = 8;
+
+/// A significance in the sum along the whole line that counts as full: beyond it a short strong edge would pass
+/// for a long one.
+const FULL_SIGNIFICANCE: f64 = 6.0;
+
+/// Mean and variance of ln(1 + t²) for Gaussian t: what a block without any edge gives.
+const NOISE_MEAN: f64 = 0.535;
+const NOISE_VARIANCE: f64 = 0.45;
+
+/// How many standard deviations above what noise gives an edge must be: of a thousand lines on noise alone the
+/// best is at 3.3.
+const VISIBLE_DEVIATIONS: f64 = 4.0;
+
+/// Fewest runs that a limb is located on: three blocks, of which one may be wrong.
+const LEAST_RUNS: usize = 3 * BLOCK_RUNS;
+
+/// A line across the strip by its u at both ends, s = ∓ half length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RoughLine {
+    /// u at s = −half length and s = +half length.
+    pub ends: [f64; 2],
+    /// Twice the log-evidence of an edge along the line, less the prior.
+    pub score: f64,
+    /// Whether noise alone would not give as much.
+    pub visible: bool,
+}
+
+/// Responses of the step filter in one run.
+struct Response {
+    s: f64,
+    first_u: f64,
+    step: f64,
+    values: Vec<f64>,
+}
+
+impl Response {
+    fn at(&self, u: f64) -> f64 {
+        let x = (u - self.first_u) / self.step;
+        // Rounds towards zero: a negative x is off by its sign alone.
+        let k = x as usize;
+        if x.is_sign_negative() || k + 1 >= self.values.len() {
+            return 0.0;
+        }
+        let part = x - k as f64;
+        self.values[k] * (1.0 - part) + self.values[k + 1] * part
+    }
+}
+
+/// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
+/// `deviation` pixels; `None` when the strip is too short.
+pub(super) fn rough_line(strip: &Strip, half_length: f64, reach: f64, deviation: f64) -> Option<RoughLine> {
+    let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * strip.noise();
+    let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
+    if responses.len() < LEAST_RUNS {
+        return None;
+    }
+    let blocks = responses.len().div_ceil(BLOCK_RUNS) as f64;
+    let needed = blocks * NOISE_MEAN
+        + VISIBLE_DEVIATIONS * (blocks * NOISE_VARIANCE).sqrt()
+        + VISIBLE_DEVIATIONS * VISIBLE_DEVIATIONS;
+    let count = (reach / LINE_STEP).ceil().max(1.0) as i32;
+    let mut best: Option<RoughLine> = None;
+    for i in -count..=count {
+        for j in -count..=count {
+            let ends = [i, j].map(|k| f64::from(k) * reach / f64::from(count));
+            let deviations = ends.map(|u| u / deviation);
+            let prior = (deviations[0] * deviations[0] + deviations[1] * deviations[1]) / 2.0;
+            let score = evidence(&responses, half_length, &ends) - prior;
+            if best.is_none_or(|best| score > best.score) {
+                best = Some(RoughLine { ends, score, visible: score >= needed });
+            }
+        }
+    }
+    best
+}
+
+/// The step filter at every place of a run between two pixels, in units of its noise.
+fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
+    let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
+    let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
+    let values = (0..count)
+        .map(|k| {
+            let sum = |sum: f64, (d, w): (usize, &f64)| {
+                sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
+            };
+            FILTER.iter().enumerate().fold(0.0, sum) / norm
+        })
+        .collect();
+    let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
+    Some(Response { s: run[run.len() / 2].s, first_u, step, values })
+}
+
+/// Twice the log-evidence of an edge along a line.
+fn evidence(responses: &[Response], half_length: f64, ends: &[f64; 2]) -> f64 {
+    let (middle, slope) = (f64::midpoint(ends[0], ends[1]), (ends[1] - ends[0]) / (2.0 * half_length));
+    let (mut total, mut sum_of_all, mut blocks) = (0.0, 0.0, 0.0);
+    for block in responses.chunks(BLOCK_RUNS) {
+        let sum: f64 = block.iter().map(|response| response.at(middle + slope * response.s)).sum();
+        let t = sum / (block.len() as f64).sqrt();
+        total += (t * t).ln_1p();
+        sum_of_all += t.clamp(-FULL_SIGNIFICANCE, FULL_SIGNIFICANCE);
+        blocks += 1.0;
+    }
+    // Of one polarity, the blocks tell more together than one by one.
+    total + sum_of_all * sum_of_all / blocks
+}

@@ -1,0 +1,250 @@
+//! Location of the two limb lines in the image, from all pixels along them.
+//!
+//! From a grey image and a rough cylinder to two lines in ideal pixels with their covariance:
+//!
+//! 1. The pixels around each expected limb are gathered with their ideal positions; none is interpolated.
+//! 2. The line along which there is an edge almost everywhere, of whatever polarity, is found among all lines in
+//!    reach: consensus, not strength.
+//! 3. A model of the brightness across the limb (background, shading inside, blur of the image) is fitted to
+//!    short blocks of both limbs at once; blocks that disagree about the line lose weight.
+//!
+//! A limb that cannot be seen is reported, with the reason.
+
+mod consensus;
+mod profile;
+mod refine;
+mod region;
+mod strip;
+#[cfg(test)]
+mod tests;
+
+pub use region::{axial_range, sides_of_mask};
+
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, LimbFrame};
+use crate::observations::GreyImage;
+use consensus::rough_line;
+use nalgebra::{Matrix2, Vector2};
+use refine::{Expected, INSIDE, Limb, OUTSIDE, refine};
+use strip::{Baseline, Strip};
+
+/// Pixels beyond reach and profile that the step filter needs.
+const FILTER_MARGIN: f64 = 3.0;
+
+/// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
+/// left of errors of the profile model where noise is low, by the scatter of lines on rendered frames.
+const LINE_FLOOR: f64 = 0.07;
+
+/// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in pixels.
+const LARGEST_SIGMA: f64 = 0.4;
+
+/// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
+/// and there.
+const LEAST_SPREAD: f64 = 0.4;
+
+/// Two limbs of a cylinder that can be measured are farther apart than this many pixels.
+const SAME_LINE_PIXELS: f64 = 2.0;
+
+/// Where to look for the limbs of a rough cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbSearch {
+    /// The visible part of the surface, from one position along the axis to another, measured from the point of
+    /// the axis in the unit of length: see [`axial_range`].
+    pub range: [f64; 2],
+    /// How far each limb may be from that of the cylinder at most, in pixels, in the order of
+    /// [`LimbFrame::limb_lines`]: 4 for a fit with segments set by hand, 8 for a fit of points alone.
+    pub reach: [f64; 2],
+    /// Standard deviation of the limbs of the cylinder, in pixels, in the same order. A clear limb is found
+    /// anywhere in reach; a faint one is believed near the expected place only.
+    pub deviation: [f64; 2],
+}
+
+/// Why a limb was not found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotVisible {
+    /// The cylinder has no limbs in front of the camera: the camera is inside it, or the range lies behind.
+    NoLimbs,
+    /// Less than 24 rows or columns of the image show the range.
+    TooShort,
+    /// No line in reach has more of an edge than noise gives.
+    NoEdge,
+    /// The line left the reach while it was refined.
+    OutOfReach,
+    /// The line would be less certain than one set by hand.
+    Uncertain,
+    /// A small part of the line carries it all.
+    Patchy,
+    /// The other limb was found at the same place, and more certainly.
+    SameLine,
+}
+
+/// A located limb line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbLine {
+    /// The two points of the line whose errors across it are independent and equally large, in ideal pixels. They
+    /// say all about line and covariance: two pixel residuals of standard deviation `sigma` are equivalent to the
+    /// whole line. They need not lie on the part that was seen: what all pixels share, such as the blur, makes the
+    /// offset less certain than the angle and moves them apart.
+    pub ends: [Vector2<f64>; 2],
+    /// Standard deviation of either end across the line, in pixels.
+    pub sigma: f64,
+}
+
+impl LimbLine {
+    /// The covariance of the offset across the line, in pixels at the middle of the ends, and of the angle in
+    /// radians.
+    #[must_use]
+    pub fn covariance(&self) -> Matrix2<f64> {
+        let variance = self.sigma * self.sigma;
+        let length_squared = (self.ends[1] - self.ends[0]).norm_squared();
+        Matrix2::new(variance / 2.0, 0.0, 0.0, 2.0 * variance / length_squared)
+    }
+}
+
+/// What a short piece of a limb says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimbSample {
+    /// Where the limb is seen, in ideal pixels.
+    pub position: Vector2<f64>,
+    /// Standard deviation across the limb in pixels, noise only.
+    pub sigma: f64,
+    /// What it counted, from 1 down to 0 for a refused sample.
+    pub weight: f64,
+}
+
+/// What was seen of one limb.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimbObservation {
+    /// The line, or why there is none.
+    pub line: Result<LimbLine, NotVisible>,
+    /// The pieces along it, used and refused, also where no line came of them.
+    pub samples: Vec<LimbSample>,
+    /// Blur of the image at the limbs, standard deviation of a Gaussian in pixels, common to both limbs; `None`
+    /// where no limb tells.
+    pub blur: Option<f64>,
+}
+
+impl LimbObservation {
+    fn none(reason: NotVisible) -> Self {
+        Self { line: Err(reason), samples: Vec::new(), blur: None }
+    }
+}
+
+/// Locates the limbs of a rough cylinder, in the order of [`LimbFrame::limb_lines`].
+#[must_use]
+pub fn locate_limbs(
+    image: &GreyImage,
+    camera: &Camera,
+    model: &Cylinder,
+    search: &LimbSearch,
+) -> [LimbObservation; 2] {
+    let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
+    let Some((baselines, radius)) = baselines(camera, model, &search.range) else { return observations };
+    let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
+        let half_width = search.reach[k] + OUTSIDE.max(INSIDE) + FILTER_MARGIN;
+        visible_strip(image, camera, &baselines[k], half_width)
+    });
+    let mut limbs = Vec::new();
+    let mut seen = Vec::new();
+    for (k, strip) in strips.iter().enumerate() {
+        observations[k].line = Err(NotVisible::TooShort);
+        let Some((baseline, strip)) = strip else { continue };
+        let (half_length, deviation) = (baseline.half_length, search.deviation[k]);
+        let Some(rough) = rough_line(strip, half_length, search.reach[k], deviation) else { continue };
+        observations[k].line = Err(NotVisible::NoEdge);
+        if rough.visible {
+            limbs.push(Limb::new(strip, Expected { rough, half_length, deviation }));
+            seen.push((k, baseline));
+        }
+    }
+    if limbs.is_empty() {
+        return observations;
+    }
+    let blur = refine(&mut limbs, radius);
+    for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
+        observations[k] = LimbObservation {
+            line: judged(limb, baseline, search.reach[k]),
+            samples: samples(limb, baseline),
+            blur: Some(blur),
+        };
+    }
+    drop_same_line(&mut observations);
+    observations
+}
+
+/// The expected limb lines within the range and the radius of the cylinder in the image, in pixels; `None` when
+/// any part lies behind the camera.
+fn baselines(camera: &Camera, model: &Cylinder, range: &[f64; 2]) -> Option<([Baseline; 2], f64)> {
+    let limbs = LimbFrame::new(model)?;
+    let axis = &model.axis;
+    let inner = camera.ideal_pixel(&(axis.point + axis.direction * f64::midpoint(range[0], range[1])))?;
+    // Limb lines are given by their point nearest to the origin, ranges from the point of the axis.
+    let start = axis.point.dot(&axis.direction);
+    let [first, second] = limbs.limb_lines().map(|line| {
+        let end = |position: f64| camera.ideal_pixel(&(line.point + line.direction * (start + position)));
+        Baseline::new(&[end(range[0])?, end(range[1])?], &inner)
+    });
+    let (first, second) = (first?, second?);
+    let radius = (second.middle - first.middle).dot(&first.inward).abs() / 2.0;
+    (radius > 0.0).then_some(([first, second], radius))
+}
+
+/// The part of the image around a baseline, and the baseline as far as the image shows it.
+fn visible_strip(
+    image: &GreyImage,
+    camera: &Camera,
+    baseline: &Baseline,
+    half_width: f64,
+) -> Option<(Baseline, Strip)> {
+    // A range may be far longer than what the image shows, and a lens shows more than a pinhole.
+    let intrinsics = camera.intrinsics();
+    let size = Vector2::new(f64::from(intrinsics.width), f64::from(intrinsics.height));
+    let baseline = baseline.clipped(&(size / 2.0), size.norm())?;
+    let [low, high] = Strip::gather(image, camera, &baseline, half_width).extent()?;
+    let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;
+    Some((baseline, Strip::gather(image, camera, &baseline, half_width)))
+}
+
+/// The line of a refined limb, if it can be trusted.
+fn judged(limb: &Limb<'_>, baseline: &Baseline, reach: f64) -> Result<LimbLine, NotVisible> {
+    let ends = [-1.0, 1.0].map(|side| limb.line.at(side * baseline.half_length));
+    if ends.iter().any(|u| u.abs() > reach) {
+        return Err(NotVisible::OutOfReach);
+    }
+    // The offset where it is independent of the slope, and the distance from there at which the slope adds as
+    // much variance as the offset has.
+    let covariance = &limb.covariance;
+    let of_slope = covariance[(1, 1)];
+    let center = -covariance[(0, 1)] / of_slope;
+    let of_offset = covariance[(0, 0)] + covariance[(0, 1)] * center;
+    let half = (of_offset / of_slope).sqrt();
+    let sigma = (2.0 * of_offset + LINE_FLOOR * LINE_FLOOR).sqrt();
+    let at_ends = (of_offset + of_slope * (baseline.half_length + center.abs()).powi(2)).sqrt();
+    if at_ends.is_nan() || at_ends > LARGEST_SIGMA || half.is_nan() {
+        return Err(NotVisible::Uncertain);
+    }
+    if limb.spread() < LEAST_SPREAD {
+        return Err(NotVisible::Patchy);
+    }
+    let ends = [center - half, center + half].map(|s| baseline.position(s, limb.line.at(s)));
+    Ok(LimbLine { ends, sigma })
+}
+
+fn samples(limb: &Limb<'_>, baseline: &Baseline) -> Vec<LimbSample> {
+    let sample = |block: &refine::Block| LimbSample {
+        position: baseline.position(block.s, limb.line.at(block.s) + block.shift),
+        sigma: block.sigma,
+        weight: block.weight,
+    };
+    limb.blocks.iter().map(sample).collect()
+}
+
+/// Refuses the less certain of two limbs found at one place.
+fn drop_same_line(observations: &mut [LimbObservation; 2]) {
+    let [Ok(first), Ok(second)] = [observations[0].line, observations[1].line] else { return };
+    let along = first.ends[1] - first.ends[0];
+    let distance = |q: &Vector2<f64>| along.perp(&(q - first.ends[0])).abs() / along.norm();
+    if second.ends.iter().all(|q| distance(q) < SAME_LINE_PIXELS) {
+        observations[usize::from(second.sigma >= first.sigma)].line = Err(NotVisible::SameLine);
+    }
+}

@@ -1,0 +1,219 @@
+//! The pixels of the original image around an expected limb line, with their ideal positions.
+//!
+//! The image is never resampled: every pixel keeps its value, and its position relative to the line is that of
+//! its ideal pixel. Interpolation would blur the image by an amount that changes with the position between
+//! pixel centres, and the location of an edge to a few hundredths of a pixel hangs on the blur.
+
+use crate::camera::Camera;
+use crate::observations::GreyImage;
+use nalgebra::Vector2;
+
+/// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
+/// hundredth of a pixel in between.
+const POLYLINE_STEP: f64 = 8.0;
+
+/// A stretch of the expected limb line in ideal pixels and the coordinates about it: s along the line from its
+/// middle, u across it, positive towards the inside of the cylinder.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Baseline {
+    pub middle: Vector2<f64>,
+    pub along: Vector2<f64>,
+    pub inward: Vector2<f64>,
+    pub half_length: f64,
+}
+
+impl Baseline {
+    /// From the ends of the stretch and any point on the inner side.
+    pub fn new(ends: &[Vector2<f64>; 2], inner: &Vector2<f64>) -> Option<Self> {
+        let middle = (ends[0] + ends[1]) / 2.0;
+        let length = (ends[1] - ends[0]).norm();
+        if !(length > 0.0 && length.is_finite()) {
+            return None;
+        }
+        let along = (ends[1] - ends[0]) / length;
+        let across = Vector2::new(-along.y, along.x);
+        let inward = if across.dot(&(inner - middle)) < 0.0 { -across } else { across };
+        Some(Self { middle, along, inward, half_length: length / 2.0 })
+    }
+
+    /// The part within `radius` of a point; `None` when there is none.
+    pub fn clipped(&self, center: &Vector2<f64>, radius: f64) -> Option<Self> {
+        let (s, u) = self.coordinates(center);
+        let half = (radius * radius - u * u).max(0.0).sqrt();
+        self.between((s - half).max(-self.half_length), (s + half).min(self.half_length))
+    }
+
+    /// The part between two s.
+    pub fn between(&self, low: f64, high: f64) -> Option<Self> {
+        let middle = self.position(f64::midpoint(low, high), 0.0);
+        (high > low).then_some(Self { middle, half_length: (high - low) / 2.0, ..*self })
+    }
+
+    /// (s, u) of an ideal pixel.
+    fn coordinates(&self, ideal: &Vector2<f64>) -> (f64, f64) {
+        let from_middle = ideal - self.middle;
+        (from_middle.dot(&self.along), from_middle.dot(&self.inward))
+    }
+
+    /// The ideal pixel at (s, u).
+    pub fn position(&self, s: f64, u: f64) -> Vector2<f64> {
+        self.middle + self.along * s + self.inward * u
+    }
+}
+
+/// One pixel of a strip.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StripPixel {
+    pub s: f64,
+    pub u: f64,
+    pub value: f64,
+}
+
+/// The pixels within some distance of a baseline, in runs across it: pieces of image rows where the line is
+/// steep, pieces of columns where it is flat. Runs are ordered along the line, their pixels by rising u.
+#[derive(Debug, Clone)]
+pub(super) struct Strip {
+    pixels: Vec<StripPixel>,
+    /// Where each run ends in `pixels`.
+    ends: Vec<usize>,
+}
+
+impl Strip {
+    /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
+    pub fn gather(image: &GreyImage, camera: &Camera, baseline: &Baseline, half_width: f64) -> Self {
+        let mut strip = Self { pixels: Vec::new(), ends: Vec::new() };
+        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP).ceil().max(1.0) as usize;
+        let vertex = |k: usize| {
+            let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
+            camera.project(&camera.ideal_ray(&baseline.position(s, 0.0)))
+        };
+        let ends = (vertex(0), vertex(pieces));
+        let middle = vertex(pieces / 2);
+        let Some(chord) =
+            ends.0.zip(ends.1).map(|(a, b)| b - a).or_else(|| Some(middle? - ends.0.or(ends.1)?))
+        else {
+            return strip;
+        };
+        let steep = chord.y.abs() >= chord.x.abs();
+        // The image axis along which runs follow each other, and the one within a run.
+        let split = |p: &Vector2<f64>| if steep { (p.y, p.x) } else { (p.x, p.y) };
+        let (_, slant) = split(&chord.normalize());
+        let reach = half_width / (1.0 - slant * slant).sqrt();
+        for k in 0..pieces {
+            let (Some(a), Some(b)) = (vertex(k), vertex(k + 1)) else { continue };
+            let ((a_run, a_cross), (b_run, b_cross)) = (split(&a), split(&b));
+            let (low, high) = (a_run.min(b_run), a_run.max(b_run));
+            let count = if steep { image.height() } else { image.width() };
+            let mut runs: Vec<usize> =
+                (low.ceil().max(0.0) as usize..count).take_while(|&run| (run as f64) < high).collect();
+            if b_run < a_run {
+                runs.reverse();
+            }
+            for run in runs {
+                let part = (run as f64 - a_run) / (b_run - a_run);
+                strip.add_run(
+                    image,
+                    camera,
+                    baseline,
+                    steep,
+                    run,
+                    a_cross + part * (b_cross - a_cross),
+                    reach,
+                );
+            }
+        }
+        strip
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one place in one loop")]
+    fn add_run(
+        &mut self,
+        image: &GreyImage,
+        camera: &Camera,
+        baseline: &Baseline,
+        steep: bool,
+        run: usize,
+        center: f64,
+        reach: f64,
+    ) {
+        let at = |cross: f64| {
+            let pixel = if steep { Vector2::new(cross, run as f64) } else { Vector2::new(run as f64, cross) };
+            let ideal = camera.ideal_pixel(&camera.unproject(&pixel)?)?;
+            Some(baseline.coordinates(&ideal))
+        };
+        let (Some(before), Some(here), Some(after)) = (at(center - reach), at(center), at(center + reach))
+        else {
+            return;
+        };
+        // Through the lens the coordinates change smoothly along a run: a parabola through three of them is
+        // exact to 1e-3 pixels.
+        let parabola = |a: f64, b: f64, c: f64, x: f64| b + (c - a) / 2.0 * x + ((a + c) / 2.0 - b) * x * x;
+        let count = if steep { image.width() } else { image.height() };
+        let first = (center - reach).ceil().max(0.0) as usize;
+        let begin = self.pixels.len();
+        for cross in first..count {
+            let x = (cross as f64 - center) / reach;
+            if x > 1.0 {
+                break;
+            }
+            let value = if steep { image.value(cross, run) } else { image.value(run, cross) };
+            self.pixels.push(StripPixel {
+                s: parabola(before.0, here.0, after.0, x),
+                u: parabola(before.1, here.1, after.1, x),
+                value: f64::from(value),
+            });
+        }
+        if self.pixels.len() == begin {
+            return;
+        }
+        if after.1 < before.1 {
+            self.pixels[begin..].reverse();
+        }
+        self.ends.push(self.pixels.len());
+    }
+
+    /// The smallest and the largest s of any pixel; `None` without pixels.
+    pub fn extent(&self) -> Option<[f64; 2]> {
+        let s = || self.pixels.iter().map(|pixel| pixel.s);
+        let extent = [s().fold(f64::INFINITY, f64::min), s().fold(f64::NEG_INFINITY, f64::max)];
+        (!self.pixels.is_empty()).then_some(extent)
+    }
+
+    /// The runs in order along the line.
+    pub fn runs(&self) -> impl Iterator<Item = &[StripPixel]> {
+        (0..self.ends.len()).map(|k| self.run(k))
+    }
+
+    /// How many runs there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// One run.
+    pub fn run(&self, k: usize) -> &[StripPixel] {
+        let begin = if k == 0 { 0 } else { self.ends[k - 1] };
+        &self.pixels[begin..self.ends[k]]
+    }
+
+    /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
+    /// that edges do not count), and not below a thousandth of the range of the values: images are quantised.
+    pub fn noise(&self) -> f64 {
+        let mut differences: Vec<f64> = self
+            .runs()
+            .flat_map(|run| run.windows(3).map(|w| (w[0].value - 2.0 * w[1].value + w[2].value).abs()))
+            .collect();
+        let middle = differences.len() / 2;
+        let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
+        if differences.is_empty() {
+            return floor;
+        }
+        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
+        (1.4826 * median / 6.0_f64.sqrt()).max(floor)
+    }
+
+    /// Range of the values.
+    pub fn contrast(&self) -> f64 {
+        let values = || self.pixels.iter().map(|pixel| pixel.value);
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    }
+}

@@ -1,0 +1,269 @@
+//! Rendered cylinders with known limbs.
+
+use super::*;
+use crate::camera::{Distortion, Intrinsics};
+use crate::observations::{EdgeSegment, ImageView, Mask, MaskView};
+use nalgebra::Vector3;
+
+const SIZE: (usize, usize) = (240, 180);
+const BLUR: f64 = 0.9;
+
+/// Rays per pixel and direction.
+const SAMPLES: usize = 3;
+
+struct Scene {
+    camera: Camera,
+    cylinder: Cylinder,
+    range: [f64; 2],
+    albedo: f64,
+    background: f64,
+    /// Whether a label of dark patches is on the surface.
+    label: bool,
+    /// Image rows hidden by something dark.
+    occluded: std::ops::Range<usize>,
+}
+
+impl Scene {
+    fn new() -> Self {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.02, -0.01, 0.6), Vector3::new(0.25, 0.95, 0.2), 0.04).unwrap();
+        Self {
+            camera: camera(Distortion::None),
+            cylinder,
+            range: [-0.07, 0.07],
+            albedo: 150.0,
+            background: 40.0,
+            label: false,
+            occluded: 0..0,
+        }
+    }
+
+    fn brightness(&self, pixel: &Vector2<f64>) -> f64 {
+        let row = (pixel.y + 0.5) as usize;
+        if self.occluded.contains(&row) {
+            return 15.0;
+        }
+        let axis = &self.cylinder.axis;
+        let hit = self.camera.unproject(pixel).and_then(|ray| self.cylinder.first_hit(&ray));
+        let Some(p) = hit else { return self.background };
+        let position = (p - axis.point).dot(&axis.direction);
+        if !(self.range[0]..=self.range[1]).contains(&position) {
+            return self.background;
+        }
+        let normal = (p - axis.nearest_to(&p)).normalize();
+        let light = Vector3::new(-0.4, -0.3, -1.0).normalize();
+        let angle = normal.dot(&axis.direction.cross(&Vector3::z())).atan2(-normal.z);
+        let patch = ((position / 0.012).floor() + (angle / 0.35).floor()).rem_euclid(3.0) < 1.0;
+        let paint = if self.label && patch { 0.4 } else { 1.0 };
+        self.albedo * paint * (0.35 + 0.65 * normal.dot(&light).max(0.0))
+    }
+
+    /// The image with blur, noise of 1.5 and 8 bits.
+    fn render(&self) -> GreyImage {
+        let (width, height) = (SIZE.0 * SAMPLES, SIZE.1 * SAMPLES);
+        let pixel_of = |k: usize| (k as f64 + 0.5) / SAMPLES as f64 - 0.5;
+        let mut fine: Vec<f64> = (0..width * height)
+            .map(|k| self.brightness(&Vector2::new(pixel_of(k % width), pixel_of(k / width))))
+            .collect();
+        // The mean over the samples of a pixel is part of the blur.
+        let own = (1.0 - 1.0 / (SAMPLES * SAMPLES) as f64) / 12.0;
+        let sigma = (BLUR * BLUR - own).sqrt() * SAMPLES as f64;
+        let taps: Vec<f64> = (-9..=9).map(|k| (-0.5 * (f64::from(k) / sigma).powi(2)).exp()).collect();
+        let sum: f64 = taps.iter().sum();
+        for (count, stride) in [(width, 1), (height, width)] {
+            let source = fine.clone();
+            for (k, out) in fine.iter_mut().enumerate() {
+                let at = (k / stride % count) as i64;
+                let value = |d: i64| {
+                    let to = (at + d).clamp(0, count as i64 - 1);
+                    source[(k as i64 + (to - at) * stride as i64) as usize]
+                };
+                *out = (-9_i64..=9).zip(&taps).map(|(d, tap)| tap * value(d)).sum::<f64>() / sum;
+            }
+        }
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1)
+            .map(|k| {
+                let (x, y) = (k % SIZE.0 * SAMPLES, k / SIZE.0 * SAMPLES);
+                let cells = (0..SAMPLES * SAMPLES).map(|c| (x + c % SAMPLES, y + c / SAMPLES));
+                let mean = cells.map(|(x, y)| fine[y * width + x]).sum::<f64>() / (SAMPLES * SAMPLES) as f64;
+                // Four uniform numbers are nearly Gaussian, with variance 1/3.
+                let noise = ((0..4).map(|_| uniform()).sum::<f64>() - 2.0) * 3.0_f64.sqrt() * 1.5;
+                (mean + noise).round().clamp(0.0, 255.0) as u8
+            })
+            .collect();
+        GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap()
+    }
+
+    /// The cylinder as a rough fit has it: limbs off by about a pixel, and 1.5 with the radius.
+    fn rough(&self) -> Cylinder {
+        let Cylinder { axis, radius } = self.cylinder;
+        let point = axis.point + Vector3::new(0.001, 0.0005, 0.004);
+        Cylinder::new(point, axis.direction + Vector3::new(0.008, 0.0, 0.03), radius * 1.05).unwrap()
+    }
+
+    fn search(&self) -> LimbSearch {
+        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2] }
+    }
+
+    fn locate(&self) -> [LimbObservation; 2] {
+        locate_limbs(&self.render(), &self.camera, &self.rough(), &self.search())
+    }
+
+    /// The distance of the true limb from a located line at both ends of the range, and its standard deviation
+    /// there.
+    fn errors(&self, limb: usize, line: &LimbLine) -> [(f64, f64); 2] {
+        let along = line.ends[1] - line.ends[0];
+        let length = along.norm();
+        let start = self.cylinder.axis.point.dot(&self.cylinder.axis.direction);
+        let truth = LimbFrame::new(&self.cylinder).unwrap().limb_lines()[limb];
+        let middle = (line.ends[0] + line.ends[1]) / 2.0;
+        self.range.map(|position| {
+            let q = self.camera.ideal_pixel(&(truth.point + truth.direction * (start + position))).unwrap();
+            let s = (q - middle).dot(&along) / length;
+            let covariance = line.covariance();
+            let deviation = (covariance[(0, 0)] + covariance[(1, 1)] * s * s).sqrt();
+            (along.perp(&(q - middle)) / length, deviation)
+        })
+    }
+
+    /// Checks that both limbs are found within a bound, and consistently with their covariance.
+    fn check(&self, bound: f64) -> [LimbObservation; 2] {
+        let observations = self.locate();
+        for (k, observation) in observations.iter().enumerate() {
+            let line = observation.line.unwrap_or_else(|reason| panic!("limb {k}: {reason:?}"));
+            for (error, deviation) in self.errors(k, &line) {
+                assert!(error.abs() < bound, "limb {k}: {error} +- {deviation}, {observations:?}");
+                assert!(error.abs() < 4.0 * deviation, "limb {k}: {error} +- {deviation}");
+            }
+        }
+        observations
+    }
+}
+
+fn camera(distortion: Distortion) -> Camera {
+    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
+    let intrinsics = Intrinsics { width, height, fx: 420.0, fy: 415.0, cx: 118.0, cy: 91.0, distortion };
+    Camera::new(intrinsics).unwrap()
+}
+
+#[test]
+fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
+    for background in [20.0, 220.0] {
+        let observations = Scene { background, ..Scene::new() }.check(0.1);
+        let blur = observations[0].blur.unwrap();
+        assert!((blur - BLUR).abs() < 0.15, "{blur}");
+        assert!(observations.iter().all(|o| o.samples.len() >= 8));
+    }
+}
+
+#[test]
+fn a_lens_does_not_bend_the_lines() {
+    let lens = Distortion::brown_conrady(&[-0.25, 0.08, 0.002, -0.001]).unwrap();
+    Scene { camera: camera(lens), background: 220.0, ..Scene::new() }.check(0.1);
+}
+
+#[test]
+fn flat_lines_are_located_as_steep_ones() {
+    let cylinder = Cylinder::new(Vector3::new(0.0, 0.01, 0.6), Vector3::new(0.95, 0.2, -0.2), 0.03).unwrap();
+    Scene { cylinder, background: 220.0, ..Scene::new() }.check(0.1);
+}
+
+#[test]
+fn a_label_and_an_occluder_cost_little() {
+    Scene { label: true, background: 200.0, ..Scene::new() }.check(0.3);
+    let observations = Scene { occluded: 80..100, ..Scene::new() }.check(0.2);
+    for observation in &observations {
+        let refused = observation.samples.iter().filter(|sample| sample.weight < 0.5).count();
+        let hidden = observation.samples.iter().filter(|s| (84.0..96.0).contains(&s.position.y));
+        assert!(hidden.clone().count() > 0 && hidden.clone().all(|s| s.weight < 0.5 || s.sigma > 0.5));
+        assert!(refused < observation.samples.len() / 2);
+    }
+}
+
+#[test]
+fn the_image_border_may_cut_the_cylinder() {
+    let scene = Scene { range: [-0.5, 0.5], background: 220.0, ..Scene::new() };
+    let observations = scene.locate();
+    for (k, observation) in observations.iter().enumerate() {
+        let line = observation.line.unwrap();
+        let truth = Scene { range: [-0.1, 0.1], ..Scene::new() };
+        for (error, _) in truth.errors(k, &line) {
+            assert!(error.abs() < 0.1, "{error}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_seen_is_not_found() {
+    let scene = Scene { albedo: 0.0, background: 0.0, ..Scene::new() };
+    for observation in scene.locate() {
+        assert_eq!(observation.line, Err(NotVisible::NoEdge));
+    }
+    let image = scene.render();
+    let reasons = |model: &Cylinder, search: &LimbSearch| {
+        locate_limbs(&image, &scene.camera, model, search).map(|o| o.line.unwrap_err())
+    };
+    let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.2), Vector3::x(), 1.0).unwrap();
+    assert_eq!(reasons(&around, &scene.search()), [NotVisible::NoLimbs; 2]);
+    let short = LimbSearch { range: [0.0, 0.01], ..scene.search() };
+    assert_eq!(reasons(&scene.rough(), &short), [NotVisible::TooShort; 2]);
+    let outside = Cylinder::new(Vector3::new(0.9, 0.0, 0.6), Vector3::y(), 0.04).unwrap();
+    assert_eq!(reasons(&outside, &scene.search()), [NotVisible::TooShort; 2]);
+}
+
+#[test]
+fn one_limb_may_be_missing() {
+    // The left half of the image shows nothing at all.
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let mut bytes: Vec<u8> = Vec::new();
+    let image = scene.render();
+    let axis = scene.camera.project(&scene.cylinder.axis.point).unwrap();
+    for row in 0..SIZE.1 {
+        bytes.extend((0..SIZE.0).map(|x| if (x as f64) < axis.x { 90 } else { image.value(x, row) as u8 }));
+    }
+    let image = GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap();
+    let observations = locate_limbs(&image, &scene.camera, &scene.rough(), &scene.search());
+    let found: Vec<usize> = (0..2).filter(|&k| observations[k].line.is_ok()).collect();
+    assert_eq!(found.len(), 1, "{observations:?}");
+    for (error, _) in scene.errors(found[0], &observations[found[0]].line.unwrap()) {
+        assert!(error.abs() < 0.15, "{error}");
+    }
+}
+
+#[test]
+fn a_mask_and_segments_say_where_to_search() {
+    let scene = Scene::new();
+    let axis = &scene.cylinder.axis;
+    let on_surface = |x: usize, y: usize| {
+        let ray = scene.camera.unproject(&Vector2::new(x as f64, y as f64)).unwrap();
+        let hit = scene.cylinder.first_hit(&ray);
+        hit.is_some_and(|p| (p - axis.point).dot(&axis.direction).abs() <= scene.range[1])
+    };
+    let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1).map(|k| u8::from(on_surface(k % SIZE.0, k / SIZE.0))).collect();
+    let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
+
+    let sides = sides_of_mask(&mask, &scene.camera, &scene.rough()).unwrap();
+    let limbs = [0, 1].map(|k| {
+        let line = LimbLine { ends: sides[k], sigma: 1.0 };
+        [0, 1].map(|limb| scene.errors(limb, &line).map(|(error, _)| error.abs()))
+    });
+    let near = |errors: &[f64; 2]| errors.iter().all(|&error| error < 1.5);
+    let order = if near(&limbs[0][0]) { [0, 1] } else { [1, 0] };
+    assert!(near(&limbs[0][order[0]]) && near(&limbs[1][order[1]]), "{limbs:?}");
+
+    let pixels = mask.set_pixels().map(|(x, y)| Vector2::new(x as f64, y as f64));
+    let range = axial_range(&scene.camera, &scene.cylinder, pixels, 0.0).unwrap();
+    for (found, truth) in range.iter().zip(&scene.range) {
+        assert!((found - truth).abs() < 0.004, "{range:?}");
+    }
+    let segment =
+        EdgeSegment { endpoints: [Vector2::new(80.0, 30.0), Vector2::new(110.0, 150.0)], weight: 1.0 };
+    let range = axial_range(&scene.camera, &scene.cylinder, segment.endpoints.into_iter(), 0.0).unwrap();
+    assert!(range[0] < -0.05 && range[1] > 0.05, "{range:?}");
+    assert_eq!(axial_range(&scene.camera, &scene.cylinder, std::iter::empty(), 0.1), None);
+}

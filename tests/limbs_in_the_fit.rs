@@ -1,0 +1,70 @@
+//! Limbs located in the image take part in the robust fit, and in no other.
+#![allow(clippy::unwrap_used)]
+
+#[path = "support/frames.rs"]
+mod frames;
+
+use cylfuse::fitter::{ObjectiveKind, Options};
+use cylfuse::observations::ImageView;
+use std::path::Path;
+
+fn sample() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames/r40_a20_f0")
+}
+
+#[test]
+fn located_limbs_pull_a_wrong_edge_back() {
+    let fit = |with_image: bool, shift: f64| {
+        let mut fitter = frames::fitter_with_edges(&sample(), false);
+        let mut edges = frames::fitter(&sample()).segments().to_vec();
+        edges[0].endpoints.iter_mut().for_each(|q| q.x += shift);
+        fitter.push_edges(&edges).unwrap();
+        if with_image {
+            frames::push_image(&mut fitter, &sample());
+        }
+        fitter.fit().unwrap()
+    };
+    let change = |with_image| {
+        let (right, wrong) = (fit(with_image, 0.0), fit(with_image, 1.5));
+        (wrong.cylinder.radius / right.cylinder.radius - 1.0).abs()
+    };
+    assert_eq!(fit(true, 0.0).limbs_located, 2);
+    assert_eq!(fit(false, 0.0).limbs_located, 0);
+    assert!(change(true) < 0.2 * change(false), "{} {}", change(true), change(false));
+}
+
+#[test]
+fn the_result_is_that_of_its_own_evaluation() {
+    let mut fitter = frames::fitter(&sample());
+    frames::push_image(&mut fitter, &sample());
+    let result = fitter.fit().unwrap();
+    let evaluated = fitter.evaluate(&result.cylinder).unwrap();
+    assert!((evaluated.cost / result.cost - 1.0).abs() < 1e-12);
+    assert_eq!(fitter.residuals(None, cylfuse::fitter::ResidualKind::Edges).unwrap().len(), 4);
+    fitter.clear();
+    assert!(fitter.image().is_none());
+}
+
+#[test]
+fn the_paper_never_looks_at_the_image() {
+    let fit = |with_image: bool| {
+        let mut fitter = frames::fitter(&sample());
+        if with_image {
+            frames::push_image(&mut fitter, &sample());
+        }
+        fitter.set_options(Options { objective: ObjectiveKind::Paper, ..Options::default() }).unwrap();
+        let cylinder = fitter.fit().unwrap().cylinder;
+        (cylinder, fitter.extent(None, None).unwrap().length)
+    };
+    assert_eq!(fit(true), fit(false));
+}
+
+#[test]
+fn an_image_of_another_size_is_refused() {
+    let mut fitter = frames::fitter(&sample());
+    let error = fitter.push_image(&ImageView::from_u8(&[0; 6], (3, 2)).unwrap()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "grey image is 3 x 2 but the image of the intrinsics is 640 x 480; both must have the same size"
+    );
+}
