@@ -88,7 +88,7 @@ pub(super) fn rough_line(strip: &Strip, half_length: f64, reach: f64, deviation:
         for j in -count..=count {
             let ends = [i, j].map(|k| f64::from(k) * reach / f64::from(count));
             let deviations = ends.map(|u| u / deviation);
-            let prior = (deviations[0] * deviations[0] + deviations[1] * deviations[1]) / 2.0;
+            let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
             let score = evidence(&responses, half_length, &ends) - prior;
             if best.is_none_or(|best| score > best.score) {
                 best = Some(RoughLine { ends, score, visible: score >= needed });

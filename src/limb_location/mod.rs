@@ -10,10 +10,12 @@
 //!
 //! A limb that cannot be seen is reported, with the reason.
 
+mod block;
 mod consensus;
 mod profile;
 mod refine;
 mod region;
+mod shading;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -23,9 +25,11 @@ pub use region::{axial_range, sides_of_mask};
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::observations::GreyImage;
+use block::{Block, INSIDE, OUTSIDE};
 use consensus::rough_line;
 use nalgebra::{Matrix2, Vector2};
-use refine::{Expected, INSIDE, Limb, OUTSIDE, refine};
+use refine::{Expected, Limb, SHADING, refine};
+use shading::{LimbShading, Shading};
 use strip::{Baseline, Strip};
 
 /// Pixels beyond reach and profile that the step filter needs.
@@ -36,7 +40,7 @@ const FILTER_MARGIN: f64 = 3.0;
 const LINE_FLOOR: f64 = 0.07;
 
 /// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in pixels.
-const LARGEST_SIGMA: f64 = 0.4;
+const LARGEST_SIGMA: f64 = 0.6;
 
 /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
 /// and there.
@@ -144,8 +148,7 @@ pub fn locate_limbs(
         let half_width = search.reach[k] + OUTSIDE.max(INSIDE) + FILTER_MARGIN;
         visible_strip(image, camera, &baselines[k], half_width)
     });
-    let mut limbs = Vec::new();
-    let mut seen = Vec::new();
+    let mut roughs = [None, None];
     for (k, strip) in strips.iter().enumerate() {
         observations[k].line = Err(NotVisible::TooShort);
         let Some((baseline, strip)) = strip else { continue };
@@ -153,14 +156,22 @@ pub fn locate_limbs(
         let Some(rough) = rough_line(strip, half_length, search.reach[k], deviation) else { continue };
         observations[k].line = Err(NotVisible::NoEdge);
         if rough.visible {
-            limbs.push(Limb::new(strip, Expected { rough, half_length, deviation }));
-            seen.push((k, baseline));
+            roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation }));
         }
+    }
+    let shading = inner_shading(image, camera, &baselines, &roughs, radius);
+    let mut limbs = Vec::new();
+    let mut seen = Vec::new();
+    for (k, found) in roughs.into_iter().enumerate() {
+        let Some((strip, baseline, expected)) = found else { continue };
+        let near = shading.map_or(LimbShading::plain(SHADING), |shading| shading.near_limb(SIDES[k], radius));
+        limbs.push(Limb::new(strip, expected, &near, radius));
+        seen.push((k, baseline));
     }
     if limbs.is_empty() {
         return observations;
     }
-    let blur = refine(&mut limbs, radius);
+    let blur = refine(&mut limbs);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
         observations[k] = LimbObservation {
             line: judged(limb, baseline, search.reach[k]),
@@ -170,6 +181,42 @@ pub fn locate_limbs(
     }
     drop_same_line(&mut observations);
     observations
+}
+
+/// The angle φ of each limb about the axis, in units of 90°: u rises from the first limb to the second.
+const SIDES: [f64; 2] = [-1.0, 1.0];
+
+/// A limb that is visible: its pixels, where they are, and what is known of it.
+type Found<'a> = Option<(&'a Strip, &'a Baseline, Expected)>;
+
+/// The shading of the surface between the limbs, as far as they are known.
+fn inner_shading(
+    image: &GreyImage,
+    camera: &Camera,
+    baselines: &[Baseline; 2],
+    found: &[Found<'_>; 2],
+    radius: f64,
+) -> Option<Shading> {
+    // The ends of each limb, where it is seen or else where it is expected, in the same direction.
+    let ends = [0, 1].map(|k| match &found[k] {
+        Some((_, baseline, expected)) => {
+            let half = baseline.half_length;
+            let [a, b] = expected.rough.ends;
+            [baseline.position(-half, a), baseline.position(half, b)]
+        }
+        None => [-1.0, 1.0].map(|side| baselines[k].position(side * baselines[k].half_length, 0.0)),
+    });
+    let middle = [0, 1].map(|k| (ends[0][k] + ends[1][k]) / 2.0);
+    let baseline = Baseline::new(&middle, &((ends[1][0] + ends[1][1]) / 2.0))?;
+    let limbs = ends.map(|ends| {
+        let [(s0, u0), (s1, u1)] = ends.map(|end| baseline.coordinates(&end));
+        let slope = (u1 - u0) / (s1 - s0);
+        (u0 - slope * s0, slope)
+    });
+    let intrinsics = camera.intrinsics();
+    let size = Vector2::new(f64::from(intrinsics.width), f64::from(intrinsics.height));
+    let strip = Strip::gather(image, camera, &baseline.clipped(&(size / 2.0), size.norm())?, radius);
+    Shading::observe(&strip, limbs, radius)
 }
 
 /// The expected limb lines within the range and the radius of the cylinder in the image, in pixels; `None` when
@@ -207,7 +254,7 @@ fn visible_strip(
 
 /// The line of a refined limb, if it can be trusted.
 fn judged(limb: &Limb<'_>, baseline: &Baseline, reach: f64) -> Result<LimbLine, NotVisible> {
-    let ends = [-1.0, 1.0].map(|side| limb.line.at(side * baseline.half_length));
+    let ends = [-1.0, 1.0].map(|side| limb.state.line.at(side * baseline.half_length));
     if ends.iter().any(|u| u.abs() > reach) {
         return Err(NotVisible::OutOfReach);
     }
@@ -226,13 +273,13 @@ fn judged(limb: &Limb<'_>, baseline: &Baseline, reach: f64) -> Result<LimbLine, 
     if limb.spread() < LEAST_SPREAD {
         return Err(NotVisible::Patchy);
     }
-    let ends = [center - half, center + half].map(|s| baseline.position(s, limb.line.at(s)));
+    let ends = [center - half, center + half].map(|s| baseline.position(s, limb.state.line.at(s)));
     Ok(LimbLine { ends, sigma })
 }
 
 fn samples(limb: &Limb<'_>, baseline: &Baseline) -> Vec<LimbSample> {
-    let sample = |block: &refine::Block| LimbSample {
-        position: baseline.position(block.s, limb.line.at(block.s) + block.shift),
+    let sample = |block: &Block| LimbSample {
+        position: baseline.position(block.s, limb.state.line.at(block.s) + block.shift),
         sigma: block.sigma,
         weight: block.weight,
     };

@@ -5,23 +5,17 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::consensus::{BLOCK_RUNS, RoughLine};
-use super::profile::Profile;
+use super::block::{Block, LimbState, StripLine, fit_blocks};
+use super::consensus::RoughLine;
+use super::profile::{Profile, SharpProfile};
+use super::shading::LimbShading;
 use super::strip::Strip;
 use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
-use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
-use std::ops::Range;
-
-/// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
-pub(super) const OUTSIDE: f64 = 4.0;
-
-/// How far the profile reaches inside the limb, in pixels: more meets labels, and shading turns from what two
-/// coefficients describe.
-pub(super) const INSIDE: f64 = 3.5;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
 /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
 /// lamps and paint do, so that noise is not explained by shading that no surface has.
-const SHADING: f64 = 0.3;
+pub(super) const SHADING: f64 = 0.3;
 
 /// Blur where the iteration starts, standard deviation in pixels: a lens in focus and the aperture of a pixel.
 const FIRST_BLUR: f64 = 0.8;
@@ -30,7 +24,7 @@ const FIRST_BLUR: f64 = 0.8;
 const LEAST_BLUR: f64 = 0.29;
 
 /// More blur than this leaves no limb within the profile.
-const MOST_BLUR: f64 = 2.0;
+pub(super) const MOST_BLUR: f64 = 2.0;
 
 /// Gauss–Newton steps at most; five to eight are usual.
 const STEPS: usize = 15;
@@ -40,12 +34,6 @@ const SETTLED: f64 = 1e-3;
 
 /// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
 const LONGEST_STEP: f64 = 0.5;
-
-/// Standard deviation by which the limb in one block may be off for reasons other than noise, in pixels.
-const BLOCK_FLOOR: f64 = 0.05;
-
-/// Fewest pixels of a block: a few per unknown.
-const LEAST_PIXELS: usize = 20;
 
 /// Lines through pairs of blocks are tried for that many blocks at most.
 const MOST_HYPOTHESES: usize = 16;
@@ -60,44 +48,15 @@ const SCAN_REACH: f64 = 2.5;
 /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
 const SCAN_STEP: f64 = 0.5;
 
-/// A line across a strip: u = offset + slope · s.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct StripLine {
-    pub offset: f64,
-    pub slope: f64,
-}
+/// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
+const AMBIGUOUS: f64 = 100.0;
 
-impl StripLine {
-    pub fn at(&self, s: f64) -> f64 {
-        self.offset + self.slope * s
-    }
-}
+/// Places this close to each other are one, in pixels.
+const SAME_PLACE: f64 = 0.1;
 
-/// What one block says about the line.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Block {
-    /// Mean position along the strip.
-    pub s: f64,
-    /// Where the block sees the limb, relative to the line, in pixels.
-    pub shift: f64,
-    /// Standard deviation of `shift` in pixels, at the shading and blur of all blocks together.
-    pub sigma: f64,
-    /// What is left of the block in the fit of the line, 0 to 1.
-    pub weight: f64,
-    /// Pixels, and the sum of their squared residuals.
-    count: f64,
-    squares: f64,
-    /// `JᵀJ` and `Jᵀr` over the variance of a pixel, in (line, blur, shading), levels eliminated.
-    information: Matrix4<f64>,
-    gradient: Vector4<f64>,
-}
-
-impl Block {
-    /// Variance of `shift` with everything that is not noise.
-    fn variance(&self) -> f64 {
-        self.sigma * self.sigma + BLOCK_FLOOR * BLOCK_FLOOR
-    }
-}
+/// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
+/// pixel is odd about its neighbours, too.
+const TEMPERATURE: f64 = 4.0;
 
 /// What is known of a limb before it is refined.
 #[derive(Debug, Clone, Copy)]
@@ -110,31 +69,35 @@ pub(super) struct Expected {
 }
 
 /// One limb to refine.
+#[derive(Clone)]
 pub(super) struct Limb<'a> {
     strip: &'a Strip,
     expected: Expected,
     noise: f64,
-    /// Coefficients of sin θ and 1 − cos θ, relative to the level inside.
-    shading: Vector2<f64>,
+    sharp: SharpProfile,
+    /// Standard deviation of the coefficients of the shading.
+    shading_deviation: f64,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
-    pub line: StripLine,
+    pub state: LimbState,
     pub blocks: Vec<Block>,
     /// Covariance of (offset, slope).
     pub covariance: Matrix2<f64>,
 }
 
 impl<'a> Limb<'a> {
-    pub fn new(strip: &'a Strip, expected: Expected) -> Self {
+    /// `radius` is that of the cylinder in the image, in pixels.
+    pub fn new(strip: &'a Strip, expected: Expected, shading: &LimbShading, radius: f64) -> Self {
         let [a, b] = expected.rough.ends;
         let line = StripLine { offset: f64::midpoint(a, b), slope: (b - a) / (2.0 * expected.half_length) };
         Self {
             strip,
             expected,
             noise: strip.noise(),
-            shading: Vector2::zeros(),
+            sharp: SharpProfile::new(radius, shading, SCAN_REACH),
+            shading_deviation: shading.deviation,
             scatter: 1.0,
-            line,
+            state: LimbState { line, shading: Vector2::zeros() },
             blocks: Vec::new(),
             covariance: Matrix2::zeros(),
         }
@@ -148,103 +111,54 @@ impl<'a> Limb<'a> {
         sum * sum / (squares * self.blocks.len() as f64)
     }
 
-    /// Moves the line to the parallel one whose profile explains the blocks best.
-    fn scan(&mut self, profile: &Profile) {
-        let start = self.line;
+    /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
+    fn scan(&self) -> Vec<LimbState> {
+        let profile = &self.sharp.blurred(FIRST_BLUR, SCAN_REACH);
         let count = (SCAN_REACH / SCAN_STEP) as i32;
-        let mut best = (f64::INFINITY, 0.0, Vector2::zeros());
-        for k in -count..=count {
-            let shift = f64::from(k) * SCAN_STEP;
-            self.shading = Vector2::zeros();
-            self.shading = self.best_shading(&self.fit_blocks(profile, shift));
-            let cost =
-                |block: &Block| block.count * (block.squares / block.count + self.noise * self.noise).ln();
-            let far = (start.offset + shift) / self.expected.deviation;
-            let blocks = self.fit_blocks(profile, shift);
-            let cost = blocks.iter().map(cost).sum::<f64>() + far * far;
-            if cost < best.0 {
-                best = (cost, shift, self.shading);
-            }
-        }
-        self.line.offset += best.1;
-        self.shading = best.2;
+        let places: Vec<(f64, LimbState)> = (-count..=count)
+            .map(|k| {
+                let mut limb = self.state;
+                limb.line.offset += f64::from(k) * SCAN_STEP;
+                limb.shading = Vector2::zeros();
+                limb.shading = self.best_shading(&limb, &self.fit_blocks(profile, &limb, &self.state.line));
+                (self.cost(profile, &limb, &self.state.line), limb)
+            })
+            .collect();
+        let cost = |k: usize| places.get(k).map_or(f64::INFINITY, |place| place.0);
+        let mut minima: Vec<(f64, LimbState)> = (0..places.len())
+            .filter(|&k| cost(k) <= cost(k + 1) && (k == 0 || cost(k) < cost(k - 1)))
+            .map(|k| places[k])
+            .collect();
+        minima.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let least = minima[0].0;
+        minima.retain(|minimum| minimum.0 < least + AMBIGUOUS);
+        minima.truncate(2);
+        minima.into_iter().map(|minimum| minimum.1).collect()
+    }
+
+    /// Twice the negative log-likelihood of the pixels about `window`, and of what is expected of line and shading.
+    fn cost(&self, profile: &Profile, state: &LimbState, window: &StripLine) -> f64 {
+        let floor = self.noise * self.noise;
+        let cost = |block: &Block| block.count * (block.squares / block.count + floor).ln();
+        let blocks = self.fit_blocks(profile, state, window).iter().map(cost).sum::<f64>();
+        let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
+        let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
+        blocks + far + state.shading.norm_squared() / self.shading_deviation.powi(2)
     }
 
     /// The shading that suits the blocks best at a given line.
-    fn best_shading(&self, blocks: &[Block]) -> Vector2<f64> {
-        let mut normal = Matrix2::identity() * SHADING.powi(-2);
+    fn best_shading(&self, state: &LimbState, blocks: &[Block]) -> Vector2<f64> {
+        let mut normal = Matrix2::identity() * self.shading_deviation.powi(-2);
         let mut right = Vector2::zeros();
         for block in blocks {
             normal += block.information.fixed_view::<2, 2>(2, 2);
             right += block.gradient.fixed_rows::<2>(2);
         }
-        normal.try_inverse().map_or(self.shading, |inverse| self.shading + inverse * right)
+        normal.try_inverse().map_or(state.shading, |inverse| state.shading + inverse * right)
     }
 
-    fn fit_blocks(&self, profile: &Profile, shift: f64) -> Vec<Block> {
-        let count = self.strip.len();
-        let runs = (0..count.div_ceil(BLOCK_RUNS)).map(|k| k * BLOCK_RUNS..((k + 1) * BLOCK_RUNS).min(count));
-        runs.filter_map(|runs| self.fit_block(profile, shift, runs)).collect()
-    }
-
-    /// One block, with the limb moved by `shift` but the pixels about the line as it is: costs of different
-    /// shifts are over the same pixels.
-    fn fit_block(&self, profile: &Profile, shift: f64, runs: Range<usize>) -> Option<Block> {
-        let mut rows = Vec::with_capacity(128);
-        let mut sum_s = 0.0;
-        for pixel in runs.flat_map(|k| self.strip.run(k)) {
-            let v = pixel.u - self.line.at(pixel.s);
-            if (-OUTSIDE..=INSIDE).contains(&v) {
-                rows.push((profile.at(v - shift)?, pixel.value));
-                sum_s += pixel.s;
-            }
-        }
-        if rows.len() < LEAST_PIXELS {
-            return None;
-        }
-        let count = rows.len() as f64;
-        let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for (row, value) in &rows {
-            let [outer, inner, sine, lean] = row.values;
-            let f = Vector2::new(outer, inner + self.shading[0] * sine + self.shading[1] * lean);
-            normal += f * f.transpose();
-            right += f * *value;
-        }
-        let inverse = normal.try_inverse()?;
-        let levels = inverse * right;
-        let coefficients =
-            Vector4::new(levels[0], levels[1], levels[1] * self.shading[0], levels[1] * self.shading[1]);
-        let mut cross = SMatrix::<f64, 2, 4>::zeros();
-        let (mut square, mut gradient, mut squares) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-        for (row, value) in &rows {
-            let [outer, inner, sine, lean] = row.values;
-            let f = Vector2::new(outer, inner + self.shading[0] * sine + self.shading[1] * lean);
-            let residual = value - f.dot(&levels);
-            let j = Vector4::new(
-                -coefficients.dot(&Vector4::from(row.slopes)),
-                coefficients.dot(&Vector4::from(row.blur_slopes)),
-                levels[1] * sine,
-                levels[1] * lean,
-            );
-            cross += f * j.transpose();
-            square += j * j.transpose();
-            gradient += j * residual;
-            squares += residual * residual;
-        }
-        let variance = (squares / (count - 4.0)).max(self.noise * self.noise);
-        let information = (square - cross.transpose() * inverse * cross) / variance;
-        let gradient = gradient / variance;
-        let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
-        Some(Block {
-            s: sum_s / count,
-            shift: gradient[0] / of_line,
-            sigma: (1.0 / of_line).sqrt(),
-            weight: 1.0,
-            count,
-            squares,
-            information,
-            gradient,
-        })
+    fn fit_blocks(&self, profile: &Profile, state: &LimbState, window: &StripLine) -> Vec<Block> {
+        fit_blocks(self.strip, self.noise, profile, state, window)
     }
 
     /// Tukey weights about the line through the shifts of the blocks.
@@ -313,12 +227,12 @@ impl<'a> Limb<'a> {
         }
         let half = self.expected.half_length;
         let of_line = 2.0 / self.expected.deviation.powi(2);
-        let of_shading = SHADING.powi(-2);
+        let of_shading = self.shading_deviation.powi(-2);
         let priors = [
-            (of_line, self.line.offset),
-            (of_line * half * half, self.line.slope),
-            (of_shading, self.shading[0]),
-            (of_shading, self.shading[1]),
+            (of_line, self.state.line.offset),
+            (of_line * half * half, self.state.line.slope),
+            (of_shading, self.state.shading[0]),
+            (of_shading, self.state.shading[1]),
         ];
         for (k, (weight, value)) in priors.into_iter().enumerate() {
             normal[(first + k, first + k)] += weight;
@@ -330,9 +244,9 @@ impl<'a> Limb<'a> {
     fn take(&mut self, step: &Vector4<f64>, covariance: Matrix2<f64>) -> f64 {
         let size = step[0].abs() + step[1].abs() * self.expected.half_length;
         let shrink = (LONGEST_STEP / size).min(1.0);
-        self.line.offset += step[0] * shrink;
-        self.line.slope += step[1] * shrink;
-        self.shading += step.fixed_rows::<2>(2) * shrink;
+        self.state.line.offset += step[0] * shrink;
+        self.state.line.slope += step[1] * shrink;
+        self.state.shading += step.fixed_rows::<2>(2) * shrink;
         self.covariance = covariance * (self.scatter * self.scatter);
         size
     }
@@ -341,12 +255,72 @@ impl<'a> Limb<'a> {
 /// Where the blur stands among the unknowns, after four of each limb.
 const BLUR: usize = 8;
 
-/// Refines one or two limbs of a cylinder of some radius in the image, in pixels, and the blur; returns the blur.
-pub(super) fn refine(limbs: &mut [Limb<'_>], radius: f64) -> f64 {
-    let wide = Profile::new(FIRST_BLUR, radius, SCAN_REACH);
-    for limb in limbs.iter_mut() {
-        limb.scan(&wide);
+/// Refines one or two limbs of a cylinder and the blur; returns the blur.
+pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
+    let scans: Vec<Vec<LimbState>> = limbs.iter().map(Limb::scan).collect();
+    let mut starts: Vec<Vec<LimbState>> = vec![Vec::new()];
+    for scan in &scans {
+        let extended = |start: &Vec<LimbState>| {
+            scan.iter().map(|state| start.iter().copied().chain([*state]).collect()).collect::<Vec<_>>()
+        };
+        starts = starts.iter().flat_map(extended).collect();
     }
+    if let [_] = starts[..] {
+        for (limb, scan) in limbs.iter_mut().zip(&scans) {
+            limb.state = scan[0];
+        }
+        return iterate(limbs);
+    }
+    let windows: Vec<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
+    let mut modes: Vec<Mode<'_>> = Vec::new();
+    for start in &starts {
+        for (limb, state) in limbs.iter_mut().zip(start) {
+            limb.state = *state;
+        }
+        let blur = iterate(limbs);
+        if modes.iter().any(|mode| mode.is_at(limbs)) {
+            continue;
+        }
+        let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
+            limb.cost(&limb.sharp.blurred(blur, SCAN_REACH), &limb.state, window)
+        };
+        let cost = limbs.iter().zip(&windows).map(cost).sum();
+        modes.push(Mode { cost, limbs: limbs.to_vec(), blur });
+    }
+    modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    limbs.clone_from_slice(&modes[0].limbs);
+    let weights: Vec<f64> =
+        modes.iter().map(|mode| ((modes[0].cost - mode.cost) / (2.0 * TEMPERATURE)).exp()).collect();
+    let sum: f64 = weights.iter().sum();
+    for (k, limb) in limbs.iter_mut().enumerate() {
+        let line = |mode: &Mode<'_>| mode.limbs[k].state.line.vector();
+        let lines = || modes.iter().map(line).zip(weights.iter().map(|weight| weight / sum));
+        let mean = lines().fold(Vector2::zeros(), |mean, (line, weight)| mean + line * weight);
+        for (line, weight) in lines() {
+            limb.covariance += (line - mean) * (line - mean).transpose() * weight;
+        }
+        limb.state.line = StripLine { offset: mean[0], slope: mean[1] };
+    }
+    modes[0].blur
+}
+
+/// One of several places where the limbs may be.
+struct Mode<'a> {
+    cost: f64,
+    limbs: Vec<Limb<'a>>,
+    blur: f64,
+}
+
+impl Mode<'_> {
+    /// Whether the lines are the same.
+    fn is_at(&self, limbs: &[Limb<'_>]) -> bool {
+        let pairs = || self.limbs.iter().zip(limbs);
+        pairs().all(|(a, b)| (a.state.line.offset - b.state.line.offset).abs() < SAME_PLACE)
+    }
+}
+
+/// Gauss–Newton steps on lines, shading and blur from where the limbs are; returns the blur.
+fn iterate(limbs: &mut [Limb<'_>]) -> f64 {
     let mut blur = FIRST_BLUR;
     for _ in 0..STEPS {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
@@ -357,9 +331,9 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], radius: f64) -> f64 {
         for k in 4 * limbs.len()..BLUR {
             normal[(k, k)] = 1.0;
         }
-        let profile = Profile::new(blur, radius, 0.0);
         for (index, limb) in limbs.iter_mut().enumerate() {
-            limb.blocks = limb.fit_blocks(&profile, 0.0);
+            let profile = limb.sharp.blurred(blur, 0.0);
+            limb.blocks = limb.fit_blocks(&profile, &limb.state, &limb.state.line);
             limb.weigh();
             limb.add_to(&mut normal, &mut right, 4 * index);
         }

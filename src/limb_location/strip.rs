@@ -50,7 +50,7 @@ impl Baseline {
     }
 
     /// (s, u) of an ideal pixel.
-    fn coordinates(&self, ideal: &Vector2<f64>) -> (f64, f64) {
+    pub fn coordinates(&self, ideal: &Vector2<f64>) -> (f64, f64) {
         let from_middle = ideal - self.middle;
         (from_middle.dot(&self.along), from_middle.dot(&self.inward))
     }

@@ -176,7 +176,7 @@ fn flat_lines_are_located_as_steep_ones() {
 #[test]
 fn a_label_and_an_occluder_cost_little() {
     Scene { label: true, background: 200.0, ..Scene::new() }.check(0.3);
-    let observations = Scene { occluded: 80..100, ..Scene::new() }.check(0.2);
+    let observations = Scene { occluded: 80..100, ..Scene::new() }.check(0.3);
     for observation in &observations {
         let refused = observation.samples.iter().filter(|sample| sample.weight < 0.5).count();
         let hidden = observation.samples.iter().filter(|s| (84.0..96.0).contains(&s.position.y));

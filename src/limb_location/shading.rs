@@ -1,0 +1,281 @@
+//! How the brightness runs around the cylinder, seen where there is plenty of it: between the limbs.
+//!
+//! For a matt surface and distant lamps the brightness is a function of the angle φ of the normal about the axis
+//! (0 towards the camera, ± 90° at the limbs): a + b cos φ + c sin φ for all lamps that the whole visible surface
+//! sees, and d max(0, cos(φ − φ₀)) for a lamp that part of it turns away from. This is fitted to the inner part
+//! of the surface, over medians along the axis so that labels, gloss and occluders have little influence, and
+//! tells what the limbs look like just inside: whether the surface darkens towards them, and how steeply.
+
+use super::block::INSIDE;
+use super::strip::Strip;
+use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
+use nalgebra::{Matrix4, Vector4};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Runs that form a block with a paint of its own.
+const BLOCK_RUNS: usize = 8;
+
+/// Fewest blocks that have a median.
+const LEAST_BLOCKS: usize = 3;
+
+/// The visible half circle is divided into that many bins at most, and into bins of 1.5 pixels at least.
+const MOST_BINS: usize = 24;
+const LEAST_BIN_PIXELS: f64 = 1.5;
+
+/// Fewest bins that determine five unknowns.
+const LEAST_BINS: usize = 6;
+
+/// Standard deviation of a median for reasons other than its scatter along the axis, relative to the brightness:
+/// 8 bits.
+const FLOOR: f64 = 0.005;
+
+/// How many times as far from the medians as most blocks a block may be.
+const MOST_ODDNESS: f64 = 3.0;
+
+/// Standard deviation of d and of b and c, relative to the brightness. One lamp and light from everywhere explain
+/// most scenes; others are weak beside them.
+const MAIN_LAMP: f64 = 3.0;
+const OTHER_LAMPS: f64 = 0.1;
+
+/// Directions φ₀ that are tried, all around.
+const LIGHTS: usize = 48;
+
+/// Steps of reweighting for each of them.
+const REWEIGHTINGS: usize = 6;
+
+/// A squared residual in units of its variance beyond which a bin disagrees altogether.
+const LARGEST_SQUARE: f64 = 25.0;
+
+/// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
+/// units of the brightness there: dust, coats of paint, several lamps at once.
+const NEAR_LIMB: f64 = 0.05;
+
+/// Brightness near a limb relative to that of the inner part below which it is taken as this: in deep shadow ratios
+/// mean little.
+const DARKEST: f64 = 0.05;
+
+/// The brightness around a cylinder, 1 on the median of the inner part.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shading {
+    coefficients: Vector4<f64>,
+    light: f64,
+    covariance: Matrix4<f64>,
+}
+
+/// What one limb looks like from 0 to `INSIDE` pixels within it.
+#[derive(Debug, Clone)]
+pub(super) struct LimbShading {
+    /// The brightness all around and the angle of this limb in units of 90°; `None` for the same brightness everywhere.
+    shading: Option<(Shading, f64)>,
+    /// Mean of the brightness within the window.
+    mean: f64,
+    /// Standard deviation of the part that is not expected, relative to the mean.
+    pub deviation: f64,
+}
+
+impl LimbShading {
+    /// The same brightness everywhere, with some standard deviation.
+    pub fn plain(deviation: f64) -> Self {
+        Self { shading: None, mean: 1.0, deviation }
+    }
+
+    /// Brightness at the distance w inside the limb in units of the radius, 1 on the mean of the window.
+    pub fn at(&self, w: f64) -> f64 {
+        let Some((shading, side)) = &self.shading else { return 1.0 };
+        shading.at(side * (1.0 - w.clamp(0.0, 1.0)).asin()).max(0.0) / self.mean
+    }
+}
+
+fn functions(angle: f64, light: f64) -> Vector4<f64> {
+    Vector4::new(1.0, angle.cos(), angle.sin(), (angle - light).cos().max(0.0))
+}
+
+impl Shading {
+    fn at(&self, angle: f64) -> f64 {
+        functions(angle, self.light).dot(&self.coefficients)
+    }
+
+    /// What to expect of the limb at φ = ± 90° of a cylinder of some radius in pixels.
+    pub fn near_limb(&self, side: f64, radius: f64) -> LimbShading {
+        let places = 16;
+        let angle = |k: usize| {
+            let w = INSIDE / radius * (k as f64 + 0.5) / places as f64;
+            side * (1.0 - w.min(1.0)).asin()
+        };
+        let mean = (0..places).map(|k| self.at(angle(k)).max(0.0)).sum::<f64>() / places as f64;
+        let mean = mean.max(DARKEST);
+        let at_limb = functions(side * FRAC_PI_2, self.light);
+        let variance = at_limb.dot(&(self.covariance * at_limb));
+        LimbShading {
+            shading: Some((*self, side)),
+            mean,
+            deviation: (variance + NEAR_LIMB * NEAR_LIMB).sqrt() / mean,
+        }
+    }
+
+    /// From the pixels about the middle line, in runs across it. `limbs` are the two limbs as u = offset +
+    /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle.
+    pub fn observe(strip: &Strip, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
+        let widest = (1.0 - INSIDE / radius).max(0.0).asin();
+        let bins = MOST_BINS.min(((2.0 * (radius - INSIDE)) / LEAST_BIN_PIXELS).max(0.0) as usize);
+        if bins < LEAST_BINS {
+            return None;
+        }
+        let noise = strip.noise();
+        let mut blocks: Vec<Vec<Option<f64>>> = Vec::new();
+        for first in (0..strip.len()).step_by(BLOCK_RUNS) {
+            let mut sums = vec![(0.0, 0.0); bins];
+            for pixel in (first..(first + BLOCK_RUNS).min(strip.len())).flat_map(|run| strip.run(run)) {
+                let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
+                let across = (2.0 * pixel.u - low - high) / (high - low);
+                if across.abs() < 1.0 {
+                    let place = (across.asin() / widest + 1.0) / 2.0 * bins as f64;
+                    if let Some(sum) = (place >= 0.0).then(|| sums.get_mut(place as usize)).flatten() {
+                        *sum = (sum.0 + pixel.value, sum.1 + 1.0);
+                    }
+                }
+            }
+            let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
+            let mut known: Vec<f64> = sums.iter().filter_map(mean).collect();
+            if known.len() >= LEAST_BINS {
+                let gain = median(&mut known);
+                if gain > 3.0 * noise {
+                    blocks.push(sums.iter().map(|sum| mean(sum).map(|mean| mean / gain)).collect());
+                }
+            }
+        }
+        drop_odd(&mut blocks);
+        let angle = |k: usize| widest * (2.0 * (k as f64 + 0.5) / bins as f64 - 1.0);
+        let rows: Vec<Median> = (0..bins).filter_map(|k| Median::of(&blocks, k, angle(k))).collect();
+        if rows.len() < LEAST_BINS {
+            return None;
+        }
+        let mut best: Option<(f64, Self)> = None;
+        for k in 0..LIGHTS {
+            let light = 2.0 * PI * k as f64 / LIGHTS as f64 - PI;
+            if let Some((cost, shading)) = fit(&rows, light)
+                && best.is_none_or(|(least, _)| cost < least)
+            {
+                best = Some((cost, shading));
+            }
+        }
+        best.map(|(_, shading)| shading)
+    }
+}
+
+/// The median brightness at an angle.
+struct Median {
+    angle: f64,
+    value: f64,
+    deviation: f64,
+}
+
+impl Median {
+    /// Of one bin over the blocks.
+    fn of(blocks: &[Vec<Option<f64>>], bin: usize, angle: f64) -> Option<Self> {
+        let mut values: Vec<f64> = blocks.iter().filter_map(|block| block[bin]).collect();
+        if values.len() < LEAST_BLOCKS {
+            return None;
+        }
+        let value = median(&mut values);
+        let mut sizes: Vec<f64> = values.iter().map(|x| (x - value).abs()).collect();
+        // The standard error of a median is √(π/2) times that of a mean.
+        let scatter = 1.4826 * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
+        Some(Self { angle, value, deviation: scatter.hypot(FLOOR) })
+    }
+}
+
+/// Drops blocks that differ from the medians much more than most do: an occluder is flat all across, and would draw
+/// every median the same way.
+fn drop_odd(blocks: &mut Vec<Vec<Option<f64>>>) {
+    let Some(bins) = blocks.first().map(Vec::len) else { return };
+    let medians: Vec<Option<Median>> = (0..bins).map(|k| Median::of(blocks, k, 0.0)).collect();
+    let oddness = |block: &Vec<Option<f64>>| {
+        let pairs = block.iter().zip(&medians);
+        let mut sizes: Vec<f64> =
+            pairs.filter_map(|(x, row)| Some((x.as_ref()? - row.as_ref()?.value).abs())).collect();
+        if sizes.is_empty() { f64::INFINITY } else { median(&mut sizes) }
+    };
+    let all: Vec<f64> = blocks.iter().map(oddness).collect();
+    let limit = MOST_ODDNESS * median(&mut all.clone()).max(FLOOR);
+    let mut each = all.iter();
+    blocks.retain(|_| each.next().is_some_and(|oddness| *oddness <= limit));
+}
+
+/// The best coefficients for one φ₀, and their cost.
+fn fit(rows: &[Median], light: f64) -> Option<(f64, Shading)> {
+    let other = OTHER_LAMPS.powi(-2);
+    let prior = Matrix4::from_diagonal(&Vector4::new(0.0, other, other, MAIN_LAMP.powi(-2)));
+    let mut weights = vec![1.0; rows.len()];
+    let mut coefficients = Vector4::zeros();
+    let mut covariance = Matrix4::zeros();
+    let mut scale: f64 = 1.0;
+    let residual = |row: &Median, coefficients: &Vector4<f64>| {
+        (row.value - functions(row.angle, light).dot(coefficients)) / row.deviation
+    };
+    for _ in 0..REWEIGHTINGS {
+        let (mut normal, mut right) = (prior, Vector4::zeros());
+        for (row, weight) in rows.iter().zip(&weights) {
+            let f = functions(row.angle, light);
+            let weight = weight / (row.deviation * row.deviation);
+            normal += f * f.transpose() * weight;
+            right += f * (weight * row.value);
+        }
+        covariance = normal.try_inverse()?;
+        coefficients = covariance * right;
+        let mut sizes: Vec<f64> = rows.iter().map(|row| residual(row, &coefficients).abs()).collect();
+        scale = (1.4826 * median(&mut sizes)).max(1.0);
+        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
+        for (weight, row) in weights.iter_mut().zip(rows) {
+            *weight = loss.loss_and_weight(residual(row, &coefficients), 0.0).1;
+        }
+    }
+    let cost: f64 = rows.iter().map(|row| residual(row, &coefficients).powi(2).min(LARGEST_SQUARE)).sum();
+    let cost = cost + coefficients.dot(&(prior * coefficients));
+    Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale) }))
+}
+
+/// The upper median; the values come out in another order.
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Medians of a + b cos φ + d max(0, cos(φ − φ₀)) between ± 60°.
+    fn rows(light: f64) -> Vec<Median> {
+        let angles = (-12..=12).map(|k| f64::from(k) * 5.0_f64.to_radians());
+        let value = |angle: f64| 0.4 + 0.05 * angle.cos() + 0.7 * (angle - light).cos().max(0.0);
+        angles.map(|angle| Median { angle, value: value(angle), deviation: FLOOR }).collect()
+    }
+
+    #[test]
+    fn one_lamp_is_found_and_continued_to_the_limbs() {
+        for light in [-0.9_f64, 0.0, 0.5, 1.2] {
+            let rows = rows(light);
+            let lights = (0..LIGHTS).map(|k| 2.0 * PI * k as f64 / LIGHTS as f64 - PI);
+            let fits = lights.filter_map(|light| fit(&rows, light));
+            let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            for side in [-FRAC_PI_2, FRAC_PI_2] {
+                let expected = 0.4 + 0.7 * (side - light).cos().max(0.0);
+                assert!((shading.at(side) - expected).abs() < 0.05, "{light} {side} {}", shading.at(side));
+            }
+            // The window of a limb has the mean 1.
+            let near = shading.near_limb(1.0, 30.0);
+            let mean = (0..50).map(|k| near.at(INSIDE / 30.0 * (k as f64 + 0.5) / 50.0)).sum::<f64>() / 50.0;
+            assert!((mean - 1.0).abs() < 0.01, "{mean}");
+        }
+    }
+
+    #[test]
+    fn an_occluder_does_not_flatten_the_medians() {
+        let shaded: Vec<Option<f64>> = rows(0.5).iter().map(|row| Some(row.value)).collect();
+        let mut blocks = vec![shaded.clone(); 8];
+        blocks.extend(vec![vec![Some(1.0); shaded.len()]; 3]);
+        drop_odd(&mut blocks);
+        assert_eq!(blocks, vec![shaded; 8]);
+    }
+}
