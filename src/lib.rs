@@ -28,7 +28,7 @@
 //!
 //! # Layers
 //! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`], [`start`] and [`limb_location`], [`fitter`], then what follows a fit: [`completion`] and [`extent`],
+//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`fitter`], then what follows a fit: [`completion`] and [`extent`],
 //! and on top the C interface, [`ffi`].
 
 // Pointers are for the C interface; everything else is safe code.
@@ -36,6 +36,7 @@
 
 pub mod camera;
 pub mod completion;
+pub mod end_location;
 pub mod error;
 pub mod extent;
 #[allow(unsafe_code)]

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 11] = [
     &["camera"],
     &["observations"],
     &["residuals"],
-    &["solver", "start", "limb_location"],
+    &["solver", "start", "limb_location", "end_location"],
     &["fitter"],
     &["completion"],
     &["extent"],

@@ -3,6 +3,7 @@
 use super::scene::{SIZE, Scene};
 use super::*;
 use crate::observations::ImageView;
+use nalgebra::Vector2;
 
 /// The errors of start and end in pixels, outward positive.
 fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
@@ -97,10 +98,17 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
 fn samples_of_the_arcs_lie_on_the_end_circles() {
     let scene = Scene::tilted(0.5);
     let (image, depth, mask) = scene.render(0);
-    let options = ExtentOptions { image: Some(&image), ..ExtentOptions::default() };
     let fitter = Scene::fitter(&depth, &mask);
-    let (_, arcs) = fitter.extent_and_arcs(Some(&scene.cylinder), None, &options).unwrap();
     let camera = Scene::camera();
+    let search = EndSearch {
+        camera: &camera,
+        mask: fitter.mask().unwrap(),
+        depth: fitter.depth(),
+        image: Some(&image),
+        tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),
+        limbs_known: true,
+    };
+    let arcs = locate_ends(&search, &scene.cylinder).unwrap().map(|end| end.samples);
     let axis = scene.cylinder.axis;
     for (samples, end) in arcs.iter().zip([scene.ends.0, scene.ends.1]) {
         assert!(samples.len() > 20);

@@ -1,5 +1,6 @@
 //! The fitter: takes observations, finds a start, minimises, and says how far to trust the result.
 
+mod arcs;
 mod edges;
 mod limbs;
 mod minimum;
@@ -19,7 +20,7 @@ use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
     PointsView, check_segments,
 };
-use crate::residuals::PixelSegment;
+use crate::residuals::{ArcTerm, PixelSegment};
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
 use minimum::best_minimum;
 use nalgebra::Vector3;
@@ -72,6 +73,8 @@ pub struct Fitter {
     image: Option<GreyImage>,
     /// The limb lines that the last fit located in the image.
     located: Vec<PixelSegment>,
+    /// The arcs of the ends that it located there.
+    arcs: ArcTerm,
     result: Option<FitResult>,
 }
 
@@ -201,6 +204,7 @@ impl Fitter {
         self.depth = None;
         self.image = None;
         self.located.clear();
+        self.arcs = ArcTerm::default();
         self.result = None;
     }
 
@@ -283,13 +287,21 @@ impl Fitter {
                 let started = clock.elapsed().as_secs_f64();
                 let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
                 located = self.locate(&problem, &convergence.cylinder);
+                let mut again = |problem: &Problem<'_>, before: Convergence| -> Result<Convergence> {
+                    let mut after = problem.minimise(&before.cylinder, &mut *report)?;
+                    problem.check_radius(&after.cylinder)?;
+                    after.iterations += before.iterations;
+                    after.rejected_steps += before.rejected_steps;
+                    after.initial_cost = before.initial_cost;
+                    Ok(after)
+                };
                 if !located.is_empty() {
                     problem.add_located(&located);
-                    let before = convergence;
-                    convergence = problem.minimise(&before.cylinder, report)?;
-                    problem.check_radius(&convergence.cylinder)?;
-                    convergence.iterations += before.iterations;
-                    convergence.rejected_steps += before.rejected_steps;
+                    convergence = again(&problem, convergence)?;
+                }
+                problem.arcs = self.locate_arcs(&problem, &convergence.cylinder);
+                if !problem.arcs.ends.is_empty() {
+                    convergence = again(&problem, convergence)?;
                 }
                 let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
                 result.add_convergence(&convergence);
@@ -300,7 +312,9 @@ impl Fitter {
         };
         result.limbs_located = located.len();
         result.seconds.total = clock.elapsed().as_secs_f64();
+        let arcs = std::mem::take(&mut problem.arcs);
         self.located = located;
+        self.arcs = arcs;
         self.result = Some(result);
         Ok(result)
     }
@@ -368,6 +382,7 @@ impl Fitter {
     fn problem(&self) -> Result<Problem<'_>> {
         let mut problem = self.problem_without_located()?;
         problem.add_located(&self.located);
+        problem.arcs.clone_from(&self.arcs);
         Ok(problem)
     }
 

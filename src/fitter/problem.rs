@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::observations::PointCloud;
-use crate::residuals::{LimbTerm, PixelSegment, PixelTerm, PointTerm};
+use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm};
 use nalgebra::{Matrix3, Vector3};
 
 /// Degrees of freedom of a cylinder, so the least number of points.
@@ -34,6 +34,8 @@ pub(super) struct Problem<'a> {
     pub limbs: Option<LimbTerm>,
     /// The pixel distances of the robust objective, where any segment is usable.
     pub pixels: Option<PixelTerm>,
+    /// The arcs of the ends, for the robust objective.
+    pub arcs: ArcTerm,
     /// Mean of the points.
     pub center: Vector3<f64>,
     /// Root mean square distance of the points from their mean.
@@ -104,6 +106,7 @@ impl<'a> Problem<'a> {
             points,
             limbs,
             pixels,
+            arcs: ArcTerm::default(),
             center,
             unit,
             near_wall,
@@ -135,6 +138,7 @@ impl<'a> Problem<'a> {
         self.edges.flags |= reason;
         self.limbs = None;
         self.pixels = None;
+        self.arcs = ArcTerm::default();
         self.edge_weight = 0.0;
     }
 

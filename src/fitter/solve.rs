@@ -42,6 +42,7 @@ impl Problem<'_> {
             run(&RobustObjective::new(
                 self.points,
                 self.pixels.as_ref(),
+                &self.arcs,
                 self.scales(cylinder),
                 self.near_wall,
             ))
@@ -92,7 +93,8 @@ impl Problem<'_> {
         let mut scales = self.scales(&cylinder);
         let mut total: Option<Convergence> = None;
         for _ in 0..SCALE_ROUNDS {
-            let objective = RobustObjective::new(self.points, self.pixels.as_ref(), scales, self.near_wall);
+            let objective =
+                RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall);
             let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), &mut *report)?;
             if let Some(before) = &total {
                 round.iterations += before.iterations;

@@ -4,12 +4,14 @@
 //! in, and every Jacobian is taken in the tangent of that frame; a term hands over its part of the normal
 //! equations and a solver adds the parts up. An objective is a choice of terms and weights.
 
+mod arcs;
 mod limbs;
 mod paper;
 mod pixels;
 mod points;
 mod robust;
 
+pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
 pub use paper::PaperObjective;
 pub use pixels::{PixelSegment, PixelTerm};

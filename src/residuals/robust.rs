@@ -5,6 +5,7 @@
 //! scale σ of the point residuals, the number N_eff of independent points, and the standard deviation τ of an
 //! endpoint in pixels. Like the energies of the paper it is a length squared.
 
+use super::arcs::ArcTerm;
 use super::pixels::PixelTerm;
 use super::points::{Loss, PointTerm, point_row};
 use super::{NormalEquations, Objective};
@@ -61,21 +62,23 @@ pub struct RobustScales {
 pub struct RobustObjective<'a> {
     points: PointTerm<'a>,
     pixels: Option<&'a PixelTerm>,
+    arcs: &'a ArcTerm,
     scales: RobustScales,
     observed: bool,
 }
 
 impl<'a> RobustObjective<'a> {
-    /// Points, and segments where there are any. `observed` says that the points are what an observer at the
+    /// Points, and segments and arcs where there are any. `observed` says that the points are what an observer at the
     /// origin sees.
     #[must_use]
     pub fn new(
         points: PointTerm<'a>,
         pixels: Option<&'a PixelTerm>,
+        arcs: &'a ArcTerm,
         scales: RobustScales,
         observed: bool,
     ) -> Self {
-        Self { points, pixels, scales, observed }
+        Self { points, pixels, arcs, scales, observed }
     }
 
     /// The loss of the points in a frame. From inside a pipe every point of its surface is visible.
@@ -103,6 +106,7 @@ impl Objective for RobustObjective<'_> {
         if let Some(pixels) = self.pixels {
             equations.add_scaled(self.pixel_factor(frame), &pixels.linearise(frame)?);
         }
+        equations.add_scaled(self.pixel_factor(frame), &self.arcs.linearise(frame));
         equations.cost.is_finite().then_some(equations)
     }
 
@@ -121,6 +125,10 @@ impl Objective for RobustObjective<'_> {
                 let root = (factor * segment.weight).sqrt();
                 rows.extend(both.iter().map(|(e, j)| (e * root, j * root)));
             }
+        }
+        for (weight, residual, jacobian) in self.arcs.rows(frame) {
+            let root = (self.pixel_factor(frame) * weight).sqrt();
+            rows.push((residual * root, jacobian * root));
         }
         Some(rows)
     }

@@ -71,6 +71,8 @@ pub struct ArcSample {
     pub normal: Vector2<f64>,
     /// Standard deviation along `normal`, in pixels.
     pub deviation: f64,
+    /// How fast the arc moves across itself when the end moves along the axis, in pixels by length.
+    pub across: f64,
 }
 
 /// The image along one generator about the rough end.
@@ -144,7 +146,8 @@ pub(super) fn locate(
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
-        Some(ArcSample { pixel, normal, deviation: deviation.hypot(MODEL_DEVIATION) })
+        let deviation = deviation.hypot(MODEL_DEVIATION);
+        Some(ArcSample { pixel, normal, deviation, across: profile.across })
     });
     Some(ArcEnd {
         position: rough.position + outward * shift,

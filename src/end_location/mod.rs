@@ -1,0 +1,196 @@
+//! Where the visible surface of a cylinder ends along its axis, and what its ends look like.
+//!
+//! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
+//! Here an end is located from all generators (lines of the surface along the axis) together, in three steps:
+//!
+//! 1. in the mask: where each generator leaves it, robustly averaged, and freed of the mask's bias, which shows
+//!    at the limbs (`silhouette`);
+//! 2. in the depth image: what lies beyond, from which the state of the end follows (`surroundings`);
+//! 3. in the grey image: the arc of the end circle that bounds the visible surface (`arc`).
+
+mod arc;
+mod border;
+mod silhouette;
+mod surface;
+mod surroundings;
+
+use crate::camera::Camera;
+use crate::geometry::Cylinder;
+use crate::observations::{DepthImage, GreyImage, Mask, PointCloud};
+pub use arc::ArcSample;
+use nalgebra::Vector2;
+use silhouette::Silhouette;
+use surface::Surface;
+use surroundings::Surroundings;
+
+/// What an end of the visible cylinder is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndState {
+    /// The surface ends there: what lies beyond is farther than the surface would be.
+    Seen,
+    /// The border of the image cuts the cylinder off.
+    Cut,
+    /// Something nearer than the surface covers what lies beyond.
+    Hidden,
+    /// No depth was measured beyond the end.
+    Unknown,
+}
+
+/// What the position of an end was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndSource {
+    /// The extreme point completed over the mask.
+    Extreme,
+    /// Where the generators leave the mask.
+    Mask,
+    /// The arc of the end circle in the grey image.
+    Image,
+    /// The last of the surface inside the border of the image.
+    Border,
+}
+
+/// Where ends are looked for.
+#[derive(Debug, Clone, Copy)]
+pub struct EndSearch<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The mask of the visible surface.
+    pub mask: &'a Mask,
+    /// The depth image, which tells what an end is.
+    pub depth: Option<&'a DepthImage>,
+    /// The grey image, on the grid of the mask.
+    pub image: Option<&'a GreyImage>,
+    /// Depth differences up to this are noise, see [`depth_tolerance`].
+    pub tolerance: f64,
+    /// Whether the limbs of the cylinder are good to a fraction of a pixel, so that the bias of the mask may be
+    /// read off at them.
+    pub limbs_known: bool,
+}
+
+/// An end as it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct End {
+    /// Position along the axis, from the axis point of the cylinder.
+    pub position: f64,
+    /// Standard deviation of the position, for a cylinder without error; `None` for an extreme.
+    pub deviation: Option<f64>,
+    /// What the end is.
+    pub state: EndState,
+    /// What the position was taken from.
+    pub source: EndSource,
+    /// The places of the arc in the grey image; none where the image did not show it.
+    pub samples: Vec<ArcSample>,
+}
+
+/// Rows and columns of the mask from one to the next that bound the search for the ends.
+const BOUNDS_STRIDE: usize = 2;
+
+/// About how many points tell the noise of the depth.
+const TOLERANCE_POINTS: usize = 2000;
+
+/// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
+const LEAST_TOLERANCE: f64 = 0.1;
+
+/// The depth differences that are noise about a cylinder: three standard deviations, from the median so that
+/// background among the points does not count.
+#[must_use]
+pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
+    let stride = cloud.len() / TOLERANCE_POINTS + 1;
+    let mut distances: Vec<f64> =
+        cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
+    let middle = distances.len() / 2;
+    let median = match distances.is_empty() {
+        true => 0.0,
+        false => *distances.select_nth_unstable_by(middle, f64::total_cmp).1,
+    };
+    (3.0 * 1.4826 * median).max(LEAST_TOLERANCE * cylinder.radius)
+}
+
+/// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
+/// shows no end circle, and on a mask without extent along the axis they are the extremes. `None` when no ray of
+/// the mask meets the cylinder.
+#[must_use]
+pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
+    let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
+    // Generators are only followed between the extremes, so that they need not be exact.
+    let extremes = extremes(search, cylinder, BOUNDS_STRIDE).filter(|(low, high)| low < high);
+    let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
+    let surroundings = surroundings(search, cylinder);
+    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.limbs_known);
+    Some([-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, search.image, outward)))
+}
+
+/// The paper's rule: the extreme positions along the axis of the points completed over the mask. `None` when no ray
+/// of the mask meets the cylinder.
+#[must_use]
+pub fn extreme_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
+    let (low, high) = extremes(search, cylinder, 1)?;
+    let surroundings = surroundings(search, cylinder);
+    Some([(low, -1.0), (high, 1.0)].map(|(position, outward)| extreme(position, outward, &surroundings)))
+}
+
+fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End {
+    let state = surroundings.state(position, outward);
+    End { position, deviation: None, state, source: EndSource::Extreme, samples: Vec::new() }
+}
+
+fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
+    let EndSearch { camera, mask, depth, tolerance, .. } = *search;
+    Surroundings { camera, mask, depth, cylinder, tolerance }
+}
+
+/// The least and the greatest position along the axis of the points completed over every `stride`-th row and
+/// column of the mask.
+fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Option<(f64, f64)> {
+    let (mask, axis) = (search.mask, cylinder.axis);
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for row in (0..mask.height()).step_by(stride) {
+        for column in (0..mask.width()).step_by(stride).filter(|&column| mask.contains(column, row)) {
+            let ray = search.camera.unproject(&Vector2::new(column as f64, row as f64));
+            if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
+                let position = (point - axis.point).dot(&axis.direction);
+                low = low.min(position);
+                high = high.max(position);
+            }
+        }
+    }
+    low.is_finite().then_some((low, high))
+}
+
+/// Locates the end on the side of `outward` (± 1, along the axis direction).
+fn locate(
+    silhouette: &Silhouette<'_>,
+    surroundings: &Surroundings<'_>,
+    image: Option<&GreyImage>,
+    outward: f64,
+) -> End {
+    let Some(rough) = silhouette.end(surroundings, outward) else {
+        return extreme(silhouette.extreme(outward), outward, surroundings);
+    };
+    let state = surroundings.state(rough.position, outward);
+    let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
+    if let Some(position) = cut {
+        // The last pixel lies within a pixel of the border.
+        let deviation = Some(rough.pixel);
+        return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
+    }
+    let arc = image
+        .filter(|_| state != EndState::Hidden)
+        .and_then(|image| arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward));
+    match arc {
+        Some(arc) => End {
+            position: arc.position,
+            deviation: Some(arc.deviation),
+            state,
+            source: EndSource::Image,
+            samples: arc.samples,
+        },
+        None => End {
+            position: rough.position,
+            deviation: Some(rough.deviation),
+            state,
+            source: EndSource::Mask,
+            samples: Vec::new(),
+        },
+    }
+}

@@ -1,0 +1,94 @@
+//! The arcs of the ends, located in the image for the tilt of the axis.
+
+use super::Fitter;
+use super::options::{Method, ObjectiveKind};
+use super::problem::Problem;
+use super::solve::ENDPOINT_PIXELS;
+use crate::camera::Camera;
+use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
+use crate::geometry::Cylinder;
+use crate::residuals::{ArcRay, ArcTerm, Loss, TUKEY_EFFICIENT, Tukey, Wall, near_wall};
+use nalgebra::{Matrix3, Vector3};
+
+/// Standard deviation of a place of an arc for reasons that the places do not show, in pixels: what the profile of the
+/// end leaves out.
+const FLOOR_PIXELS: f64 = 0.1;
+
+/// How many places count as one: neighbours are about a pixel apart and share what is odd about the end.
+const CORRELATED_PLACES: f64 = 4.0;
+
+/// Fewest places that tell how an arc is bent.
+const LEAST_PLACES: usize = 8;
+
+/// A ray that meets the surface at a sine below this grazes it: its position along the axis hangs on the limb.
+const LEAST_SINE: f64 = 0.25;
+
+/// Rounds of reweighting.
+const REWEIGHTINGS: usize = 5;
+
+impl Fitter {
+    /// The arcs of the ends that the image shows, each place weighed by how well it agrees with its neighbours.
+    pub(super) fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
+        let options = self.options();
+        let wanted = options.method == Method::Fused && options.objective == ObjectiveKind::Robust;
+        let (Some(image), Some(mask), Some(camera), true) = (&self.image, &self.mask, &self.camera, wanted)
+        else {
+            return ArcTerm::default();
+        };
+        if cylinder.contains_origin() {
+            return ArcTerm::default();
+        }
+        let search = EndSearch {
+            camera,
+            mask,
+            depth: self.depth.as_ref(),
+            image: Some(image),
+            tolerance: depth_tolerance(&self.cloud, cylinder),
+            limbs_known: problem.pixels.is_some(),
+        };
+        let Some(ends) = locate_ends(&search, cylinder) else { return ArcTerm::default() };
+        ArcTerm { ends: ends.iter().filter_map(|end| places(camera, cylinder, &end.samples)).collect() }
+    }
+}
+
+/// The places of one end with their weights; `None` where they do not tell how the arc is bent.
+fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option<Vec<ArcRay>> {
+    let away = cylinder.axis.nearest_to_origin().normalize();
+    let sideways = cylinder.axis.direction.cross(&away);
+    let mut found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
+        .iter()
+        .filter_map(|sample| {
+            let ray = camera.unproject(&sample.pixel)?;
+            let (position, normal) = near_wall(cylinder, &ray)?;
+            let grazing = -normal.dot(&ray) < LEAST_SINE * ray.norm();
+            // An arc seen under a wrong tilt departs like this.
+            let shape = Vector3::new(1.0, normal.dot(&away), normal.dot(&sideways));
+            (!grazing).then_some((ArcRay { ray, across: sample.across, weight: 1.0 }, position, shape))
+        })
+        .collect();
+    if found.len() < LEAST_PLACES {
+        return None;
+    }
+    let mut scale: f64 = FLOOR_PIXELS;
+    for _ in 0..REWEIGHTINGS {
+        let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        for (place, position, shape) in &found {
+            let w = place.weight * place.across * place.across;
+            square += shape * shape.transpose() * w;
+            right += shape * (w * position);
+        }
+        let solution = square.try_inverse()? * right;
+        let residual = |(place, position, shape): &(ArcRay, f64, Vector3<f64>)| {
+            (position - shape.dot(&solution)) * place.across
+        };
+        let mut sizes: Vec<f64> = found.iter().map(|place| residual(place).abs()).collect();
+        let middle = sizes.len() / 2;
+        scale = (1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).max(FLOOR_PIXELS);
+        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
+        for place in &mut found {
+            place.0.weight = loss.loss_and_weight(residual(place), 0.0).1;
+        }
+    }
+    let factor = ENDPOINT_PIXELS * ENDPOINT_PIXELS / (scale * scale * CORRELATED_PLACES);
+    Some(found.into_iter().map(|(place, ..)| ArcRay { weight: place.weight * factor, ..place }).collect())
+}

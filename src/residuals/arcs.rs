@@ -1,0 +1,146 @@
+//! Arcs of the end circles: places in the image at which the surface ends.
+//!
+//! The ray v of such a place meets the near wall at p = λ v, at the position t = (p − c) · d̂ along the axis. All
+//! places of one end lie at the same position, which is unknown: the residual is the distance of t from the mean
+//! of the end, in pixels across the arc. With the outward unit normal n at p and κ = (d̂ · v) / (n · v),
+//! δt = κ (n · δc + t n · δd + δr) + r n · δd.
+
+use super::NormalEquations;
+use crate::geometry::{Cylinder, LocalFrame, Tangent};
+use nalgebra::Vector3;
+
+/// One place of an arc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArcRay {
+    /// Its ray, of any positive length.
+    pub ray: Vector3<f64>,
+    /// Pixels across the arc by length along the axis.
+    pub across: f64,
+    /// How much it counts, 1 for a standard deviation of an ordinary endpoint.
+    pub weight: f64,
+}
+
+/// The places of any number of ends.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ArcTerm {
+    /// The places by end.
+    pub ends: Vec<Vec<ArcRay>>,
+}
+
+/// One place: weight, residual in pixels, and its Jacobian in the tangent of the frame.
+pub(super) type ArcRow = (f64, f64, Tangent);
+
+/// Where a ray meets the near wall: position along the axis and outward unit normal; `None` when it misses.
+#[must_use]
+pub fn near_wall(cylinder: &Cylinder, ray: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+    let from_axis = cylinder.first_hit(ray)? - cylinder.axis.point;
+    let position = from_axis.dot(&cylinder.axis.direction);
+    let normal = (from_axis - cylinder.axis.direction * position) / cylinder.radius;
+    Some((position, normal))
+}
+
+impl ArcTerm {
+    /// The sum of weight · distance², in pixels².
+    #[must_use]
+    pub fn linearise(&self, frame: &LocalFrame) -> NormalEquations {
+        let mut equations = NormalEquations::zero();
+        for (weight, residual, jacobian) in self.rows(frame) {
+            equations.add_residual(weight, residual, &jacobian);
+        }
+        equations
+    }
+
+    /// A place whose ray misses the cylinder is left out.
+    pub(super) fn rows(&self, frame: &LocalFrame) -> Vec<ArcRow> {
+        let mut all = Vec::new();
+        for end in &self.ends {
+            let rows: Vec<(f64, f64, f64, Tangent)> =
+                end.iter().filter_map(|place| Self::row(frame, place)).collect();
+            // The position of the end is eliminated: what is left is orthogonal to it.
+            let (mut square, mut mean, mut mean_jacobian) = (0.0, 0.0, Tangent::zeros());
+            for (weight, across, position, jacobian) in &rows {
+                let w = weight * across * across;
+                square += w;
+                mean += w * position;
+                mean_jacobian += jacobian * w;
+            }
+            if square > 0.0 {
+                all.extend(rows.iter().map(|(weight, across, position, jacobian)| {
+                    let residual = (position - mean / square) * across;
+                    (*weight, residual, (jacobian - mean_jacobian / square) * *across)
+                }));
+            }
+        }
+        all
+    }
+
+    /// Weight, pixels by length, position and its derivative.
+    fn row(frame: &LocalFrame, place: &ArcRay) -> Option<(f64, f64, f64, Tangent)> {
+        let LocalFrame { cylinder, u, v, unit } = frame;
+        let (position, normal) = near_wall(cylinder, &place.ray)?;
+        let (a, b) = (normal.dot(u), normal.dot(v));
+        let lean = cylinder.axis.direction.dot(&place.ray) / normal.dot(&place.ray);
+        let (t, r) = (position / unit, cylinder.radius / unit);
+        let of_tilt = lean * t + r;
+        let jacobian = Tangent::new(lean * a, lean * b, of_tilt * a, of_tilt * b, lean) * *unit;
+        jacobian.iter().all(|x| x.is_finite()).then_some((place.weight, place.across, position, jacobian))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> (LocalFrame, ArcTerm) {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.01, -0.02, 0.7), Vector3::new(0.2, 0.95, 0.15), 0.03).unwrap();
+        let frame = LocalFrame::new(&cylinder, &Vector3::new(0.03, 0.06, 0.66), 0.05);
+        let toward = -(cylinder.axis.point
+            - cylinder.axis.direction * cylinder.axis.point.dot(&cylinder.axis.direction))
+        .normalize();
+        let sideways = cylinder.axis.direction.cross(&toward);
+        let place = |position: f64, k: i32| {
+            let angle = 0.2 * f64::from(k);
+            let normal = toward * angle.cos() + sideways * angle.sin();
+            let ray = cylinder.axis.point + cylinder.axis.direction * position + normal * cylinder.radius;
+            ArcRay { ray, across: 800.0 + 5.0 * f64::from(k), weight: 1.0 + 0.1 * f64::from(k) }
+        };
+        let ends = [-0.04, 0.06].map(|position| (-5..=5).map(|k| place(position, k)).collect()).to_vec();
+        (frame, ArcTerm { ends })
+    }
+
+    #[test]
+    fn places_on_two_circles_have_no_residual() {
+        let (frame, term) = scene();
+        assert!(term.linearise(&frame).cost < 1e-20);
+        let tilted = LocalFrame { cylinder: frame.retract(&Tangent::new(0.0, 0.0, 0.05, 0.05, 0.0)), ..frame };
+        assert!(term.linearise(&tilted).cost > 1.0);
+    }
+
+    #[test]
+    fn jacobians_agree_with_central_differences() {
+        let (frame, term) = scene();
+        // Not at the minimum.
+        let frame = LocalFrame::new(
+            &frame.retract(&Tangent::new(0.01, -0.02, 0.03, 0.02, -0.02)),
+            &frame.cylinder.axis.point,
+            0.05,
+        );
+        let rows = term.rows(&frame);
+        let h = 1e-6;
+        for k in 0..5 {
+            let at = |sign: f64| {
+                let moved = frame.retract(&Tangent::ith(k, sign * h));
+                term.rows(&LocalFrame { cylinder: moved, ..frame })
+            };
+            for ((ahead, behind), row) in at(1.0).iter().zip(&at(-1.0)).zip(&rows) {
+                let difference = (ahead.1 - behind.1) / (2.0 * h);
+                assert!(
+                    (difference - row.2[k]).abs() < 1e-5 * (1.0 + difference.abs()),
+                    "{k} {difference} {}",
+                    row.2[k]
+                );
+            }
+        }
+    }
+}
