@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 const FLOOR_PIXELS: f64 = 0.1;
 
 /// How many places count as one: neighbours are about a pixel apart and share what is odd about the end.
-const CORRELATED_PLACES: f64 = 4.0;
+const CORRELATED_PLACES: f64 = 2.0;
 
 /// Fewest places that tell how an arc is bent.
 const LEAST_PLACES: usize = 8;

@@ -36,6 +36,9 @@ const WEAK_RADIUS: f64 = 0.05;
 /// The input resolution, as a part of the radius, from which on digits are missing.
 const COARSE: f64 = 1e-4;
 
+/// Rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says.
+const ARC_ROUNDS: usize = 2;
+
 /// Which residuals to list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResidualKind {
@@ -299,9 +302,11 @@ impl Fitter {
                     problem.add_located(&located);
                     convergence = again(&problem, convergence)?;
                 }
-                problem.arcs = self.locate_arcs(&problem, &convergence.cylinder);
-                if !problem.arcs.ends.is_empty() {
-                    convergence = again(&problem, convergence)?;
+                for _ in 0..ARC_ROUNDS {
+                    problem.arcs = self.locate_arcs(&problem, &convergence.cylinder);
+                    if !problem.arcs.ends.is_empty() {
+                        convergence = again(&problem, convergence)?;
+                    }
                 }
                 let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
                 result.add_convergence(&convergence);

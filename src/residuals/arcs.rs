@@ -113,7 +113,8 @@ mod tests {
     fn places_on_two_circles_have_no_residual() {
         let (frame, term) = scene();
         assert!(term.linearise(&frame).cost < 1e-20);
-        let tilted = LocalFrame { cylinder: frame.retract(&Tangent::new(0.0, 0.0, 0.05, 0.05, 0.0)), ..frame };
+        let tilted =
+            LocalFrame { cylinder: frame.retract(&Tangent::new(0.0, 0.0, 0.05, 0.05, 0.0)), ..frame };
         assert!(term.linearise(&tilted).cost > 1.0);
     }
 
