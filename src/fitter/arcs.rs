@@ -1,7 +1,6 @@
 //! The arcs of the ends, located in the image for the tilt of the axis.
 
 use super::Fitter;
-use super::options::{Method, ObjectiveKind};
 use super::problem::Problem;
 use super::solve::ENDPOINT_PIXELS;
 use crate::camera::Camera;
@@ -29,10 +28,7 @@ const REWEIGHTINGS: usize = 5;
 impl Fitter {
     /// The arcs of the ends that the image shows, each place weighed by how well it agrees with its neighbours.
     pub(super) fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
-        let options = self.options();
-        let wanted = options.method == Method::Fused && options.objective == ObjectiveKind::Robust;
-        let (Some(image), Some(mask), Some(camera), true) = (&self.image, &self.mask, &self.camera, wanted)
-        else {
+        let (Some(image), Some(mask), Some(camera)) = (&self.image, &self.mask, &self.camera) else {
             return ArcTerm::default();
         };
         if cylinder.contains_origin() {

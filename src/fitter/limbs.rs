@@ -1,7 +1,7 @@
 //! The limbs of a first fit, located in the image for a second one.
 
 use super::Fitter;
-use super::options::{Method, ObjectiveKind};
+use super::options::{Method, ObjectiveKind, Options};
 use super::problem::Problem;
 use super::solve::ENDPOINT_PIXELS;
 use crate::geometry::Cylinder;
@@ -13,14 +13,16 @@ const REACH_PIXELS: f64 = 4.0;
 const DEVIATION_PIXELS: f64 = 1.0;
 
 impl Fitter {
+    /// Whether the fit looks at the image.
+    pub(super) fn locates(&self) -> bool {
+        let Options { method, objective, .. } = self.options();
+        self.image.is_some() && *method == Method::Fused && *objective == ObjectiveKind::Robust
+    }
+
     /// The limb lines that the image shows near those of a fit to given segments, each weighed by its own standard
     /// deviation. A limb that is not seen is left to the given segment.
     pub(super) fn locate(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> Vec<PixelSegment> {
-        let options = self.options();
-        let wanted = options.method == Method::Fused && options.objective == ObjectiveKind::Robust;
-        let (Some(image), Some(camera), true) = (&self.image, &self.camera, wanted) else {
-            return Vec::new();
-        };
+        let (Some(image), Some(camera)) = (&self.image, &self.camera) else { return Vec::new() };
         if problem.pixels.is_none() {
             return Vec::new();
         }

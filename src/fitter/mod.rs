@@ -39,6 +39,10 @@ const COARSE: f64 = 1e-4;
 /// Rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says.
 const ARC_ROUNDS: usize = 2;
 
+/// An axis that turned by less than this, in radians, leaves the arcs where they were found: at a radius of 25
+/// pixels it moves them by a tenth of a pixel.
+const SETTLED_TURN: f64 = 0.004;
+
 /// Which residuals to list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResidualKind {
@@ -288,25 +292,27 @@ impl Fitter {
             Method::Fused | Method::Points => {
                 let candidates = problem.candidates(self.start.as_ref())?;
                 let started = clock.elapsed().as_secs_f64();
+                problem.passing = self.locates();
                 let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
-                located = self.locate(&problem, &convergence.cylinder);
-                let mut again = |problem: &Problem<'_>, before: Convergence| -> Result<Convergence> {
-                    let mut after = problem.minimise(&before.cylinder, &mut *report)?;
-                    problem.check_radius(&after.cylinder)?;
-                    after.iterations += before.iterations;
-                    after.rejected_steps += before.rejected_steps;
-                    after.initial_cost = before.initial_cost;
-                    Ok(after)
-                };
-                if !located.is_empty() {
-                    problem.add_located(&located);
-                    convergence = again(&problem, convergence)?;
-                }
-                for _ in 0..ARC_ROUNDS {
-                    problem.arcs = self.locate_arcs(&problem, &convergence.cylinder);
-                    if !problem.arcs.ends.is_empty() {
-                        convergence = again(&problem, convergence)?;
+                if problem.passing {
+                    located = self.locate(&problem, &convergence.cylinder);
+                    if !located.is_empty() {
+                        problem.add_located(&located);
+                        convergence = self.minimise_again(&problem, &convergence, report)?;
                     }
+                    for _ in 0..ARC_ROUNDS {
+                        let before = convergence.cylinder;
+                        problem.arcs = self.locate_arcs(&problem, &before);
+                        if problem.arcs.ends.is_empty() {
+                            break;
+                        }
+                        convergence = self.minimise_again(&problem, &convergence, report)?;
+                        if before.axis.angle(&convergence.cylinder.axis) < SETTLED_TURN {
+                            break;
+                        }
+                    }
+                    problem.passing = false;
+                    convergence = self.minimise_again(&problem, &convergence, report)?;
                 }
                 let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
                 result.add_convergence(&convergence);
@@ -322,6 +328,21 @@ impl Fitter {
         self.arcs = arcs;
         self.result = Some(result);
         Ok(result)
+    }
+
+    /// Iterates on from a minimum, after something was added to the problem.
+    fn minimise_again(
+        &self,
+        problem: &Problem<'_>,
+        before: &Convergence,
+        report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    ) -> Result<Convergence> {
+        let mut after = problem.minimise(&before.cylinder, report)?;
+        problem.check_radius(&after.cylinder)?;
+        after.iterations += before.iterations;
+        after.rejected_steps += before.rejected_steps;
+        after.initial_cost = before.initial_cost;
+        Ok(after)
     }
 
     /// What a fit would report for a given model, without iterating.

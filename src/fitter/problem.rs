@@ -45,6 +45,8 @@ pub(super) struct Problem<'a> {
     pub has_camera: bool,
     /// w_L, 0 where no edges count.
     pub edge_weight: f64,
+    /// Whether the minimum is only a step on the way: what is located in the image from there moves it again.
+    pub passing: bool,
 }
 
 impl<'a> Problem<'a> {
@@ -112,6 +114,7 @@ impl<'a> Problem<'a> {
             near_wall,
             has_camera: camera.is_some(),
             edge_weight,
+            passing: false,
         })
     }
 

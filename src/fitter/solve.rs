@@ -19,6 +19,11 @@ pub(super) const ENDPOINT_PIXELS: f64 = 0.5;
 /// The scale of the point residuals is settled when it changes by less than this part.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
+/// The same, and the part by which the cost changes in a step, for a minimum on the way to another one: far below
+/// what the image adds.
+const PASSING_TOLERANCE: f64 = 1e-2;
+const PASSING_COST_TOLERANCE: f64 = 1e-5;
+
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
@@ -92,6 +97,7 @@ impl Problem<'_> {
         let mut cylinder = *start;
         let mut scales = self.scales(&cylinder);
         let mut total: Option<Convergence> = None;
+        let tolerance = if self.passing { PASSING_TOLERANCE } else { SCALE_TOLERANCE };
         for _ in 0..SCALE_ROUNDS {
             let objective =
                 RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall);
@@ -105,7 +111,7 @@ impl Problem<'_> {
             let ran_away = round.termination == Termination::RadiusRanAway;
             total = Some(round);
             let next = self.scales(&cylinder);
-            let settled = (next.point - scales.point).abs() <= SCALE_TOLERANCE * scales.point;
+            let settled = (next.point - scales.point).abs() <= tolerance * scales.point;
             scales = next;
             if settled || ran_away {
                 break;
@@ -132,7 +138,11 @@ impl Problem<'_> {
         chart: Chart,
         report: Report<'_>,
     ) -> Result<Convergence> {
-        minimise(objective, start, &self.center, self.unit, &self.options.limits, chart, report)
+        let mut limits = self.options.limits;
+        if self.passing {
+            limits.cost_tolerance = limits.cost_tolerance.max(PASSING_COST_TOLERANCE);
+        }
+        minimise(objective, start, &self.center, self.unit, &limits, chart, report)
     }
 
     /// Scale of the point residuals by their median absolute deviation, and the number of independent points

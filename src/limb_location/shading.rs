@@ -210,27 +210,34 @@ fn fit(rows: &[Median], light: f64) -> Option<(f64, Shading)> {
     let mut coefficients = Vector4::zeros();
     let mut covariance = Matrix4::zeros();
     let mut scale: f64 = 1.0;
-    let residual = |row: &Median, coefficients: &Vector4<f64>| {
-        (row.value - functions(row.angle, light).dot(coefficients)) / row.deviation
-    };
+    // In units of the deviation.
+    let scaled: Vec<(Vector4<f64>, f64)> = rows
+        .iter()
+        .map(|row| (functions(row.angle, light) / row.deviation, row.value / row.deviation))
+        .collect();
+    let mut sizes = vec![0.0; rows.len()];
     for _ in 0..REWEIGHTINGS {
         let (mut normal, mut right) = (prior, Vector4::zeros());
-        for (row, weight) in rows.iter().zip(&weights) {
-            let f = functions(row.angle, light);
-            let weight = weight / (row.deviation * row.deviation);
-            normal += f * f.transpose() * weight;
-            right += f * (weight * row.value);
+        for ((f, value), weight) in scaled.iter().zip(&weights) {
+            normal += f * f.transpose() * *weight;
+            right += f * (weight * value);
         }
         covariance = normal.try_inverse()?;
         coefficients = covariance * right;
-        let mut sizes: Vec<f64> = rows.iter().map(|row| residual(row, &coefficients).abs()).collect();
-        scale = (1.4826 * median(&mut sizes)).max(1.0);
+        for ((f, value), size) in scaled.iter().zip(&mut sizes) {
+            *size = (value - f.dot(&coefficients)).abs();
+        }
+        scale = (1.4826 * median(&mut sizes.clone())).max(1.0);
         let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
-        for (weight, row) in weights.iter_mut().zip(rows) {
-            *weight = loss.loss_and_weight(residual(row, &coefficients), 0.0).1;
+        for (weight, size) in weights.iter_mut().zip(&sizes) {
+            *weight = loss.loss_and_weight(*size, 0.0).1;
         }
     }
-    let cost: f64 = rows.iter().map(|row| residual(row, &coefficients).powi(2).min(LARGEST_SQUARE)).sum();
+    // No lamp takes light away.
+    if coefficients[3] < 0.0 {
+        return None;
+    }
+    let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
     Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale) }))
 }
