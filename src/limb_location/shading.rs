@@ -2,14 +2,15 @@
 //!
 //! For a matt surface and distant lamps the brightness is a function of the angle φ of the normal about the axis
 //! (0 towards the camera, ± 90° at the limbs): a + b cos φ + c sin φ for all lamps that the whole visible surface
-//! sees, and d max(0, cos(φ − φ₀)) for a lamp that part of it turns away from. This is fitted to the inner part
+//! sees, and d max(0, cos(φ − φ₀)) for a lamp that part of it turns away from, with its mirror image
+//! g cosⁿ(φ − φ₀/2) on a glossy surface. This is fitted to the inner part
 //! of the surface, over medians along the axis so that labels, gloss and occluders have little influence, and
 //! tells what the limbs look like just inside: whether the surface darkens towards them, and how steeply.
 
 use super::block::INSIDE;
 use super::strip::Strip;
 use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix5, Vector5};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Runs that form a block with a paint of its own.
@@ -22,8 +23,8 @@ const LEAST_BLOCKS: usize = 3;
 const MOST_BINS: usize = 24;
 const LEAST_BIN_PIXELS: f64 = 1.5;
 
-/// Fewest bins that determine five unknowns.
-const LEAST_BINS: usize = 6;
+/// Fewest bins that determine the unknowns.
+const LEAST_BINS: usize = 7;
 
 /// Standard deviation of a median for reasons other than its scatter along the axis, relative to the brightness:
 /// 8 bits.
@@ -36,6 +37,12 @@ const MOST_ODDNESS: f64 = 3.0;
 /// most scenes; others are weak beside them.
 const MAIN_LAMP: f64 = 3.0;
 const OTHER_LAMPS: f64 = 0.1;
+
+/// Standard deviation of g, and the exponent of the lobe: common paints and plastics have some tens. The weight
+/// `MATT` holds g at 0.
+const GLOSS: f64 = 0.5;
+const GLOSS_EXPONENT: i32 = 40;
+const MATT: f64 = 1e12;
 
 /// Directions φ₀ that are tried, all around.
 const LIGHTS: usize = 48;
@@ -57,9 +64,9 @@ const DARKEST: f64 = 0.05;
 /// The brightness around a cylinder, 1 on the median of the inner part.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shading {
-    coefficients: Vector4<f64>,
+    coefficients: Vector5<f64>,
     light: f64,
-    covariance: Matrix4<f64>,
+    covariance: Matrix5<f64>,
 }
 
 /// What one limb looks like from 0 to `INSIDE` pixels within it.
@@ -86,8 +93,10 @@ impl LimbShading {
     }
 }
 
-fn functions(angle: f64, light: f64) -> Vector4<f64> {
-    Vector4::new(1.0, angle.cos(), angle.sin(), (angle - light).cos().max(0.0))
+fn functions(angle: f64, light: f64) -> Vector5<f64> {
+    // A lamp is mirrored where the normal halves the angle between it and the camera.
+    let gloss = (angle - light / 2.0).cos().max(0.0).powi(GLOSS_EXPONENT);
+    Vector5::new(1.0, angle.cos(), angle.sin(), (angle - light).cos().max(0.0), gloss)
 }
 
 impl Shading {
@@ -153,7 +162,7 @@ impl Shading {
         let mut best: Option<(f64, Self)> = None;
         for k in 0..LIGHTS {
             let light = 2.0 * PI * k as f64 / LIGHTS as f64 - PI;
-            if let Some((cost, shading)) = fit(&rows, light)
+            if let Some((cost, shading)) = fit(&rows, light, true)
                 && best.is_none_or(|(least, _)| cost < least)
             {
                 best = Some((cost, shading));
@@ -203,21 +212,22 @@ fn drop_odd(blocks: &mut Vec<Vec<Option<f64>>>) {
 }
 
 /// The best coefficients for one φ₀, and their cost.
-fn fit(rows: &[Median], light: f64) -> Option<(f64, Shading)> {
+fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     let other = OTHER_LAMPS.powi(-2);
-    let prior = Matrix4::from_diagonal(&Vector4::new(0.0, other, other, MAIN_LAMP.powi(-2)));
+    let gloss = if glossy { GLOSS.powi(-2) } else { MATT };
+    let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.powi(-2), gloss));
     let mut weights = vec![1.0; rows.len()];
-    let mut coefficients = Vector4::zeros();
-    let mut covariance = Matrix4::zeros();
+    let mut coefficients = Vector5::zeros();
+    let mut covariance = Matrix5::zeros();
     let mut scale: f64 = 1.0;
     // In units of the deviation.
-    let scaled: Vec<(Vector4<f64>, f64)> = rows
+    let scaled: Vec<(Vector5<f64>, f64)> = rows
         .iter()
         .map(|row| (functions(row.angle, light) / row.deviation, row.value / row.deviation))
         .collect();
     let mut sizes = vec![0.0; rows.len()];
     for _ in 0..REWEIGHTINGS {
-        let (mut normal, mut right) = (prior, Vector4::zeros());
+        let (mut normal, mut right) = (prior, Vector5::zeros());
         for ((f, value), weight) in scaled.iter().zip(&weights) {
             normal += f * f.transpose() * *weight;
             right += f * (weight * value);
@@ -233,9 +243,12 @@ fn fit(rows: &[Median], light: f64) -> Option<(f64, Shading)> {
             *weight = loss.loss_and_weight(*size, 0.0).1;
         }
     }
-    // No lamp takes light away.
+    // No lamp takes light away, nor does gloss.
     if coefficients[3] < 0.0 {
         return None;
+    }
+    if glossy && coefficients[4] < 0.0 {
+        return fit(rows, light, false);
     }
     let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
@@ -264,7 +277,7 @@ mod tests {
         for light in [-0.9_f64, 0.0, 0.5, 1.2] {
             let rows = rows(light);
             let lights = (0..LIGHTS).map(|k| 2.0 * PI * k as f64 / LIGHTS as f64 - PI);
-            let fits = lights.filter_map(|light| fit(&rows, light));
+            let fits = lights.filter_map(|light| fit(&rows, light, true));
             let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             for side in [-FRAC_PI_2, FRAC_PI_2] {
                 let expected = 0.4 + 0.7 * (side - light).cos().max(0.0);
