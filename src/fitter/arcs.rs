@@ -9,13 +9,6 @@ use crate::geometry::Cylinder;
 use crate::residuals::{ArcRay, ArcTerm, Loss, TUKEY_EFFICIENT, Tukey, Wall, near_wall};
 use nalgebra::{Matrix3, Vector3};
 
-/// Standard deviation of a place of an arc for reasons that the places do not show, in pixels: what the profile of the
-/// end leaves out.
-const FLOOR_PIXELS: f64 = 0.1;
-
-/// How many places count as one: neighbours are about a pixel apart and share what is odd about the end.
-const CORRELATED_PLACES: f64 = 2.0;
-
 /// Fewest places that tell how an arc is bent.
 const LEAST_PLACES: usize = 8;
 
@@ -59,13 +52,16 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option
             let grazing = -normal.dot(&ray) < LEAST_SINE * ray.norm();
             // An arc seen under a wrong tilt departs like this.
             let shape = Vector3::new(1.0, normal.dot(&away), normal.dot(&sideways));
-            (!grazing).then_some((ArcRay { ray, across: sample.across, weight: 1.0 }, position, shape))
+            let place = ArcRay { ray, across: sample.across, weight: sample.deviation.powi(-2) };
+            (!grazing).then_some((place, position, shape))
         })
         .collect();
     if found.len() < LEAST_PLACES {
         return None;
     }
-    let mut scale: f64 = FLOOR_PIXELS;
+    let variances: Vec<f64> = found.iter().map(|(place, ..)| 1.0 / place.weight).collect();
+    // How much more the places scatter than their deviations explain.
+    let mut scatter: f64 = 1.0;
     for _ in 0..REWEIGHTINGS {
         let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
         for (place, position, shape) in &found {
@@ -74,17 +70,21 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option
             right += shape * (w * position);
         }
         let solution = square.try_inverse()? * right;
-        let residual = |(place, position, shape): &(ArcRay, f64, Vector3<f64>)| {
-            (position - shape.dot(&solution)) * place.across
-        };
-        let mut sizes: Vec<f64> = found.iter().map(|place| residual(place).abs()).collect();
+        let residuals: Vec<f64> = found
+            .iter()
+            .zip(&variances)
+            .map(|((place, position, shape), variance)| {
+                (position - shape.dot(&solution)) * place.across / variance.sqrt()
+            })
+            .collect();
+        let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
         let middle = sizes.len() / 2;
-        scale = (1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).max(FLOOR_PIXELS);
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
-        for place in &mut found {
-            place.0.weight = loss.loss_and_weight(residual(place), 0.0).1;
+        scatter = (1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).max(1.0);
+        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scatter, wall: Wall::Either };
+        for ((place, residual), variance) in found.iter_mut().zip(residuals).zip(&variances) {
+            place.0.weight = loss.loss_and_weight(residual, 0.0).1 / variance;
         }
     }
-    let factor = ENDPOINT_PIXELS * ENDPOINT_PIXELS / (scale * scale * CORRELATED_PLACES);
+    let factor = (ENDPOINT_PIXELS / scatter).powi(2);
     Some(found.into_iter().map(|(place, ..)| ArcRay { weight: place.weight * factor, ..place }).collect())
 }
