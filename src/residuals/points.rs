@@ -3,7 +3,7 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::NormalEquations;
+use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -13,6 +13,9 @@ pub trait Loss: Copy + Sync {
     /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
     /// negative where the outward normal of the surface points towards the observer at the origin.
     fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
+
+    /// The derivative of the influence ψ(e) = ρ′(e) / 2 of a residual.
+    fn influence_slope(&self, residual: f64, facing: f64) -> f64;
 }
 
 /// The plain square.
@@ -23,6 +26,10 @@ impl Loss for Squared {
     #[inline(always)]
     fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
         (residual * residual, 1.0)
+    }
+
+    fn influence_slope(&self, _residual: f64, _facing: f64) -> f64 {
+        1.0
     }
 }
 
@@ -75,6 +82,35 @@ impl<'a> PointTerm<'a> {
         let mut equations = NormalEquations::zero();
         equations.add_scaled(1.0 / self.total_weight, &unpack(&sums));
         equations
+    }
+
+    /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
+    ///
+    /// The spread of the residuals is taken from themselves, as one for all points: with the weights w(e) of the loss,
+    /// Σ w J Jᵀ stands for the design, the mean slope of the influence ψ and its mean square for the noise. That is
+    /// exact for noise that does not depend on the place on the surface, and points without influence (background)
+    /// do not count as measured. Five degrees of freedom are spent on the fit.
+    #[must_use]
+    pub fn sandwich(&self, frame: &LocalFrame, loss: impl Loss, independent_points: f64) -> SandwichPart {
+        if self.cloud.is_empty() {
+            return SandwichPart::zero();
+        }
+        let (mut weights, mut slopes, mut squares) = (0.0, 0.0, 0.0);
+        for (index, point) in self.cloud.points().enumerate() {
+            let part = self.cloud.weight(index) / self.total_weight;
+            let (residual, _, facing) = point_row(frame, &point);
+            let weight = loss.loss_and_weight(residual, facing).1;
+            weights += part * weight;
+            slopes += part * loss.influence_slope(residual, facing);
+            squares += (part * weight * residual).powi(2);
+        }
+        let equations = self.linearise(frame, loss);
+        let repeated = self.cloud.len() as f64 / (independent_points - 5.0).max(1.0);
+        SandwichPart {
+            gradient: equations.gradient,
+            derivative: equations.hessian * (slopes / weights),
+            covariance: equations.hessian * (repeated * squares / weights),
+        }
     }
 
     /// E_P: the weighted mean of the squared residuals, in the caller's unit squared.
