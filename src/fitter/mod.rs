@@ -9,9 +9,11 @@ mod problem;
 mod result;
 mod solve;
 mod starts;
+mod uncertainty;
 
 pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
+pub use uncertainty::{RadiusComparison, Uncertainty};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
@@ -28,6 +30,7 @@ use problem::Problem;
 use starts::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
+use uncertainty::DISAGREEMENT;
 
 /// A radius is called weak when its standard deviation would be more than this part of it, even if the noise
 /// of all points were independent.
@@ -451,8 +454,19 @@ impl Fitter {
             let sum: f64 = given.iter().flatten().map(|d| d * d).sum();
             (sum / (2 * given.len()) as f64).sqrt()
         });
+        let canonical = problem.canonical(cylinder);
+        let sandwich = problem.sandwich(&LocalFrame::new(&canonical, &problem.center, problem.unit));
+        let radii =
+            sandwich.and_then(|sandwich| RadiusComparison::new(cylinder.radius, &sandwich, problem.unit));
+        flags.set(
+            Flags::POINTS_AND_LIMBS_DISAGREE,
+            radii.is_some_and(|radii| radii.z_score().abs() > DISAGREEMENT),
+        );
         Ok(FitResult {
-            cylinder: problem.canonical(cylinder),
+            cylinder: canonical,
+            uncertainty: sandwich
+                .and_then(|sandwich| Uncertainty::new(&canonical, &sandwich, &problem.center, problem.unit)),
+            radii,
             start: start.cylinder,
             start_kind: start.kind,
             termination: None,

@@ -149,8 +149,7 @@ mod tests {
         let h = 1e-6;
         for k in 0..5 {
             let step = Tangent::ith(k, h);
-            let local = (frame.difference(&frame.retract(&step))
-                - frame.difference(&frame.retract(&-step)))
+            let local = (frame.difference(&frame.retract(&step)) - frame.difference(&frame.retract(&-step)))
                 / (2.0 * h);
             assert!((local - Tangent::ith(k, 1.0)).norm() < 1e-8, "{k} {local}");
             let orthonormal = (frame.difference(&frame.retract_orthonormal(&step))

@@ -41,6 +41,10 @@ pub struct PointTerm<'a> {
     threads: usize,
 }
 
+/// A leverage above this says that the points hardly do more than determine the cylinder: their residuals tell nothing
+/// of their noise.
+const LARGEST_LEVERAGE: f64 = 0.5;
+
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
@@ -86,30 +90,42 @@ impl<'a> PointTerm<'a> {
 
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
     ///
-    /// The spread of the residuals is taken from themselves, as one for all points: with the weights w(e) of the loss,
-    /// Σ w J Jᵀ stands for the design, the mean slope of the influence ψ and its mean square for the noise. That is
-    /// exact for noise that does not depend on the place on the surface, and points without influence (background)
-    /// do not count as measured. Five degrees of freedom are spent on the fit.
+    /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
+    /// slope: B = Σ ψ² J Jᵀ (White's estimator) with the influence ψ = w(e) e and the correction of the residuals by
+    /// their leverage (HC3 of MacKinnon and White 1985). A is the mean slope of ψ for Σ w J Jᵀ, so that points without
+    /// influence (background) do not count as measured.
     #[must_use]
     pub fn sandwich(&self, frame: &LocalFrame, loss: impl Loss, independent_points: f64) -> SandwichPart {
-        if self.cloud.is_empty() {
-            return SandwichPart::zero();
-        }
-        let (mut weights, mut slopes, mut squares) = (0.0, 0.0, 0.0);
+        let NormalEquations { gradient, hessian, .. } = self.linearise(frame, loss);
+        let Some(factor) = hessian.cholesky() else { return SandwichPart::zero() };
+        // Other terms pull the cylinder away from the points. The part of the residuals that a step to the minimum of
+        // the points would take away is no noise.
+        let to_minimum = -factor.solve(&gradient);
+        let copies = self.cloud.len() as f64 / independent_points;
+        let leverages = factor.inverse() * copies;
+        let (mut weights, mut slopes, mut squared_slopes) = (0.0, 0.0, 0.0);
+        let mut covariance = TangentMap::zeros();
         for (index, point) in self.cloud.points().enumerate() {
             let part = self.cloud.weight(index) / self.total_weight;
-            let (residual, _, facing) = point_row(frame, &point);
-            let weight = loss.loss_and_weight(residual, facing).1;
-            weights += part * weight;
-            slopes += part * loss.influence_slope(residual, facing);
-            squares += (part * weight * residual).powi(2);
+            let (residual, jacobian, facing) = point_row(frame, &point);
+            let weight = part * loss.loss_and_weight(residual, facing).1;
+            let slope = loss.influence_slope(residual, facing);
+            weights += weight;
+            slopes += part * slope;
+            squared_slopes += part * slope * slope;
+            let leverage = weight * jacobian.dot(&(leverages * jacobian));
+            let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
+            covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
         }
-        let equations = self.linearise(frame, loss);
-        let repeated = self.cloud.len() as f64 / (independent_points - 5.0).max(1.0);
+        // Huber's correction for few points (1981, section 7.6): slopes that differ from point to point make the
+        // estimate less certain than their mean says.
+        let correction = 1.0 + 5.0 / independent_points * (squared_slopes / (slopes * slopes) - 1.0);
+        // An error in units of the deviation that n − 5 degrees of freedom tell is Student's t, of this variance.
+        let student = (independent_points - 5.0).max(1.0) / (independent_points - 7.0).max(1.0);
         SandwichPart {
-            gradient: equations.gradient,
-            derivative: equations.hessian * (slopes / weights),
-            covariance: equations.hessian * (repeated * squares / weights),
+            gradient,
+            derivative: hessian * (slopes / weights),
+            covariance: covariance * (copies * correction * correction * student),
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{EndState, Extent};
-use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
+use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, RadiusComparison, StartKind};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::Dropped;
 use cylfuse::solver::Termination;
@@ -328,9 +328,21 @@ fn doubt(flag: Flags, result: &FitResult) -> String {
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }
+        Flags::POINTS_AND_LIMBS_DISAGREE => return disagreement(result),
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()
+}
+
+/// The two radii in words.
+fn disagreement(result: &FitResult) -> String {
+    let numbers = result.radii.map_or_else(String::new, |radii| {
+        let RadiusComparison { from_points, from_points_deviation, from_limbs, from_limbs_deviation } = radii;
+        format!(
+            ": {from_points:.5} ± {from_points_deviation:.5} against {from_limbs:.5} ± {from_limbs_deviation:.5}"
+        )
+    });
+    format!("the points and the limbs disagree about the radius{numbers}")
 }
 
 #[cfg(test)]
