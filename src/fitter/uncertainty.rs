@@ -98,17 +98,27 @@ impl Uncertainty {
         self.tangent.cholesky().map_or(f64::INFINITY, |factor| difference.dot(&factor.solve(&difference)))
     }
 
+    /// The cylinder that lies so many standard deviations away along five independent steps: for independent normal
+    /// numbers it is a draw from the distribution. `None` when the covariance is singular.
+    #[must_use]
+    pub fn displaced(&self, deviations: &[f64; 5]) -> Option<Cylinder> {
+        let step = self.tangent.cholesky()?.l() * Tangent::from(*deviations);
+        Some(self.frame.retract(&step))
+    }
+
     /// The covariance of whatever follows from the cylinder, to first order; `None` where `function` is for a
-    /// neighbouring cylinder.
+    /// neighbouring cylinder, or when the covariance is singular.
     pub fn propagate<const N: usize>(
         &self,
         function: impl Fn(&Cylinder) -> Option<SVector<f64, N>>,
     ) -> Option<SMatrix<f64, N, N>> {
-        // Independent steps of one standard deviation, so that no unit matters.
-        let steps = self.tangent.cholesky()?.l();
         let mut covariance = SMatrix::zeros();
-        for step in steps.column_iter() {
-            let at = |size: f64| function(&self.frame.retract(&(step * size)));
+        for k in 0..5 {
+            let at = |size: f64| {
+                let mut deviations = [0.0; 5];
+                deviations[k] = size;
+                function(&self.displaced(&deviations)?)
+            };
             let change = (at(DIFFERENCE_STEP)? - at(-DIFFERENCE_STEP)?) / (2.0 * DIFFERENCE_STEP);
             covariance += change * change.transpose();
         }
@@ -233,8 +243,7 @@ mod tests {
     #[test]
     fn the_squared_distance_counts_standard_deviations() {
         let uncertainty = uncertainty();
-        let step = uncertainty.tangent.cholesky().unwrap().l().column(1) * 1e-3;
-        let moved = uncertainty.frame.retract(&step);
+        let moved = uncertainty.displaced(&[0.0, 6e-4, 0.0, -8e-4, 0.0]).unwrap();
         assert!((uncertainty.squared_distance(&moved) - 1e-6).abs() < 1e-10);
         let mut turned = moved;
         turned.axis.direction = -turned.axis.direction;
