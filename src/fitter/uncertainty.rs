@@ -68,7 +68,9 @@ impl Uncertainty {
     #[must_use]
     pub fn covariance(&self) -> SMatrix<f64, 7, 7> {
         let jacobian = self.jacobian();
-        jacobian * self.tangent * jacobian.transpose()
+        let covariance = jacobian * self.tangent * jacobian.transpose();
+        // Symmetric to the last bit, which rounding is not.
+        (covariance + covariance.transpose()) * 0.5
     }
 
     /// The derivative of (axis point, unit direction, radius) in the tangent of the frame.
