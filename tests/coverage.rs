@@ -36,7 +36,7 @@ fn trial(truth: &Cylinder, case: &Case, seed: u64) -> FitResult {
     for point in &mut points {
         match case.noise {
             PointNoise::Coordinates(deviation) => {
-                point.iter_mut().for_each(|x| *x += deviation * noise.normal())
+                point.iter_mut().for_each(|x| *x += deviation * noise.normal());
             }
             PointNoise::Range(deviation) => {
                 let change = deviation / Vector3::from(*point).norm() * noise.normal();

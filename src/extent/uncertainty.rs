@@ -30,11 +30,7 @@ pub struct ExtentUncertainty {
 /// What is seen of an end is its arc in the image, and that stays where it is when the cylinder changes within its
 /// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. The errors by which
 /// the arcs were located are independent of that and of each other.
-pub(super) fn of_ends(
-    cylinder: &Cylinder,
-    fit: &Uncertainty,
-    ends: &[End; 2],
-) -> Option<ExtentUncertainty> {
+pub(super) fn of_ends(cylinder: &Cylinder, fit: &Uncertainty, ends: &[End; 2]) -> Option<ExtentUncertainty> {
     let [of_start, of_end] = [ends[0].deviation?.powi(2), ends[1].deviation?.powi(2)];
     let frame = LimbFrame::new(cylinder)?;
     let rays = ends.each_ref().map(|end| rays(cylinder, &frame, end.position));
@@ -108,8 +104,8 @@ mod tests {
                 .map(|k| {
                     let (angle, part) = (0.31 * f64::from(k % 9 - 4), f64::from(k) / 299.0);
                     let along = scene.ends.0 + part * (scene.ends.1 - scene.ends.0);
-                    let normal = frame.sideways * angle.sin() - frame.toward * angle.cos();
-                    let point = truth.axis.point + truth.axis.direction * along + normal * truth.radius;
+                    let outward = frame.sideways * angle.sin() - frame.toward * angle.cos();
+                    let point = truth.axis.point + truth.axis.direction * along + outward * truth.radius;
                     point.map(|x| x + DEVIATION * normal(&mut rng)).into()
                 })
                 .collect();

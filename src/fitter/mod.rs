@@ -30,7 +30,6 @@ use problem::Problem;
 use starts::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use uncertainty::DISAGREEMENT;
 
 /// A radius is called weak when its standard deviation would be more than this part of it, even if the noise
 /// of all points were independent.
@@ -455,17 +454,11 @@ impl Fitter {
             (sum / (2 * given.len()) as f64).sqrt()
         });
         let canonical = problem.canonical(cylinder);
-        let sandwich = problem.sandwich(&LocalFrame::new(&canonical, &problem.center, problem.unit));
-        let radii =
-            sandwich.and_then(|sandwich| RadiusComparison::new(cylinder.radius, &sandwich, problem.unit));
-        flags.set(
-            Flags::POINTS_AND_LIMBS_DISAGREE,
-            radii.is_some_and(|radii| radii.z_score().abs() > DISAGREEMENT),
-        );
+        let (uncertainty, radii) = problem.uncertainty(&canonical);
+        flags.set(Flags::POINTS_AND_LIMBS_DISAGREE, radii.is_some_and(|radii| radii.disagree()));
         Ok(FitResult {
             cylinder: canonical,
-            uncertainty: sandwich
-                .and_then(|sandwich| Uncertainty::new(&canonical, &sandwich, &problem.center, problem.unit)),
+            uncertainty,
             radii,
             start: start.cylinder,
             start_kind: start.kind,

@@ -83,7 +83,8 @@ impl Problem<'_> {
         if self.is_paper() {
             return self.paper_objective(cylinder).sandwich(frame, scales.independent_points, scales.pixel);
         }
-        RobustObjective::new(self.points, self.pixels.as_ref(), scales, self.near_wall).sandwich(frame)
+        RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall)
+            .sandwich(frame)
     }
 
     /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.

@@ -1,5 +1,6 @@
 //! How uncertain a result is, and whether points and limbs agree about the radius.
 
+use super::problem::Problem;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
 use crate::residuals::Sandwich;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
@@ -10,10 +11,24 @@ const DIFFERENCE_STEP: f64 = 1e-3;
 /// Points and limbs disagree when their radii differ by more than this many standard deviations of the difference.
 /// Normal errors do that once in 16,000 fits; the noise of real depth has longer tails than its estimated scale and
 /// correlation know of, and a flag that is raised by them says nothing.
-pub(super) const DISAGREEMENT: f64 = 4.0;
+const DISAGREEMENT: f64 = 4.0;
 
 /// Limbs that add a smaller part than this to what is known of the radius have no radius of their own.
 const LEAST_SHARE: f64 = 1e-3;
+
+impl Problem<'_> {
+    /// The uncertainty of a minimum, which has the direction that a result shows, and its radius by points and limbs,
+    /// where limbs take part.
+    pub fn uncertainty(&self, cylinder: &Cylinder) -> (Option<Uncertainty>, Option<RadiusComparison>) {
+        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
+        let Some(sandwich) = self.sandwich(&frame) else { return (None, None) };
+        let uncertainty =
+            sandwich.covariance().map(|tangent| Uncertainty { frame, tangent, center: self.center });
+        let limbs = self.pixels.is_some();
+        let radii = limbs.then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit)).flatten();
+        (uncertainty, radii)
+    }
+}
 
 /// The uncertainty of a fitted cylinder: a normal distribution of the five degrees of freedom about it, to first order
 /// in the noise.
@@ -32,17 +47,6 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// `cylinder` has the direction that the result shows; `unit` is that of the sandwich.
-    pub(super) fn new(
-        cylinder: &Cylinder,
-        sandwich: &Sandwich,
-        center: &Vector3<f64>,
-        unit: f64,
-    ) -> Option<Self> {
-        let frame = LocalFrame::new(cylinder, center, unit);
-        Some(Self { frame, tangent: sandwich.covariance()?, center: *center })
-    }
-
     /// Standard deviation of the radius, in the unit of length.
     #[must_use]
     pub fn radius(&self) -> f64 {
@@ -144,7 +148,8 @@ pub struct RadiusComparison {
     pub from_points: f64,
     /// Its standard deviation.
     pub from_points_deviation: f64,
-    /// The radius by the limbs, with distance and tilt of the axis from the points, in the unit of length.
+    /// The radius by the limbs, with distance and tilt of the axis from the points (and from the arcs of the ends,
+    /// where these take part), in the unit of length.
     pub from_limbs: f64,
     /// Its standard deviation.
     pub from_limbs_deviation: f64,
@@ -157,13 +162,18 @@ impl RadiusComparison {
         (self.from_points - self.from_limbs) / self.from_points_deviation.hypot(self.from_limbs_deviation)
     }
 
+    /// Whether the difference is more than noise.
+    pub(super) fn disagree(&self) -> bool {
+        self.z_score().abs() > DISAGREEMENT
+    }
+
     /// `None` where the points alone determine no cylinder or the limbs add nothing to the radius.
     ///
     /// With A = A_p + A_l, one Newton step from the result leads to the minimum of the points, r_p, and to that of
     /// everything, r_f. With k = 1 − (A⁻¹)ᵣᵣ / (A_p⁻¹)ᵣᵣ, the part of the information on the radius that the limbs
     /// bring, r_f = (1 − k) r_p + k r_l defines r_l. So much of r_p is taken out that the two are uncorrelated.
-    pub(super) fn new(radius: f64, sandwich: &Sandwich, unit: f64) -> Option<Self> {
-        let Sandwich { points, limbs } = sandwich;
+    fn new(radius: f64, sandwich: &Sandwich, unit: f64) -> Option<Self> {
+        let Sandwich { points, edges } = sandwich;
         let of_points = points.derivative.cholesky()?;
         let of_all = sandwich.derivative().cholesky()?;
         let e = Tangent::ith(4, 1.0);
@@ -174,14 +184,14 @@ impl RadiusComparison {
             return None;
         }
         let step_points = -row_points.dot(&points.gradient);
-        let step_all = -row_all.dot(&(points.gradient + limbs.gradient));
+        let step_all = -row_all.dot(&(points.gradient + edges.gradient));
         let step_limbs = step_points + (step_all - step_points) / share;
         let variance = |row: &Tangent, covariance: &TangentMap| row.dot(&(covariance * row));
         // How r_l follows from the gradient of the points and from that of the limbs.
         let by_limbs = row_all / share;
         let by_points = row_points * (1.0 - 1.0 / share) + by_limbs;
         let limbs_variance =
-            variance(&by_points, &points.covariance) + variance(&by_limbs, &limbs.covariance);
+            variance(&by_points, &points.covariance) + variance(&by_limbs, &edges.covariance);
         let comparison = Self {
             from_points: radius + unit * step_points,
             from_points_deviation: unit * variance(&row_points, &points.covariance).sqrt(),

@@ -59,12 +59,12 @@ impl<'a> PaperObjective<'a> {
         }
         let mut points = self.points.sandwich(frame, Squared, independent_points);
         points.scale(1.0 - edge_weight);
-        let mut limbs = SandwichPart::zero();
+        let mut edges = SandwichPart::zero();
         if let Some((term, weight)) = &self.limbs {
-            limbs = term.sandwich(frame, pixel)?;
-            limbs.scale(*weight);
+            edges = term.sandwich(frame, pixel)?;
+            edges.scale(*weight);
         }
-        Some(Sandwich { points, limbs })
+        Some(Sandwich { points, edges })
     }
 }
 

@@ -111,12 +111,12 @@ impl<'a> RobustObjective<'a> {
         // Every other residual is weighed by its own variance, so that F is their negative log-likelihood times
         // 2 σ² / N_eff, and the covariance of its gradient is its second derivative times σ² / N_eff.
         let rest = total.hessian - points.hessian;
-        let limbs = SandwichPart {
+        let edges = SandwichPart {
             gradient: total.gradient - points.gradient,
             derivative: rest,
             covariance: rest * ((point / frame.unit).powi(2) / independent_points),
         };
-        Some(Sandwich { points: self.points.sandwich(frame, loss, independent_points), limbs })
+        Some(Sandwich { points: self.points.sandwich(frame, loss, independent_points), edges })
     }
 }
 

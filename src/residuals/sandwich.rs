@@ -23,8 +23,8 @@ pub struct SandwichPart {
 pub struct Sandwich {
     /// What the points add.
     pub points: SandwichPart,
-    /// What limbs in the image add: given segments and located lines. Zero where none count.
-    pub limbs: SandwichPart,
+    /// What edges in the image add: given segments, located limb lines and arcs of the ends. Zero where none count.
+    pub edges: SandwichPart,
 }
 
 impl SandwichPart {
@@ -46,14 +46,14 @@ impl Sandwich {
     /// A of everything.
     #[must_use]
     pub fn derivative(&self) -> TangentMap {
-        self.points.derivative + self.limbs.derivative
+        self.points.derivative + self.edges.derivative
     }
 
     /// The covariance of the minimum, A⁻¹ B A⁻¹; `None` where the data do not determine all five degrees of freedom.
     #[must_use]
     pub fn covariance(&self) -> Option<TangentMap> {
         let inverse = self.derivative().cholesky()?.inverse();
-        let covariance = inverse * (self.points.covariance + self.limbs.covariance) * inverse;
+        let covariance = inverse * (self.points.covariance + self.edges.covariance) * inverse;
         let covariance = (covariance + covariance.transpose()) * 0.5;
         covariance.iter().all(|x| x.is_finite()).then_some(covariance)
     }
