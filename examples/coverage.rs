@@ -64,10 +64,11 @@ fn part<T>(values: impl IntoIterator<Item = T>, holds: impl Fn(T) -> bool) -> St
     format!("{:.0}", 100.0 * held.iter().filter(|held| **held).count() as f64 / held.len() as f64)
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+/// The median with a number of digits; a dash where there are no values.
+fn median(values: impl Iterator<Item = f64>, digits: usize) -> String {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    values.get(values.len() / 2).map_or("-".into(), |value| format!("{value:.digits$}"))
 }
 
 fn main() {
@@ -96,13 +97,13 @@ fn main() {
             let all: Vec<Outcome> =
                 folders.iter().filter_map(|folder| outcome(folder, options, edges, image).ok()).collect();
             println!(
-                "| {name} | {} | {} | {} | {} | {:.2} | {:.1} | {} |",
+                "| {name} | {} | {} | {} | {} | {} | {} | {} |",
                 part(&all, |o| o.region <= REGION),
                 part(&all, |o| o.radius.abs() <= INTERVAL),
                 part(all.iter().filter_map(|o| o.center), |chi| chi <= CENTER_REGION),
                 part(all.iter().filter_map(|o| o.length), |z| z.abs() <= INTERVAL),
-                100.0 * median(all.iter().map(|o| o.radius_deviation)),
-                median(all.iter().filter_map(|o| o.z_score).map(f64::abs)),
+                median(all.iter().map(|o| 100.0 * o.radius_deviation), 2),
+                median(all.iter().filter_map(|o| o.z_score).map(f64::abs), 1),
                 part(all.iter().filter(|o| o.z_score.is_some()), |o| o.disagree),
             );
         }
