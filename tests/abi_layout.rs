@@ -61,13 +61,18 @@ fn layouts() -> Vec<Layout> {
             struct_size, termination, start_kind, flags, iterations, rejected_steps, segments_used,
             segments_given, points_used, points_given, model, start_model, initial_cost, cost, energy_points,
             energy_edges, edge_weight, point_rms, edge_rms_pixels, near_wall_fraction, condition, lambda,
-            gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total,
+            gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total, radius_deviation,
+            direction_deviation, position_deviation, radius_from_points, radius_from_points_deviation,
+            radius_from_limbs, radius_from_limbs_deviation, radius_z_score, covariance,
         }
         cylfuse_diagnosis {
             struct_size, rank, singular_values, condition, weakest_shift, weakest_tilt, weakest_radius,
         }
         cylfuse_completion { struct_size, reserved, count, hits, misses, outside_camera, out_of_range }
-        cylfuse_extent { struct_size, start_state, end_state, reserved, start, end, center, length }
+        cylfuse_extent {
+            struct_size, start_state, end_state, reserved, start, end, center, length, start_deviation,
+            end_deviation, length_deviation, start_covariance, end_covariance, center_covariance,
+        }
         cylfuse_progress { struct_size, phase, iteration, max_iterations, cost, lambda, model }
     }
 }

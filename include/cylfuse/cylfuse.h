@@ -954,6 +954,12 @@ typedef uint32_t cylfuse_result_flags;
  * Points with coordinates that are not finite were left out.
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_NOT_FINITE 2048
+/**
+ * The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
+ * `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
+ * wrong intrinsics or edges that are not the limbs do that.
+ */
+#define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
 
 /**
  * The outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
@@ -1068,6 +1074,49 @@ typedef struct cylfuse_result {
      * Wall-clock seconds of the whole fit.
      */
     double seconds_total;
+    /**
+     * Standard deviation of the radius, unit of length. This and what follows is that of the noise of the data, with
+     * the weights that were used and the correlation of the depth noise along the order of the points; errors that
+     * all data share (calibration, a scale of the depth) are not in it. NaN for RANSAC and EBERLY, for an edge weight
+     * of 1, and where the data do not determine a cylinder.
+     */
+    double radius_deviation;
+    /**
+     * Standard deviation of the direction in radians: the tilt in the plane in which it is least certain.
+     */
+    double direction_deviation;
+    /**
+     * Standard deviation of the position of the axis across itself, at `model.point` and in the direction in which it
+     * is least certain, unit of length.
+     */
+    double position_deviation;
+    /**
+     * The radius by the curvature of the points alone, unit of length; NaN without segments or limbs, and where the
+     * points alone determine no cylinder.
+     */
+    double radius_from_points;
+    /**
+     * Its standard deviation.
+     */
+    double radius_from_points_deviation;
+    /**
+     * The radius by the limbs, with distance and tilt of the axis from the points, unit of length; NaN likewise.
+     */
+    double radius_from_limbs;
+    /**
+     * Its standard deviation.
+     */
+    double radius_from_limbs_deviation;
+    /**
+     * `radius_from_points` minus `radius_from_limbs` in standard deviations of the difference; beyond 4 the flag
+     * POINTS_AND_LIMBS_DISAGREE is set.
+     */
+    double radius_z_score;
+    /**
+     * Covariance of (`model.point`, `model.direction`, `model.radius`), 7 x 7, symmetric, of rank 5; `[7 * i + j]` is
+     * that of the numbers i and j.
+     */
+    double covariance[49];
 } cylfuse_result;
 
 /**
@@ -1212,6 +1261,32 @@ typedef struct cylfuse_extent {
      * The distance of the ends.
      */
     double length;
+    /**
+     * Standard deviation of the position of the start along the axis, for a model without error; NaN for an extreme
+     * position. Of a start that is not SEEN it is that of the visible piece: the cylinder may well go on.
+     */
+    double start_deviation;
+    /**
+     * The same for the end.
+     */
+    double end_deviation;
+    /**
+     * Standard deviation of the length together with the uncertainty of the fit, of the visible piece. This and what
+     * follows is NaN for a model that was given, for extreme positions and when the fit has no uncertainty.
+     */
+    double length_deviation;
+    /**
+     * Covariance of `start`, 3 x 3, symmetric, unit of length squared.
+     */
+    double start_covariance[9];
+    /**
+     * Covariance of `end`.
+     */
+    double end_covariance[9];
+    /**
+     * Covariance of `center`.
+     */
+    double center_covariance[9];
 } cylfuse_extent;
 
 #ifdef __cplusplus

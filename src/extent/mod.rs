@@ -3,6 +3,8 @@
 //! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
 //! Here the ends are located from all generators together, see [`crate::end_location`].
 
+mod uncertainty;
+
 #[cfg(test)]
 mod scene;
 #[cfg(test)]
@@ -16,6 +18,7 @@ use crate::fitter::{Fitter, Method, ObjectiveKind, Options};
 use crate::geometry::Cylinder;
 use crate::observations::{GreyImage, MaskView};
 use nalgebra::Vector3;
+pub use uncertainty::ExtentUncertainty;
 
 /// How the ends are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -76,6 +79,10 @@ pub struct Extent {
     pub start_deviation: Option<f64>,
     /// The same for the end.
     pub end_deviation: Option<f64>,
+    /// The uncertainty of ends, centre and length together with that of the fit. It is that of the visible piece: of
+    /// an end that is not [`EndState::Seen`] the cylinder may well go on. `None` for extremes, from inside a pipe, for
+    /// a model that the caller gave, and when the fit has none.
+    pub uncertainty: Option<ExtentUncertainty>,
 }
 
 impl Fitter {
@@ -121,10 +128,14 @@ impl Fitter {
             ExtentRule::Extremes => extreme_ends(&search, &cylinder),
             ExtentRule::Located => locate_ends(&search, &cylinder),
         };
-        let [start, end] = ends.ok_or_else(|| Error::EdgeGeometry {
+        let ends = ends.ok_or_else(|| Error::EdgeGeometry {
             reason: "no ray of the mask meets the cylinder".into(),
             remedy: "check that mask and model belong to the same image",
         })?;
+        // The error of a given model is not known.
+        let fit = model.is_none().then(|| self.result()?.uncertainty).flatten();
+        let uncertainty = fit.and_then(|fit| uncertainty::of_ends(&cylinder, &fit, &ends));
+        let [start, end] = ends;
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
         Ok(Extent {
             center: at(0.5 * (start.position + end.position)),
@@ -137,6 +148,7 @@ impl Fitter {
             end_source: end.source,
             start_deviation: start.deviation,
             end_deviation: end.deviation,
+            uncertainty,
         })
     }
 }

@@ -11,10 +11,11 @@ use super::structs::{
 };
 use super::views::{Grid, Slot, optional_cylinder, pixel_size};
 use crate::completion::{CompletionCounts, Region};
+use crate::extent::{Extent, ExtentUncertainty};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{MaskView, Pixels, Scalar};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 const CALL: &str = "completing the points";
 
@@ -264,6 +265,35 @@ unsafe fn write_depth(at: *mut u8, format: Pixels, stored: f64) {
     }
 }
 
+impl From<&Extent> for cylfuse_extent {
+    fn from(extent: &Extent) -> Self {
+        let uncertainty = extent.uncertainty.as_ref();
+        let entries = |pick: fn(&ExtentUncertainty) -> &Matrix3<f64>| {
+            let mut entries = [f64::NAN; 9];
+            if let Some(uncertainty) = uncertainty {
+                entries.copy_from_slice(pick(uncertainty).as_slice());
+            }
+            entries
+        };
+        Self {
+            struct_size: 0,
+            start_state: extent.start_state.into(),
+            end_state: extent.end_state.into(),
+            reserved: 0,
+            start: extent.start.into(),
+            end: extent.end.into(),
+            center: extent.center.into(),
+            length: extent.length,
+            start_deviation: extent.start_deviation.unwrap_or(f64::NAN),
+            end_deviation: extent.end_deviation.unwrap_or(f64::NAN),
+            length_deviation: uncertainty.map_or(f64::NAN, |uncertainty| uncertainty.length),
+            start_covariance: entries(|uncertainty| &uncertainty.start),
+            end_covariance: entries(|uncertainty| &uncertainty.end),
+            center_covariance: entries(|uncertainty| &uncertainty.center),
+        }
+    }
+}
+
 /// Finds the visible piece of the cylinder and what its ends are. With the paper's objective and the methods
 /// other than FUSED the ends are the extreme positions along the axis of the points completed over the mask;
 /// with the robust objective they are located from all lines along the surface together.
@@ -287,16 +317,7 @@ pub unsafe extern "C" fn cylfuse_fitter_extent(
             let out = Output::new(out_extent, "out_extent")?;
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
             let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
-            out.write(&cylfuse_extent {
-                struct_size: 0,
-                start_state: extent.start_state.into(),
-                end_state: extent.end_state.into(),
-                reserved: 0,
-                start: extent.start.into(),
-                end: extent.end.into(),
-                center: extent.center.into(),
-                length: extent.length,
-            });
+            out.write(&(&extent).into());
             Ok(())
         })
     }

@@ -409,6 +409,10 @@ impl cylfuse_result_flags {
     pub const CAMERA_INSIDE: cylfuse_result_flags = cylfuse_result_flags(1024);
     /// Points with coordinates that are not finite were left out.
     pub const POINTS_NOT_FINITE: cylfuse_result_flags = cylfuse_result_flags(2048);
+    /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
+    /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
+    /// wrong intrinsics or edges that are not the limbs do that.
+    pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
 }
 
 #[cfg(test)]
@@ -441,6 +445,7 @@ mod tests {
             F::HIDDEN_WALL,
             F::CAMERA_INSIDE,
             F::POINTS_NOT_FINITE,
+            F::POINTS_AND_LIMBS_DISAGREE,
         ];
         let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
         assert_eq!(here.map(|flag| flag.0).as_slice(), there);

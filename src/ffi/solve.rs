@@ -16,6 +16,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 impl From<&FitResult> for cylfuse_result {
     fn from(result: &FitResult) -> Self {
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let FitResult { uncertainty, radii, .. } = result;
+        let mut covariance = [f64::NAN; 49];
+        if let Some(uncertainty) = uncertainty {
+            covariance.copy_from_slice(uncertainty.covariance().as_slice());
+        }
         Self {
             struct_size: size_of::<Self>() as u32,
             termination: result.termination.into(),
@@ -44,6 +49,15 @@ impl From<&FitResult> for cylfuse_result {
             seconds_start: result.seconds.start,
             seconds_solve: result.seconds.solve,
             seconds_total: result.seconds.total,
+            radius_deviation: or_nan(uncertainty.map(|u| u.radius())),
+            direction_deviation: or_nan(uncertainty.map(|u| u.direction())),
+            position_deviation: or_nan(uncertainty.map(|u| u.position())),
+            radius_from_points: or_nan(radii.map(|r| r.from_points)),
+            radius_from_points_deviation: or_nan(radii.map(|r| r.from_points_deviation)),
+            radius_from_limbs: or_nan(radii.map(|r| r.from_limbs)),
+            radius_from_limbs_deviation: or_nan(radii.map(|r| r.from_limbs_deviation)),
+            radius_z_score: or_nan(radii.map(|r| r.z_score())),
+            covariance,
         }
     }
 }

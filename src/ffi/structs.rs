@@ -329,6 +329,31 @@ pub struct cylfuse_result {
     pub seconds_solve: f64,
     /// Wall-clock seconds of the whole fit.
     pub seconds_total: f64,
+    /// Standard deviation of the radius, unit of length. This and what follows is that of the noise of the data, with
+    /// the weights that were used and the correlation of the depth noise along the order of the points; errors that
+    /// all data share (calibration, a scale of the depth) are not in it. NaN for RANSAC and EBERLY, for an edge weight
+    /// of 1, and where the data do not determine a cylinder.
+    pub radius_deviation: f64,
+    /// Standard deviation of the direction in radians: the tilt in the plane in which it is least certain.
+    pub direction_deviation: f64,
+    /// Standard deviation of the position of the axis across itself, at `model.point` and in the direction in which it
+    /// is least certain, unit of length.
+    pub position_deviation: f64,
+    /// The radius by the curvature of the points alone, unit of length; NaN without segments or limbs, and where the
+    /// points alone determine no cylinder.
+    pub radius_from_points: f64,
+    /// Its standard deviation.
+    pub radius_from_points_deviation: f64,
+    /// The radius by the limbs, with distance and tilt of the axis from the points, unit of length; NaN likewise.
+    pub radius_from_limbs: f64,
+    /// Its standard deviation.
+    pub radius_from_limbs_deviation: f64,
+    /// `radius_from_points` minus `radius_from_limbs` in standard deviations of the difference; beyond 4 the flag
+    /// POINTS_AND_LIMBS_DISAGREE is set.
+    pub radius_z_score: f64,
+    /// Covariance of (`model.point`, `model.direction`, `model.radius`), 7 x 7, symmetric, of rank 5; `[7 * i + j]` is
+    /// that of the numbers i and j.
+    pub covariance: [f64; 49],
 }
 
 /// What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
@@ -394,6 +419,20 @@ pub struct cylfuse_extent {
     pub center: [f64; 3],
     /// The distance of the ends.
     pub length: f64,
+    /// Standard deviation of the position of the start along the axis, for a model without error; NaN for an extreme
+    /// position. Of a start that is not SEEN it is that of the visible piece: the cylinder may well go on.
+    pub start_deviation: f64,
+    /// The same for the end.
+    pub end_deviation: f64,
+    /// Standard deviation of the length together with the uncertainty of the fit, of the visible piece. This and what
+    /// follows is NaN for a model that was given, for extreme positions and when the fit has no uncertainty.
+    pub length_deviation: f64,
+    /// Covariance of `start`, 3 x 3, symmetric, unit of length squared.
+    pub start_covariance: [f64; 9],
+    /// Covariance of `end`.
+    pub end_covariance: [f64; 9],
+    /// Covariance of `center`.
+    pub center_covariance: [f64; 9],
 }
 
 /// The state of a running fit, before each linear solve.

@@ -9,9 +9,11 @@ mod problem;
 mod result;
 mod solve;
 mod starts;
+mod uncertainty;
 
 pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
+pub use uncertainty::{RadiusComparison, Uncertainty};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
@@ -451,8 +453,13 @@ impl Fitter {
             let sum: f64 = given.iter().flatten().map(|d| d * d).sum();
             (sum / (2 * given.len()) as f64).sqrt()
         });
+        let canonical = problem.canonical(cylinder);
+        let (uncertainty, radii) = problem.uncertainty(&canonical);
+        flags.set(Flags::POINTS_AND_LIMBS_DISAGREE, radii.is_some_and(|radii| radii.disagree()));
         Ok(FitResult {
-            cylinder: problem.canonical(cylinder),
+            cylinder: canonical,
+            uncertainty,
+            radii,
             start: start.cylinder,
             start_kind: start.kind,
             termination: None,

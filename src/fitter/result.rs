@@ -1,6 +1,7 @@
 //! What a fit returns.
 
 use super::options::StartKind;
+use super::uncertainty::{RadiusComparison, Uncertainty};
 use crate::geometry::Cylinder;
 use crate::observations::Dropped;
 use crate::solver::Termination;
@@ -33,6 +34,9 @@ bitflags::bitflags! {
         const CAMERA_INSIDE = 1 << 10;
         /// Points with coordinates that are not finite were left out.
         const POINTS_NOT_FINITE = 1 << 11;
+        /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: see
+        /// [`FitResult::radii`].
+        const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
     }
 }
 
@@ -53,6 +57,12 @@ pub struct FitResult {
     /// The cylinder. Its axis point is the one nearest to the middle of the points; the largest component of
     /// its direction is positive.
     pub cylinder: Cylinder,
+    /// Standard deviations and covariance of the cylinder; `None` where none is known: for RANSAC and Eberly's fit,
+    /// which minimise nothing, for w_L = 1, and where the data do not determine a cylinder.
+    pub uncertainty: Option<Uncertainty>,
+    /// The radius by the points and by the limbs; `None` without an uncertainty, where the points alone determine no
+    /// cylinder, and where limbs add nothing.
+    pub radii: Option<RadiusComparison>,
     /// The model that the iteration started from.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.

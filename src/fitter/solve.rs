@@ -5,7 +5,7 @@ use super::problem::Problem;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame};
 use crate::residuals::{
-    NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, TUKEY_EFFICIENT,
+    NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, Sandwich, TUKEY_EFFICIENT,
 };
 use crate::solver::{Convergence, Iteration, Termination, minimise};
 use std::ops::ControlFlow;
@@ -27,8 +27,10 @@ const PASSING_COST_TOLERANCE: f64 = 1e-5;
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
-/// A residual correlation below this is taken as the end of the correlated range.
+/// A residual correlation below this is taken as the end of the correlated range, and one below so many of its own
+/// standard deviations, 1/√N when there is none: what chance gives few points must not count as correlation.
 const UNCORRELATED: f64 = 0.1;
+const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 
 /// Longest range of correlation that is looked for, in points.
 const LONGEST_CORRELATION: usize = 50;
@@ -68,6 +70,21 @@ impl Problem<'_> {
     pub fn linearise(&self, cylinder: &Cylinder) -> Option<NormalEquations> {
         let frame = LocalFrame::new(cylinder, &self.center, self.unit);
         self.with_objective(cylinder, |objective| objective.linearise(&frame))
+    }
+
+    /// What the covariance of a minimum at the cylinder of a frame follows from; `None` where there is none.
+    pub fn sandwich(&self, frame: &LocalFrame) -> Option<Sandwich> {
+        let cylinder = &frame.cylinder;
+        let minimises = matches!(self.options.method, Method::Fused | Method::Points);
+        if self.cloud.is_empty() || !minimises {
+            return None;
+        }
+        let scales = self.scales(cylinder);
+        if self.is_paper() {
+            return self.paper_objective(cylinder).sandwich(frame, scales.independent_points, scales.pixel);
+        }
+        RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall)
+            .sandwich(frame)
     }
 
     /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
@@ -172,14 +189,47 @@ fn correlated_range(residuals: &[f64], cutoff: f64) -> f64 {
     if variance == 0.0 {
         return 1.0;
     }
+    let limit = UNCORRELATED.max(UNCORRELATED_DEVIATIONS / (values.len() as f64).sqrt());
     let mut range = 1.0;
     for lag in 1..=LONGEST_CORRELATION.min(values.len() / 4) {
         let covariance: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
         let correlation = covariance / variance;
-        if correlation < UNCORRELATED {
+        if correlation < limit {
             break;
         }
         range += 2.0 * correlation;
     }
     range
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Evenly distributed numbers without correlation, the same at every run.
+    fn noise(count: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn independent_noise_has_the_range_one_for_any_number_of_points() {
+        for count in [50, 500, 5000] {
+            let mean =
+                (0..400).map(|seed| correlated_range(&noise(count, seed), 1.0).powi(2)).sum::<f64>() / 400.0;
+            assert!((1.0..1.01).contains(&mean), "{count}: {mean}");
+        }
+    }
+
+    #[test]
+    fn the_range_is_that_of_a_moving_average() {
+        // The mean of 5 neighbours has the correlation 1 − k / 5, so that 1 + 2 Σ ρ is 5.
+        let raw = noise(20_000, 1);
+        let smooth: Vec<f64> = raw.windows(5).map(|five| five.iter().sum()).collect();
+        assert!((correlated_range(&smooth, 10.0) - 5.0).abs() < 0.2);
+    }
 }

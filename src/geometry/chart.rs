@@ -31,7 +31,7 @@ pub enum Chart {
 
 /// Coordinates at one cylinder: the axis is z, the axis point nearest to the data is the origin, and lengths
 /// are in units of `unit`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalFrame {
     /// The cylinder, its axis point moved to the one nearest to the data.
     pub cylinder: Cylinder,
@@ -64,6 +64,25 @@ impl LocalFrame {
             },
             radius: self.cylinder.radius + delta[4] * self.unit,
         }
+    }
+
+    /// The step to another cylinder: the inverse of [`LocalFrame::retract`] to first order. The sign of its
+    /// direction has no meaning.
+    #[must_use]
+    pub fn difference(&self, other: &Cylinder) -> Tangent {
+        let axis = &self.cylinder.axis;
+        // Where the other axis crosses the plane across this one at its point.
+        let along =
+            (axis.point - other.axis.point).dot(&axis.direction) / other.axis.direction.dot(&axis.direction);
+        let shift = other.axis.point + other.axis.direction * along - axis.point;
+        let tilt = other.axis.direction * other.axis.direction.dot(&axis.direction).signum();
+        Tangent::new(
+            shift.dot(&self.u) / self.unit,
+            shift.dot(&self.v) / self.unit,
+            tilt.dot(&self.u),
+            tilt.dot(&self.v),
+            (other.radius - self.cylinder.radius) / self.unit,
+        )
     }
 
     /// The rotation from space to the frame, rows u, v, d̂.
@@ -120,23 +139,6 @@ impl LocalFrame {
 mod tests {
     use super::*;
 
-    /// The local tangent from one cylinder to a neighbour, by the inverse of the retraction to first order.
-    fn local_difference(frame: &LocalFrame, moved: &Cylinder) -> Tangent {
-        let axis = &frame.cylinder.axis;
-        // Where the moved axis crosses the plane across the old one at its point.
-        let along =
-            (axis.point - moved.axis.point).dot(&axis.direction) / moved.axis.direction.dot(&axis.direction);
-        let shift = moved.axis.point + moved.axis.direction * along - axis.point;
-        let tilt = moved.axis.direction * moved.axis.direction.dot(&axis.direction).signum();
-        Tangent::new(
-            shift.dot(&frame.u) / frame.unit,
-            shift.dot(&frame.v) / frame.unit,
-            tilt.dot(&frame.u),
-            tilt.dot(&frame.v),
-            (moved.radius - frame.cylinder.radius) / frame.unit,
-        )
-    }
-
     #[test]
     fn both_charts_agree_with_central_differences() {
         let cylinder =
@@ -147,12 +149,11 @@ mod tests {
         let h = 1e-6;
         for k in 0..5 {
             let step = Tangent::ith(k, h);
-            let local = (local_difference(&frame, &frame.retract(&step))
-                - local_difference(&frame, &frame.retract(&-step)))
+            let local = (frame.difference(&frame.retract(&step)) - frame.difference(&frame.retract(&-step)))
                 / (2.0 * h);
             assert!((local - Tangent::ith(k, 1.0)).norm() < 1e-8, "{k} {local}");
-            let orthonormal = (local_difference(&frame, &frame.retract_orthonormal(&step))
-                - local_difference(&frame, &frame.retract_orthonormal(&-step)))
+            let orthonormal = (frame.difference(&frame.retract_orthonormal(&step))
+                - frame.difference(&frame.retract_orthonormal(&-step)))
                 / (2.0 * h);
             assert!((orthonormal - map.column(k)).norm() < 1e-7 * map.norm(), "{k} {orthonormal}");
         }

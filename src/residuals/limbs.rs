@@ -5,8 +5,8 @@
 //! B = ‖c‖ sin γ cos γ, σ₁ = 1, σ₂ = −1. The ray v of an endpoint meets Π at A v / (ĉ · v), so that
 //! e = A τ − σ_j B with τ = (ŝ · v) / (ĉ · v): the signed distance within Π from limb line j.
 
-use super::NormalEquations;
-use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent};
+use super::{NormalEquations, SandwichPart};
+use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent, TangentMap};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// The two observed edge segments, without distortion.
@@ -71,6 +71,39 @@ impl LimbTerm {
             equations.add_residual(0.25, residual * factor, &scaled);
         }
         Some(equations)
+    }
+
+    /// What E_L adds to the covariance of a minimum when the endpoints have independent errors of the standard
+    /// deviation `pixel` across the limb lines, in pixels.
+    #[must_use]
+    pub fn sandwich(&self, frame: &LocalFrame, pixel: f64) -> Option<SandwichPart> {
+        let equations = self.linearise(frame)?;
+        let limbs = LimbFrame::new(&frame.cylinder)?;
+        let lengths = self.lengths_of_pixel(&limbs);
+        let mut covariance = TangentMap::zeros();
+        for (lengths, rows) in lengths.iter().zip(self.rows(frame)?) {
+            for (length, (_, jacobian)) in lengths.iter().zip(rows) {
+                let deviation = pixel * length / frame.unit;
+                covariance += jacobian * jacobian.transpose() * (0.25 * deviation).powi(2);
+            }
+        }
+        Some(SandwichPart { gradient: equations.gradient, derivative: equations.hessian, covariance })
+    }
+
+    /// The residual of each endpoint over its distance from the limb line in pixels. With the unit moment m of the
+    /// limb line, e = −‖c‖ cos γ (m·v) / (ĉ·v), and with l = K_L m the distance is l·q̃ / ‖(l₁, l₂)‖, where
+    /// l·q̃ = det K (m·v) for v = K⁻¹ q̃.
+    fn lengths_of_pixel(&self, limbs: &LimbFrame) -> [[f64; 2]; 2] {
+        let direct = self.associate(limbs);
+        let determinant = self.line_projection[(2, 2)];
+        let norms = limbs.limb_plane_normals().map(|moment| (self.line_projection * moment).xy().norm());
+        [0, 1].map(|segment: usize| {
+            let norm = norms[if direct { segment } else { 1 - segment }];
+            self.pair.rays[segment].map(|ray| {
+                let ahead = limbs.toward.dot(&ray) / ray.z;
+                limbs.distance * limbs.cos_gamma * norm / (ahead * determinant)
+            })
+        })
     }
 
     /// E_L in the caller's unit squared; `None` where it is infinite.

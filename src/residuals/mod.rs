@@ -10,6 +10,7 @@ mod paper;
 mod pixels;
 mod points;
 mod robust;
+mod sandwich;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
@@ -17,6 +18,7 @@ pub use paper::PaperObjective;
 pub use pixels::{PixelSegment, PixelTerm};
 pub use points::{Loss, PointTerm, Squared};
 pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey, Wall};
+pub use sandwich::{Sandwich, SandwichPart};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::PointCloud;

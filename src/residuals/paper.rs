@@ -2,7 +2,7 @@
 
 use super::limbs::LimbTerm;
 use super::points::{PointTerm, Squared, point_row};
-use super::{NormalEquations, Objective};
+use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
 
@@ -45,6 +45,26 @@ impl<'a> PaperObjective<'a> {
     #[must_use]
     pub fn limbs(&self) -> Option<&LimbTerm> {
         self.limbs.as_ref().map(|(term, _)| term)
+    }
+
+    /// What the covariance of the minimum follows from; `None` where the cost is infinite, and for w_L = 1, which
+    /// leaves the scale open. The variance of the points is that of their residuals, of which `independent_points`
+    /// are independent; four endpoints are too few to tell theirs, so it is given by their standard deviation in
+    /// pixels.
+    #[must_use]
+    pub fn sandwich(&self, frame: &LocalFrame, independent_points: f64, pixel: f64) -> Option<Sandwich> {
+        let edge_weight = self.edge_weight();
+        if edge_weight == 1.0 {
+            return None;
+        }
+        let mut points = self.points.sandwich(frame, Squared, independent_points);
+        points.scale(1.0 - edge_weight);
+        let mut edges = SandwichPart::zero();
+        if let Some((term, weight)) = &self.limbs {
+            edges = term.sandwich(frame, pixel)?;
+            edges.scale(*weight);
+        }
+        Some(Sandwich { points, edges })
     }
 }
 
@@ -139,6 +159,22 @@ mod tests {
     }
 
     const PIXELS: [[[f64; 2]; 2]; 2] = [[[287.5, 212.5], [303.9, 287.9]], [[350.9, 204.9], [372.0, 282.8]]];
+
+    #[test]
+    fn a_pixel_has_the_length_that_takes_distances_to_residuals() {
+        let (cylinder, term) = scene();
+        let frame = LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0);
+        // One pixel of noise, and each of the four residuals by its own pixel distance.
+        let covariance = term.sandwich(&frame, 1.0).unwrap().covariance;
+        let mut expected = crate::geometry::TangentMap::zeros();
+        let distances = term.pixel_distances(&cylinder).unwrap();
+        for (rows, distances) in term.rows(&frame).unwrap().iter().zip(distances) {
+            for ((residual, jacobian), distance) in rows.iter().zip(distances) {
+                expected += jacobian * jacobian.transpose() * (residual / distance / 4.0).powi(2);
+            }
+        }
+        assert!((covariance - expected).norm() < 1e-9 * expected.norm(), "{covariance} {expected}");
+    }
 
     #[test]
     fn the_edge_energy_is_that_of_the_definition() {

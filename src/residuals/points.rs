@@ -3,7 +3,7 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::NormalEquations;
+use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -13,6 +13,9 @@ pub trait Loss: Copy + Sync {
     /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
     /// negative where the outward normal of the surface points towards the observer at the origin.
     fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
+
+    /// The derivative of the influence ψ(e) = ρ′(e) / 2 of a residual.
+    fn influence_slope(&self, residual: f64, facing: f64) -> f64;
 }
 
 /// The plain square.
@@ -24,6 +27,10 @@ impl Loss for Squared {
     fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
         (residual * residual, 1.0)
     }
+
+    fn influence_slope(&self, _residual: f64, _facing: f64) -> f64 {
+        1.0
+    }
 }
 
 /// The points of a fit with the sum of their weights.
@@ -33,6 +40,10 @@ pub struct PointTerm<'a> {
     total_weight: f64,
     threads: usize,
 }
+
+/// A leverage above this says that the points hardly do more than determine the cylinder: their residuals tell nothing
+/// of their noise.
+const LARGEST_LEVERAGE: f64 = 0.5;
 
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
@@ -75,6 +86,47 @@ impl<'a> PointTerm<'a> {
         let mut equations = NormalEquations::zero();
         equations.add_scaled(1.0 / self.total_weight, &unpack(&sums));
         equations
+    }
+
+    /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
+    ///
+    /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
+    /// slope: B = Σ ψ² J Jᵀ (White's estimator) with the influence ψ = w(e) e and the correction of the residuals by
+    /// their leverage (HC3 of MacKinnon and White 1985). A is the mean slope of ψ for Σ w J Jᵀ, so that points without
+    /// influence (background) do not count as measured.
+    #[must_use]
+    pub fn sandwich(&self, frame: &LocalFrame, loss: impl Loss, independent_points: f64) -> SandwichPart {
+        let NormalEquations { gradient, hessian, .. } = self.linearise(frame, loss);
+        let Some(factor) = hessian.cholesky() else { return SandwichPart::zero() };
+        // Other terms pull the cylinder away from the points. The part of the residuals that a step to the minimum of
+        // the points would take away is no noise.
+        let to_minimum = -factor.solve(&gradient);
+        let copies = self.cloud.len() as f64 / independent_points;
+        let leverages = factor.inverse() * copies;
+        let (mut weights, mut slopes, mut squared_slopes) = (0.0, 0.0, 0.0);
+        let mut covariance = TangentMap::zeros();
+        for (index, point) in self.cloud.points().enumerate() {
+            let part = self.cloud.weight(index) / self.total_weight;
+            let (residual, jacobian, facing) = point_row(frame, &point);
+            let weight = part * loss.loss_and_weight(residual, facing).1;
+            let slope = loss.influence_slope(residual, facing);
+            weights += weight;
+            slopes += part * slope;
+            squared_slopes += part * slope * slope;
+            let leverage = weight * jacobian.dot(&(leverages * jacobian));
+            let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
+            covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
+        }
+        // Huber's correction for few points (1981, section 7.6): slopes that differ from point to point make the
+        // estimate less certain than their mean says.
+        let correction = 1.0 + 5.0 / independent_points * (squared_slopes / (slopes * slopes) - 1.0);
+        // An error in units of the deviation that n − 5 degrees of freedom tell is Student's t, of this variance.
+        let student = (independent_points - 5.0).max(1.0) / (independent_points - 7.0).max(1.0);
+        SandwichPart {
+            gradient,
+            derivative: hessian * (slopes / weights),
+            covariance: covariance * (copies * correction * correction * student),
+        }
     }
 
     /// E_P: the weighted mean of the squared residuals, in the caller's unit squared.

@@ -8,7 +8,7 @@
 use super::arcs::ArcTerm;
 use super::pixels::PixelTerm;
 use super::points::{Loss, PointTerm, point_row};
-use super::{NormalEquations, Objective};
+use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
 
@@ -43,6 +43,13 @@ impl Loss for Tukey {
         let rest = if hidden { 0.0 } else { (1.0 - ratio * ratio).max(0.0) };
         let weight = rest * rest;
         (self.cutoff * self.cutoff / 3.0 * (1.0 - weight * rest), weight)
+    }
+
+    fn influence_slope(&self, residual: f64, facing: f64) -> f64 {
+        // ψ = e (1 − (e/c)²)².
+        let square = (residual / self.cutoff).powi(2);
+        let hidden = self.wall == Wall::Facing && facing > 0.0;
+        if hidden || square >= 1.0 { 0.0 } else { (1.0 - square) * (1.0 - 5.0 * square) }
     }
 }
 
@@ -92,6 +99,24 @@ impl<'a> RobustObjective<'a> {
     fn pixel_factor(&self, frame: &LocalFrame) -> f64 {
         let RobustScales { point, independent_points, pixel } = self.scales;
         (point / (frame.unit * pixel)).powi(2) / independent_points
+    }
+
+    /// What the covariance of the minimum follows from; `None` where the cost is infinite. The scales must fit the
+    /// residuals in the frame.
+    #[must_use]
+    pub fn sandwich(&self, frame: &LocalFrame) -> Option<Sandwich> {
+        let RobustScales { point, independent_points, .. } = self.scales;
+        let loss = self.loss(frame);
+        let (total, points) = (self.linearise(frame)?, self.points.linearise(frame, loss));
+        // Every other residual is weighed by its own variance, so that F is their negative log-likelihood times
+        // 2 σ² / N_eff, and the covariance of its gradient is its second derivative times σ² / N_eff.
+        let rest = total.hessian - points.hessian;
+        let edges = SandwichPart {
+            gradient: total.gradient - points.gradient,
+            derivative: rest,
+            covariance: rest * ((point / frame.unit).powi(2) / independent_points),
+        };
+        Some(Sandwich { points: self.points.sandwich(frame, loss, independent_points), edges })
     }
 }
 
@@ -146,10 +171,14 @@ mod tests {
             let h = 1e-6;
             let slope = (at(e + h).0 - at(e - h).0) / (2.0 * h);
             assert!((slope - 2.0 * e * at(e).1).abs() < 1e-8, "{e}");
+            let influence = |e: f64| e * at(e).1;
+            let of_influence = (influence(e + h) - influence(e - h)) / (2.0 * h);
+            assert!((of_influence - tukey.influence_slope(e, -1.0)).abs() < 1e-8, "{e}");
         }
         assert_eq!(at(3.0), (4.0 / 3.0, 0.0));
         assert!((at(1e-4).0 - 1e-8).abs() < 1e-15);
         // A point on the hidden wall counts as one far away.
         assert_eq!(tukey.loss_and_weight(0.1, 1.0), at(3.0));
+        assert_eq!(tukey.influence_slope(0.1, 1.0), 0.0);
     }
 }

@@ -206,6 +206,9 @@ void test_extent(void)
     CHECK(distance(extent.center, the_scene.truth.point) < 0.006);
     CHECK_NEAR(distance(extent.start, extent.end), extent.length, 1e-12);
     CHECK(extent.start_state == CYLFUSE_END_STATE_SEEN && extent.end_state == CYLFUSE_END_STATE_SEEN);
+    CHECK(extent.length_deviation > extent.start_deviation && extent.start_deviation > 0.0);
+    CHECK(extent.start_covariance[0] > 0.0 && extent.end_covariance[4] > 0.0);
+    CHECK(extent.center_covariance[1] == extent.center_covariance[3]);
 
     /* A single pixel: one point, no length. */
     uint8_t *one = exactly(PIXELS);
@@ -215,6 +218,7 @@ void test_extent(void)
     mask.data = one;
     CHECK_OK(cylfuse_fitter_extent(fitter, &the_scene.truth, &mask, &extent));
     CHECK(extent.length == 0.0);
+    CHECK(isnan(extent.start_deviation) && isnan(extent.length_deviation) && isnan(extent.center_covariance[8]));
     cylfuse_cylinder aside = the_scene.truth;
     aside.point[0] += 10.0;
     aside.point[1] += 20.0;

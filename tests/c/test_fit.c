@@ -76,6 +76,9 @@ static void a_fit_and_what_it_says(void)
     CHECK(result.condition > 1.0 && result.condition < 1e4);
     CHECK(result.seconds_total >= result.seconds_solve && result.seconds_total > 0.0);
 
+    /* Beside exact points no limb says anything about the radius. */
+    CHECK(result.radius_deviation < 1e-9 && isnan(result.radius_from_points) && isnan(result.radius_z_score));
+
     cylfuse_result again = {.struct_size = sizeof again};
     CHECK_OK(cylfuse_fitter_get_result(fitter, &again));
     CHECK(memcmp(&again, &result, sizeof again) == 0);
@@ -116,6 +119,49 @@ static void a_fit_and_what_it_says(void)
     /* Evaluating does not replace the result. */
     CHECK_OK(cylfuse_fitter_get_result(fitter, &again));
     CHECK(again.model.radius == result.model.radius);
+    destroy(fitter);
+}
+
+static void the_uncertainty_of_noisy_points(void)
+{
+    cylfuse_fitter *fitter = new_camera_fitter();
+    double noisy[POINTS][3];
+    for (int k = 0; k < POINTS; k++) {
+        double part = 0.002 * ((k * 7919 % 101) / 100.0 - 0.5);
+        for (int i = 0; i < 3; i++) {
+            noisy[k][i] = the_scene.points[k][i] * (1.0 + part);
+        }
+    }
+    cylfuse_points_view points = scene_points();
+    points.data = noisy;
+    cylfuse_segments_view edges = scene_edges();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &points, NULL));
+    CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
+    cylfuse_result result = fit(fitter);
+    double deviation = result.radius_deviation;
+    CHECK(deviation > 1e-6 && deviation < 1e-3 && fabs(result.model.radius - 0.05) < 4.0 * deviation);
+    CHECK(result.direction_deviation > 1e-5 && result.direction_deviation < 1e-2);
+    CHECK(result.position_deviation > 1e-6 && result.position_deviation < 1e-3);
+    CHECK_NEAR(result.covariance[48], deviation * deviation, 1e-9 * result.covariance[48]);
+    for (int i = 0; i < 7; i++) {
+        for (int j = 0; j < 7; j++) {
+            CHECK(result.covariance[7 * i + j] == result.covariance[7 * j + i]);
+        }
+    }
+    double difference = result.radius_from_points - result.radius_from_limbs;
+    CHECK_NEAR(result.radius_z_score,
+               difference / hypot(result.radius_from_points_deviation, result.radius_from_limbs_deviation), 1e-9);
+    /* The limbs are coarse here: nearly all is known from the points. */
+    CHECK_NEAR(result.radius_from_points_deviation, deviation, 0.1 * deviation);
+    CHECK(result.radius_from_limbs_deviation > 2.0 * deviation);
+    CHECK((result.flags & CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE) == 0);
+
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.method = CYLFUSE_METHOD_RANSAC;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    result = fit(fitter);
+    CHECK(isnan(result.radius_deviation) && isnan(result.covariance[0]) && isnan(result.covariance[48]));
     destroy(fitter);
 }
 
@@ -256,6 +302,7 @@ void test_fit(void)
 {
     any_number_of_threads();
     a_fit_and_what_it_says();
+    the_uncertainty_of_noisy_points();
     the_objective_of_the_paper();
     data_that_are_no_cylinder();
     cameras_that_cannot_be();

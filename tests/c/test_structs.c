@@ -82,6 +82,9 @@ static void *cut(const void *known, uint32_t struct_size)
     return bytes;
 }
 
+/* Sizes of the first published versions, from which on structs have only grown. */
+#define FIRST_SIZE(type, last) (offsetof(type, last) + sizeof(((type *)0)->last))
+
 typedef cylfuse_status (*input_call)(cylfuse_fitter *fitter, const void *input);
 
 static void check_input(cylfuse_fitter *fitter, input_call call, const void *known, size_t size, const char *name)
@@ -202,7 +205,7 @@ static void inputs_of_any_size(void)
 
 typedef cylfuse_status (*output_call)(const cylfuse_fitter *fitter, void *output);
 
-static void check_output(const cylfuse_fitter *fitter, output_call call, size_t size, const char *name)
+static void check_output(const cylfuse_fitter *fitter, output_call call, size_t first, size_t size, const char *name)
 {
     uint8_t *whole = exactly(size);
     memset(whole, 0xAA, size);
@@ -212,7 +215,11 @@ static void check_output(const cylfuse_fitter *fitter, output_call call, size_t 
 
     for (uint32_t given = 0; given < size; given += given == 0 ? 4 : 1) {
         void *small = cut(whole, given);
-        CHECK_ERROR(fitter, call(fitter, small), STRUCT_SIZE, name);
+        if (given < first) {
+            CHECK_ERROR(fitter, call(fitter, small), STRUCT_SIZE, name);
+        } else {
+            CHECK_OK(call(fitter, small));
+        }
         CHECK(memcmp((uint8_t *)small + 4, whole + 4, given < 4 ? 0 : given - 4) == 0);
         free(small);
     }
@@ -282,12 +289,15 @@ static void outputs_of_any_size(void)
     cylfuse_mask_view mask = scene_mask();
     CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
     fit(fitter);
-    check_output(fitter, get_options, sizeof(cylfuse_options), "out_options.struct_size is");
-    check_output(fitter, get_counts, sizeof(cylfuse_counts), "out_counts.struct_size is");
-    check_output(fitter, get_result, sizeof(cylfuse_result), "out_result.struct_size is");
-    check_output(fitter, diagnose, sizeof(cylfuse_diagnosis), "out_diagnosis.struct_size is");
-    check_output(fitter, extent, sizeof(cylfuse_extent), "out_extent.struct_size is");
-    check_output(fitter, completion, sizeof(cylfuse_completion), "out_completion.struct_size is");
+    check_output(fitter, get_options, sizeof(cylfuse_options), sizeof(cylfuse_options),
+                 "out_options.struct_size is");
+    check_output(fitter, get_counts, sizeof(cylfuse_counts), sizeof(cylfuse_counts), "out_counts.struct_size is");
+    check_output(fitter, get_result, FIRST_SIZE(cylfuse_result, seconds_total), sizeof(cylfuse_result),
+                 "out_result.struct_size is");
+    check_output(fitter, diagnose, sizeof(cylfuse_diagnosis), sizeof(cylfuse_diagnosis), "out_diagnosis.struct_size is");
+    check_output(fitter, extent, FIRST_SIZE(cylfuse_extent, length), sizeof(cylfuse_extent),
+                 "out_extent.struct_size is");
+    check_output(fitter, completion, sizeof(cylfuse_completion), sizeof(cylfuse_completion), "out_completion.struct_size is");
     destroy(fitter);
 }
 

@@ -33,8 +33,18 @@ fn last(path: &Path) -> &str {
 fn check_shape(object: &Value) {
     let mut top = keys(object);
     top.sort_unstable();
-    let expected =
-        ["completion", "cylinder", "extent", "fitted", "frame", "notes", "out", "result", "seconds"];
+    let expected = [
+        "completion",
+        "cylinder",
+        "extent",
+        "fitted",
+        "frame",
+        "notes",
+        "out",
+        "result",
+        "seconds",
+        "uncertainty",
+    ];
     assert_eq!(top, expected);
     let direction = vector(&object["cylinder"]["direction"]);
     assert!((direction.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14);
@@ -52,7 +62,23 @@ fn check_shape(object: &Value) {
         assert!(["seen", "cut", "hidden", "unknown"].contains(&extent[state].as_str().unwrap()));
     }
 
+    let uncertainty = &object["uncertainty"];
+    let covariance = &uncertainty["covariance"];
+    let radius = uncertainty["radius"].as_f64().unwrap();
+    assert!((covariance[6][6].as_f64().unwrap().sqrt() / radius - 1.0).abs() < 1e-12);
+    assert_eq!(covariance[2][5], covariance[5][2]);
+    assert!(
+        uncertainty["direction"].as_f64().unwrap() > 0.0 && uncertainty["position"].as_f64().unwrap() > 0.0
+    );
+    assert!(extent["length_deviation"].as_f64().unwrap() > extent["start_deviation"].as_f64().unwrap());
+    assert!(extent["center_covariance"][2][2].as_f64().unwrap() > 0.0);
+
     let result = &object["result"];
+    let radii = &result["radii"];
+    let number = |name: &str| radii[name].as_f64().unwrap();
+    let deviation = number("from_points_deviation").hypot(number("from_limbs_deviation"));
+    let z_score = (number("from_points") - number("from_limbs")) / deviation;
+    assert!((z_score - number("z_score")).abs() < 1e-9);
     for name in [
         "cost",
         "energy_points",
@@ -96,7 +122,7 @@ fn check_shape(object: &Value) {
 fn the_table_is_short_and_says_what_counts() {
     let run = run([data("w004")].map(|path| ["fit".into(), path.into_os_string()]).into_iter().flatten());
     assert_eq!(run.code, 0);
-    for word in ["radius mm", "length mm", "w004", "5269"] {
+    for word in ["radius mm", "length mm", "w004", "5269", " ± "] {
         assert!(run.stdout.contains(word), "no {word} in:\n{}", run.stdout);
     }
     assert!(!run.stdout.contains("frame.json") && run.stdout.lines().count() < 8, "{}", run.stdout);

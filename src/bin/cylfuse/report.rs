@@ -3,7 +3,9 @@
 use crate::failure::Failure;
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{EndState, Extent};
-use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
+use cylfuse::fitter::{
+    FitResult, Flags, Method, ObjectiveKind, Options, RadiusComparison, StartKind, Uncertainty,
+};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::Dropped;
 use cylfuse::solver::Termination;
@@ -50,6 +52,8 @@ impl Report {
 pub struct Measurement {
     /// The cylinder.
     pub cylinder: CylinderValues,
+    /// Its uncertainty; none where it is not known.
+    pub uncertainty: Option<UncertaintyValues>,
     /// Its visible piece; none without a mask.
     pub extent: Option<ExtentValues>,
     /// How the fit went.
@@ -98,6 +102,49 @@ impl From<&Cylinder> for CylinderValues {
     }
 }
 
+/// Standard deviations of a cylinder.
+#[derive(Debug, Serialize)]
+pub struct UncertaintyValues {
+    /// Of the radius.
+    pub radius: f64,
+    /// Of the direction, in radians.
+    direction: f64,
+    /// Of the position of the axis across itself.
+    position: f64,
+    /// Covariance of point, direction and radius, row by row.
+    covariance: [[f64; 7]; 7],
+}
+
+impl From<&Uncertainty> for UncertaintyValues {
+    fn from(uncertainty: &Uncertainty) -> Self {
+        Self {
+            radius: uncertainty.radius(),
+            direction: uncertainty.direction(),
+            position: uncertainty.position(),
+            covariance: uncertainty.covariance().into(),
+        }
+    }
+}
+
+/// The radius by the points and by the limbs, each with its standard deviation.
+#[derive(Debug, Serialize)]
+struct RadiiValues {
+    from_points: f64,
+    from_points_deviation: f64,
+    from_limbs: f64,
+    from_limbs_deviation: f64,
+    z_score: f64,
+}
+
+impl From<&RadiusComparison> for RadiiValues {
+    fn from(radii: &RadiusComparison) -> Self {
+        let RadiusComparison { from_points, from_points_deviation, from_limbs, from_limbs_deviation } =
+            *radii;
+        let z_score = radii.z_score();
+        Self { from_points, from_points_deviation, from_limbs, from_limbs_deviation, z_score }
+    }
+}
+
 /// The visible piece.
 #[derive(Debug, Serialize)]
 pub struct ExtentValues {
@@ -110,6 +157,13 @@ pub struct ExtentValues {
     pub start_state: &'static str,
     /// What the end is.
     pub end_state: &'static str,
+    start_deviation: Option<f64>,
+    end_deviation: Option<f64>,
+    /// Standard deviation of the length.
+    pub length_deviation: Option<f64>,
+    start_covariance: Option<[[f64; 3]; 3]>,
+    end_covariance: Option<[[f64; 3]; 3]>,
+    center_covariance: Option<[[f64; 3]; 3]>,
 }
 
 impl ExtentValues {
@@ -159,6 +213,7 @@ pub struct ResultValues {
     lambda: Option<f64>,
     gradient_norm: f64,
     step_norm: Option<f64>,
+    radii: Option<RadiiValues>,
     start: CylinderValues,
     start_kind: &'static str,
     flags: Vec<String>,
@@ -203,6 +258,7 @@ impl Measurement {
         notes.extend(result.flags.iter().map(|flag| doubt(flag, result)));
         Self {
             cylinder: (&result.cylinder).into(),
+            uncertainty: result.uncertainty.as_ref().map(UncertaintyValues::from),
             extent: None,
             result: ResultValues::new(options, result),
             fitted,
@@ -233,6 +289,12 @@ impl Measurement {
             end: extent.end.into(),
             start_state: state(extent.start_state),
             end_state: state(extent.end_state),
+            start_deviation: extent.start_deviation,
+            end_deviation: extent.end_deviation,
+            length_deviation: extent.uncertainty.map(|uncertainty| uncertainty.length),
+            start_covariance: extent.uncertainty.map(|uncertainty| uncertainty.start.into()),
+            end_covariance: extent.uncertainty.map(|uncertainty| uncertainty.end.into()),
+            center_covariance: extent.uncertainty.map(|uncertainty| uncertainty.center.into()),
         });
     }
 
@@ -294,6 +356,7 @@ impl ResultValues {
             lambda: iterated.then_some(result.lambda),
             gradient_norm: result.gradient_norm,
             step_norm: iterated.then_some(result.step_norm),
+            radii: result.radii.as_ref().map(RadiiValues::from),
             start: (&result.start).into(),
             start_kind: match result.start_kind {
                 StartKind::Auto => "auto",
@@ -328,9 +391,21 @@ fn doubt(flag: Flags, result: &FitResult) -> String {
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }
+        Flags::POINTS_AND_LIMBS_DISAGREE => return disagreement(result),
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()
+}
+
+/// The two radii in words.
+fn disagreement(result: &FitResult) -> String {
+    let numbers = result.radii.map_or_else(String::new, |radii| {
+        let RadiusComparison { from_points, from_points_deviation, from_limbs, from_limbs_deviation } = radii;
+        format!(
+            ": {from_points:.5} ± {from_points_deviation:.5} against {from_limbs:.5} ± {from_limbs_deviation:.5}"
+        )
+    });
+    format!("the points and the limbs disagree about the radius{numbers}")
 }
 
 #[cfg(test)]

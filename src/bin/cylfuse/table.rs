@@ -24,8 +24,16 @@ impl Column {
 }
 
 const FRAME_COLUMNS: &[Column] = &[
-    Column::number("radius mm", |m| format!("{:.2}", m.cylinder.radius * MILLIMETRES)),
-    Column::number("length mm", |m| optional(m.extent.as_ref().map(|e| e.length * MILLIMETRES), 1)),
+    Column::number("radius mm", |m| {
+        let radius = format!("{:.2}", m.cylinder.radius * MILLIMETRES);
+        with_deviation(&radius, m.uncertainty.as_ref().map(|u| format!("{:.2}", u.radius * MILLIMETRES)))
+    }),
+    Column::number("length mm", |m| {
+        m.extent.as_ref().map_or("-".into(), |e| {
+            let length = format!("{:.1}", e.length * MILLIMETRES);
+            with_deviation(&length, e.length_deviation.map(|d| format!("{:.1}", d * MILLIMETRES)))
+        })
+    }),
     Column::text("ends", |m| {
         m.extent.as_ref().map_or("-".into(), |e| format!("{} {}", e.start_state, e.end_state))
     }),
@@ -39,7 +47,10 @@ const FRAME_COLUMNS: &[Column] = &[
 
 /// A cloud has no unit that the program knows, so its lengths keep their digits.
 const CLOUD_COLUMNS: &[Column] = &[
-    Column::number("radius", |m| significant(m.cylinder.radius)),
+    Column::number("radius", |m| {
+        let deviation = m.uncertainty.as_ref().map(|u| format!("{:.1e}", u.radius));
+        with_deviation(&significant(m.cylinder.radius), deviation)
+    }),
     DIRECTION,
     POINTS,
     Column::number("rms", |m| significant(m.result.point_rms)),
@@ -92,6 +103,11 @@ pub fn render(reports: &[Report]) -> String {
 pub fn short_name(report: &Report) -> &str {
     let path = report.frame.as_str();
     path.strip_suffix("frame.json").and_then(|p| p.strip_suffix(['/', '\\'])).unwrap_or(path)
+}
+
+/// A number with its standard deviation, where there is one.
+fn with_deviation(value: &str, deviation: Option<String>) -> String {
+    deviation.map_or_else(|| value.into(), |deviation| format!("{value} ± {deviation}"))
 }
 
 fn optional(value: Option<f64>, decimals: usize) -> String {

@@ -1,0 +1,171 @@
+//! How uncertain the ends are: their own location, and that of the cylinder they were located on.
+
+use crate::end_location::End;
+use crate::fitter::Uncertainty;
+use crate::geometry::{Cylinder, LimbFrame};
+use crate::residuals::near_wall;
+use nalgebra::{Matrix3, SVector, Vector3};
+
+/// The generators at which an arc of an end is held in the image, and the part of the width that they cover: beside the
+/// limbs a generator may leave a neighbouring cylinder.
+const GENERATORS: usize = 9;
+const WIDTH_PART: f64 = 0.7;
+
+/// The uncertainty of an extent: covariances in the camera frame, in the unit of length squared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExtentUncertainty {
+    /// Covariance of the start.
+    pub start: Matrix3<f64>,
+    /// Covariance of the end.
+    pub end: Matrix3<f64>,
+    /// Covariance of the centre.
+    pub center: Matrix3<f64>,
+    /// Standard deviation of the length, in the unit of length.
+    pub length: f64,
+}
+
+/// The uncertainty of two ends (start, end) on the surface of a fit; `None` where the position of one has no deviation,
+/// or the covariance of the fit is singular.
+///
+/// What is seen of an end is its arc in the image, and that stays where it is when the cylinder changes within its
+/// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. The errors by which
+/// the arcs were located are independent of that and of each other.
+pub(super) fn of_ends(cylinder: &Cylinder, fit: &Uncertainty, ends: &[End; 2]) -> Option<ExtentUncertainty> {
+    let [of_start, of_end] = [ends[0].deviation?.powi(2), ends[1].deviation?.powi(2)];
+    let frame = LimbFrame::new(cylinder)?;
+    let rays = ends.each_ref().map(|end| rays(cylinder, &frame, end.position));
+    // Start, end and length.
+    let joint = fit.propagate(|cylinder| {
+        let [start, end] = [position_on(cylinder, &rays[0])?, position_on(cylinder, &rays[1])?];
+        let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
+        let numbers = at(start).iter().chain(&at(end)).copied().chain([end - start]).collect::<Vec<_>>();
+        Some(SVector::<f64, 7>::from_column_slice(&numbers))
+    })?;
+    let block = |row: usize, column: usize| -> Matrix3<f64> { joint.fixed_view::<3, 3>(row, column).into() };
+    let (start, end, both) = (block(0, 0), block(3, 3), block(0, 3) + block(3, 0));
+    let direction = cylinder.axis.direction;
+    let along = direction * direction.transpose();
+    Some(ExtentUncertainty {
+        start: start + along * of_start,
+        end: end + along * of_end,
+        center: (start + end + both + along * (of_start + of_end)) * 0.25,
+        length: (joint[(6, 6)] + of_start + of_end).sqrt(),
+    })
+}
+
+/// The rays to the arc of an end: to the generators that are evenly spaced between the limbs.
+fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> Vec<Vector3<f64>> {
+    let middle = cylinder.axis.point + cylinder.axis.direction * position;
+    let ray = |k: usize| {
+        let part = WIDTH_PART * (2.0 * (k as f64 + 0.5) / GENERATORS as f64 - 1.0);
+        // The limbs are at the sine cos γ of the angle from the side that faces the camera.
+        let sine = part * frame.cos_gamma;
+        let normal = frame.sideways * sine - frame.toward * (1.0 - sine * sine).sqrt();
+        middle + normal * cylinder.radius
+    };
+    (0..GENERATORS).map(ray).collect()
+}
+
+/// The mean position along the axis at which rays meet a cylinder; `None` when one does not.
+fn position_on(cylinder: &Cylinder, rays: &[Vector3<f64>]) -> Option<f64> {
+    let sum = rays.iter().map(|ray| Some(near_wall(cylinder, ray)?.0)).sum::<Option<f64>>()?;
+    Some(sum / rays.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::Scene;
+    use super::super::{EndSource, EndState, ExtentOptions};
+    use super::*;
+    use crate::fitter::{Fitter, Options, StartKind};
+    use crate::observations::PointsView;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    /// A normal number, by the sum of twelve even ones.
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX)).sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn intervals_of_length_and_centre_cover_what_they_say() {
+        const TRIALS: usize = 10_000;
+        const DEVIATION: f64 = 3e-4;
+        let scene = Scene::tilted(0.4);
+        let truth = &scene.cylinder;
+        let frame = LimbFrame::new(truth).unwrap();
+        let arcs = [scene.ends.0, scene.ends.1].map(|position| rays(truth, &frame, position));
+        let [start, end] = arcs.each_ref().map(|rays| position_on(&scene.cylinder, rays).unwrap());
+        let center = scene.cylinder.axis.point + scene.cylinder.axis.direction * (0.5 * (start + end));
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let (mut length_held, mut center_held) = (0, 0);
+        for _ in 0..TRIALS {
+            let points: Vec<[f64; 3]> = (0..300)
+                .map(|k| {
+                    let (angle, part) = (0.31 * f64::from(k % 9 - 4), f64::from(k) / 299.0);
+                    let along = scene.ends.0 + part * (scene.ends.1 - scene.ends.0);
+                    let outward = frame.sideways * angle.sin() - frame.toward * angle.cos();
+                    let point = truth.axis.point + truth.axis.direction * along + outward * truth.radius;
+                    point.map(|x| x + DEVIATION * normal(&mut rng)).into()
+                })
+                .collect();
+            let mut fitter = Fitter::new();
+            fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+            fitter.set_start(Some(scene.cylinder));
+            fitter
+                .set_options(Options { start: StartKind::Model, threads: 1, ..Options::default() })
+                .unwrap();
+            let result = fitter.fit().unwrap();
+            // The arcs stay in the image, and are located with an error of their own.
+            let ends = arcs.each_ref().map(|rays| End {
+                position: position_on(&result.cylinder, rays).unwrap() + DEVIATION * normal(&mut rng),
+                deviation: Some(DEVIATION),
+                state: EndState::Seen,
+                source: EndSource::Image,
+                samples: Vec::new(),
+            });
+            let uncertainty = of_ends(&result.cylinder, &result.uncertainty.unwrap(), &ends).unwrap();
+            // The direction of the result may be the opposite one.
+            let error = (ends[1].position - ends[0].position).abs() - (end - start);
+            length_held += usize::from(error.abs() <= 1.960 * uncertainty.length);
+            let axis = result.cylinder.axis;
+            let off = axis.point + axis.direction * (0.5 * (ends[0].position + ends[1].position)) - center;
+            let chi = off.dot(&uncertainty.center.cholesky().unwrap().solve(&off));
+            center_held += usize::from(chi <= 7.815);
+        }
+        for held in [length_held, center_held] {
+            let part = held as f64 / TRIALS as f64;
+            assert!((0.94..=0.96).contains(&part), "{part}");
+        }
+    }
+
+    #[test]
+    fn an_end_located_on_a_neighbouring_cylinder_moves_as_predicted() {
+        let scene = Scene::tilted(0.4);
+        let (image, mut depth, mask) = scene.render(0);
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        depth.iter_mut().for_each(|z| *z += 2e-3 * normal(&mut rng) as f32);
+        let mut fitter = Scene::fitter(&depth, &mask);
+        let fit = fitter.fit().unwrap().uncertainty.unwrap();
+        let options =
+            ExtentOptions { image: Some(&image), limbs_known: Some(true), ..ExtentOptions::default() };
+        let extent = fitter.extent_with(None, None, &options).unwrap();
+        let uncertainty = extent.uncertainty.unwrap();
+        let of_ends = extent.start_deviation.unwrap().powi(2) + extent.end_deviation.unwrap().powi(2);
+        let mut of_fit = 0.0;
+        for k in 0..5 {
+            let at = |size: f64| {
+                let mut deviations = [0.0; 5];
+                deviations[k] = size;
+                let cylinder = fit.displaced(&deviations).unwrap();
+                fitter.extent_with(Some(&cylinder), None, &options).unwrap().length
+            };
+            of_fit += ((at(1.0) - at(-1.0)) / 2.0).powi(2);
+        }
+        let predicted = uncertainty.length.powi(2) - of_ends;
+        assert!((of_fit / predicted - 1.0).abs() < 0.2, "{of_fit} {predicted}");
+        // A given model has no known error.
+        let given = fitter.extent_with(Some(&scene.cylinder), None, &options).unwrap();
+        assert!(given.uncertainty.is_none() && given.start_deviation.is_some());
+    }
+}

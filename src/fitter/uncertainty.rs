@@ -1,0 +1,264 @@
+//! How uncertain a result is, and whether points and limbs agree about the radius.
+
+use super::problem::Problem;
+use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
+use crate::residuals::Sandwich;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
+
+/// The step of central differences in standard deviations: small against any curvature, large against rounding.
+const DIFFERENCE_STEP: f64 = 1e-3;
+
+/// Points and limbs disagree when their radii differ by more than this many standard deviations of the difference.
+/// Normal errors do that once in 16,000 fits; the noise of real depth has longer tails than its estimated scale and
+/// correlation know of, and a flag that is raised by them says nothing.
+const DISAGREEMENT: f64 = 4.0;
+
+/// Limbs that add a smaller part than this to what is known of the radius have no radius of their own.
+const LEAST_SHARE: f64 = 1e-3;
+
+impl Problem<'_> {
+    /// The uncertainty of a minimum, which has the direction that a result shows, and its radius by points and limbs,
+    /// where limbs take part.
+    pub fn uncertainty(&self, cylinder: &Cylinder) -> (Option<Uncertainty>, Option<RadiusComparison>) {
+        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
+        let Some(sandwich) = self.sandwich(&frame) else { return (None, None) };
+        let uncertainty =
+            sandwich.covariance().map(|tangent| Uncertainty { frame, tangent, center: self.center });
+        let limbs = self.pixels.is_some();
+        let radii = limbs.then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit)).flatten();
+        (uncertainty, radii)
+    }
+}
+
+/// The uncertainty of a fitted cylinder: a normal distribution of the five degrees of freedom about it, to first order
+/// in the noise.
+///
+/// It is that of the noise of the data, with the weights that the fit used and the correlation of the depth noise
+/// along the order of the points. Errors that all data share (calibration, registration, a scale of the depth, depth
+/// that is smeared at the limbs) are not in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertainty {
+    /// The frame at the cylinder.
+    frame: LocalFrame,
+    /// The covariance in the tangent of the frame.
+    tangent: TangentMap,
+    /// The middle of the points.
+    center: Vector3<f64>,
+}
+
+impl Uncertainty {
+    /// Standard deviation of the radius, in the unit of length.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.frame.unit * self.tangent[(4, 4)].max(0.0).sqrt()
+    }
+
+    /// Standard deviation of the direction in radians: the tilt of the axis in the plane in which it is least certain.
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        larger_deviation(&self.tangent.fixed_view::<2, 2>(2, 2).into())
+    }
+
+    /// Standard deviation of the position of the axis across itself, at its point nearest to the middle of the points
+    /// and in the direction in which it is least certain, in the unit of length.
+    #[must_use]
+    pub fn position(&self) -> f64 {
+        self.frame.unit * larger_deviation(&self.tangent.fixed_view::<2, 2>(0, 0).into())
+    }
+
+    /// The covariance of (axis point, unit direction, radius) of the result: 7 × 7, in the camera frame and the unit of
+    /// length. The axis point is the one nearest to the middle of the points. The rank is 5: the direction keeps its
+    /// length, and along the axis the point only moves as the tilt moves it.
+    #[must_use]
+    pub fn covariance(&self) -> SMatrix<f64, 7, 7> {
+        let jacobian = self.jacobian();
+        let covariance = jacobian * self.tangent * jacobian.transpose();
+        // Symmetric to the last bit, which rounding is not.
+        (covariance + covariance.transpose()) * 0.5
+    }
+
+    /// The derivative of (axis point, unit direction, radius) in the tangent of the frame.
+    ///
+    /// The axis point P nearest to the middle g of the points has (g − P)·d̂ = 0. A shift Δ across the axis moves it by
+    /// Δ; a tilt δd turns the axis about P and moves the nearest point along it by d̂ ((g − P)·δd).
+    fn jacobian(&self) -> SMatrix<f64, 7, 5> {
+        let LocalFrame { cylinder, u, v, unit } = self.frame;
+        let direction = cylinder.axis.direction;
+        let aside = self.center - cylinder.axis.point;
+        let mut jacobian = SMatrix::<f64, 7, 5>::zeros();
+        for (k, across) in [u, v].into_iter().enumerate() {
+            jacobian.fixed_view_mut::<3, 1>(0, k).copy_from(&(across * unit));
+            jacobian.fixed_view_mut::<3, 1>(0, 2 + k).copy_from(&(direction * aside.dot(&across)));
+            jacobian.fixed_view_mut::<3, 1>(3, 2 + k).copy_from(&across);
+        }
+        jacobian[(6, 4)] = unit;
+        jacobian
+    }
+
+    /// How far another cylinder lies from the result, as a squared number of standard deviations (squared Mahalanobis
+    /// distance). For the true cylinder it is χ² of 5 degrees of freedom: up to 11.07 is the 95 % region. Infinite when
+    /// the covariance is singular.
+    #[must_use]
+    pub fn squared_distance(&self, other: &Cylinder) -> f64 {
+        let difference = self.frame.difference(other);
+        self.tangent.cholesky().map_or(f64::INFINITY, |factor| difference.dot(&factor.solve(&difference)))
+    }
+
+    /// The cylinder that lies so many standard deviations away along five independent steps: for independent normal
+    /// numbers it is a draw from the distribution. `None` when the covariance is singular.
+    #[must_use]
+    pub fn displaced(&self, deviations: &[f64; 5]) -> Option<Cylinder> {
+        let step = self.tangent.cholesky()?.l() * Tangent::from(*deviations);
+        Some(self.frame.retract(&step))
+    }
+
+    /// The covariance of whatever follows from the cylinder, to first order; `None` where `function` is for a
+    /// neighbouring cylinder, or when the covariance is singular.
+    pub fn propagate<const N: usize>(
+        &self,
+        function: impl Fn(&Cylinder) -> Option<SVector<f64, N>>,
+    ) -> Option<SMatrix<f64, N, N>> {
+        let mut covariance = SMatrix::zeros();
+        for k in 0..5 {
+            let at = |size: f64| {
+                let mut deviations = [0.0; 5];
+                deviations[k] = size;
+                function(&self.displaced(&deviations)?)
+            };
+            let change = (at(DIFFERENCE_STEP)? - at(-DIFFERENCE_STEP)?) / (2.0 * DIFFERENCE_STEP);
+            covariance += change * change.transpose();
+        }
+        Some(covariance)
+    }
+}
+
+/// The root of the larger eigenvalue.
+fn larger_deviation(covariance: &Matrix2<f64>) -> f64 {
+    covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
+}
+
+/// The radius by the points and the radius by the limbs, to first order about the result.
+///
+/// A scale of the depth changes both alike: the points scale, and the limbs say r / ‖c‖ with the distance from the
+/// points. An offset of the depth, depth that is smeared or bent, wrong intrinsics or edges that are not the limbs
+/// change one of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RadiusComparison {
+    /// The radius by the curvature of the points alone, in the unit of length.
+    pub from_points: f64,
+    /// Its standard deviation.
+    pub from_points_deviation: f64,
+    /// The radius by the limbs, with distance and tilt of the axis from the points (and from the arcs of the ends,
+    /// where these take part), in the unit of length.
+    pub from_limbs: f64,
+    /// Its standard deviation.
+    pub from_limbs_deviation: f64,
+}
+
+impl RadiusComparison {
+    /// The difference, points minus limbs, in its own standard deviations: the two are uncorrelated.
+    #[must_use]
+    pub fn z_score(&self) -> f64 {
+        (self.from_points - self.from_limbs) / self.from_points_deviation.hypot(self.from_limbs_deviation)
+    }
+
+    /// Whether the difference is more than noise.
+    pub(super) fn disagree(&self) -> bool {
+        self.z_score().abs() > DISAGREEMENT
+    }
+
+    /// `None` where the points alone determine no cylinder or the limbs add nothing to the radius.
+    ///
+    /// With A = A_p + A_l, one Newton step from the result leads to the minimum of the points, r_p, and to that of
+    /// everything, r_f. With k = 1 − (A⁻¹)ᵣᵣ / (A_p⁻¹)ᵣᵣ, the part of the information on the radius that the limbs
+    /// bring, r_f = (1 − k) r_p + k r_l defines r_l. So much of r_p is taken out that the two are uncorrelated.
+    fn new(radius: f64, sandwich: &Sandwich, unit: f64) -> Option<Self> {
+        let Sandwich { points, edges } = sandwich;
+        let of_points = points.derivative.cholesky()?;
+        let of_all = sandwich.derivative().cholesky()?;
+        let e = Tangent::ith(4, 1.0);
+        // Rows of A_p⁻¹ and A⁻¹.
+        let (row_points, row_all) = (of_points.solve(&e), of_all.solve(&e));
+        let share = 1.0 - row_all[4] / row_points[4];
+        if !(share >= LEAST_SHARE) {
+            return None;
+        }
+        let step_points = -row_points.dot(&points.gradient);
+        let step_all = -row_all.dot(&(points.gradient + edges.gradient));
+        let step_limbs = step_points + (step_all - step_points) / share;
+        let variance = |row: &Tangent, covariance: &TangentMap| row.dot(&(covariance * row));
+        // How r_l follows from the gradient of the points and from that of the limbs.
+        let by_limbs = row_all / share;
+        let by_points = row_points * (1.0 - 1.0 / share) + by_limbs;
+        let limbs_variance =
+            variance(&by_points, &points.covariance) + variance(&by_limbs, &edges.covariance);
+        let comparison = Self {
+            from_points: radius + unit * step_points,
+            from_points_deviation: unit * variance(&row_points, &points.covariance).sqrt(),
+            from_limbs: radius + unit * step_limbs,
+            from_limbs_deviation: unit * limbs_variance.sqrt(),
+        };
+        comparison.z_score().is_finite().then_some(comparison)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::TangentMap;
+
+    fn uncertainty() -> Uncertainty {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.1, -0.2, 0.9), Vector3::new(-0.4, 0.8, 0.3), 0.07).unwrap();
+        let center = Vector3::new(0.13, -0.1, 0.85);
+        let frame = LocalFrame::new(&cylinder, &center, 0.05);
+        let root = TangentMap::from_fn(|row, column| 1e-3 * ((3 * row + 5 * column) as f64).sin())
+            + TangentMap::identity() * 2e-3;
+        Uncertainty { frame, tangent: root * root.transpose(), center }
+    }
+
+    /// (axis point nearest to the middle of the points, direction, radius).
+    fn seven(cylinder: &Cylinder, center: &Vector3<f64>) -> SVector<f64, 7> {
+        let (point, direction) = (cylinder.axis.nearest_to(center), cylinder.axis.direction);
+        let numbers = point.iter().chain(&direction).copied().chain([cylinder.radius]);
+        SVector::from_iterator(numbers)
+    }
+
+    #[test]
+    fn the_jacobian_of_the_seven_numbers_agrees_with_central_differences() {
+        let uncertainty = uncertainty();
+        let jacobian = uncertainty.jacobian();
+        let h = 1e-6;
+        for k in 0..5 {
+            let at =
+                |size: f64| seven(&uncertainty.frame.retract(&Tangent::ith(k, size)), &uncertainty.center);
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            assert!((difference - jacobian.column(k)).norm() < 1e-9, "{k} {difference}");
+        }
+    }
+
+    #[test]
+    fn the_covariance_has_rank_five_and_is_what_propagation_gives() {
+        let uncertainty = uncertainty();
+        let covariance = uncertainty.covariance();
+        let mut eigenvalues: Vec<f64> = covariance.symmetric_eigenvalues().iter().copied().collect();
+        eigenvalues.sort_by(f64::total_cmp);
+        assert!(eigenvalues[1].abs() < 1e-12 * eigenvalues[6] && eigenvalues[2] > 1e-6 * eigenvalues[6]);
+        let propagated = uncertainty.propagate(|c| Some(seven(c, &uncertainty.center))).unwrap();
+        assert!((propagated - covariance).norm() < 1e-6 * covariance.norm());
+        assert!((uncertainty.radius().powi(2) / covariance[(6, 6)] - 1.0).abs() < 1e-12);
+        // The least certain tilt is that of the covariance of the direction.
+        let of_direction = covariance.fixed_view::<3, 3>(3, 3).symmetric_eigenvalues().max();
+        assert!((uncertainty.direction().powi(2) / of_direction - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_squared_distance_counts_standard_deviations() {
+        let uncertainty = uncertainty();
+        let moved = uncertainty.displaced(&[0.0, 6e-4, 0.0, -8e-4, 0.0]).unwrap();
+        assert!((uncertainty.squared_distance(&moved) - 1e-6).abs() < 1e-10);
+        let mut turned = moved;
+        turned.axis.direction = -turned.axis.direction;
+        assert!((uncertainty.squared_distance(&turned) - 1e-6).abs() < 1e-10);
+    }
+}

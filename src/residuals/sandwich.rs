@@ -1,0 +1,60 @@
+//! How uncertain the minimum of an objective is.
+//!
+//! To first order the minimum moves by −A⁻¹ g, with half the gradient g of the objective at the true cylinder and its
+//! expected derivative A. With the covariance B of g the covariance of the minimum is A⁻¹ B A⁻¹: the sandwich formula
+//! of M-estimators (Huber, Robust Statistics, 1981, section 6.3). It holds whatever the weights are, good or bad:
+//! they only have to be the ones that were used.
+
+use crate::geometry::{Tangent, TangentMap};
+
+/// What one kind of residuals adds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SandwichPart {
+    /// Half the gradient of its part of the objective, g.
+    pub gradient: Tangent,
+    /// The expected derivative of that, A.
+    pub derivative: TangentMap,
+    /// Its covariance, B.
+    pub covariance: TangentMap,
+}
+
+/// Gradient, its expected derivative and its covariance, in the tangent of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sandwich {
+    /// What the points add.
+    pub points: SandwichPart,
+    /// What edges in the image add: given segments, located limb lines and arcs of the ends. Zero where none count.
+    pub edges: SandwichPart,
+}
+
+impl SandwichPart {
+    /// No residuals.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self { gradient: Tangent::zeros(), derivative: TangentMap::zeros(), covariance: TangentMap::zeros() }
+    }
+
+    /// Takes the part `weight` times into the objective.
+    pub(super) fn scale(&mut self, weight: f64) {
+        self.gradient *= weight;
+        self.derivative *= weight;
+        self.covariance *= weight * weight;
+    }
+}
+
+impl Sandwich {
+    /// A of everything.
+    #[must_use]
+    pub fn derivative(&self) -> TangentMap {
+        self.points.derivative + self.edges.derivative
+    }
+
+    /// The covariance of the minimum, A⁻¹ B A⁻¹; `None` where the data do not determine all five degrees of freedom.
+    #[must_use]
+    pub fn covariance(&self) -> Option<TangentMap> {
+        let inverse = self.derivative().cholesky()?.inverse();
+        let covariance = inverse * (self.points.covariance + self.edges.covariance) * inverse;
+        let covariance = (covariance + covariance.transpose()) * 0.5;
+        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
+    }
+}
