@@ -285,7 +285,8 @@ mod tests {
             }
             // The window of a limb has the mean 1.
             let near = shading.near_limb(1.0, 30.0);
-            let mean = (0..50).map(|k| near.at(INSIDE / 30.0 * (k as f64 + 0.5) / 50.0)).sum::<f64>() / 50.0;
+            let mean =
+                (0..50).map(|k| near.at(INSIDE / 30.0 * (f64::from(k) + 0.5) / 50.0)).sum::<f64>() / 50.0;
             assert!((mean - 1.0).abs() < 0.01, "{mean}");
         }
     }
