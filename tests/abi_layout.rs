@@ -47,11 +47,12 @@ fn layouts() -> Vec<Layout> {
         }
         cylfuse_depth_out { struct_size, format, data, width, height, row_stride, pixel_stride, scale }
         cylfuse_mask_view { struct_size, reserved, data, width, height, row_stride, pixel_stride }
+        cylfuse_image_view { struct_size, format, data, width, height, row_stride, pixel_stride }
         cylfuse_segments_view { struct_size, scalar, data, count, segment_stride, weights }
         cylfuse_options {
             struct_size, method, objective, start, near_wall, chart, max_iterations, max_threads, edge_weight,
             initial_lambda, lambda_factor, max_lambda, cost_tolerance, ransac_threshold, seed,
-            ransac_max_iterations, reserved,
+            ransac_max_iterations, reserved, edge_use, extent_rule,
         }
         cylfuse_counts {
             struct_size, reserved, points_given, points_used, dropped_not_finite, dropped_zero_weight,
@@ -61,7 +62,8 @@ fn layouts() -> Vec<Layout> {
             struct_size, termination, start_kind, flags, iterations, rejected_steps, segments_used,
             segments_given, points_used, points_given, model, start_model, initial_cost, cost, energy_points,
             energy_edges, edge_weight, point_rms, edge_rms_pixels, near_wall_fraction, condition, lambda,
-            gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total,
+            gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total, limbs_located,
+            reserved,
         }
         cylfuse_diagnosis {
             struct_size, rank, singular_values, condition, weakest_shift, weakest_tilt, weakest_radius,

@@ -283,6 +283,37 @@ typedef int32_t cylfuse_chart;
 #define CYLFUSE_CHART_ORTHONORMAL 2
 
 /**
+ * What given edge segments are for the objective ROBUST. No other looks for limbs in the image.
+ */
+typedef int32_t cylfuse_edge_use;
+/**
+ * A start: where there is a grey image, the limbs are located in it and join the fit.
+ */
+#define CYLFUSE_EDGE_USE_REFINE 0
+/**
+ * The measurement: no limbs are looked for in the image.
+ */
+#define CYLFUSE_EDGE_USE_AS_GIVEN 1
+
+/**
+ * How the ends of the visible cylinder are found.
+ */
+typedef int32_t cylfuse_extent_rule;
+/**
+ * LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED.
+ */
+#define CYLFUSE_EXTENT_RULE_AUTO 0
+/**
+ * The rule of the paper: the extreme positions along the axis of the points completed over the mask.
+ */
+#define CYLFUSE_EXTENT_RULE_EXTREMES 1
+/**
+ * From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+ * inside a pipe as EXTREMES.
+ */
+#define CYLFUSE_EXTENT_RULE_LOCATED 2
+
+/**
  * The settings of a fit. `cylfuse_options_init` fills the defaults, which are named below; a field that says
  * "0 = default" may also be left 0.
  */
@@ -308,11 +339,11 @@ typedef struct cylfuse_options {
      */
     cylfuse_near_wall near_wall;
     /**
-     * The coordinates of the iteration. Default LOCAL.
+     * The coordinates of the iteration. Default AUTO.
      */
     cylfuse_chart chart;
     /**
-     * Most linear solves. Default 500; 0 = default.
+     * Most linear solves. Default 400; 0 = default.
      */
     uint32_t max_iterations;
     /**
@@ -359,6 +390,14 @@ typedef struct cylfuse_options {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * What given edge segments are for the objective ROBUST. Default REFINE.
+     */
+    cylfuse_edge_use edge_use;
+    /**
+     * How the ends of the visible cylinder are found. Default AUTO.
+     */
+    cylfuse_extent_rule extent_rule;
 } cylfuse_options;
 
 /**
@@ -591,6 +630,60 @@ typedef struct cylfuse_mask_view {
      */
     ptrdiff_t pixel_stride;
 } cylfuse_mask_view;
+
+/**
+ * How a value of a grey image is stored in a pixel.
+ */
+typedef int32_t cylfuse_image_format;
+/**
+ * `uint8_t`.
+ */
+#define CYLFUSE_IMAGE_FORMAT_U8 1
+/**
+ * `uint16_t`.
+ */
+#define CYLFUSE_IMAGE_FORMAT_U16 2
+/**
+ * `float`, finite.
+ */
+#define CYLFUSE_IMAGE_FORMAT_F32 3
+
+/**
+ * A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
+ * the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+ */
+typedef struct cylfuse_image_view {
+    /**
+     * `sizeof(cylfuse_image_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of a pixel.
+     */
+    cylfuse_image_format format;
+    /**
+     * The first pixel of the first row. Any alignment.
+     */
+    const void *data;
+    /**
+     * Columns; must be those of the intrinsics.
+     */
+    uint32_t width;
+    /**
+     * Rows; must be those of the intrinsics.
+     */
+    uint32_t height;
+    /**
+     * Bytes from a row to the next one, such as `step` of a `cv::Mat`, negative too; 0 = `width` *
+     * `pixel_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Bytes from a pixel to the next one; 0 = the size of one. With 3 and U8 the first channel of packed
+     * colours.
+     */
+    ptrdiff_t pixel_stride;
+} cylfuse_image_view;
 
 /**
  * Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
@@ -1068,6 +1161,14 @@ typedef struct cylfuse_result {
      * Wall-clock seconds of the whole fit.
      */
     double seconds_total;
+    /**
+     * Limb lines that were located in the grey image and took part, 0 to 2.
+     */
+    uint32_t limbs_located;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
 } cylfuse_result;
 
 /**
@@ -1304,6 +1405,17 @@ cylfuse_status cylfuse_mask_view_init(struct cylfuse_mask_view *mask,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Fills a view of a grey image with zeros: packed; the caller sets format, data and size.
+ *
+ * @param image what to fill
+ * @param struct_size `sizeof(cylfuse_image_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_image_view_init(struct cylfuse_image_view *image,
+                                       size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.
  *
  * @param segments what to fill
@@ -1516,6 +1628,21 @@ cylfuse_status cylfuse_fitter_push_depth(struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
+ * With the objective ROBUST the limbs are located in it, and the ends with the extent rule LOCATED. The
+ * objective PAPER and the methods other than FUSED never look at it.
+ *
+ * @param fitter the fitter
+ * @param image read during the call only
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or a value that is not
+ *   finite, OUT_OF_MEMORY; the earlier image stays then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_push_image(struct cylfuse_fitter *fitter,
+                                         const struct cylfuse_image_view *image)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Adds edge segments: pieces of the two limb lines in the (distorted) image, any number of either. A fit with
  * segments needs intrinsics.
  *
@@ -1680,9 +1807,7 @@ cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Finds the visible piece of the cylinder and what its ends are. With the paper's objective and the methods
- * other than FUSED the ends are the extreme positions along the axis of the points completed over the mask;
- * with the robust objective they are located from all lines along the surface together.
+ * Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model; NULL = that of the last fit

@@ -31,6 +31,8 @@ impl cylfuse_options {
             seed: self.seed,
             ransac_iterations: count(self.ransac_max_iterations, default.ransac_iterations),
             ransac_threshold: self.ransac_threshold,
+            edge_use: self.edge_use.read("options.edge_use")?,
+            extent_rule: self.extent_rule.read("options.extent_rule")?,
         })
     }
 }
@@ -56,6 +58,8 @@ impl From<&Options> for cylfuse_options {
             seed: options.seed,
             ransac_max_iterations: saturated(options.ransac_iterations),
             reserved: 0,
+            edge_use: options.edge_use.into(),
+            extent_rule: options.extent_rule.into(),
         }
     }
 }
@@ -68,7 +72,7 @@ pub(super) fn saturated(count: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, StartKind};
+    use crate::fitter::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, StartKind};
 
     /// Every field with a value of its own, so that no two can be mixed up.
     fn distinct() -> Options {
@@ -90,6 +94,8 @@ mod tests {
             seed: 1 << 40,
             ransac_iterations: 77,
             ransac_threshold: 0.5,
+            edge_use: EdgeUse::AsGiven,
+            extent_rule: ExtentRule::Located,
         }
     }
 

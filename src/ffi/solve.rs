@@ -44,6 +44,8 @@ impl From<&FitResult> for cylfuse_result {
             seconds_start: result.seconds.start,
             seconds_solve: result.seconds.solve,
             seconds_total: result.seconds.total,
+            limbs_located: saturated(result.limbs_located),
+            reserved: 0,
         }
     }
 }

@@ -4,9 +4,10 @@
 //! from before.
 
 use super::constants::{
-    cylfuse_chart, cylfuse_depth_format, cylfuse_distortion, cylfuse_end_state, cylfuse_layout,
-    cylfuse_method, cylfuse_near_wall, cylfuse_objective, cylfuse_phase, cylfuse_result_flags,
-    cylfuse_scalar, cylfuse_start, cylfuse_termination,
+    cylfuse_chart, cylfuse_depth_format, cylfuse_distortion, cylfuse_edge_use, cylfuse_end_state,
+    cylfuse_extent_rule, cylfuse_image_format, cylfuse_layout, cylfuse_method, cylfuse_near_wall,
+    cylfuse_objective, cylfuse_phase, cylfuse_result_flags, cylfuse_scalar, cylfuse_start,
+    cylfuse_termination,
 };
 use std::ffi::c_void;
 
@@ -177,6 +178,29 @@ pub struct cylfuse_mask_view {
     pub pixel_stride: isize,
 }
 
+/// A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
+/// the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_image_view {
+    /// `sizeof(cylfuse_image_view)`.
+    pub struct_size: u32,
+    /// Type of a pixel.
+    pub format: cylfuse_image_format,
+    /// The first pixel of the first row. Any alignment.
+    pub data: *const c_void,
+    /// Columns; must be those of the intrinsics.
+    pub width: u32,
+    /// Rows; must be those of the intrinsics.
+    pub height: u32,
+    /// Bytes from a row to the next one, such as `step` of a `cv::Mat`, negative too; 0 = `width` *
+    /// `pixel_stride`.
+    pub row_stride: isize,
+    /// Bytes from a pixel to the next one; 0 = the size of one. With 3 and U8 the first channel of packed
+    /// colours.
+    pub pixel_stride: isize,
+}
+
 /// Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
 /// image. A `std::vector<cv::Vec4f>` passes as it is.
 #[repr(C)]
@@ -212,9 +236,9 @@ pub struct cylfuse_options {
     pub start: cylfuse_start,
     /// Whether the points must lie on the wall that the camera sees. Default AUTO.
     pub near_wall: cylfuse_near_wall,
-    /// The coordinates of the iteration. Default LOCAL.
+    /// The coordinates of the iteration. Default AUTO.
     pub chart: cylfuse_chart,
-    /// Most linear solves. Default 500; 0 = default.
+    /// Most linear solves. Default 400; 0 = default.
     pub max_iterations: u32,
     /// Most threads for the sums over the points; small clouds take one. The result has the same bits for any
     /// number. Default 0 = as many as the machine has.
@@ -240,6 +264,10 @@ pub struct cylfuse_options {
     pub ransac_max_iterations: u32,
     /// Must be 0.
     pub reserved: u32,
+    /// What given edge segments are for the objective ROBUST. Default REFINE.
+    pub edge_use: cylfuse_edge_use,
+    /// How the ends of the visible cylinder are found. Default AUTO.
+    pub extent_rule: cylfuse_extent_rule,
 }
 
 /// What was pushed, and what was left out by reason.
@@ -329,6 +357,10 @@ pub struct cylfuse_result {
     pub seconds_solve: f64,
     /// Wall-clock seconds of the whole fit.
     pub seconds_total: f64,
+    /// Limb lines that were located in the grey image and took part, 0 to 2.
+    pub limbs_located: u32,
+    /// Written as 0.
+    pub reserved: u32,
 }
 
 /// What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of

@@ -1,7 +1,7 @@
 //! The limbs of a first fit, located in the image for a second one.
 
 use super::Fitter;
-use super::options::{Method, ObjectiveKind, Options};
+use super::options::{EdgeUse, Method, ObjectiveKind, Options};
 use super::problem::Problem;
 use super::solve::ENDPOINT_PIXELS;
 use crate::geometry::Cylinder;
@@ -23,7 +23,7 @@ impl Fitter {
     /// deviation. A limb that is not seen is left to the given segment.
     pub(super) fn locate(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> Vec<PixelSegment> {
         let (Some(image), Some(camera)) = (&self.image, &self.camera) else { return Vec::new() };
-        if problem.pixels.is_none() {
+        if problem.pixels.is_none() || self.options.edge_use == EdgeUse::AsGiven {
             return Vec::new();
         }
         let endpoints = self.segments.iter().flat_map(|segment| segment.endpoints);

@@ -10,7 +10,7 @@ mod result;
 mod solve;
 mod starts;
 
-pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
+pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
 
 use crate::camera::{Camera, Intrinsics};
@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
-    PointsView, check_segments,
+    PointsView, check_same_size, check_segments,
 };
 use crate::residuals::{ArcTerm, PixelSegment};
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
@@ -186,13 +186,8 @@ impl Fitter {
             missing: "intrinsics",
             remedy: "set the intrinsics first",
         })?;
-        let (width, height) = (image.width(), image.height());
-        let intrinsics = camera.intrinsics();
-        let (other_width, other_height) = (intrinsics.width as usize, intrinsics.height as usize);
-        if (width, height) != (other_width, other_height) {
-            let (name, other) = ("grey image", "the image of the intrinsics");
-            return Err(Error::SizeMismatch { name, width, height, other, other_width, other_height });
-        }
+        let size = (image.width(), image.height());
+        check_same_size("grey image", size, "the image of the intrinsics", camera.size())?;
         self.image = Some(GreyImage::copy(image)?);
         Ok(())
     }

@@ -17,12 +17,14 @@ fn combinations_that_make_no_sense_are_refused() {
         refused(&["--method", method, "--objective", "paper"], "--objective belongs to --method fused");
         refused(&["--method", method, "--objective", "robust"], "--objective belongs to --method fused");
         refused(&["--method", method, "--edge-weight", "0.5"], "--edge-weight belongs to --method fused");
+        refused(&["--method", method, "--edges-as-given"], "--edges-as-given belongs to --method fused");
     }
     refused(&["--edge-weight", "0.6"], "--edge-weight belongs to --objective paper");
     refused(&["--objective", "robust", "--edge-weight", "0.6"], "--edge-weight belongs to --objective paper");
     refused(&["--start-from", "model"], "--start=");
     refused(&["--start=0,0,1,0,1,0,0.05", "--start-from", "limbs"], "--start-from");
     refused(&["--points", "cloud.ply"], "--points");
+    refused(&["--edges-as-given", "--no-edges"], "cannot be used with");
 }
 
 #[test]
@@ -101,6 +103,23 @@ fn other_methods_fit_the_points_alone() {
     for name in ["termination", "lambda", "step_norm", "initial_cost", "rejected_steps"] {
         assert!(result[name].is_null(), "{name}");
     }
+}
+
+#[test]
+fn edges_can_be_taken_as_they_are() {
+    let located = |options: &[&str]| fitted(&data("w004"), options)["result"]["limbs_located"].clone();
+    assert!(located(&[]).as_u64().unwrap() > 0);
+    assert_eq!(located(&["--edges-as-given"]), 0);
+}
+
+#[test]
+fn the_rule_of_the_extent_can_be_chosen() {
+    let length = |options: &[&str]| fitted(&data("w004"), options)["extent"]["length"].clone();
+    assert_eq!(length(&[]), length(&["--extent-rule", "located"]));
+    assert_ne!(length(&[]), length(&["--extent-rule", "extremes"]));
+    let paper = ["--objective", "paper", "--extent-rule"];
+    assert_eq!(length(&paper[..2]), length(&[&paper[..], &["extremes"]].concat()));
+    assert_ne!(length(&paper[..2]), length(&[&paper[..], &["located"]].concat()));
 }
 
 #[test]

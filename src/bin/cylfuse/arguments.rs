@@ -4,7 +4,9 @@
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
-use cylfuse::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
+use cylfuse::fitter::{
+    ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
+};
 use cylfuse::geometry::Cylinder;
 use nalgebra::Vector3;
 use std::path::PathBuf;
@@ -82,6 +84,15 @@ pub struct FitArguments {
     /// Ignore the edge segments.
     #[arg(long, help_heading = "Estimation")]
     pub no_edges: bool,
+
+    /// Take the edge segments as they are: do not look for the limbs in the image. The paper's objective never
+    /// does.
+    #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
+    pub edges_as_given: bool,
+
+    /// How to find the ends of the visible cylinder.
+    #[arg(long, value_enum, default_value_t = ExtentName::Auto, help_heading = "Estimation")]
+    pub extent_rule: ExtentName,
 
     /// Ignore the image file and do not open it; mask and edge segments stay.
     #[arg(long, help_heading = "Estimation")]
@@ -177,14 +188,27 @@ pub enum ChartName {
     Orthonormal,
 }
 
+/// [`ExtentRule`] by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ExtentName {
+    /// Located for the robust objective, extremes otherwise
+    Auto,
+    /// The paper's: the extreme completed points of the mask
+    Extremes,
+    /// From all lines along the surface together, in the mask and the image
+    Located,
+}
+
 impl FitArguments {
     /// Combinations that make no sense, in words; clap has checked each option by itself.
     pub fn check(&self) -> std::result::Result<(), String> {
         if self.method != MethodName::Fused {
             let method = self.method.to_possible_value().map_or(String::new(), |v| v.get_name().to_string());
-            for (given, name) in
-                [(self.objective.is_some(), "--objective"), (self.edge_weight.is_some(), "--edge-weight")]
-            {
+            for (given, name) in [
+                (self.objective.is_some(), "--objective"),
+                (self.edge_weight.is_some(), "--edge-weight"),
+                (self.edges_as_given, "--edges-as-given"),
+            ] {
                 if given {
                     return Err(format!("{name} belongs to --method fused, not to --method {method}"));
                 }
@@ -238,6 +262,12 @@ impl FitArguments {
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
             threads: self.threads,
             seed: self.seed,
+            edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
+            extent_rule: match self.extent_rule {
+                ExtentName::Auto => ExtentRule::Auto,
+                ExtentName::Extremes => ExtentRule::Extremes,
+                ExtentName::Located => ExtentRule::Located,
+            },
             ..defaults
         };
         options.chart = match self.chart {

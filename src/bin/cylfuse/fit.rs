@@ -7,7 +7,7 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
-use cylfuse::fitter::{Fitter, ObjectiveKind, Options};
+use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
 use nalgebra::Vector3;
@@ -135,9 +135,7 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     if settings.edges {
         fitter.push_edges(&frame.edges)?;
     }
-    if let Some(image) = &frame.image
-        && settings.options.objective == ObjectiveKind::Robust
-    {
+    if let Some(image) = &frame.image {
         let grey = image.to_luma16();
         fitter.push_image(&ImageView::from_u16(&grey, frame.size())?)?;
     }
