@@ -52,7 +52,7 @@ fn layouts() -> Vec<Layout> {
         cylfuse_options {
             struct_size, method, objective, start, near_wall, chart, max_iterations, max_threads, edge_weight,
             initial_lambda, lambda_factor, max_lambda, cost_tolerance, ransac_threshold, seed,
-            ransac_max_iterations, reserved, edge_use, extent_rule,
+            ransac_max_iterations, reserved, edge_use, extent_rule, radius_min, radius_max, axis, axis_max_angle,
         }
         cylfuse_counts {
             struct_size, reserved, points_given, points_used, dropped_not_finite, dropped_zero_weight,

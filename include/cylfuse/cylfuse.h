@@ -398,6 +398,25 @@ typedef struct cylfuse_options {
      * How the ends of the visible cylinder are found. Default AUTO.
      */
     cylfuse_extent_rule extent_rule;
+    /**
+     * The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
+     * start. Default 0 = no limit.
+     */
+    double radius_min;
+    /**
+     * The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+     */
+    double radius_max;
+    /**
+     * The middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} = all
+     * directions.
+     */
+    double axis[3];
+    /**
+     * The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
+     * that is known. Default 0; must be 0 without `axis`.
+     */
+    double axis_max_angle;
 } cylfuse_options;
 
 /**
@@ -1047,6 +1066,14 @@ typedef uint32_t cylfuse_result_flags;
  * Points with coordinates that are not finite were left out.
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_NOT_FINITE 2048
+/**
+ * A limit of the radius holds it: the data want another one. Not for a radius that is known.
+ */
+#define CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT 8192
+/**
+ * The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+ */
+#define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 
 /**
  * The outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
@@ -1097,7 +1124,7 @@ typedef struct cylfuse_result {
      */
     struct cylfuse_cylinder model;
     /**
-     * The model that the iteration started from.
+     * The model that the iteration started from, moved into the limits.
      */
     struct cylfuse_cylinder start_model;
     /**
@@ -1142,7 +1169,8 @@ typedef struct cylfuse_result {
      */
     double lambda;
     /**
-     * Norm of half the gradient of the cost at the end, in units of the size of the data.
+     * Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+     * the data.
      */
     double gradient_norm;
     /**

@@ -497,6 +497,10 @@ impl cylfuse_result_flags {
     pub const CAMERA_INSIDE: cylfuse_result_flags = cylfuse_result_flags(1024);
     /// Points with coordinates that are not finite were left out.
     pub const POINTS_NOT_FINITE: cylfuse_result_flags = cylfuse_result_flags(2048);
+    /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
+    pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
+    /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+    pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
 }
 
 #[cfg(test)]
@@ -529,6 +533,8 @@ mod tests {
             F::HIDDEN_WALL,
             F::CAMERA_INSIDE,
             F::POINTS_NOT_FINITE,
+            F::RADIUS_AT_LIMIT,
+            F::AXIS_AT_LIMIT,
         ];
         let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
         assert_eq!(here.map(|flag| flag.0).as_slice(), there);

@@ -268,6 +268,17 @@ pub struct cylfuse_options {
     pub edge_use: cylfuse_edge_use,
     /// How the ends of the visible cylinder are found. Default AUTO.
     pub extent_rule: cylfuse_extent_rule,
+    /// The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
+    /// start. Default 0 = no limit.
+    pub radius_min: f64,
+    /// The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+    pub radius_max: f64,
+    /// The middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} = all
+    /// directions.
+    pub axis: [f64; 3],
+    /// The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
+    /// that is known. Default 0; must be 0 without `axis`.
+    pub axis_max_angle: f64,
 }
 
 /// What was pushed, and what was left out by reason.
@@ -324,7 +335,7 @@ pub struct cylfuse_result {
     pub points_given: u64,
     /// The cylinder, its axis point the one nearest to the middle of the points.
     pub model: cylfuse_cylinder,
-    /// The model that the iteration started from.
+    /// The model that the iteration started from, moved into the limits.
     pub start_model: cylfuse_cylinder,
     /// Cost of the start, unit of length squared.
     pub initial_cost: f64,
@@ -347,7 +358,8 @@ pub struct cylfuse_result {
     pub condition: f64,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, in units of the size of the data.
+    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+    /// the data.
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the size of the data.
     pub step_norm: f64,

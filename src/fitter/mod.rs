@@ -416,21 +416,18 @@ impl Fitter {
     fn describe(&self, problem: &Problem<'_>, start: &Candidate, cylinder: &Cylinder) -> Result<FitResult> {
         let equations = problem.linearise(cylinder).ok_or_else(infinite_cost)?;
         let squared = problem.unit * problem.unit;
-        let energy_points = if self.cloud.is_empty() {
-            0.0
-        } else {
-            let frame = LocalFrame::new(cylinder, &problem.center, problem.unit);
-            problem.points.energy(&frame)
-        };
+        let frame = LocalFrame::new(cylinder, &problem.center, problem.unit);
+        let energy_points = if self.cloud.is_empty() { 0.0 } else { problem.points.energy(&frame) };
         let eigenvalues = equations.hessian.symmetric_eigenvalues();
         let weak = {
             // As if the weights were the inverse variances and the noise independent.
             let freedom = self.cloud.len().saturating_sub(problem::LEAST_POINTS).max(1) as f64;
             let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
             let deviation = problem.unit * (equations.cost * variance / freedom).sqrt();
-            !(deviation <= WEAK_RADIUS * cylinder.radius)
+            !problem.has_fixed_radius() && !(deviation <= WEAK_RADIUS * cylinder.radius)
         };
-        let scale_held = problem.edge_weight == 1.0;
+        let scale_held = problem.edge_weight == 1.0 && !problem.has_fixed_radius();
+        let limits = &self.options.cylinder_limits;
         let inside = cylinder.contains_origin() && problem.near_wall;
         let walls = problem.near_wall.then(|| cylinder.visible_wall(self.cloud.points()));
         let mut flags = problem.edges.flags;
@@ -439,6 +436,8 @@ impl Fitter {
         flags.set(Flags::RESOLUTION_LOST, self.cloud.resolution() > COARSE * cylinder.radius);
         flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
         flags.set(Flags::CAMERA_INSIDE, inside);
+        flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
+        flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
         flags.set(Flags::POINTS_NOT_FINITE, self.cloud.dropped().not_finite > 0);
         let distances = problem.pixels.as_ref().and_then(|pixels| pixels.distances(cylinder));
         let edge_rms_pixels = distances.map(|distances| {
@@ -469,7 +468,7 @@ impl Fitter {
             near_wall_fraction: walls.map(|walls| walls.fraction()),
             condition: (eigenvalues.max() / eigenvalues.min().max(0.0)).sqrt(),
             lambda: 0.0,
-            gradient_norm: equations.gradient.norm(),
+            gradient_norm: limits.free_gradient(&frame, &equations.gradient).norm(),
             step_norm: 0.0,
             flags,
             seconds: Seconds::default(),

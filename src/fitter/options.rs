@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::geometry::Chart;
+use crate::geometry::CylinderLimits;
 use crate::solver::IterationLimits;
 
 /// How the cylinder is estimated.
@@ -120,6 +121,9 @@ pub struct Options {
     pub ransac_iterations: usize,
     /// Distance within which RANSAC counts a point as an inlier, in the unit of the data; 0 = from the data.
     pub ransac_threshold: f64,
+    /// What the returned cylinder keeps, whatever the method and the start: a start outside is moved inside. With
+    /// limits the steps are in the local chart.
+    pub cylinder_limits: CylinderLimits,
     /// What given edge segments are, for the robust objective; no other looks for limbs in the image.
     pub edge_use: EdgeUse,
     /// How the ends of the visible cylinder are found.
@@ -140,6 +144,7 @@ impl Default for Options {
             seed: 0,
             ransac_iterations: 1000,
             ransac_threshold: 0.0,
+            cylinder_limits: CylinderLimits::default(),
             edge_use: EdgeUse::Refine,
             extent_rule: ExtentRule::Auto,
         }
@@ -191,6 +196,6 @@ impl Options {
         if self.ransac_iterations == 0 {
             return Err(Error::argument("ransac iterations", 0, "be at least 1"));
         }
-        Ok(())
+        self.cylinder_limits.check()
     }
 }

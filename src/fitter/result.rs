@@ -33,6 +33,10 @@ bitflags::bitflags! {
         const CAMERA_INSIDE = 1 << 10;
         /// Points with coordinates that are not finite were left out.
         const POINTS_NOT_FINITE = 1 << 11;
+        /// A limit of the radius holds it: the data want another one. Not for a fixed radius.
+        const RADIUS_AT_LIMIT = 1 << 13;
+        /// The axis is on the border of its cone: the data want another one. Not for a known direction.
+        const AXIS_AT_LIMIT = 1 << 14;
     }
 }
 
@@ -53,7 +57,7 @@ pub struct FitResult {
     /// The cylinder. Its axis point is the one nearest to the middle of the points; the largest component of
     /// its direction is positive.
     pub cylinder: Cylinder,
-    /// The model that the iteration started from.
+    /// The model that the iteration started from, moved into the limits.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.
     pub start_kind: StartKind,
@@ -95,7 +99,8 @@ pub struct FitResult {
     pub condition: f64,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, in units of the size of the data.
+    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+    /// the data.
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the size of the data.
     pub step_norm: f64,

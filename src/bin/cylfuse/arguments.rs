@@ -7,7 +7,7 @@ use cylfuse::error::Result;
 use cylfuse::fitter::{
     ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
 };
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -73,13 +73,36 @@ pub struct FitArguments {
     pub edge_weight: Option<f64>,
 
     /// Start from this cylinder: axis point, axis direction (any length) and radius, in the unit of the data.
-    #[arg(long, value_name = "px,py,pz,dx,dy,dz,r", value_parser = parse_start)]
+    #[arg(long, value_name = "px,py,pz,dx,dy,dz,r", value_parser = parse_numbers::<7>)]
     #[arg(allow_hyphen_values = true, help_heading = "Estimation")]
     pub start: Option<[f64; 7]>,
 
     /// How to find a start [default: auto, or model with --start]. The methods ransac and eberly need none.
     #[arg(long, value_enum, help_heading = "Estimation")]
     pub start_from: Option<StartName>,
+
+    /// The smallest radius that the cylinder may have, in the unit of the data.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius_min: Option<f64>,
+
+    /// The largest radius that the cylinder may have.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius_max: Option<f64>,
+
+    /// The radius, where it is known.
+    #[arg(long, value_name = "R", conflicts_with_all = ["radius_min", "radius_max"])]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius: Option<f64>,
+
+    /// The direction of the axis in the camera frame, of any length and sign.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub axis: Option<[f64; 3]>,
+
+    /// How far the axis may be from --axis, in degrees from 0 to 90 [default: 0, the direction is known].
+    #[arg(long, value_name = "DEG", requires = "axis")]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub axis_max_angle: Option<f64>,
 
     /// Ignore the edge segments.
     #[arg(long, help_heading = "Estimation")]
@@ -219,6 +242,13 @@ impl FitArguments {
                         out: the robust objective takes its weights from the data"
                 .into());
         }
+        // The library knows these in radians, and as two limits.
+        if let Some(degrees) = self.axis_max_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
+            return Err(format!("--axis-max-angle is {degrees}; it must lie in [0, 90] degrees"));
+        }
+        if let Some(radius) = self.radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+            return Err(format!("--radius is {radius}; it must be finite and greater than 0"));
+        }
         match (self.start, self.start_from) {
             (Some(_), Some(kind)) if kind != StartName::Model => {
                 Err("--start gives the cylinder to start from; leave --start-from out or set it to model"
@@ -262,6 +292,7 @@ impl FitArguments {
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
             threads: self.threads,
             seed: self.seed,
+            cylinder_limits: self.limits(),
             edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
             extent_rule: match self.extent_rule {
                 ExtentName::Auto => ExtentRule::Auto,
@@ -282,6 +313,18 @@ impl FitArguments {
         Ok(options)
     }
 
+    fn limits(&self) -> CylinderLimits {
+        let none = CylinderLimits::default();
+        let degrees = self.axis_max_angle.unwrap_or(0.0);
+        // 90 degrees in radians, rounded, may be more than a right angle.
+        let max_angle = degrees.to_radians().min(std::f64::consts::FRAC_PI_2);
+        CylinderLimits {
+            radius_min: self.radius.or(self.radius_min).unwrap_or(none.radius_min),
+            radius_max: self.radius.or(self.radius_max).unwrap_or(none.radius_max),
+            axis: self.axis.map(|axis| AxisCone { direction: axis.into(), max_angle }),
+        }
+    }
+
     /// The cylinder of `--start`.
     ///
     /// # Errors
@@ -294,13 +337,13 @@ impl FitArguments {
     }
 }
 
-fn parse_start(text: &str) -> std::result::Result<[f64; 7], String> {
+fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| word.trim().parse().map_err(|_| format!("'{word}' is not a number")))
         .collect::<std::result::Result<_, _>>()?;
     let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("{count} numbers were given, but 7 are needed"))
+    numbers.try_into().map_err(|_| format!("{count} numbers were given, but {COUNT} are needed"))
 }
 
 #[cfg(test)]
@@ -329,8 +372,8 @@ mod tests {
             assert_eq!(given.options().unwrap().start, StartKind::Model);
             assert_eq!(given.start_model().unwrap().unwrap().radius, 0.04);
         }
-        assert!(parse_start("1,2,3").unwrap_err().contains("3 numbers"));
-        assert!(parse_start("1,2,x,4,5,6,7").unwrap_err().contains("'x'"));
+        assert!(parse_numbers::<7>("1,2,3").unwrap_err().contains("3 numbers"));
+        assert!(parse_numbers::<7>("1,2,x,4,5,6,7").unwrap_err().contains("'x'"));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{EndState, Extent};
 use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{Cylinder, CylinderLimits};
 use cylfuse::observations::Dropped;
 use cylfuse::solver::Termination;
 use nalgebra::Vector3;
@@ -159,9 +159,31 @@ pub struct ResultValues {
     lambda: Option<f64>,
     gradient_norm: f64,
     step_norm: Option<f64>,
+    /// What the cylinder keeps; none without limits.
+    limits: Option<LimitsValues>,
     start: CylinderValues,
     start_kind: &'static str,
     flags: Vec<String>,
+}
+
+/// Limits of radius and axis; an infinite radius is null.
+#[derive(Debug, Serialize)]
+struct LimitsValues {
+    radius_min: f64,
+    radius_max: f64,
+    axis: Option<[f64; 3]>,
+    axis_max_angle_degrees: Option<f64>,
+}
+
+impl LimitsValues {
+    fn new(limits: &CylinderLimits) -> Option<Self> {
+        (*limits != CylinderLimits::default()).then(|| Self {
+            radius_min: limits.radius_min,
+            radius_max: limits.radius_max,
+            axis: limits.axis.map(|cone| cone.direction.into()),
+            axis_max_angle_degrees: limits.axis.map(|cone| cone.max_angle.to_degrees()),
+        })
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -294,6 +316,7 @@ impl ResultValues {
             lambda: iterated.then_some(result.lambda),
             gradient_norm: result.gradient_norm,
             step_norm: iterated.then_some(result.step_norm),
+            limits: LimitsValues::new(&options.cylinder_limits),
             start: (&result.start).into(),
             start_kind: match result.start_kind {
                 StartKind::Auto => "auto",
@@ -325,6 +348,8 @@ fn doubt(flag: Flags, result: &FitResult) -> String {
         Flags::NOT_CONVERGED => "not converged; allow more iterations",
         Flags::HIDDEN_WALL => "most points lie on the wall that the camera cannot see",
         Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",
+        Flags::RADIUS_AT_LIMIT => "a limit holds the radius: the data want another one",
+        Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone: the data want another one",
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }
