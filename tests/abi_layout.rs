@@ -34,6 +34,7 @@ macro_rules! layouts {
 fn layouts() -> Vec<Layout> {
     layouts! {
         cylfuse_cylinder { point, direction, radius }
+        cylfuse_limb_sample { pixel, sigma, weight, limb, reserved }
         cylfuse_intrinsics {
             struct_size, distortion_model, width, height, fx, fy, cx, cy, distortion,
         }

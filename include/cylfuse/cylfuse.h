@@ -1214,6 +1214,32 @@ typedef int32_t cylfuse_residual_kind;
 #define CYLFUSE_RESIDUAL_KIND_EDGES 2
 
 /**
+ * What a short piece of a limb in the grey image says. This struct never changes.
+ */
+typedef struct cylfuse_limb_sample {
+    /**
+     * Where the limb is seen, x and y in pixels of the (distorted) image.
+     */
+    double pixel[2];
+    /**
+     * Standard deviation across the limb in ideal pixels, by the noise of the image only.
+     */
+    double sigma;
+    /**
+     * What the sample counted, from 1 down to 0 for a refused one.
+     */
+    double weight;
+    /**
+     * The limb that it belongs to, 0 or 1.
+     */
+    uint32_t limb;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
+} cylfuse_limb_sample;
+
+/**
  * What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
  * freedom, in units of the size of the data.
  */
@@ -1755,6 +1781,23 @@ cylfuse_status cylfuse_fitter_residuals(const struct cylfuse_fitter *fitter,
                                         double *out,
                                         size_t capacity,
                                         size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Lists what the last fit saw of the limbs in the grey image, piece by piece, used and refused; all samples of a
+ * limb that was not located in the end are refused. Empty when the image was not searched.
+ *
+ * @param fitter the fitter
+ * @param out room for `capacity` samples, of any alignment; may be NULL when `capacity` is 0
+ * @param capacity how many samples `out` holds
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a result, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_limb_samples(const struct cylfuse_fitter *fitter,
+                                           struct cylfuse_limb_sample *out,
+                                           size_t capacity,
+                                           size_t *out_count)
 CYLFUSE_NOEXCEPT;
 
 /**

@@ -108,7 +108,8 @@ impl Fitter {
                 .unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0)),
         };
         let locates_ends = self.options().locates_ends();
-        let ends = if locates_ends { locate_ends(&search, &cylinder) } else { extreme_ends(&search, &cylinder) };
+        let ends =
+            if locates_ends { locate_ends(&search, &cylinder) } else { extreme_ends(&search, &cylinder) };
         let [start, end] = ends.ok_or_else(|| Error::EdgeGeometry {
             reason: "no ray of the mask meets the cylinder".into(),
             remedy: "check that mask and model belong to the same image",

@@ -297,7 +297,7 @@ pub struct cylfuse_edge_use(pub i32);
 impl cylfuse_edge_use {
     /// A start: where there is a grey image, the limbs are located in it and join the fit.
     pub const REFINE: cylfuse_edge_use = cylfuse_edge_use(0);
-    /// The measurement: no limbs are looked for in the image.
+    /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
     pub const AS_GIVEN: cylfuse_edge_use = cylfuse_edge_use(1);
 
     pub(super) fn read(self, field: &str) -> Result<EdgeUse, Failure> {

@@ -85,8 +85,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
 }
 
 /// Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
-/// With the objective ROBUST the limbs are located in it, and the ends with the extent rule LOCATED. The
-/// objective PAPER and the methods other than FUSED never look at it.
+/// With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
+/// rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
 ///
 /// @param fitter the fitter
 /// @param image read during the call only

@@ -24,6 +24,22 @@ pub struct cylfuse_cylinder {
     pub radius: f64,
 }
 
+/// What a short piece of a limb in the grey image says. This struct never changes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_limb_sample {
+    /// Where the limb is seen, x and y in pixels of the (distorted) image.
+    pub pixel: [f64; 2],
+    /// Standard deviation across the limb in ideal pixels, by the noise of the image only.
+    pub sigma: f64,
+    /// What the sample counted, from 1 down to 0 for a refused one.
+    pub weight: f64,
+    /// The limb that it belongs to, 0 or 1.
+    pub limb: u32,
+    /// Written as 0.
+    pub reserved: u32,
+}
+
 /// A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]

@@ -372,9 +372,9 @@ impl<T: Copy> Slot<T> {
 ///
 /// # Safety
 /// `out` is NULL or writable for `capacity` values.
-pub(super) unsafe fn write_all(
-    values: &[f64],
-    out: *mut f64,
+pub(super) unsafe fn write_all<T: Copy>(
+    values: &[T],
+    out: *mut T,
     capacity: usize,
     name: &'static str,
 ) -> Result<(), Failure> {

@@ -15,13 +15,17 @@ pub use result::{FitResult, Flags, Seconds};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
+#[cfg(doc)]
+use crate::geometry::LimbFrame;
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::limb_location::LimbObservation;
 use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
     PointsView, check_same_size, check_segments,
 };
 use crate::residuals::{ArcTerm, PixelSegment};
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
+use limbs::located_lines;
 use minimum::best_minimum;
 use nalgebra::Vector3;
 use problem::Problem;
@@ -82,6 +86,8 @@ pub struct Fitter {
     located: Vec<PixelSegment>,
     /// The arcs of the ends that it located there.
     arcs: ArcTerm,
+    /// What the last fit saw of the limbs in the image.
+    limbs: Option<[LimbObservation; 2]>,
     result: Option<FitResult>,
 }
 
@@ -207,6 +213,7 @@ impl Fitter {
         self.image = None;
         self.located.clear();
         self.arcs = ArcTerm::default();
+        self.limbs = None;
         self.result = None;
     }
 
@@ -251,6 +258,14 @@ impl Fitter {
         self.result.as_ref()
     }
 
+    /// What the last fit saw of the two limbs in the image, in the order of [`LimbFrame::limb_lines`]: lines, samples
+    /// used and refused. `None` when the image was not searched: without an image or usable edges, for edges as
+    /// given, and for other objectives than the robust one.
+    #[must_use]
+    pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
+        self.limbs.as_ref()
+    }
+
     /// Estimates the cylinder.
     ///
     /// # Errors
@@ -267,6 +282,7 @@ impl Fitter {
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
         let mut problem = self.problem_without_located()?;
+        let mut limbs = None;
         let mut located = Vec::new();
         if report(&Iteration::before_start()).is_break() {
             return Err(Error::Cancelled { iterations: 0 });
@@ -290,7 +306,8 @@ impl Fitter {
                 problem.passing = self.locates();
                 let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
                 if problem.passing {
-                    located = self.locate(&problem, &convergence.cylinder);
+                    limbs = self.observe(&problem, &convergence.cylinder);
+                    located = limbs.as_ref().map_or(Vec::new(), located_lines);
                     if !located.is_empty() {
                         problem.add_located(&located);
                         convergence = self.minimise_again(&problem, &convergence, report)?;
@@ -321,6 +338,7 @@ impl Fitter {
         let arcs = std::mem::take(&mut problem.arcs);
         self.located = located;
         self.arcs = arcs;
+        self.limbs = limbs;
         self.result = Some(result);
         Ok(result)
     }

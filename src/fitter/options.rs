@@ -78,7 +78,7 @@ pub enum EdgeUse {
     /// A start: where there is a grey image, the limbs are located in it and join the fit.
     #[default]
     Refine,
-    /// The measurement: no limbs are looked for in the image.
+    /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
     AsGiven,
 }
 

@@ -257,6 +257,37 @@ void test_depth(void)
     depth_images_that_are_refused();
 }
 
+static void limb_samples_lie_on_the_limbs(cylfuse_fitter *fitter)
+{
+    size_t count = 0;
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, &count), BUFFER_TOO_SMALL, "out holds 0");
+    CHECK(count >= 6);
+    cylfuse_limb_sample *samples = exactly(count * sizeof *samples);
+    CHECK_STATUS(cylfuse_fitter_limb_samples(fitter, samples, count - 1, &count), BUFFER_TOO_SMALL);
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, count, &count), NULL_POINTER, "out is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, samples, count, &count), OK, "");
+    int used[2] = {0, 0};
+    for (size_t k = 0; k < count; k++) {
+        CHECK(samples[k].limb <= 1 && samples[k].reserved == 0 && samples[k].sigma > 0.0);
+        CHECK(samples[k].weight >= 0.0 && samples[k].weight <= 1.0);
+        if (samples[k].weight == 0.0) {
+            continue;
+        }
+        used[samples[k].limb]++;
+        /* On one of the two lines that bound the cylinder. */
+        double nearest = INFINITY;
+        for (int side = 0; side < 2; side++) {
+            const double *e = the_scene.edges[side];
+            double length = hypot(e[2] - e[0], e[3] - e[1]);
+            double x = samples[k].pixel[0] - e[0], y = samples[k].pixel[1] - e[1];
+            nearest = fmin(nearest, fabs(x * (e[3] - e[1]) - y * (e[2] - e[0])) / length);
+        }
+        CHECK(nearest < 0.5);
+    }
+    CHECK(used[0] >= 3 && used[1] >= 3);
+    free(samples);
+}
+
 static void images_of_any_format_and_stride(void)
 {
     cylfuse_fitter *fitter = new_full_fitter();
@@ -274,12 +305,16 @@ static void images_of_any_format_and_stride(void)
     CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
     cylfuse_result without = fit(fitter);
     CHECK(without.limbs_located == 0 && without.reserved == 0);
+    size_t samples = 9;
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, &samples), OK, "");
+    CHECK(samples == 0);
 
     cylfuse_image_view image = scene_image();
     CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
     cylfuse_result packed = fit(fitter);
     CHECK(packed.limbs_located == 2 && packed.segments_used == 2);
     CHECK(packed.cost != without.cost && is_truth(&packed.model, 1e-5));
+    limb_samples_lie_on_the_limbs(fitter);
     cylfuse_extent extent = {.struct_size = sizeof extent};
     CHECK_OK(cylfuse_fitter_extent(fitter, NULL, NULL, &extent));
     CHECK_NEAR(extent.length, 0.2, 2e-3);
@@ -313,7 +348,7 @@ static void images_of_any_format_and_stride(void)
     options.edge_use = CYLFUSE_EDGE_USE_AS_GIVEN;
     CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
     cylfuse_result given = fit(fitter);
-    CHECK(given.limbs_located == 0 && given.model.radius == without.model.radius);
+    CHECK(given.limbs_located == 0 && is_truth(&given.model, 1e-5));
     /* Clearing forgets the image. */
     options.edge_use = CYLFUSE_EDGE_USE_REFINE;
     CHECK_OK(cylfuse_fitter_set_options(fitter, &options));

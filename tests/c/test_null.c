@@ -41,6 +41,7 @@ static void without_a_fitter(void)
     CHECK_STATUS(cylfuse_fitter_get_result(NULL, &result), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_residuals(NULL, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, values, 2, &count),
                  NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_limb_samples(NULL, NULL, 0, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_diagnose(NULL, NULL, &diagnosis), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete_bound(NULL, NULL, CYLFUSE_LAYOUT_PACKED, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete(NULL, NULL, NULL, &out, &completion), NULL_POINTER);
@@ -83,6 +84,7 @@ static void without_an_argument(void)
                 "out is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, kind, values, 2, NULL), NULL_POINTER,
                 "out_count is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, NULL), NULL_POINTER, "out_count is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_diagnose(fitter, NULL, NULL), NULL_POINTER, "out_diagnosis is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_complete_bound(fitter, NULL, CYLFUSE_LAYOUT_PACKED, NULL), NULL_POINTER,
                 "out_capacity is NULL");

@@ -34,7 +34,7 @@ fn check_shape(object: &Value) {
     let mut top = keys(object);
     top.sort_unstable();
     let expected =
-        ["completion", "cylinder", "extent", "fitted", "frame", "notes", "out", "result", "seconds"];
+        ["completion", "cylinder", "extent", "fitted", "frame", "limbs", "notes", "out", "result", "seconds"];
     assert_eq!(top, expected);
     let direction = vector(&object["cylinder"]["direction"]);
     assert!((direction.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14);
@@ -52,6 +52,15 @@ fn check_shape(object: &Value) {
         assert!(["seen", "cut", "hidden", "unknown"].contains(&extent[state].as_str().unwrap()));
     }
 
+    for limb in object["limbs"].as_array().unwrap() {
+        assert_ne!(limb["line"].is_null(), limb["not_visible"].is_null());
+        assert!(limb["samples_used"].is_u64() && limb["samples_refused"].is_u64());
+        if let Some(sigma) = limb["line"]["sigma"].as_f64() {
+            assert!(
+                sigma > 0.0 && limb["line"]["ends"][1][1].is_f64() && limb["blur"].as_f64().unwrap() > 0.0
+            );
+        }
+    }
     let result = &object["result"];
     for name in [
         "cost",

@@ -108,8 +108,8 @@ pub struct FitArguments {
     #[arg(long, help_heading = "Estimation")]
     pub no_edges: bool,
 
-    /// Take the edge segments as they are: do not look for the limbs in the image. The paper's objective never
-    /// does.
+    /// Take the edge segments as they are: do not look for the limbs in the image, only for the ends. The paper's
+    /// objective never does either.
     #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
     pub edges_as_given: bool,
 

@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
+use cylfuse::extent::ExtentOptions;
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
@@ -142,10 +143,16 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     let result = fitter.fit()?;
     let fitted = if frame.mask.is_some() { Fitted::Mask } else { Fitted::AllMeasuredPixels };
     let mut measurement = Measurement::new(fitted, &settings.options, &result);
+    measurement.limbs = fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into));
     let mut completed = Completed::default();
+    let mut arcs = Vec::new();
     if frame.mask.is_some() {
-        match fitter.extent(None, None) {
-            Ok(extent) => measurement.set_extent(&extent),
+        let options = ExtentOptions { image: fitter.image(), limbs_known: None };
+        match fitter.extent_and_arcs(None, None, &options) {
+            Ok((extent, found)) => {
+                measurement.set_extent(&extent);
+                arcs = found.concat();
+            }
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }
         let counts =
@@ -161,6 +168,8 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
             edges: fitter.segments(),
             cylinder: &result.cylinder,
             measurement: &measurement,
+            limbs: fitter.limbs(),
+            arcs: &arcs,
             completed: &completed.pixels,
         };
         overlay.write(&folder.join("overlay.png"))?;

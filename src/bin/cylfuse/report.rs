@@ -5,6 +5,7 @@ use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{EndState, Extent};
 use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::{Cylinder, CylinderLimits};
+use cylfuse::limb_location::{LimbObservation, NotVisible};
 use cylfuse::observations::Dropped;
 use cylfuse::solver::Termination;
 use nalgebra::Vector3;
@@ -54,6 +55,8 @@ pub struct Measurement {
     pub extent: Option<ExtentValues>,
     /// How the fit went.
     pub result: ResultValues,
+    /// What the image shows of the two limbs; none when it was not searched.
+    pub limbs: Option<[LimbValues; 2]>,
     /// Which points were fitted.
     pub fitted: Fitted,
     /// What became of the pixels of the mask; none without one.
@@ -116,6 +119,52 @@ impl ExtentValues {
     /// The two ends on the axis, each with its state.
     pub fn ends(&self) -> [(Vector3<f64>, &'static str); 2] {
         [(Vector3::from(self.start), self.start_state), (Vector3::from(self.end), self.end_state)]
+    }
+}
+
+/// What was seen of one limb.
+#[derive(Debug, Serialize)]
+pub struct LimbValues {
+    /// The line; none when it was not located.
+    line: Option<LineValues>,
+    /// Why there is no line.
+    not_visible: Option<&'static str>,
+    samples_used: usize,
+    samples_refused: usize,
+    /// Standard deviation of the blur of the image in pixels.
+    blur: Option<f64>,
+}
+
+/// A line by two points whose errors across it are independent.
+#[derive(Debug, Serialize)]
+struct LineValues {
+    /// In pixels without distortion.
+    ends: [[f64; 2]; 2],
+    /// Standard deviation of either end across the line, in pixels.
+    sigma: f64,
+}
+
+impl From<&LimbObservation> for LimbValues {
+    fn from(limb: &LimbObservation) -> Self {
+        let used = limb.samples.iter().filter(|sample| limb.uses(sample)).count();
+        Self {
+            line: limb
+                .line
+                .ok()
+                .map(|line| LineValues { ends: line.ends.map(Into::into), sigma: line.sigma }),
+            not_visible: limb.line.err().map(|reason| match reason {
+                NotVisible::NoLimbs => "no_limbs",
+                NotVisible::TooShort => "too_short",
+                NotVisible::NoEdge => "no_edge",
+                NotVisible::OutOfReach => "out_of_reach",
+                NotVisible::Uncertain => "uncertain",
+                NotVisible::Patchy => "patchy",
+                NotVisible::SameLine => "same_line",
+            }),
+            samples_used: used,
+            samples_refused: limb.samples.len() - used,
+            blur: limb.blur,
+        }
     }
 }
 
@@ -226,6 +275,7 @@ impl Measurement {
         Self {
             cylinder: (&result.cylinder).into(),
             extent: None,
+            limbs: None,
             result: ResultValues::new(options, result),
             fitted,
             completion: None,
