@@ -291,7 +291,7 @@ typedef int32_t cylfuse_edge_use;
  */
 #define CYLFUSE_EDGE_USE_REFINE 0
 /**
- * The measurement: no limbs are looked for in the image.
+ * The measurement: no limbs are looked for in the image. The arcs of the ends are.
  */
 #define CYLFUSE_EDGE_USE_AS_GIVEN 1
 
@@ -1683,8 +1683,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
- * With the objective ROBUST the limbs are located in it, and the ends with the extent rule LOCATED. The
- * objective PAPER and the methods other than FUSED never look at it.
+ * With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
+ * rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
  *
  * @param fitter the fitter
  * @param image read during the call only
