@@ -90,9 +90,7 @@ impl<'a> Region<'a> {
             return Err(Error::BadState { call, missing: "a mask", remedy });
         }
         let region = Self { camera, given, kept };
-        let intrinsics = camera.intrinsics();
-        let size = (intrinsics.width as usize, intrinsics.height as usize);
-        region.mask().check_size("the image of the intrinsics", size)?;
+        region.mask().check_size("the image of the intrinsics", camera.size())?;
         Ok(region)
     }
 

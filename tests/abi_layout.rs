@@ -34,6 +34,7 @@ macro_rules! layouts {
 fn layouts() -> Vec<Layout> {
     layouts! {
         cylfuse_cylinder { point, direction, radius }
+        cylfuse_limb_sample { pixel, sigma, weight, limb, reserved }
         cylfuse_intrinsics {
             struct_size, distortion_model, width, height, fx, fy, cx, cy, distortion,
         }
@@ -47,11 +48,12 @@ fn layouts() -> Vec<Layout> {
         }
         cylfuse_depth_out { struct_size, format, data, width, height, row_stride, pixel_stride, scale }
         cylfuse_mask_view { struct_size, reserved, data, width, height, row_stride, pixel_stride }
+        cylfuse_image_view { struct_size, format, data, width, height, row_stride, pixel_stride }
         cylfuse_segments_view { struct_size, scalar, data, count, segment_stride, weights }
         cylfuse_options {
             struct_size, method, objective, start, near_wall, chart, max_iterations, max_threads, edge_weight,
             initial_lambda, lambda_factor, max_lambda, cost_tolerance, ransac_threshold, seed,
-            ransac_max_iterations, reserved,
+            ransac_max_iterations, reserved, edge_use, extent_rule, radius_min, radius_max, axis, axis_max_angle,
         }
         cylfuse_counts {
             struct_size, reserved, points_given, points_used, dropped_not_finite, dropped_zero_weight,
@@ -64,6 +66,7 @@ fn layouts() -> Vec<Layout> {
             gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total, radius_deviation,
             direction_deviation, position_deviation, radius_from_points, radius_from_points_deviation,
             radius_from_limbs, radius_from_limbs_deviation, radius_z_score, covariance,
+            limbs_located, reserved,
         }
         cylfuse_diagnosis {
             struct_size, rank, singular_values, condition, weakest_shift, weakest_tilt, weakest_radius,

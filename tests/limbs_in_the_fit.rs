@@ -4,7 +4,7 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{ObjectiveKind, Options};
+use cylfuse::fitter::{EdgeUse, ObjectiveKind, Options};
 use cylfuse::observations::ImageView;
 use std::path::Path;
 
@@ -31,6 +31,29 @@ fn located_limbs_pull_a_wrong_edge_back() {
     assert_eq!(fit(true, 0.0).limbs_located, 2);
     assert_eq!(fit(false, 0.0).limbs_located, 0);
     assert!(change(true) < 0.2 * change(false), "{} {}", change(true), change(false));
+}
+
+#[test]
+fn what_was_seen_of_the_limbs_can_be_asked_for() {
+    let mut fitter = frames::fitter(&sample());
+    assert!(fitter.limbs().is_none());
+    fitter.fit().unwrap();
+    assert!(fitter.limbs().is_none(), "there is no image");
+    frames::push_image(&mut fitter, &sample());
+    fitter.fit().unwrap();
+    for limb in fitter.limbs().unwrap() {
+        let line = limb.line.unwrap();
+        let along = (line.ends[1] - line.ends[0]).normalize();
+        let used: Vec<_> = limb.samples.iter().filter(|sample| sample.weight > 0.0).collect();
+        assert!(used.len() > 5);
+        for sample in used {
+            let distance = along.perp(&(sample.position - line.ends[0])).abs();
+            assert!(distance < 1.0 && sample.sigma > 0.0, "{distance}");
+        }
+    }
+    fitter.set_options(Options { edge_use: EdgeUse::AsGiven, ..Options::default() }).unwrap();
+    fitter.fit().unwrap();
+    assert!(fitter.limbs().is_none());
 }
 
 #[test]

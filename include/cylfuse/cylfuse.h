@@ -283,6 +283,37 @@ typedef int32_t cylfuse_chart;
 #define CYLFUSE_CHART_ORTHONORMAL 2
 
 /**
+ * What given edge segments are for the objective ROBUST. No other looks for limbs in the image.
+ */
+typedef int32_t cylfuse_edge_use;
+/**
+ * A start: where there is a grey image, the limbs are located in it and join the fit.
+ */
+#define CYLFUSE_EDGE_USE_REFINE 0
+/**
+ * The measurement: no limbs are looked for in the image. The arcs of the ends are.
+ */
+#define CYLFUSE_EDGE_USE_AS_GIVEN 1
+
+/**
+ * How the ends of the visible cylinder are found.
+ */
+typedef int32_t cylfuse_extent_rule;
+/**
+ * LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED.
+ */
+#define CYLFUSE_EXTENT_RULE_AUTO 0
+/**
+ * The rule of the paper: the extreme positions along the axis of the points completed over the mask.
+ */
+#define CYLFUSE_EXTENT_RULE_EXTREMES 1
+/**
+ * From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+ * inside a pipe as EXTREMES.
+ */
+#define CYLFUSE_EXTENT_RULE_LOCATED 2
+
+/**
  * The settings of a fit. `cylfuse_options_init` fills the defaults, which are named below; a field that says
  * "0 = default" may also be left 0.
  */
@@ -308,11 +339,11 @@ typedef struct cylfuse_options {
      */
     cylfuse_near_wall near_wall;
     /**
-     * The coordinates of the iteration. Default LOCAL.
+     * The coordinates of the iteration. Default AUTO.
      */
     cylfuse_chart chart;
     /**
-     * Most linear solves. Default 500; 0 = default.
+     * Most linear solves. Default 400; 0 = default.
      */
     uint32_t max_iterations;
     /**
@@ -359,6 +390,33 @@ typedef struct cylfuse_options {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * What given edge segments are for the objective ROBUST. Default REFINE.
+     */
+    cylfuse_edge_use edge_use;
+    /**
+     * How the ends of the visible cylinder are found. Default AUTO.
+     */
+    cylfuse_extent_rule extent_rule;
+    /**
+     * The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
+     * start. Default 0 = no limit.
+     */
+    double radius_min;
+    /**
+     * The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+     */
+    double radius_max;
+    /**
+     * The middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} = all
+     * directions.
+     */
+    double axis[3];
+    /**
+     * The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
+     * that is known. Default 0; must be 0 without `axis`.
+     */
+    double axis_max_angle;
 } cylfuse_options;
 
 /**
@@ -591,6 +649,60 @@ typedef struct cylfuse_mask_view {
      */
     ptrdiff_t pixel_stride;
 } cylfuse_mask_view;
+
+/**
+ * How a value of a grey image is stored in a pixel.
+ */
+typedef int32_t cylfuse_image_format;
+/**
+ * `uint8_t`.
+ */
+#define CYLFUSE_IMAGE_FORMAT_U8 1
+/**
+ * `uint16_t`.
+ */
+#define CYLFUSE_IMAGE_FORMAT_U16 2
+/**
+ * `float`, finite.
+ */
+#define CYLFUSE_IMAGE_FORMAT_F32 3
+
+/**
+ * A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
+ * the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+ */
+typedef struct cylfuse_image_view {
+    /**
+     * `sizeof(cylfuse_image_view)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Type of a pixel.
+     */
+    cylfuse_image_format format;
+    /**
+     * The first pixel of the first row. Any alignment.
+     */
+    const void *data;
+    /**
+     * Columns; must be those of the intrinsics.
+     */
+    uint32_t width;
+    /**
+     * Rows; must be those of the intrinsics.
+     */
+    uint32_t height;
+    /**
+     * Bytes from a row to the next one, such as `step` of a `cv::Mat`, negative too; 0 = `width` *
+     * `pixel_stride`.
+     */
+    ptrdiff_t row_stride;
+    /**
+     * Bytes from a pixel to the next one; 0 = the size of one. With 3 and U8 the first channel of packed
+     * colours.
+     */
+    ptrdiff_t pixel_stride;
+} cylfuse_image_view;
 
 /**
  * Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
@@ -960,6 +1072,14 @@ typedef uint32_t cylfuse_result_flags;
  * wrong intrinsics or edges that are not the limbs do that.
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
+/**
+ * A limit of the radius holds it: the data want another one. Not for a radius that is known.
+ */
+#define CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT 8192
+/**
+ * The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+ */
+#define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 
 /**
  * The outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
@@ -1010,7 +1130,7 @@ typedef struct cylfuse_result {
      */
     struct cylfuse_cylinder model;
     /**
-     * The model that the iteration started from.
+     * The model that the iteration started from, moved into the limits.
      */
     struct cylfuse_cylinder start_model;
     /**
@@ -1055,7 +1175,8 @@ typedef struct cylfuse_result {
      */
     double lambda;
     /**
-     * Norm of half the gradient of the cost at the end, in units of the size of the data.
+     * Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+     * the data.
      */
     double gradient_norm;
     /**
@@ -1117,6 +1238,14 @@ typedef struct cylfuse_result {
      * that of the numbers i and j.
      */
     double covariance[49];
+    /**
+     * Limb lines that were located in the grey image and took part, 0 to 2.
+     */
+    uint32_t limbs_located;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
 } cylfuse_result;
 
 /**
@@ -1132,6 +1261,32 @@ typedef int32_t cylfuse_residual_kind;
  * Signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
  */
 #define CYLFUSE_RESIDUAL_KIND_EDGES 2
+
+/**
+ * What a short piece of a limb in the grey image says. This struct never changes.
+ */
+typedef struct cylfuse_limb_sample {
+    /**
+     * Where the limb is seen, x and y in pixels of the (distorted) image.
+     */
+    double pixel[2];
+    /**
+     * Standard deviation across the limb in ideal pixels, by the noise of the image only.
+     */
+    double sigma;
+    /**
+     * What the sample counted, from 1 down to 0 for a refused one.
+     */
+    double weight;
+    /**
+     * The limb that it belongs to, 0 or 1.
+     */
+    uint32_t limb;
+    /**
+     * Written as 0.
+     */
+    uint32_t reserved;
+} cylfuse_limb_sample;
 
 /**
  * What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
@@ -1379,6 +1534,17 @@ cylfuse_status cylfuse_mask_view_init(struct cylfuse_mask_view *mask,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Fills a view of a grey image with zeros: packed; the caller sets format, data and size.
+ *
+ * @param image what to fill
+ * @param struct_size `sizeof(cylfuse_image_view)`
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_image_view_init(struct cylfuse_image_view *image,
+                                       size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.
  *
  * @param segments what to fill
@@ -1591,6 +1757,21 @@ cylfuse_status cylfuse_fitter_push_depth(struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
+ * With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
+ * rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
+ *
+ * @param fitter the fitter
+ * @param image read during the call only
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or a value that is not
+ *   finite, OUT_OF_MEMORY; the earlier image stays then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_push_image(struct cylfuse_fitter *fitter,
+                                         const struct cylfuse_image_view *image)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Adds edge segments: pieces of the two limb lines in the (distorted) image, any number of either. A fit with
  * segments needs intrinsics.
  *
@@ -1678,6 +1859,23 @@ cylfuse_status cylfuse_fitter_residuals(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Lists what the last fit saw of the limbs in the grey image, piece by piece, used and refused; all samples of a
+ * limb that was not located in the end are refused. Empty when the image was not searched.
+ *
+ * @param fitter the fitter
+ * @param out room for `capacity` samples, of any alignment; may be NULL when `capacity` is 0
+ * @param capacity how many samples `out` holds
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a result, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_limb_samples(const struct cylfuse_fitter *fitter,
+                                           struct cylfuse_limb_sample *out,
+                                           size_t capacity,
+                                           size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more precise
  * than `condition` of a result, and far slower.
  *
@@ -1755,9 +1953,7 @@ cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Finds the visible piece of the cylinder and what its ends are. With the paper's objective and the methods
- * other than FUSED the ends are the extreme positions along the axis of the points completed over the mask;
- * with the robust objective they are located from all lines along the surface together.
+ * Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model; NULL = that of the last fit

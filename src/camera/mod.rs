@@ -188,6 +188,12 @@ impl Camera {
         &self.intrinsics
     }
 
+    /// Columns and rows of the image.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.intrinsics.width as usize, self.intrinsics.height as usize)
+    }
+
     /// The pixel of the (distorted) image that sees the point `p` of the camera frame, in the image or beyond
     /// its border ([`Camera::contains`]). `None` when z ≤ 0, outside the valid field, or not finite.
     #[must_use]

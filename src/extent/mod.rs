@@ -14,39 +14,17 @@ use crate::completion::Region;
 pub use crate::end_location::{ArcSample, EndSource, EndState};
 use crate::end_location::{EndSearch, depth_tolerance, extreme_ends, locate_ends};
 use crate::error::{Error, Result};
-use crate::fitter::{Fitter, Method, ObjectiveKind, Options};
+#[cfg(doc)]
+use crate::fitter::ExtentRule;
+use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{GreyImage, MaskView};
 use nalgebra::Vector3;
 pub use uncertainty::ExtentUncertainty;
 
-/// How the ends are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ExtentRule {
-    /// The paper's rule: the extreme positions along the axis of the points completed over the mask.
-    Extremes,
-    /// From all generators together, in the mask and, when there is one, in the grey image. From inside a pipe,
-    /// which shows no end circle, the paper's rule.
-    #[default]
-    Located,
-}
-
-impl ExtentRule {
-    /// The rule that goes with the settings of a fit: the paper's for its objective and its baselines.
-    #[must_use]
-    pub fn of(options: &Options) -> Self {
-        match (options.method, options.objective) {
-            (Method::Fused, ObjectiveKind::Robust) => Self::Located,
-            _ => Self::Extremes,
-        }
-    }
-}
-
 /// The settings of the extent.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ExtentOptions<'a> {
-    /// How the ends are found.
-    pub rule: ExtentRule,
     /// The grey image, on the grid of the mask.
     pub image: Option<&'a GreyImage>,
     /// Whether the limbs of the model are good to a fraction of a pixel, so that the bias of the mask may be
@@ -86,18 +64,16 @@ pub struct Extent {
 }
 
 impl Fitter {
-    /// The extent by the rule that goes with the method ([`ExtentRule::of`]), in the image that was pushed. See
-    /// [`Fitter::extent_with`].
+    /// The extent in the image that was pushed. See [`Fitter::extent_with`].
     ///
     /// # Errors
     /// Those of [`Fitter::extent_with`].
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
-        let rule = ExtentRule::of(self.options());
-        let options = ExtentOptions { rule, image: self.image(), limbs_known: None };
+        let options = ExtentOptions { image: self.image(), limbs_known: None };
         self.extent_with(model, mask, &options)
     }
 
-    /// The ends of the visible cylinder. `model` and `mask` stand in for the last fit and the mask of the last
+    /// The ends of the visible cylinder, found by the [`ExtentRule`] of the options of the fitter. `model` and `mask` stand in for the last fit and the mask of the last
     /// depth image, which also tells what the ends are.
     ///
     /// # Errors
@@ -109,6 +85,20 @@ impl Fitter {
         mask: Option<&MaskView<'_>>,
         options: &ExtentOptions<'_>,
     ) -> Result<Extent> {
+        Ok(self.extent_and_arcs(model, mask, options)?.0)
+    }
+
+    /// The same, and the places of the arcs of start and end in the grey image. They are empty for an end that the
+    /// image did not show.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::extent_with`].
+    pub fn extent_and_arcs(
+        &self,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        options: &ExtentOptions<'_>,
+    ) -> Result<(Extent, [Vec<ArcSample>; 2])> {
         let cylinder = self.model_or_result("finding the extent", model)?;
         let region = Region::new("finding the extent", self, mask)?;
         if let Some(image) = options.image {
@@ -124,10 +114,9 @@ impl Fitter {
                 .limbs_known
                 .unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0)),
         };
-        let ends = match options.rule {
-            ExtentRule::Extremes => extreme_ends(&search, &cylinder),
-            ExtentRule::Located => locate_ends(&search, &cylinder),
-        };
+        let locates_ends = self.options().locates_ends();
+        let ends =
+            if locates_ends { locate_ends(&search, &cylinder) } else { extreme_ends(&search, &cylinder) };
         let ends = ends.ok_or_else(|| Error::EdgeGeometry {
             reason: "no ray of the mask meets the cylinder".into(),
             remedy: "check that mask and model belong to the same image",
@@ -136,8 +125,9 @@ impl Fitter {
         let fit = model.is_none().then(|| self.result()?.uncertainty).flatten();
         let uncertainty = fit.and_then(|fit| uncertainty::of_ends(&cylinder, &fit, &ends));
         let [start, end] = ends;
+        let arcs = [start.samples, end.samples];
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
-        Ok(Extent {
+        let extent = Extent {
             center: at(0.5 * (start.position + end.position)),
             length: end.position - start.position,
             start: at(start.position),
@@ -149,6 +139,7 @@ impl Fitter {
             start_deviation: start.deviation,
             end_deviation: end.deviation,
             uncertainty,
-        })
+        };
+        Ok((extent, arcs))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::scene::{SIZE, Scene};
 use super::*;
+use crate::fitter::{ExtentRule, Method, ObjectiveKind, Options};
 use crate::observations::ImageView;
 use nalgebra::Vector2;
 
@@ -14,8 +15,10 @@ fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
 
 fn extent(scene: &Scene, mask_bias: i64, rule: ExtentRule, with_image: bool) -> Extent {
     let (image, depth, mask) = scene.render(mask_bias);
-    let options = ExtentOptions { rule, image: with_image.then_some(&image), limbs_known: Some(true) };
-    Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap()
+    let options = ExtentOptions { image: with_image.then_some(&image), limbs_known: Some(true) };
+    let mut fitter = Scene::fitter(&depth, &mask);
+    fitter.set_options(Options { extent_rule: rule, ..Options::default() }).unwrap();
+    fitter.extent_with(Some(&scene.cylinder), None, &options).unwrap()
 }
 
 #[test]
@@ -48,6 +51,28 @@ fn without_an_image_the_bias_of_the_mask_is_taken_off() {
     let paper = extent(&scene, 2, ExtentRule::Extremes, true);
     assert!(errors(&scene, &paper).iter().all(|&error| error > 1.5));
     assert_eq!((paper.start_source, paper.start_deviation), (EndSource::Extreme, None));
+}
+
+#[test]
+fn the_rule_follows_the_method_unless_it_is_chosen() {
+    let scene = Scene::tilted(0.4);
+    let (_, depth, mask) = scene.render(2);
+    let mut fitter = Scene::fitter(&depth, &mask);
+    let mut source = |options: Options| {
+        fitter.set_options(options).unwrap();
+        fitter.extent(Some(&scene.cylinder), None).unwrap().start_source
+    };
+    let robust = Options::default();
+    let paper = Options { objective: ObjectiveKind::Paper, ..robust };
+    let ransac = Options { method: Method::Ransac, ..robust };
+    assert_eq!(
+        [robust, paper, ransac].map(&mut source),
+        [EndSource::Mask, EndSource::Extreme, EndSource::Extreme]
+    );
+    for options in [robust, paper, ransac] {
+        assert_eq!(source(Options { extent_rule: ExtentRule::Extremes, ..options }), EndSource::Extreme);
+        assert_eq!(source(Options { extent_rule: ExtentRule::Located, ..options }), EndSource::Mask);
+    }
 }
 
 #[test]

@@ -294,9 +294,7 @@ impl From<&Extent> for cylfuse_extent {
     }
 }
 
-/// Finds the visible piece of the cylinder and what its ends are. With the paper's objective and the methods
-/// other than FUSED the ends are the extreme positions along the axis of the points completed over the mask;
-/// with the robust objective they are located from all lines along the surface together.
+/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
 ///
 /// @param fitter the fitter, with intrinsics
 /// @param model the model; NULL = that of the last fit

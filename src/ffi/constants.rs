@@ -2,8 +2,10 @@
 
 use super::status::Failure;
 use crate::extent::EndState;
-use crate::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, ResidualKind, StartKind};
-use crate::observations::{Pixels, Scalar};
+use crate::fitter::{
+    ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, ResidualKind, StartKind,
+};
+use crate::observations::{ImageFormat, Pixels, Scalar};
 use crate::solver::Termination;
 
 fn unknown<T>(field: &str, value: i32, known: &str) -> Result<T, Failure> {
@@ -46,6 +48,29 @@ impl cylfuse_depth_format {
             Self::U16 => Ok(Pixels::U16),
             Self::F32 => Ok(Pixels::F32),
             _ => unknown(field, self.0, "1 (U16) or 2 (F32)"),
+        }
+    }
+}
+
+/// How a value of a grey image is stored in a pixel.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_image_format(pub i32);
+
+impl cylfuse_image_format {
+    /// `uint8_t`.
+    pub const U8: cylfuse_image_format = cylfuse_image_format(1);
+    /// `uint16_t`.
+    pub const U16: cylfuse_image_format = cylfuse_image_format(2);
+    /// `float`, finite.
+    pub const F32: cylfuse_image_format = cylfuse_image_format(3);
+
+    pub(super) fn read(self, field: &str) -> Result<ImageFormat, Failure> {
+        match self {
+            Self::U8 => Ok(ImageFormat::U8),
+            Self::U16 => Ok(ImageFormat::U16),
+            Self::F32 => Ok(ImageFormat::F32),
+            _ => unknown(field, self.0, "1 (U8), 2 (U16) or 3 (F32)"),
         }
     }
 }
@@ -264,6 +289,69 @@ impl From<ChartChoice> for cylfuse_chart {
     }
 }
 
+/// What given edge segments are for the objective ROBUST. No other looks for limbs in the image.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_edge_use(pub i32);
+
+impl cylfuse_edge_use {
+    /// A start: where there is a grey image, the limbs are located in it and join the fit.
+    pub const REFINE: cylfuse_edge_use = cylfuse_edge_use(0);
+    /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
+    pub const AS_GIVEN: cylfuse_edge_use = cylfuse_edge_use(1);
+
+    pub(super) fn read(self, field: &str) -> Result<EdgeUse, Failure> {
+        match self {
+            Self::REFINE => Ok(EdgeUse::Refine),
+            Self::AS_GIVEN => Ok(EdgeUse::AsGiven),
+            _ => unknown(field, self.0, "0 (REFINE) or 1 (AS_GIVEN)"),
+        }
+    }
+}
+
+impl From<EdgeUse> for cylfuse_edge_use {
+    fn from(edge_use: EdgeUse) -> Self {
+        match edge_use {
+            EdgeUse::Refine => Self::REFINE,
+            EdgeUse::AsGiven => Self::AS_GIVEN,
+        }
+    }
+}
+
+/// How the ends of the visible cylinder are found.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_extent_rule(pub i32);
+
+impl cylfuse_extent_rule {
+    /// LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED.
+    pub const AUTO: cylfuse_extent_rule = cylfuse_extent_rule(0);
+    /// The rule of the paper: the extreme positions along the axis of the points completed over the mask.
+    pub const EXTREMES: cylfuse_extent_rule = cylfuse_extent_rule(1);
+    /// From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+    /// inside a pipe as EXTREMES.
+    pub const LOCATED: cylfuse_extent_rule = cylfuse_extent_rule(2);
+
+    pub(super) fn read(self, field: &str) -> Result<ExtentRule, Failure> {
+        match self {
+            Self::AUTO => Ok(ExtentRule::Auto),
+            Self::EXTREMES => Ok(ExtentRule::Extremes),
+            Self::LOCATED => Ok(ExtentRule::Located),
+            _ => unknown(field, self.0, "0 (AUTO), 1 (EXTREMES) or 2 (LOCATED)"),
+        }
+    }
+}
+
+impl From<ExtentRule> for cylfuse_extent_rule {
+    fn from(rule: ExtentRule) -> Self {
+        match rule {
+            ExtentRule::Auto => Self::AUTO,
+            ExtentRule::Extremes => Self::EXTREMES,
+            ExtentRule::Located => Self::LOCATED,
+        }
+    }
+}
+
 /// Why an iteration ended.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -413,6 +501,10 @@ impl cylfuse_result_flags {
     /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
     /// wrong intrinsics or edges that are not the limbs do that.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
+    /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
+    pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
+    /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+    pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
 }
 
 #[cfg(test)]
@@ -446,6 +538,8 @@ mod tests {
             F::CAMERA_INSIDE,
             F::POINTS_NOT_FINITE,
             F::POINTS_AND_LIMBS_DISAGREE,
+            F::RADIUS_AT_LIMIT,
+            F::AXIS_AT_LIMIT,
         ];
         let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
         assert_eq!(here.map(|flag| flag.0).as_slice(), there);

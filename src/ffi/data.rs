@@ -5,7 +5,8 @@ use super::handle::{Content, cylfuse_fitter, enter};
 use super::sized::{Output, read, read_optional};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{
-    cylfuse_counts, cylfuse_depth_view, cylfuse_mask_view, cylfuse_points_view, cylfuse_segments_view,
+    cylfuse_counts, cylfuse_depth_view, cylfuse_image_view, cylfuse_mask_view, cylfuse_points_view,
+    cylfuse_segments_view,
 };
 use super::views;
 use crate::observations::MaskView;
@@ -78,6 +79,29 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
             let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
             content.fitter.push_depth(&depth, optional_mask(mask)?.as_ref(), &range)?;
             log_points(content, "depth image");
+            Ok(())
+        })
+    }
+}
+
+/// Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
+/// With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
+/// rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
+///
+/// @param fitter the fitter
+/// @param image read during the call only
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or a value that is not
+///   finite, OUT_OF_MEMORY; the earlier image stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_push_image(
+    fitter: *mut cylfuse_fitter,
+    image: *const cylfuse_image_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            content.fitter.push_image(&views::image_view(&read(image, "image")?)?)?;
+            content.log.write(cylfuse_log_level::INFO, || "grey image pushed".into());
             Ok(())
         })
     }

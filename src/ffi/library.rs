@@ -3,8 +3,8 @@
 use super::sized::{SizeTagged, init, zeroed};
 use super::status::{cylfuse_status, describe};
 use super::structs::{
-    cylfuse_depth_out, cylfuse_depth_view, cylfuse_intrinsics, cylfuse_mask_view, cylfuse_options,
-    cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
+    cylfuse_depth_out, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
+    cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
 };
 use crate::fitter::Options;
 use std::ffi::{CStr, c_char};
@@ -152,6 +152,19 @@ pub unsafe extern "C" fn cylfuse_mask_view_init(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe { fill(mask, "mask", struct_size, zeroed) }
+}
+
+/// Fills a view of a grey image with zeros: packed; the caller sets format, data and size.
+///
+/// @param image what to fill
+/// @param struct_size `sizeof(cylfuse_image_view)`
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_image_view_init(
+    image: *mut cylfuse_image_view,
+    struct_size: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { fill(image, "image", struct_size, zeroed) }
 }
 
 /// Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.

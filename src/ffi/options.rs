@@ -4,6 +4,7 @@ use super::sized::check_reserved;
 use super::status::Failure;
 use super::structs::cylfuse_options;
 use crate::fitter::Options;
+use crate::geometry::{AxisCone, CylinderLimits};
 use crate::solver::IterationLimits;
 
 impl cylfuse_options {
@@ -31,13 +32,32 @@ impl cylfuse_options {
             seed: self.seed,
             ransac_iterations: count(self.ransac_max_iterations, default.ransac_iterations),
             ransac_threshold: self.ransac_threshold,
+            cylinder_limits: CylinderLimits {
+                radius_min: self.radius_min,
+                radius_max: number(self.radius_max, f64::INFINITY),
+                axis: self.read_axis()?,
+            },
+            edge_use: self.edge_use.read("options.edge_use")?,
+            extent_rule: self.extent_rule.read("options.extent_rule")?,
         })
+    }
+
+    fn read_axis(&self) -> Result<Option<AxisCone>, Failure> {
+        let cone = AxisCone { direction: self.axis.into(), max_angle: self.axis_max_angle };
+        if self.axis != [0.0; 3] {
+            return Ok(Some(cone));
+        }
+        if cone.max_angle != 0.0 {
+            let requirement = "be 0 without options.axis: give the direction that the angle is from";
+            return Err(Failure::argument("options.axis_max_angle", cone.max_angle, requirement));
+        }
+        Ok(None)
     }
 }
 
 impl From<&Options> for cylfuse_options {
     fn from(options: &Options) -> Self {
-        let limits = &options.limits;
+        let Options { limits, cylinder_limits, .. } = options;
         Self {
             struct_size: size_of::<Self>() as u32,
             method: options.method.into(),
@@ -56,6 +76,16 @@ impl From<&Options> for cylfuse_options {
             seed: options.seed,
             ransac_max_iterations: saturated(options.ransac_iterations),
             reserved: 0,
+            edge_use: options.edge_use.into(),
+            extent_rule: options.extent_rule.into(),
+            radius_min: cylinder_limits.radius_min,
+            radius_max: if cylinder_limits.radius_max < f64::INFINITY {
+                cylinder_limits.radius_max
+            } else {
+                0.0
+            },
+            axis: cylinder_limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
+            axis_max_angle: cylinder_limits.axis.map_or(0.0, |cone| cone.max_angle),
         }
     }
 }
@@ -68,7 +98,8 @@ pub(super) fn saturated(count: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, StartKind};
+    use crate::fitter::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, StartKind};
+    use nalgebra::Vector3;
 
     /// Every field with a value of its own, so that no two can be mixed up.
     fn distinct() -> Options {
@@ -90,6 +121,13 @@ mod tests {
             seed: 1 << 40,
             ransac_iterations: 77,
             ransac_threshold: 0.5,
+            cylinder_limits: CylinderLimits {
+                radius_min: 0.25,
+                radius_max: 4.0,
+                axis: Some(AxisCone { direction: Vector3::new(5.0, 6.0, 7.0), max_angle: 0.75 }),
+            },
+            edge_use: EdgeUse::AsGiven,
+            extent_rule: ExtentRule::Located,
         }
     }
 

@@ -4,8 +4,8 @@
 use super::status::Failure;
 use super::structs::{
     cylfuse_completion, cylfuse_counts, cylfuse_depth_out, cylfuse_depth_view, cylfuse_diagnosis,
-    cylfuse_extent, cylfuse_intrinsics, cylfuse_mask_view, cylfuse_options, cylfuse_points_out,
-    cylfuse_points_view, cylfuse_result, cylfuse_segments_view,
+    cylfuse_extent, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view, cylfuse_options,
+    cylfuse_points_out, cylfuse_points_view, cylfuse_result, cylfuse_segments_view,
 };
 use std::mem::{MaybeUninit, offset_of, size_of};
 
@@ -43,6 +43,10 @@ impl SizeTagged for cylfuse_depth_out {
 }
 
 impl SizeTagged for cylfuse_mask_view {
+    const FIRST_SIZE: usize = offset_of!(Self, pixel_stride) + size_of::<isize>();
+}
+
+impl SizeTagged for cylfuse_image_view {
     const FIRST_SIZE: usize = offset_of!(Self, pixel_stride) + size_of::<isize>();
 }
 
@@ -231,13 +235,15 @@ mod tests {
         assert_eq!(read_it(&newer).unwrap().seed, 7);
         newer.added = 1 << 40;
         let text = read_it(&newer).unwrap_err().to_string();
-        assert!(text.contains("options.struct_size is 104") && text.contains("byte 101"), "{text}");
+        let size = size_of::<cylfuse_options>();
+        let (whole, byte) = (format!("options.struct_size is {}", size + 8), format!("byte {}", size + 5));
+        assert!(text.contains(&whole) && text.contains(&byte), "{text}");
     }
 
     #[test]
     fn sizes_that_cannot_be_are_refused() {
         let mut options = newer().options;
-        for size in [0, 4, size_of::<cylfuse_options>() as u32 - 1, 4097, u32::MAX] {
+        for size in [0, 4, cylfuse_options::FIRST_SIZE as u32 - 1, 4097, u32::MAX] {
             options.struct_size = size;
             // SAFETY: the size is refused before anything else is read.
             let failure = unsafe { read(&raw const options, "options") }.unwrap_err();
@@ -246,6 +252,16 @@ mod tests {
         // SAFETY: NULL is allowed.
         let failure = unsafe { read(std::ptr::null::<cylfuse_options>(), "options") }.unwrap_err();
         assert_eq!(failure.to_string(), "options is NULL; give a pointer");
+    }
+
+    #[test]
+    fn fields_that_an_older_program_does_not_have_are_zero() {
+        let mut older = newer().options;
+        older.struct_size = cylfuse_options::FIRST_SIZE as u32;
+        older.extent_rule.0 = 77;
+        // SAFETY: the size is less than that of the struct.
+        let read = unsafe { read(&raw const older, "options") }.unwrap();
+        assert_eq!((read.seed, read.extent_rule.0), (7, 0));
     }
 
     #[test]

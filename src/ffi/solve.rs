@@ -5,10 +5,13 @@ use super::handle::{Content, Log, cylfuse_fitter, enter};
 use super::options::saturated;
 use super::sized::Output;
 use super::status::{Failure, cylfuse_status};
-use super::structs::{cylfuse_cylinder, cylfuse_diagnosis, cylfuse_progress, cylfuse_result};
+use super::structs::{
+    cylfuse_cylinder, cylfuse_diagnosis, cylfuse_limb_sample, cylfuse_progress, cylfuse_result,
+};
 use super::views::{Slot, cylinder, optional_cylinder, write_all};
 use crate::error::Error;
-use crate::fitter::FitResult;
+use crate::fitter::{FitResult, Fitter};
+use crate::limb_location::{LimbObservation, LimbSample};
 use crate::solver::Iteration;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,6 +61,8 @@ impl From<&FitResult> for cylfuse_result {
             radius_from_limbs_deviation: or_nan(radii.map(|r| r.from_limbs_deviation)),
             radius_z_score: or_nan(radii.map(|r| r.z_score())),
             covariance,
+            limbs_located: saturated(result.limbs_located),
+            reserved: 0,
         }
     }
 }
@@ -225,6 +230,54 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
             written
         })
     }
+}
+
+/// Lists what the last fit saw of the limbs in the grey image, piece by piece, used and refused; all samples of a
+/// limb that was not located in the end are refused. Empty when the image was not searched.
+///
+/// @param fitter the fitter
+/// @param out room for `capacity` samples, of any alignment; may be NULL when `capacity` is 0
+/// @param capacity how many samples `out` holds
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE without a result, BUFFER_TOO_SMALL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
+    fitter: *const cylfuse_fitter,
+    out: *mut cylfuse_limb_sample,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let count = Slot::new(out_count, "out_count")?;
+            let samples = limb_samples(&content.fitter)?;
+            let written = write_all(&samples, out, capacity, "out");
+            if matches!(written, Ok(()) | Err(Failure::BufferTooSmall { .. })) {
+                count.write(samples.len());
+            }
+            written
+        })
+    }
+}
+
+fn limb_samples(fitter: &Fitter) -> Result<Vec<cylfuse_limb_sample>, Failure> {
+    if fitter.result().is_none() {
+        let (call, missing) = ("listing limb samples", "a result");
+        return Err(Error::BadState { call, missing, remedy: "fit first" }.into());
+    }
+    let (Some(limbs), Some(camera)) = (fitter.limbs(), fitter.camera()) else { return Ok(Vec::new()) };
+    let of_limb = |(limb, observation): (u32, &'_ LimbObservation)| {
+        let sample = |sample: &LimbSample| {
+            // A camera that was set after the fit may not see the place.
+            let pixel = camera.project(&camera.ideal_ray(&sample.position))?;
+            let sigma = sample.sigma;
+            let weight = if observation.uses(sample) { sample.weight } else { 0.0 };
+            Some(cylfuse_limb_sample { pixel: pixel.into(), sigma, weight, limb, reserved: 0 })
+        };
+        observation.samples.iter().filter_map(sample).collect::<Vec<_>>()
+    };
+    Ok((0..).zip(limbs).flat_map(of_limb).collect())
 }
 
 /// Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more precise

@@ -4,9 +4,10 @@
 //! from before.
 
 use super::constants::{
-    cylfuse_chart, cylfuse_depth_format, cylfuse_distortion, cylfuse_end_state, cylfuse_layout,
-    cylfuse_method, cylfuse_near_wall, cylfuse_objective, cylfuse_phase, cylfuse_result_flags,
-    cylfuse_scalar, cylfuse_start, cylfuse_termination,
+    cylfuse_chart, cylfuse_depth_format, cylfuse_distortion, cylfuse_edge_use, cylfuse_end_state,
+    cylfuse_extent_rule, cylfuse_image_format, cylfuse_layout, cylfuse_method, cylfuse_near_wall,
+    cylfuse_objective, cylfuse_phase, cylfuse_result_flags, cylfuse_scalar, cylfuse_start,
+    cylfuse_termination,
 };
 use std::ffi::c_void;
 
@@ -21,6 +22,22 @@ pub struct cylfuse_cylinder {
     pub direction: [f64; 3],
     /// The radius in the unit of length of the data, greater than 0.
     pub radius: f64,
+}
+
+/// What a short piece of a limb in the grey image says. This struct never changes.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_limb_sample {
+    /// Where the limb is seen, x and y in pixels of the (distorted) image.
+    pub pixel: [f64; 2],
+    /// Standard deviation across the limb in ideal pixels, by the noise of the image only.
+    pub sigma: f64,
+    /// What the sample counted, from 1 down to 0 for a refused one.
+    pub weight: f64,
+    /// The limb that it belongs to, 0 or 1.
+    pub limb: u32,
+    /// Written as 0.
+    pub reserved: u32,
 }
 
 /// A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV.
@@ -177,6 +194,29 @@ pub struct cylfuse_mask_view {
     pub pixel_stride: isize,
 }
 
+/// A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
+/// the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_image_view {
+    /// `sizeof(cylfuse_image_view)`.
+    pub struct_size: u32,
+    /// Type of a pixel.
+    pub format: cylfuse_image_format,
+    /// The first pixel of the first row. Any alignment.
+    pub data: *const c_void,
+    /// Columns; must be those of the intrinsics.
+    pub width: u32,
+    /// Rows; must be those of the intrinsics.
+    pub height: u32,
+    /// Bytes from a row to the next one, such as `step` of a `cv::Mat`, negative too; 0 = `width` *
+    /// `pixel_stride`.
+    pub row_stride: isize,
+    /// Bytes from a pixel to the next one; 0 = the size of one. With 3 and U8 the first channel of packed
+    /// colours.
+    pub pixel_stride: isize,
+}
+
 /// Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
 /// image. A `std::vector<cv::Vec4f>` passes as it is.
 #[repr(C)]
@@ -212,9 +252,9 @@ pub struct cylfuse_options {
     pub start: cylfuse_start,
     /// Whether the points must lie on the wall that the camera sees. Default AUTO.
     pub near_wall: cylfuse_near_wall,
-    /// The coordinates of the iteration. Default LOCAL.
+    /// The coordinates of the iteration. Default AUTO.
     pub chart: cylfuse_chart,
-    /// Most linear solves. Default 500; 0 = default.
+    /// Most linear solves. Default 400; 0 = default.
     pub max_iterations: u32,
     /// Most threads for the sums over the points; small clouds take one. The result has the same bits for any
     /// number. Default 0 = as many as the machine has.
@@ -240,6 +280,21 @@ pub struct cylfuse_options {
     pub ransac_max_iterations: u32,
     /// Must be 0.
     pub reserved: u32,
+    /// What given edge segments are for the objective ROBUST. Default REFINE.
+    pub edge_use: cylfuse_edge_use,
+    /// How the ends of the visible cylinder are found. Default AUTO.
+    pub extent_rule: cylfuse_extent_rule,
+    /// The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
+    /// start. Default 0 = no limit.
+    pub radius_min: f64,
+    /// The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+    pub radius_max: f64,
+    /// The middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} = all
+    /// directions.
+    pub axis: [f64; 3],
+    /// The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
+    /// that is known. Default 0; must be 0 without `axis`.
+    pub axis_max_angle: f64,
 }
 
 /// What was pushed, and what was left out by reason.
@@ -296,7 +351,7 @@ pub struct cylfuse_result {
     pub points_given: u64,
     /// The cylinder, its axis point the one nearest to the middle of the points.
     pub model: cylfuse_cylinder,
-    /// The model that the iteration started from.
+    /// The model that the iteration started from, moved into the limits.
     pub start_model: cylfuse_cylinder,
     /// Cost of the start, unit of length squared.
     pub initial_cost: f64,
@@ -319,7 +374,8 @@ pub struct cylfuse_result {
     pub condition: f64,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, in units of the size of the data.
+    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+    /// the data.
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the size of the data.
     pub step_norm: f64,
@@ -354,6 +410,10 @@ pub struct cylfuse_result {
     /// Covariance of (`model.point`, `model.direction`, `model.radius`), 7 x 7, symmetric, of rank 5; `[7 * i + j]` is
     /// that of the numbers i and j.
     pub covariance: [f64; 49],
+    /// Limb lines that were located in the grey image and took part, 0 to 2.
+    pub limbs_located: u32,
+    /// Written as 0.
+    pub reserved: u32,
 }
 
 /// What the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of

@@ -4,14 +4,15 @@ use super::constants::cylfuse_distortion;
 use super::sized::check_reserved;
 use super::status::Failure;
 use super::structs::{
-    cylfuse_cylinder, cylfuse_depth_view, cylfuse_intrinsics, cylfuse_mask_view, cylfuse_points_view,
-    cylfuse_segments_view,
+    cylfuse_cylinder, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
+    cylfuse_points_view, cylfuse_segments_view,
 };
 use crate::camera::{Distortion, Intrinsics};
 use crate::error::Error;
 use crate::geometry::Cylinder;
 use crate::observations::{
-    DepthRange, DepthView, EdgeSegment, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
+    DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar,
+    Strided, VectorsView,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -225,6 +226,22 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
     Ok(MaskView::new(unsafe { grid.check(view.data)?.view(view.data) }?))
 }
 
+/// A grey image.
+///
+/// # Safety
+/// `data` is NULL or points to the memory that the fields describe, during `'a`.
+pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageView<'a>, Failure> {
+    let format = view.format.read("image.format")?;
+    let size = match format {
+        ImageFormat::U8 => 1,
+        ImageFormat::U16 => 2,
+        ImageFormat::F32 => 4,
+    };
+    let grid = images("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
+    // SAFETY: the caller's obligation.
+    Ok(ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format))
+}
+
 /// Edge segments.
 ///
 /// # Safety
@@ -355,9 +372,9 @@ impl<T: Copy> Slot<T> {
 ///
 /// # Safety
 /// `out` is NULL or writable for `capacity` values.
-pub(super) unsafe fn write_all(
-    values: &[f64],
-    out: *mut f64,
+pub(super) unsafe fn write_all<T: Copy>(
+    values: &[T],
+    out: *mut T,
     capacity: usize,
     name: &'static str,
 ) -> Result<(), Failure> {

@@ -11,19 +11,23 @@ mod solve;
 mod starts;
 mod uncertainty;
 
-pub use options::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
+pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
 pub use uncertainty::{RadiusComparison, Uncertainty};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
+#[cfg(doc)]
+use crate::geometry::LimbFrame;
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::limb_location::LimbObservation;
 use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
-    PointsView, check_segments,
+    PointsView, check_same_size, check_segments,
 };
 use crate::residuals::{ArcTerm, PixelSegment};
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
+use limbs::located_lines;
 use minimum::best_minimum;
 use nalgebra::Vector3;
 use problem::Problem;
@@ -84,6 +88,8 @@ pub struct Fitter {
     located: Vec<PixelSegment>,
     /// The arcs of the ends that it located there.
     arcs: ArcTerm,
+    /// What the last fit saw of the limbs in the image.
+    limbs: Option<[LimbObservation; 2]>,
     result: Option<FitResult>,
 }
 
@@ -188,13 +194,8 @@ impl Fitter {
             missing: "intrinsics",
             remedy: "set the intrinsics first",
         })?;
-        let (width, height) = (image.width(), image.height());
-        let intrinsics = camera.intrinsics();
-        let (other_width, other_height) = (intrinsics.width as usize, intrinsics.height as usize);
-        if (width, height) != (other_width, other_height) {
-            let (name, other) = ("grey image", "the image of the intrinsics");
-            return Err(Error::SizeMismatch { name, width, height, other, other_width, other_height });
-        }
+        let size = (image.width(), image.height());
+        check_same_size("grey image", size, "the image of the intrinsics", camera.size())?;
         self.image = Some(GreyImage::copy(image)?);
         Ok(())
     }
@@ -214,6 +215,7 @@ impl Fitter {
         self.image = None;
         self.located.clear();
         self.arcs = ArcTerm::default();
+        self.limbs = None;
         self.result = None;
     }
 
@@ -258,6 +260,14 @@ impl Fitter {
         self.result.as_ref()
     }
 
+    /// What the last fit saw of the two limbs in the image, in the order of [`LimbFrame::limb_lines`]: lines, samples
+    /// used and refused. `None` when the image was not searched: without an image or usable edges, for edges as
+    /// given, and for other objectives than the robust one.
+    #[must_use]
+    pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
+        self.limbs.as_ref()
+    }
+
     /// Estimates the cylinder.
     ///
     /// # Errors
@@ -274,6 +284,7 @@ impl Fitter {
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
         let mut problem = self.problem_without_located()?;
+        let mut limbs = None;
         let mut located = Vec::new();
         if report(&Iteration::before_start()).is_break() {
             return Err(Error::Cancelled { iterations: 0 });
@@ -297,7 +308,8 @@ impl Fitter {
                 problem.passing = self.locates();
                 let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
                 if problem.passing {
-                    located = self.locate(&problem, &convergence.cylinder);
+                    limbs = self.observe(&problem, &convergence.cylinder);
+                    located = limbs.as_ref().map_or(Vec::new(), located_lines);
                     if !located.is_empty() {
                         problem.add_located(&located);
                         convergence = self.minimise_again(&problem, &convergence, report)?;
@@ -328,6 +340,7 @@ impl Fitter {
         let arcs = std::mem::take(&mut problem.arcs);
         self.located = located;
         self.arcs = arcs;
+        self.limbs = limbs;
         self.result = Some(result);
         Ok(result)
     }
@@ -423,21 +436,18 @@ impl Fitter {
     fn describe(&self, problem: &Problem<'_>, start: &Candidate, cylinder: &Cylinder) -> Result<FitResult> {
         let equations = problem.linearise(cylinder).ok_or_else(infinite_cost)?;
         let squared = problem.unit * problem.unit;
-        let energy_points = if self.cloud.is_empty() {
-            0.0
-        } else {
-            let frame = LocalFrame::new(cylinder, &problem.center, problem.unit);
-            problem.points.energy(&frame)
-        };
+        let frame = LocalFrame::new(cylinder, &problem.center, problem.unit);
+        let energy_points = if self.cloud.is_empty() { 0.0 } else { problem.points.energy(&frame) };
         let eigenvalues = equations.hessian.symmetric_eigenvalues();
         let weak = {
             // As if the weights were the inverse variances and the noise independent.
             let freedom = self.cloud.len().saturating_sub(problem::LEAST_POINTS).max(1) as f64;
             let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
             let deviation = problem.unit * (equations.cost * variance / freedom).sqrt();
-            !(deviation <= WEAK_RADIUS * cylinder.radius)
+            !problem.has_fixed_radius() && !(deviation <= WEAK_RADIUS * cylinder.radius)
         };
-        let scale_held = problem.edge_weight == 1.0;
+        let scale_held = problem.edge_weight == 1.0 && !problem.has_fixed_radius();
+        let limits = &self.options.cylinder_limits;
         let inside = cylinder.contains_origin() && problem.near_wall;
         let walls = problem.near_wall.then(|| cylinder.visible_wall(self.cloud.points()));
         let mut flags = problem.edges.flags;
@@ -446,6 +456,8 @@ impl Fitter {
         flags.set(Flags::RESOLUTION_LOST, self.cloud.resolution() > COARSE * cylinder.radius);
         flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
         flags.set(Flags::CAMERA_INSIDE, inside);
+        flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
+        flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
         flags.set(Flags::POINTS_NOT_FINITE, self.cloud.dropped().not_finite > 0);
         let distances = problem.pixels.as_ref().and_then(|pixels| pixels.distances(cylinder));
         let edge_rms_pixels = distances.map(|distances| {
@@ -481,7 +493,7 @@ impl Fitter {
             near_wall_fraction: walls.map(|walls| walls.fraction()),
             condition: (eigenvalues.max() / eigenvalues.min().max(0.0)).sqrt(),
             lambda: 0.0,
-            gradient_norm: equations.gradient.norm(),
+            gradient_norm: limits.free_gradient(&frame, &equations.gradient).norm(),
             step_norm: 0.0,
             flags,
             seconds: Seconds::default(),

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::geometry::Chart;
+use crate::geometry::CylinderLimits;
 use crate::solver::IterationLimits;
 
 /// How the cylinder is estimated.
@@ -71,6 +72,29 @@ pub enum NearWall {
     Off,
 }
 
+/// What given edge segments are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EdgeUse {
+    /// A start: where there is a grey image, the limbs are located in it and join the fit.
+    #[default]
+    Refine,
+    /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
+    AsGiven,
+}
+
+/// How the ends of the visible cylinder are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExtentRule {
+    /// `Located` for the robust objective, `Extremes` for the paper's and for the methods other than fused.
+    #[default]
+    Auto,
+    /// The paper's rule: the extreme positions along the axis of the points completed over the mask.
+    Extremes,
+    /// From all generators together, in the mask and, when there is one, in the grey image. From inside a pipe,
+    /// which shows no end circle, the paper's rule.
+    Located,
+}
+
 /// The settings of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -97,6 +121,13 @@ pub struct Options {
     pub ransac_iterations: usize,
     /// Distance within which RANSAC counts a point as an inlier, in the unit of the data; 0 = from the data.
     pub ransac_threshold: f64,
+    /// What the returned cylinder keeps, whatever the method and the start: a start outside is moved inside. With
+    /// limits the steps are in the local chart.
+    pub cylinder_limits: CylinderLimits,
+    /// What given edge segments are, for the robust objective; no other looks for limbs in the image.
+    pub edge_use: EdgeUse,
+    /// How the ends of the visible cylinder are found.
+    pub extent_rule: ExtentRule,
 }
 
 impl Default for Options {
@@ -113,11 +144,23 @@ impl Default for Options {
             seed: 0,
             ransac_iterations: 1000,
             ransac_threshold: 0.0,
+            cylinder_limits: CylinderLimits::default(),
+            edge_use: EdgeUse::Refine,
+            extent_rule: ExtentRule::Auto,
         }
     }
 }
 
 impl Options {
+    /// Whether the ends are located, or the extremes of the mask taken.
+    pub(crate) fn locates_ends(&self) -> bool {
+        match self.extent_rule {
+            ExtentRule::Auto => self.method == Method::Fused && self.objective == ObjectiveKind::Robust,
+            ExtentRule::Extremes => false,
+            ExtentRule::Located => true,
+        }
+    }
+
     /// Checks every value.
     ///
     /// # Errors
@@ -153,6 +196,6 @@ impl Options {
         if self.ransac_iterations == 0 {
             return Err(Error::argument("ransac iterations", 0, "be at least 1"));
         }
-        Ok(())
+        self.cylinder_limits.check()
     }
 }

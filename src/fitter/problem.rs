@@ -1,11 +1,11 @@
 //! What is fitted: the checked data of one fit with its size and middle.
 
 use super::edges::UsableEdges;
-use super::options::{Method, NearWall, ObjectiveKind, Options};
+use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
 use super::result::Flags;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::PointCloud;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm};
 use nalgebra::{Matrix3, Vector3};
@@ -70,6 +70,12 @@ impl<'a> Problem<'a> {
             return Err(Error::Unsupported {
                 what: format!("the paper's objective takes exactly 2 edge segments, not {}", segments.len()),
                 remedy: "push two segments, set the edge weight to 0, or use the robust objective",
+            });
+        }
+        if options.chart == ChartChoice::Orthonormal && !options.cylinder_limits.is_none() {
+            return Err(Error::Unsupported {
+                what: "the orthonormal chart knows no limits of radius or axis".into(),
+                remedy: "choose the chart auto or local, or take the limits away",
             });
         }
         let edges = UsableEdges::new(camera, if fused { segments } else { &[] });
@@ -157,9 +163,24 @@ impl<'a> Problem<'a> {
         moved
     }
 
-    /// Refuses a radius that is out of proportion to the points.
+    /// The limits of an iteration. The edges alone (w_L = 1) determine r / ‖c‖ and no radius: what the limits say
+    /// of it is left to the choice of the scale.
+    pub fn limits_of_iteration(&self) -> CylinderLimits {
+        let axis = self.options.cylinder_limits.axis;
+        match self.edge_weight == 1.0 {
+            true => CylinderLimits { axis, ..CylinderLimits::default() },
+            false => self.options.cylinder_limits,
+        }
+    }
+
+    /// Whether the radius was given and not estimated.
+    pub fn has_fixed_radius(&self) -> bool {
+        self.options.cylinder_limits.fix_radius()
+    }
+
+    /// Refuses a radius that is out of proportion to the points, unless the limits chose it.
     pub fn check_radius(&self, cylinder: &Cylinder) -> Result<()> {
-        if self.cloud.is_empty() {
+        if self.cloud.is_empty() || cylinder.radius >= self.options.cylinder_limits.radius_max {
             return Ok(());
         }
         // Spread across the axis, seen at most a few hundred points: this is a proportion, not a measurement.

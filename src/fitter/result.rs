@@ -37,6 +37,10 @@ bitflags::bitflags! {
         /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: see
         /// [`FitResult::radii`].
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
+        /// A limit of the radius holds it: the data want another one. Not for a fixed radius.
+        const RADIUS_AT_LIMIT = 1 << 13;
+        /// The axis is on the border of its cone: the data want another one. Not for a known direction.
+        const AXIS_AT_LIMIT = 1 << 14;
     }
 }
 
@@ -63,7 +67,7 @@ pub struct FitResult {
     /// The radius by the points and by the limbs; `None` without an uncertainty, where the points alone determine no
     /// cylinder, and where limbs add nothing.
     pub radii: Option<RadiusComparison>,
-    /// The model that the iteration started from.
+    /// The model that the iteration started from, moved into the limits.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.
     pub start_kind: StartKind,
@@ -105,7 +109,8 @@ pub struct FitResult {
     pub condition: f64,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, in units of the size of the data.
+    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the size of
+    /// the data.
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the size of the data.
     pub step_norm: f64,

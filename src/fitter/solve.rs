@@ -7,7 +7,7 @@ use crate::geometry::{Chart, Cylinder, LocalFrame};
 use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, Sandwich, TUKEY_EFFICIENT,
 };
-use crate::solver::{Convergence, Iteration, Termination, minimise};
+use crate::solver::{Convergence, Domain, Iteration, Termination, minimise};
 use std::ops::ControlFlow;
 
 /// Hears of every linear solve and may stop the fit.
@@ -32,8 +32,9 @@ const SCALE_ROUNDS: usize = 20;
 const UNCORRELATED: f64 = 0.1;
 const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 
-/// Longest range of correlation that is looked for, in points.
-const LONGEST_CORRELATION: usize = 50;
+/// Longest range of correlation that is looked for, in points: matching windows have up to 11 pixels. What is alike
+/// farther apart is no noise but a misfit.
+const LONGEST_CORRELATION: usize = 11;
 
 impl Problem<'_> {
     /// Whether the objective is that of the paper (or its points alone).
@@ -104,10 +105,14 @@ impl Problem<'_> {
                 self.check_radius(&bottom.cylinder)?;
             }
             if self.edge_weight == 1.0 {
-                let drift = start.distance_of_axis_from_origin()
-                    / convergence.cylinder.distance_of_axis_from_origin();
-                convergence.cylinder.radius *= drift;
-                convergence.cylinder.axis.point *= drift;
+                // Every scale costs the same: that of the start, or the nearest with a radius that is allowed.
+                let Cylinder { radius, axis } = &mut convergence.cylinder;
+                let drift = start.distance_of_axis_from_origin() / axis.nearest_to_origin().norm();
+                let limits = &self.options.cylinder_limits;
+                let scaled = (*radius * drift).clamp(limits.radius_min, limits.radius_max);
+                let scale = if scaled == *radius * drift { drift } else { scaled / *radius };
+                axis.point *= scale;
+                *radius = scaled;
             }
             return Ok(convergence);
         }
@@ -139,6 +144,7 @@ impl Problem<'_> {
 
     fn chart(&self, start: &Cylinder) -> Chart {
         match self.options.chart {
+            _ if !self.options.cylinder_limits.is_none() => Chart::Local,
             ChartChoice::Local => Chart::Local,
             ChartChoice::Orthonormal => Chart::Orthonormal,
             ChartChoice::Auto if self.is_paper() && self.has_camera && !start.contains_origin() => {
@@ -159,7 +165,9 @@ impl Problem<'_> {
         if self.passing {
             limits.cost_tolerance = limits.cost_tolerance.max(PASSING_COST_TOLERANCE);
         }
-        minimise(objective, start, &self.center, self.unit, &limits, chart, report)
+        let kept = &self.limits_of_iteration();
+        let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
+        minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)
     }
 
     /// Scale of the point residuals by their median absolute deviation, and the number of independent points

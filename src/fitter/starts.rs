@@ -30,6 +30,8 @@ pub(super) struct Candidate {
 impl Problem<'_> {
     /// The starts that the options ask for, the most promising first.
     pub fn candidates(&self, given: Option<&Cylinder>) -> Result<Vec<Candidate>> {
+        let given = given.map(|cylinder| self.within_limits(cylinder));
+        let given = given.as_ref();
         let found = |kind: StartKind, cylinder: Option<Cylinder>| {
             cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
         };
@@ -55,9 +57,16 @@ impl Problem<'_> {
         }
     }
 
+    /// The cylinder moved into the limits of the iteration.
+    fn within_limits(&self, cylinder: &Cylinder) -> Cylinder {
+        self.limits_of_iteration().nearest(cylinder, &self.center)
+    }
+
+    /// Eberly's algebraic fit with a direction that is allowed, its radius moved into the limits.
     pub fn moments_start(&self) -> Option<Cylinder> {
         let weighted = (0..self.cloud.len()).map(|k| (self.cloud.point(k), self.cloud.weight(k)));
-        Some(Moments::new(weighted)?.best()?.cylinder)
+        let fit = Moments::new(weighted)?.best(self.options.cylinder_limits.cone())?;
+        Some(self.within_limits(&fit.cylinder))
     }
 
     pub fn ransac(&self) -> Result<RansacFit> {
@@ -66,6 +75,7 @@ impl Problem<'_> {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
+            limits: self.limits_of_iteration(),
             ..RansacOptions::default()
         };
         let normals: Option<Vec<Vector3<f64>>> =
@@ -83,6 +93,7 @@ impl Problem<'_> {
         order.sort_by(|a, b| length(b).total_cmp(&length(a)));
         let [first, second, ..] = order[..] else { return None };
         from_limbs(&self.edges.rays[first], &self.edges.rays[second], sample)
+            .map(|start| self.within_limits(&start))
     }
 
     /// All candidates, the one that explains the sample best first.

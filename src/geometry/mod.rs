@@ -14,11 +14,13 @@
 mod chart;
 mod cylinder;
 mod limbs;
+mod limits;
 mod line;
 mod rotation;
 
 pub use chart::{Chart, LocalFrame, Tangent, TangentMap};
 pub use cylinder::{Cylinder, CylinderComparison, Walls};
 pub use limbs::LimbFrame;
+pub use limits::{AxisCone, CylinderLimits};
 pub use line::{Line, OrthonormalLine, PluckerLine};
 pub use rotation::{any_orthogonal, exp_so2, exp_so3, hat, rotate_direction};

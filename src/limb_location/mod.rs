@@ -129,6 +129,12 @@ pub struct LimbObservation {
 }
 
 impl LimbObservation {
+    /// Whether a sample of it has a part in the result: no sample of a limb without a line has.
+    #[must_use]
+    pub fn uses(&self, sample: &LimbSample) -> bool {
+        self.line.is_ok() && sample.weight > 0.0
+    }
+
     fn none(reason: NotVisible) -> Self {
         Self { line: Err(reason), samples: Vec::new(), blur: None }
     }

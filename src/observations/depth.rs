@@ -2,6 +2,7 @@
 
 use super::mask::Mask;
 use super::points::{Batch, PointCloud};
+use super::size::check_same_size;
 use super::views::{DepthView, Scalar};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
@@ -88,21 +89,10 @@ impl PointCloud {
     ) -> Result<()> {
         range.check()?;
         let (width, height) = (view.width(), view.height());
-        let (camera_width, camera_height) =
-            (camera.intrinsics().width as usize, camera.intrinsics().height as usize);
         if let Some(mask) = mask {
             mask.check_size("depth image", (width, height))?;
         }
-        if (width, height) != (camera_width, camera_height) {
-            return Err(Error::SizeMismatch {
-                name: "depth image",
-                width,
-                height,
-                other: "the image of the intrinsics",
-                other_width: camera_width,
-                other_height: camera_height,
-            });
-        }
+        check_same_size("depth image", (width, height), "the image of the intrinsics", camera.size())?;
         let mut batch = Batch { given: width * height, ..Batch::default() };
         for row in 0..height {
             for column in 0..width {

@@ -1,5 +1,6 @@
 //! A region of the image, owned.
 
+use super::size::check_same_size;
 use super::views::MaskView;
 use crate::error::{Error, Result};
 
@@ -61,16 +62,12 @@ impl Mask {
         self.pixels.iter().enumerate().filter_map(at)
     }
 
-    /// Checks that the mask lies on a grid of the given size.
+    /// Checks that the mask lies on the grid of another image, which has the given columns and rows.
     ///
     /// # Errors
     /// `SizeMismatch`.
-    pub fn check_size(&self, other: &'static str, (other_width, other_height): (usize, usize)) -> Result<()> {
-        if (self.width, self.height) == (other_width, other_height) {
-            return Ok(());
-        }
-        let Self { width, height, .. } = *self;
-        Err(Error::SizeMismatch { name: "mask", width, height, other, other_width, other_height })
+    pub fn check_size(&self, other: &'static str, size: (usize, usize)) -> Result<()> {
+        check_same_size("mask", (self.width, self.height), other, size)
     }
 }
 

@@ -8,6 +8,7 @@ mod image;
 mod mask;
 mod points;
 mod segments;
+mod size;
 mod views;
 
 pub use depth::{DepthImage, DepthRange};
@@ -15,6 +16,7 @@ pub use image::GreyImage;
 pub use mask::Mask;
 pub use points::{Dropped, Offsets, PointCloud};
 pub use segments::{EdgeSegment, check_segments};
+pub use size::check_same_size;
 pub use views::{
     DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
 };

@@ -1,7 +1,7 @@
 //! Algorithm 2 of the paper: Levenberg–Marquardt on the five degrees of freedom (26)–(29).
 
 use crate::error::{Error, Result};
-use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent, TangentMap};
+use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame, Tangent, TangentMap};
 use crate::residuals::{NormalEquations, Objective};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
@@ -85,7 +85,7 @@ pub struct Convergence {
     pub termination: Termination,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, in units of the frame.
+    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the frame.
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the frame.
     pub step_norm: f64,
@@ -107,30 +107,41 @@ const DIFFERENCE_STEP: f64 = 1e-5;
 /// The radius, in units of the size of the data, at which the iteration is given up.
 const LARGEST_RADIUS: f64 = 1e4;
 
+/// Where an iteration moves.
+#[derive(Debug, Clone, Copy)]
+pub struct Domain<'a> {
+    /// The middle of the data.
+    pub data_center: Vector3<f64>,
+    /// The size of the data.
+    pub unit: f64,
+    /// The coordinates of the steps. Limits need the local ones, which are taken then.
+    pub chart: Chart,
+    /// What every cylinder keeps. The start must keep it.
+    pub limits: &'a CylinderLimits,
+}
+
 /// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed; in the local
-/// one the second derivative is completed where the iteration creeps. `data_center` and `unit` are the middle and the size of the data;
-/// the orthonormal chart takes the caller's unit of length instead, as the paper does. `report` hears of every
-/// solve and may stop the iteration.
+/// one the second derivative is completed where the iteration creeps. The orthonormal chart takes the caller's unit
+/// of length, as the paper does, and not that of the data. `report` hears of every solve and may stop the iteration.
 ///
 /// # Errors
 /// `NoStart` when the cost of the start is infinite, `Cancelled` when `report` breaks.
 pub fn minimise(
     objective: &(impl Objective + ?Sized),
     start: &Cylinder,
-    data_center: &Vector3<f64>,
-    unit: f64,
+    domain: &Domain<'_>,
     limits: &IterationLimits,
-    chart: Chart,
     report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Convergence> {
-    let data_unit = unit;
+    let Domain { data_center, unit: data_unit, limits: cylinder_limits, .. } = *domain;
+    let chart = if cylinder_limits.is_none() { domain.chart } else { Chart::Local };
     let unit = match chart {
         Chart::Local => data_unit,
         Chart::Orthonormal => 1.0,
     };
     let squared = unit * unit;
     let linearise = |cylinder: &Cylinder| {
-        let frame = LocalFrame::new(cylinder, data_center, unit);
+        let frame = LocalFrame::new(cylinder, &data_center, unit);
         objective.linearise(&frame).map(|equations| (frame, equations))
     };
     let Some((mut frame, mut equations)) = linearise(start) else {
@@ -171,17 +182,19 @@ pub fn minimise(
         }
         let hessian = second_derivative.unwrap_or(equations.hessian);
         let step = match chart {
-            Chart::Local => {
-                damped_step(&hessian, &equations.gradient, lambda).map(|step| (step, frame.retract(&step)))
-            }
+            Chart::Local => cylinder_limits.step(&frame, &damped(&hessian, lambda), &equations.gradient),
             Chart::Orthonormal => {
                 let map = frame.orthonormal_tangent_map();
                 let hessian = map.transpose() * hessian * map;
-                damped_step(&hessian, &(map.transpose() * equations.gradient), lambda)
-                    .map(|step| (step, frame.retract_orthonormal(&step)))
+                let factors = damped(&hessian, lambda).cholesky();
+                factors.map(|factors| {
+                    let step = -factors.solve(&(map.transpose() * equations.gradient));
+                    (step, frame.retract_orthonormal(&step))
+                })
             }
         };
-        let trial = step.and_then(|(step, cylinder)| Some((step, linearise(&cylinder)?)));
+        let finite = step.filter(|(step, _)| step.iter().all(|x| x.is_finite()));
+        let trial = finite.and_then(|(step, cylinder)| Some((step, linearise(&cylinder)?)));
         match trial {
             Some((step, (trial_frame, trial_equations))) if trial_equations.cost < equations.cost => {
                 let decrease = equations.cost - trial_equations.cost;
@@ -211,7 +224,7 @@ pub fn minimise(
         rejected_steps,
         termination,
         lambda,
-        gradient_norm: equations.gradient.norm(),
+        gradient_norm: cylinder_limits.free_gradient(&frame, &equations.gradient).norm(),
         step_norm,
         frame,
         equations,
@@ -234,9 +247,7 @@ fn differentiate_gradient(
     Some((derivative + derivative.transpose()) * 0.5)
 }
 
-/// The step of (29): (JᵀΩJ + λI) δ = −JᵀΩe.
-fn damped_step(hessian: &TangentMap, gradient: &Tangent, lambda: f64) -> Option<Tangent> {
-    let damped = hessian + TangentMap::identity() * lambda;
-    let step = -damped.cholesky()?.solve(gradient);
-    step.iter().all(|x| x.is_finite()).then_some(step)
+/// The matrix of (29), JᵀΩJ + λI.
+fn damped(hessian: &TangentMap, lambda: f64) -> TangentMap {
+    hessian + TangentMap::identity() * lambda
 }

@@ -4,4 +4,4 @@ mod least_squares;
 mod levenberg_marquardt;
 
 pub use least_squares::{LeastSquares, Rank};
-pub use levenberg_marquardt::{Convergence, Iteration, IterationLimits, Termination, minimise};
+pub use levenberg_marquardt::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};

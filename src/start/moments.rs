@@ -15,7 +15,7 @@
 //! f = (ρ − r)(ρ + r) for a point at distance ρ from the axis weighs outer points more: with noise and an arc
 //! that is not the full circle the radius comes out too small. This is a start, not a result.
 
-use crate::geometry::{Cylinder, any_orthogonal, rotate_direction};
+use crate::geometry::{AxisCone, Cylinder, any_orthogonal, rotate_direction};
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
 
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
@@ -157,8 +157,31 @@ impl Moments {
     #[must_use]
     pub fn minima(&self, seeds: usize) -> Vec<AlgebraicFit> {
         let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
-        // One and a half times the distance of neighbours in a grid of 2π / seeds steradian each.
-        let neighbour = (1.5 * (std::f64::consts::TAU / seeds as f64).sqrt()).cos();
+        let minima = self.minima_of_grid(&grid, std::f64::consts::TAU);
+        self.sorted(&minima)
+    }
+
+    /// The same within a cone of directions. A minimum on its border is found by a search along it.
+    #[must_use]
+    pub fn minima_within(&self, cone: &AxisCone, seeds: usize) -> Vec<AlgebraicFit> {
+        let at = |w: Vector2<f64>| self.slice(&cone.direction_at(&w));
+        if cone.max_angle == 0.0 {
+            return self.sorted(at(Vector2::zeros()).as_slice());
+        }
+        let grid: Vec<Slice> = disc(seeds).filter_map(|w| at(w * cone.max_angle)).collect();
+        let area = std::f64::consts::PI * cone.max_angle * cone.max_angle;
+        let mut minima = self.minima_of_grid(&grid, area);
+        minima.retain(|minimum| cone.contains(&minimum.direction));
+        let border = |angle: f64| at(Vector2::new(angle.cos(), angle.sin()) * cone.max_angle);
+        minima.extend(lowest_on_circle(border, seeds));
+        self.sorted(&minima)
+    }
+
+    /// The minima that Newton's method reaches from the lowest local minima of a grid over some area of the sphere,
+    /// in steradian.
+    fn minima_of_grid(&self, grid: &[Slice], area: f64) -> Vec<Slice> {
+        // One and a half times the distance of neighbours.
+        let neighbour = (1.5 * (area / grid.len().max(1) as f64).sqrt()).cos();
         let mut lowest: Vec<&Slice> = grid
             .iter()
             .filter(|a| {
@@ -178,15 +201,24 @@ impl Moments {
                 minima.push(minimum);
             }
         }
-        let mut fits: Vec<AlgebraicFit> = minima.iter().map(|slice| self.fit(slice)).collect();
+        minima
+    }
+
+    /// The cylinders of slices, least distance first.
+    fn sorted(&self, slices: &[Slice]) -> Vec<AlgebraicFit> {
+        let mut fits: Vec<AlgebraicFit> = slices.iter().map(|slice| self.fit(slice)).collect();
         fits.sort_by(|a, b| a.distance_rms().total_cmp(&b.distance_rms()));
         fits
     }
 
-    /// The first of the minima.
+    /// The first of the minima, of all directions or within a cone.
     #[must_use]
-    pub fn best(&self) -> Option<AlgebraicFit> {
-        self.minima(DEFAULT_SEEDS).into_iter().next()
+    pub fn best(&self, cone: Option<&AxisCone>) -> Option<AlgebraicFit> {
+        let minima = match cone {
+            None => self.minima(DEFAULT_SEEDS),
+            Some(cone) => self.minima_within(cone, DEFAULT_SEEDS),
+        };
+        minima.into_iter().next()
     }
 
     /// Covariance of q.
@@ -358,6 +390,36 @@ fn half_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
         let across = (1.0 - z * z).sqrt();
         Vector3::new(across * cos, across * sin, z)
     })
+}
+
+/// Evenly spread points of the unit disc, by the same rule.
+fn disc(count: usize) -> impl Iterator<Item = Vector2<f64>> {
+    let golden_angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..count).map(move |i| {
+        let (sin, cos) = (i as f64 * golden_angle).sin_cos();
+        Vector2::new(cos, sin) * ((i as f64 + 0.5) / count as f64).sqrt()
+    })
+}
+
+/// The lowest slice on a circle: the best of evenly spaced ones, and a golden-section search about it.
+fn lowest_on_circle(at: impl Fn(f64) -> Option<Slice>, count: usize) -> Option<Slice> {
+    /// The search narrows by 0.618 a step, to 1e-8 of the spacing.
+    const STEPS: usize = 40;
+    let spacing = std::f64::consts::TAU / count as f64;
+    let value = |angle: f64| at(angle).map_or(f64::INFINITY, |slice| slice.mean_square);
+    let angles = (0..count).map(|k| k as f64 * spacing);
+    let best = angles.min_by(|a, b| value(*a).total_cmp(&value(*b)))?;
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (best - spacing, best + spacing);
+    for _ in 0..STEPS {
+        let reach = golden * (high - low);
+        if value(high - reach) < value(low + reach) {
+            high = low + reach;
+        } else {
+            low = high - reach;
+        }
+    }
+    at(f64::midpoint(low, high))
 }
 
 /// The ten monomials up to degree two at q.

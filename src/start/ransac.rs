@@ -23,7 +23,7 @@ mod score;
 
 use super::moments::Moments;
 use crate::error::{Error, Result};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -71,11 +71,8 @@ pub struct RansacOptions {
     pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// The smallest radius, in the unit of length of the data; 0 sets no limit.
-    pub radius_min: f64,
-    /// The largest radius, in the unit of length of the data; infinity sets no limit. Without a limit a
-    /// plane in the background is a cylinder too.
-    pub radius_max: f64,
+    /// What the cylinder keeps. Without a limit of the radius a plane in the background is a cylinder too.
+    pub limits: CylinderLimits,
 }
 
 impl Default for RansacOptions {
@@ -85,8 +82,7 @@ impl Default for RansacOptions {
             threshold: 0.0,
             confidence: 0.99,
             seed: 0,
-            radius_min: 0.0,
-            radius_max: f64::INFINITY,
+            limits: CylinderLimits::default(),
         }
     }
 }
@@ -117,7 +113,7 @@ pub struct RansacFit {
 /// # Errors
 /// `InvalidArgument` when an option is out of its range or there are not as many normals as points;
 /// `TooFewPoints` when fewer than five points are finite; `NoStart` when the points lie in one plane or on
-/// one line, or no cylinder within the limits of the radius comes near enough to five of them.
+/// one line, or no cylinder within the limits comes near enough to five of them.
 pub fn ransac(
     points: &[Vector3<f64>],
     normals: Option<&[Vector3<f64>]>,
@@ -137,6 +133,7 @@ pub fn ransac(
         normals: chosen_normals.as_deref(),
         size: moments.size(),
         observer_at_origin,
+        cone: options.limits.cone(),
     };
     let scorer = Scorer {
         points: &chosen_points,
@@ -144,7 +141,7 @@ pub fn ransac(
         threshold: options.threshold,
         center: moments.center(),
         size: moments.size(),
-        radius_limits: (options.radius_min, options.radius_max),
+        limits: options.limits,
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let mut search = Search { sampler, scorer, options, best: None };
@@ -275,7 +272,7 @@ impl Search<'_> {
 
 /// Refuses options out of their range.
 fn check(points: &[Vector3<f64>], normals: Option<&[Vector3<f64>]>, options: &RansacOptions) -> Result<()> {
-    let RansacOptions { max_iterations, threshold, confidence, radius_min, radius_max, .. } = *options;
+    let RansacOptions { max_iterations, threshold, confidence, limits, .. } = *options;
     if let Some(normals) = normals.filter(|normals| normals.len() != points.len()) {
         let requirement = format!("be {}, the number of points", points.len());
         return Err(Error::argument("number of normals", normals.len(), requirement));
@@ -290,14 +287,7 @@ fn check(points: &[Vector3<f64>], normals: Option<&[Vector3<f64>]>, options: &Ra
     if !(confidence > 0.0 && confidence < 1.0) {
         return Err(Error::argument("confidence", confidence, "be greater than 0 and less than 1"));
     }
-    if !(radius_min >= 0.0 && radius_min.is_finite()) {
-        return Err(Error::argument("radius_min", radius_min, "be finite and at least 0"));
-    }
-    if !(radius_max > 0.0 && radius_max >= radius_min) {
-        let requirement = format!("be greater than 0 and at least radius_min, {radius_min}");
-        return Err(Error::argument("radius_max", radius_max, requirement));
-    }
-    Ok(())
+    limits.check()
 }
 
 /// Indices of at most [`SCORED_POINTS`] finite points, evenly spaced among these.

@@ -44,6 +44,8 @@ typedef struct {
     /* z of every pixel, of the cylinder or of a wall behind it. */
     float depth[PIXELS];
     uint8_t mask[PIXELS];
+    /* A bright cylinder before a dark wall, averaged over the area of each pixel. */
+    float image[PIXELS];
     /* x1 y1 x2 y2 of a piece of either limb. */
     double edges[2][4];
     /* Pixels of the mask. */
@@ -57,6 +59,7 @@ void make_scene(void);
 cylfuse_points_view scene_points(void);
 cylfuse_depth_view scene_depth(void);
 cylfuse_mask_view scene_mask(void);
+cylfuse_image_view scene_image(void);
 cylfuse_segments_view scene_edges(void);
 
 /* A new fitter; with intrinsics; with points and edges of the scene too. */
@@ -81,6 +84,7 @@ void test_order_of_calls(void);
 void test_points(void);
 void test_depth(void);
 void test_edges(void);
+void test_image(void);
 void test_fit(void);
 void test_options(void);
 void test_callbacks(void);

@@ -125,6 +125,7 @@ int main(void)
     test_points();
     test_depth();
     test_edges();
+    test_image();
     test_fit();
     test_options();
     test_callbacks();

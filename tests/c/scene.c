@@ -25,6 +25,9 @@ static void add(const double a[3], double s, const double b[3], double out[3])
 
 static const double HALF_LENGTH = 0.1;
 
+/* Rays by which a pixel of the image is averaged, in each direction. */
+enum { RAYS = 8 };
+
 /* The frame across the axis: the unit vector from the origin to the axis, and the one to its side. */
 static void across_axis(double toward[3], double sideways[3], double *distance)
 {
@@ -53,7 +56,7 @@ static void make_points(void)
 }
 
 /* The depth at which the ray of a pixel meets the near wall between the ends; 0 when it does not. */
-static double near_wall(int column, int row)
+static double near_wall(double column, double row)
 {
     const cylfuse_cylinder *model = &the_scene.truth;
     const cylfuse_intrinsics *camera = &the_scene.intrinsics;
@@ -79,6 +82,12 @@ static void make_images(void)
             the_scene.depth[row * WIDTH + column] = (float)(z > 0.0 ? z : 2.0);
             the_scene.mask[row * WIDTH + column] = z > 0.0 ? 255 : 0;
             the_scene.mask_pixels += z > 0.0;
+            int inside = 0;
+            for (int ray = 0; ray < RAYS * RAYS; ray++) {
+                double across = (ray % RAYS + 0.5) / RAYS - 0.5, down = (ray / RAYS + 0.5) / RAYS - 0.5;
+                inside += near_wall(column + across, row + down) > 0.0;
+            }
+            the_scene.image[row * WIDTH + column] = (float)(40.0 + 160.0 * inside / (RAYS * RAYS));
         }
     }
 }
@@ -151,6 +160,17 @@ cylfuse_mask_view scene_mask(void)
     view.width = WIDTH;
     view.height = HEIGHT;
     return view;
+}
+
+cylfuse_image_view scene_image(void)
+{
+    cylfuse_image_view image;
+    CHECK_OK(cylfuse_image_view_init(&image, sizeof image));
+    image.format = CYLFUSE_IMAGE_FORMAT_F32;
+    image.data = the_scene.image;
+    image.width = WIDTH;
+    image.height = HEIGHT;
+    return image;
 }
 
 cylfuse_segments_view scene_edges(void)

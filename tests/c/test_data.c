@@ -257,6 +257,157 @@ void test_depth(void)
     depth_images_that_are_refused();
 }
 
+static void limb_samples_lie_on_the_limbs(cylfuse_fitter *fitter)
+{
+    size_t count = 0;
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, &count), BUFFER_TOO_SMALL, "out holds 0");
+    CHECK(count >= 6);
+    cylfuse_limb_sample *samples = exactly(count * sizeof *samples);
+    CHECK_STATUS(cylfuse_fitter_limb_samples(fitter, samples, count - 1, &count), BUFFER_TOO_SMALL);
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, count, &count), NULL_POINTER, "out is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, samples, count, &count), OK, "");
+    int used[2] = {0, 0};
+    for (size_t k = 0; k < count; k++) {
+        CHECK(samples[k].limb <= 1 && samples[k].reserved == 0 && samples[k].sigma > 0.0);
+        CHECK(samples[k].weight >= 0.0 && samples[k].weight <= 1.0);
+        if (samples[k].weight == 0.0) {
+            continue;
+        }
+        used[samples[k].limb]++;
+        /* On one of the two lines that bound the cylinder. */
+        double nearest = INFINITY;
+        for (int side = 0; side < 2; side++) {
+            const double *e = the_scene.edges[side];
+            double length = hypot(e[2] - e[0], e[3] - e[1]);
+            double x = samples[k].pixel[0] - e[0], y = samples[k].pixel[1] - e[1];
+            nearest = fmin(nearest, fabs(x * (e[3] - e[1]) - y * (e[2] - e[0])) / length);
+        }
+        CHECK(nearest < 0.5);
+    }
+    CHECK(used[0] >= 3 && used[1] >= 3);
+    free(samples);
+}
+
+static void images_of_any_format_and_stride(void)
+{
+    cylfuse_fitter *fitter = new_full_fitter();
+    cylfuse_depth_view depth = scene_depth();
+    cylfuse_mask_view mask = scene_mask();
+    CHECK_OK(cylfuse_fitter_clear(fitter));
+    CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
+    /* An edge that is a pixel off: the image knows better. */
+    cylfuse_segments_view edges = scene_edges();
+    double moved[2][4];
+    memcpy(moved, the_scene.edges, sizeof moved);
+    moved[0][1] += 1.0;
+    moved[0][3] += 1.0;
+    edges.data = moved;
+    CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
+    cylfuse_result without = fit(fitter);
+    CHECK(without.limbs_located == 0 && without.reserved == 0);
+    size_t samples = 9;
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, &samples), OK, "");
+    CHECK(samples == 0);
+
+    cylfuse_image_view image = scene_image();
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+    cylfuse_result packed = fit(fitter);
+    CHECK(packed.limbs_located == 2 && packed.segments_used == 2);
+    CHECK(packed.cost != without.cost && is_truth(&packed.model, 1e-5));
+    limb_samples_lie_on_the_limbs(fitter);
+    cylfuse_extent extent = {.struct_size = sizeof extent};
+    CHECK_OK(cylfuse_fitter_extent(fitter, NULL, NULL, &extent));
+    CHECK_NEAR(extent.length, 0.2, 2e-3);
+
+    /* Bottom row first, every third value of rows that have 5 bytes to spare, at an odd address. */
+    enum { ROW = 3 * 2 * WIDTH + 5 };
+    uint8_t *memory = exactly(HEIGHT * ROW + 1);
+    memset(memory, 0xFF, HEIGHT * ROW + 1);
+    for (int format = CYLFUSE_IMAGE_FORMAT_U8; format <= CYLFUSE_IMAGE_FORMAT_U16; format++) {
+        int size = format == CYLFUSE_IMAGE_FORMAT_U8 ? 1 : 2;
+        for (int k = 0; k < PIXELS; k++) {
+            uint8_t small = (uint8_t)lround(the_scene.image[k]);
+            uint16_t large = (uint16_t)lround(64.0 * the_scene.image[k]);
+            uint8_t *at = memory + 1 + (HEIGHT - 1 - k / WIDTH) * ROW + k % WIDTH * 3 * size;
+            memcpy(at, size == 1 ? (void *)&small : (void *)&large, (size_t)size);
+        }
+        image.format = format;
+        image.data = memory + 1 + (HEIGHT - 1) * ROW;
+        image.row_stride = -ROW;
+        image.pixel_stride = 3 * size;
+        CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+        cylfuse_result strided = fit(fitter);
+        CHECK(strided.limbs_located == 2);
+        CHECK_NEAR(strided.model.radius, packed.model.radius, 2e-5);
+    }
+    free(memory);
+
+    /* The segments as they are, by an option. */
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.edge_use = CYLFUSE_EDGE_USE_AS_GIVEN;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    cylfuse_result given = fit(fitter);
+    CHECK(given.limbs_located == 0 && is_truth(&given.model, 1e-5));
+    /* Clearing forgets the image. */
+    options.edge_use = CYLFUSE_EDGE_USE_REFINE;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    CHECK_OK(cylfuse_fitter_clear(fitter));
+    CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
+    CHECK_OK(cylfuse_fitter_push_edges(fitter, &edges));
+    CHECK(fit(fitter).limbs_located == 0);
+    destroy(fitter);
+}
+
+static void images_that_are_refused(void)
+{
+    cylfuse_image_view image = scene_image();
+    cylfuse_fitter *blind = new_fitter();
+    CHECK_ERROR(blind, cylfuse_fitter_push_image(blind, &image), BAD_STATE,
+                "pushing an image needs intrinsics; set the intrinsics first");
+    destroy(blind);
+
+    cylfuse_fitter *fitter = new_full_fitter();
+    image.width--;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), SIZE_MISMATCH,
+                "grey image is 159 x 120 but the image of the intrinsics is 160 x 120");
+    image.width = 0;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), SIZE_MISMATCH, "grey image is 0 x 120");
+    image = scene_image();
+    image.format = 4;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,
+                "image.format is 4; it must be 1 (U8), 2 (U16) or 3 (F32)");
+    image = scene_image();
+    image.pixel_stride = 3;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,
+                "image.data: the stride of a pixel is 3; it must be at least 4 bytes");
+    image = scene_image();
+    image.row_stride = WIDTH;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,
+                "image.data: the stride of a row is 160; it must be at least 640 bytes");
+    ptrdiff_t huge[2] = {PTRDIFF_MAX, PTRDIFF_MIN};
+    for (int k = 0; k < 2; k++) {
+        image = scene_image();
+        image.row_stride = huge[k];
+        CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT, "fit into memory");
+    }
+    image = scene_image();
+    float *bad = copy_of(the_scene.image, sizeof the_scene.image);
+    bad[3 * WIDTH + 7] = NAN;
+    image.data = bad;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,
+                "image value at column 7, row 3 is NaN");
+    free(bad);
+    CHECK(fit(fitter).limbs_located == 0);
+    destroy(fitter);
+}
+
+void test_image(void)
+{
+    images_of_any_format_and_stride();
+    images_that_are_refused();
+}
+
 void test_edges(void)
 {
     cylfuse_fitter *fitter = new_camera_fitter();

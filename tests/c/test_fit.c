@@ -298,8 +298,34 @@ static void any_number_of_threads(void)
     destroy(fitter);
 }
 
+static void limits_are_kept(void)
+{
+    cylfuse_fitter *fitter = new_full_fitter();
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.radius_max = 0.049;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    cylfuse_result result = fit(fitter);
+    CHECK(result.model.radius == 0.049 && result.flags == CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT);
+    options.radius_min = options.radius_max = 0.06;
+    options.axis[1] = -2.0;
+    options.axis_max_angle = 0.1;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    result = fit(fitter);
+    CHECK(result.model.radius == 0.06 && (result.flags & CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT) != 0);
+    CHECK_NEAR(acos(fabs(result.model.direction[1])), 0.1, 1e-9);
+    options.axis_max_angle = 0.0;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    CHECK(fit(fitter).model.direction[1] == 1.0);
+    options.chart = CYLFUSE_CHART_ORTHONORMAL;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), UNSUPPORTED, "knows no limits of radius or axis");
+    destroy(fitter);
+}
+
 void test_fit(void)
 {
+    limits_are_kept();
     any_number_of_threads();
     a_fit_and_what_it_says();
     the_uncertainty_of_noisy_points();
@@ -329,6 +355,12 @@ void test_options(void)
         .seed = UINT64_MAX,
         .ransac_max_iterations = 99,
         .reserved = 0,
+        .edge_use = CYLFUSE_EDGE_USE_AS_GIVEN,
+        .extent_rule = CYLFUSE_EXTENT_RULE_EXTREMES,
+        .radius_min = 0.5,
+        .radius_max = 1.5,
+        .axis = {3.0, 4.0, 5.0},
+        .axis_max_angle = 0.75,
     };
     CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
     cylfuse_options back = {.struct_size = sizeof back};
@@ -347,6 +379,10 @@ void test_options(void)
         {offsetof(cylfuse_options, max_lambda), 1e-9, "max lambda is"},
         {offsetof(cylfuse_options, cost_tolerance), 1.0, "cost tolerance is 1"},
         {offsetof(cylfuse_options, ransac_threshold), -1.0, "ransac threshold is -1"},
+        {offsetof(cylfuse_options, radius_min), -1.0, "radius_min is -1; it must be finite and at least 0"},
+        {offsetof(cylfuse_options, radius_max), 0.25,
+         "radius_max is 0.25; it must be greater than 0 and at least radius_min, 0.5"},
+        {offsetof(cylfuse_options, axis_max_angle), 1.75, "axis_max_angle is 1.75; it must lie in [0, pi/2]"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         cylfuse_options wrong = options;
@@ -358,6 +394,13 @@ void test_options(void)
     }
     CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
     CHECK(memcmp(&options, &back, sizeof back) == 0);
+
+    cylfuse_options wrong = options;
+    wrong.axis[1] = INFINITY;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_options(fitter, &wrong), INVALID_ARGUMENT, "axis is [3.0, inf, 5.0]");
+    wrong.axis[0] = wrong.axis[1] = wrong.axis[2] = 0.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_options(fitter, &wrong), INVALID_ARGUMENT,
+                "options.axis_max_angle is 0.75; it must be 0 without options.axis");
 
     /* All zeros but the size: the defaults, but for the weight and the tolerance, where 0 is a value. */
     cylfuse_options zeros = {.struct_size = sizeof zeros};

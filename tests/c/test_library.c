@@ -50,6 +50,7 @@ static void defaults_are_filled(void)
     CHECK(options.edge_weight == 0.6 && options.initial_lambda == 1e-3 && options.lambda_factor == 10.0);
     CHECK(options.max_lambda == 1e12 && options.cost_tolerance == 1e-12);
     CHECK(options.ransac_threshold == 0.0 && options.seed == 0 && options.reserved == 0);
+    CHECK(options.edge_use == CYLFUSE_EDGE_USE_REFINE && options.extent_rule == CYLFUSE_EXTENT_RULE_AUTO);
 
     cylfuse_points_view points;
     CHECK_OK(cylfuse_points_view_init(&points, sizeof points));

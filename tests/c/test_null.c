@@ -8,6 +8,7 @@ static void without_a_fitter(void)
     cylfuse_points_view points = scene_points();
     cylfuse_depth_view depth = scene_depth();
     cylfuse_segments_view edges = scene_edges();
+    cylfuse_image_view image = scene_image();
     cylfuse_counts out_counts = {.struct_size = sizeof out_counts};
     cylfuse_result result = {.struct_size = sizeof result};
     cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
@@ -33,12 +34,14 @@ static void without_a_fitter(void)
     CHECK_STATUS(cylfuse_fitter_push_points(NULL, &points, NULL), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_push_depth(NULL, &depth, NULL), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_push_edges(NULL, &edges), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_push_image(NULL, &image), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_counts(NULL, &out_counts), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_fit(NULL, &result), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_evaluate(NULL, &the_scene.truth, &result), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_get_result(NULL, &result), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_residuals(NULL, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, values, 2, &count),
                  NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_limb_samples(NULL, NULL, 0, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_diagnose(NULL, NULL, &diagnosis), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete_bound(NULL, NULL, CYLFUSE_LAYOUT_PACKED, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete(NULL, NULL, NULL, &out, &completion), NULL_POINTER);
@@ -70,6 +73,7 @@ static void without_an_argument(void)
     CHECK_ERROR(fitter, cylfuse_fitter_push_points(fitter, NULL, NULL), NULL_POINTER, "points is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_push_depth(fitter, NULL, NULL), NULL_POINTER, "depth is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_push_edges(fitter, NULL), NULL_POINTER, "segments is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, NULL), NULL_POINTER, "image is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_counts(fitter, NULL), NULL_POINTER, "out_counts is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, NULL), NULL_POINTER, "out_result is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_evaluate(fitter, NULL, &result), NULL_POINTER, "model is NULL");
@@ -80,6 +84,7 @@ static void without_an_argument(void)
                 "out is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, kind, values, 2, NULL), NULL_POINTER,
                 "out_count is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, NULL), NULL_POINTER, "out_count is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_diagnose(fitter, NULL, NULL), NULL_POINTER, "out_diagnosis is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_complete_bound(fitter, NULL, CYLFUSE_LAYOUT_PACKED, NULL), NULL_POINTER,
                 "out_capacity is NULL");
@@ -112,6 +117,10 @@ static void without_an_argument(void)
     edges.data = NULL;
     CHECK_ERROR(fitter, cylfuse_fitter_push_edges(fitter, &edges), NULL_POINTER, "segments.data is NULL");
 
+    cylfuse_image_view image = scene_image();
+    image.data = NULL;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), NULL_POINTER, "image.data is NULL");
+
     /* Nothing of this changed what was there. */
     CHECK(counts(fitter).points_given == POINTS + PIXELS && counts(fitter).segments_given == 2);
     CHECK(fits_truth(fitter, 1e-5));
@@ -128,6 +137,7 @@ static void without_a_struct_or_number(void)
     CHECK_STATUS(cylfuse_points_view_init(NULL, sizeof(cylfuse_points_view)), NULL_POINTER);
     CHECK_STATUS(cylfuse_depth_view_init(NULL, sizeof(cylfuse_depth_view)), NULL_POINTER);
     CHECK_STATUS(cylfuse_mask_view_init(NULL, sizeof(cylfuse_mask_view)), NULL_POINTER);
+    CHECK_STATUS(cylfuse_image_view_init(NULL, sizeof(cylfuse_image_view)), NULL_POINTER);
     CHECK_STATUS(cylfuse_segments_view_init(NULL, sizeof(cylfuse_segments_view)), NULL_POINTER);
     CHECK_STATUS(cylfuse_points_out_init(NULL, sizeof(cylfuse_points_out)), NULL_POINTER);
     CHECK_STATUS(cylfuse_depth_out_init(NULL, sizeof(cylfuse_depth_out)), NULL_POINTER);

@@ -20,6 +20,8 @@ void test_constants(void)
     set_unknown_option(fitter, offsetof(cylfuse_options, start), "options.start");
     set_unknown_option(fitter, offsetof(cylfuse_options, near_wall), "options.near_wall");
     set_unknown_option(fitter, offsetof(cylfuse_options, chart), "options.chart");
+    set_unknown_option(fitter, offsetof(cylfuse_options, edge_use), "options.edge_use");
+    set_unknown_option(fitter, offsetof(cylfuse_options, extent_rule), "options.extent_rule");
 
     cylfuse_intrinsics intrinsics = the_scene.intrinsics;
     intrinsics.distortion_model = 3;
@@ -87,11 +89,17 @@ static void *cut(const void *known, uint32_t struct_size)
 
 typedef cylfuse_status (*input_call)(cylfuse_fitter *fitter, const void *input);
 
-static void check_input(cylfuse_fitter *fitter, input_call call, const void *known, size_t size, const char *name)
+/* `first` is the size of the first published version: smaller structs are refused, those between are read. */
+static void check_input(cylfuse_fitter *fitter, input_call call, const void *known, size_t first, size_t size,
+                        const char *name)
 {
     for (uint32_t given = 0; given < size; given += given == 0 ? 4 : 1) {
         void *small = cut(known, given);
-        CHECK_ERROR(fitter, call(fitter, small), STRUCT_SIZE, name);
+        if (given < first) {
+            CHECK_ERROR(fitter, call(fitter, small), STRUCT_SIZE, name);
+        } else {
+            CHECK_OK(call(fitter, small));
+        }
         free(small);
     }
     for (size_t more = 1; more <= 65; more += 8) {
@@ -147,6 +155,11 @@ static cylfuse_status push_edges(cylfuse_fitter *fitter, const void *input)
     return cylfuse_fitter_push_edges(fitter, input);
 }
 
+static cylfuse_status push_image(cylfuse_fitter *fitter, const void *input)
+{
+    return cylfuse_fitter_push_image(fitter, input);
+}
+
 static cylfuse_status complete(cylfuse_fitter *fitter, const void *input)
 {
     cylfuse_completion completion = {.struct_size = sizeof completion};
@@ -166,24 +179,28 @@ static void inputs_of_any_size(void)
     cylfuse_fitter *fitter = new_camera_fitter();
     cylfuse_options options;
     CHECK_OK(cylfuse_options_init(&options, sizeof options));
-    check_input(fitter, set_options, &options, sizeof options, "options.struct_size is");
+    check_input(fitter, set_options, &options, FIRST_SIZE(cylfuse_options, reserved), sizeof options,
+                "options.struct_size is");
     check_input(fitter, set_intrinsics, &the_scene.intrinsics, sizeof the_scene.intrinsics,
+                sizeof the_scene.intrinsics,
                 "intrinsics.struct_size is");
     cylfuse_points_view points = scene_points();
     points.width = points.height = 1;
-    check_input(fitter, push_points, &points, sizeof points, "points.struct_size is");
+    check_input(fitter, push_points, &points, sizeof points, sizeof points, "points.struct_size is");
     cylfuse_depth_view depth = scene_depth();
-    check_input(fitter, push_depth, &depth, sizeof depth, "depth.struct_size is");
+    check_input(fitter, push_depth, &depth, sizeof depth, sizeof depth, "depth.struct_size is");
     cylfuse_mask_view mask = scene_mask();
-    check_input(fitter, push_mask, &mask, sizeof mask, "mask.struct_size is");
+    check_input(fitter, push_mask, &mask, sizeof mask, sizeof mask, "mask.struct_size is");
     cylfuse_segments_view edges = scene_edges();
-    check_input(fitter, push_edges, &edges, sizeof edges, "segments.struct_size is");
+    check_input(fitter, push_edges, &edges, sizeof edges, sizeof edges, "segments.struct_size is");
+    cylfuse_image_view image = scene_image();
+    check_input(fitter, push_image, &image, sizeof image, sizeof image, "image.struct_size is");
     cylfuse_points_out points_out;
     CHECK_OK(cylfuse_points_out_init(&points_out, sizeof points_out));
     points_out.scalar = CYLFUSE_SCALAR_F32;
     points_out.capacity = the_scene.mask_pixels;
     points_out.data = exactly(12 * points_out.capacity);
-    check_input(fitter, complete, &points_out, sizeof points_out, "out.struct_size is");
+    check_input(fitter, complete, &points_out, sizeof points_out, sizeof points_out, "out.struct_size is");
     free(points_out.data);
     cylfuse_depth_out depth_out;
     CHECK_OK(cylfuse_depth_out_init(&depth_out, sizeof depth_out));
@@ -191,7 +208,7 @@ static void inputs_of_any_size(void)
     depth_out.width = WIDTH;
     depth_out.height = HEIGHT;
     depth_out.data = exactly(4 * PIXELS);
-    check_input(fitter, complete_depth, &depth_out, sizeof depth_out, "out.struct_size is");
+    check_input(fitter, complete_depth, &depth_out, sizeof depth_out, sizeof depth_out, "out.struct_size is");
     free(depth_out.data);
 
     options.reserved = 1;
@@ -289,7 +306,7 @@ static void outputs_of_any_size(void)
     cylfuse_mask_view mask = scene_mask();
     CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
     fit(fitter);
-    check_output(fitter, get_options, sizeof(cylfuse_options), sizeof(cylfuse_options),
+    check_output(fitter, get_options, FIRST_SIZE(cylfuse_options, reserved), sizeof(cylfuse_options),
                  "out_options.struct_size is");
     check_output(fitter, get_counts, sizeof(cylfuse_counts), sizeof(cylfuse_counts), "out_counts.struct_size is");
     check_output(fitter, get_result, FIRST_SIZE(cylfuse_result, seconds_total), sizeof(cylfuse_result),
@@ -303,7 +320,7 @@ static void outputs_of_any_size(void)
 
 static void defaults_of_any_size(void)
 {
-    for (size_t given = 0; given < sizeof(cylfuse_options); given++) {
+    for (size_t given = 0; given < FIRST_SIZE(cylfuse_options, reserved); given++) {
         CHECK_STATUS(cylfuse_options_init((cylfuse_options *)&the_scene, given), STRUCT_SIZE);
     }
     CHECK_STATUS(cylfuse_options_init((cylfuse_options *)&the_scene, 4097), STRUCT_SIZE);

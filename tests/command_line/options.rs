@@ -17,12 +17,16 @@ fn combinations_that_make_no_sense_are_refused() {
         refused(&["--method", method, "--objective", "paper"], "--objective belongs to --method fused");
         refused(&["--method", method, "--objective", "robust"], "--objective belongs to --method fused");
         refused(&["--method", method, "--edge-weight", "0.5"], "--edge-weight belongs to --method fused");
+        refused(&["--method", method, "--edges-as-given"], "--edges-as-given belongs to --method fused");
     }
     refused(&["--edge-weight", "0.6"], "--edge-weight belongs to --objective paper");
     refused(&["--objective", "robust", "--edge-weight", "0.6"], "--edge-weight belongs to --objective paper");
     refused(&["--start-from", "model"], "--start=");
     refused(&["--start=0,0,1,0,1,0,0.05", "--start-from", "limbs"], "--start-from");
     refused(&["--points", "cloud.ply"], "--points");
+    refused(&["--edges-as-given", "--no-edges"], "cannot be used with");
+    refused(&["--radius", "1", "--radius-max", "2"], "cannot be used with");
+    refused(&["--axis-max-angle", "5"], "--axis");
 }
 
 #[test]
@@ -37,6 +41,18 @@ fn values_out_of_range_are_named_with_their_limit() {
     refused(&["--start=0,0,1,0,1,0,-0.05"], "radius is -0.05; it must be finite and greater than 0");
     refused(&["--start=0,0,1,0,0,0,0.05"], "axis direction");
     refused(&["--start=0,0,nan,0,1,0,0.05"], "axis point");
+    refused(&["--radius-min", "-1"], "radius_min is -1; it must be finite and at least 0");
+    refused(
+        &["--radius-min", "2", "--radius-max", "1"],
+        "radius_max is 1; it must be greater than 0 and at least",
+    );
+    refused(&["--radius", "0"], "--radius is 0; it must be finite and greater than 0");
+    refused(&["--axis", "0,0,0"], "axis is [0.0, 0.0, 0.0]; it must be finite and not zero");
+    refused(&["--axis", "0,1"], "2 numbers were given, but 3 are needed");
+    refused(
+        &["--axis", "0,1,0", "--axis-max-angle", "91"],
+        "--axis-max-angle is 91; it must lie in [0, 90] degrees",
+    );
     refused(&["--method", "magic"], "magic");
     refused(&["--threads", "many"], "--threads");
 }
@@ -101,6 +117,39 @@ fn other_methods_fit_the_points_alone() {
     for name in ["termination", "lambda", "step_norm", "initial_cost", "rejected_steps"] {
         assert!(result[name].is_null(), "{name}");
     }
+}
+
+#[test]
+fn limits_hold_and_are_said() {
+    let known =
+        fitted(&data("w004"), &["--radius", "0.057", "--axis=-0.3,-0.75,0.56", "--axis-max-angle", "2"]);
+    assert_eq!(known["cylinder"]["radius"], 0.057);
+    let limits = &known["result"]["limits"];
+    assert_eq!((&limits["radius_min"], &limits["radius_max"]), (&0.057.into(), &0.057.into()));
+    assert_eq!(vector(&limits["axis"]), [-0.3, -0.75, 0.56]);
+    assert!((limits["axis_max_angle_degrees"].as_f64().unwrap() - 2.0).abs() < 1e-12);
+    let held = fitted(&data("w004"), &["--radius-max", "0.0565"]);
+    assert_eq!(held["cylinder"]["radius"], 0.0565);
+    assert_eq!(held["result"]["flags"], serde_json::json!(["radius_at_limit"]));
+    assert_eq!(held["notes"][0], "a limit holds the radius: the data want another one");
+    assert!(fitted(&data("w004"), &[])["result"]["limits"].is_null());
+}
+
+#[test]
+fn edges_can_be_taken_as_they_are() {
+    let located = |options: &[&str]| fitted(&data("w004"), options)["result"]["limbs_located"].clone();
+    assert!(located(&[]).as_u64().unwrap() > 0);
+    assert_eq!(located(&["--edges-as-given"]), 0);
+}
+
+#[test]
+fn the_rule_of_the_extent_can_be_chosen() {
+    let length = |options: &[&str]| fitted(&data("w004"), options)["extent"]["length"].clone();
+    assert_eq!(length(&[]), length(&["--extent-rule", "located"]));
+    assert_ne!(length(&[]), length(&["--extent-rule", "extremes"]));
+    let paper = ["--objective", "paper", "--extent-rule"];
+    assert_eq!(length(&paper[..2]), length(&[&paper[..], &["extremes"]].concat()));
+    assert_ne!(length(&paper[..2]), length(&[&paper[..], &["located"]].concat()));
 }
 
 #[test]

@@ -39,6 +39,7 @@ fn check_shape(object: &Value) {
         "extent",
         "fitted",
         "frame",
+        "limbs",
         "notes",
         "out",
         "result",
@@ -73,6 +74,15 @@ fn check_shape(object: &Value) {
     assert!(extent["length_deviation"].as_f64().unwrap() > extent["start_deviation"].as_f64().unwrap());
     assert!(extent["center_covariance"][2][2].as_f64().unwrap() > 0.0);
 
+    for limb in object["limbs"].as_array().unwrap() {
+        assert_ne!(limb["line"].is_null(), limb["not_visible"].is_null());
+        assert!(limb["samples_used"].is_u64() && limb["samples_refused"].is_u64());
+        if let Some(sigma) = limb["line"]["sigma"].as_f64() {
+            assert!(
+                sigma > 0.0 && limb["line"]["ends"][1][1].is_f64() && limb["blur"].as_f64().unwrap() > 0.0
+            );
+        }
+    }
     let result = &object["result"];
     let radii = &result["radii"];
     let number = |name: &str| radii[name].as_f64().unwrap();

@@ -4,8 +4,10 @@
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
-use cylfuse::fitter::{ChartChoice, Method, NearWall, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::Cylinder;
+use cylfuse::fitter::{
+    ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
+};
+use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -71,7 +73,7 @@ pub struct FitArguments {
     pub edge_weight: Option<f64>,
 
     /// Start from this cylinder: axis point, axis direction (any length) and radius, in the unit of the data.
-    #[arg(long, value_name = "px,py,pz,dx,dy,dz,r", value_parser = parse_start)]
+    #[arg(long, value_name = "px,py,pz,dx,dy,dz,r", value_parser = parse_numbers::<7>)]
     #[arg(allow_hyphen_values = true, help_heading = "Estimation")]
     pub start: Option<[f64; 7]>,
 
@@ -79,9 +81,41 @@ pub struct FitArguments {
     #[arg(long, value_enum, help_heading = "Estimation")]
     pub start_from: Option<StartName>,
 
+    /// The smallest radius that the cylinder may have, in the unit of the data.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius_min: Option<f64>,
+
+    /// The largest radius that the cylinder may have.
+    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius_max: Option<f64>,
+
+    /// The radius, where it is known.
+    #[arg(long, value_name = "R", conflicts_with_all = ["radius_min", "radius_max"])]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub radius: Option<f64>,
+
+    /// The direction of the axis in the camera frame, of any length and sign.
+    #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub axis: Option<[f64; 3]>,
+
+    /// How far the axis may be from --axis, in degrees from 0 to 90 [default: 0, the direction is known].
+    #[arg(long, value_name = "DEG", requires = "axis")]
+    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
+    pub axis_max_angle: Option<f64>,
+
     /// Ignore the edge segments.
     #[arg(long, help_heading = "Estimation")]
     pub no_edges: bool,
+
+    /// Take the edge segments as they are: do not look for the limbs in the image, only for the ends. The paper's
+    /// objective never does either.
+    #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
+    pub edges_as_given: bool,
+
+    /// How to find the ends of the visible cylinder.
+    #[arg(long, value_enum, default_value_t = ExtentName::Auto, help_heading = "Estimation")]
+    pub extent_rule: ExtentName,
 
     /// Ignore the image file and do not open it; mask and edge segments stay.
     #[arg(long, help_heading = "Estimation")]
@@ -177,14 +211,27 @@ pub enum ChartName {
     Orthonormal,
 }
 
+/// [`ExtentRule`] by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ExtentName {
+    /// Located for the robust objective, extremes otherwise
+    Auto,
+    /// The paper's: the extreme completed points of the mask
+    Extremes,
+    /// From all lines along the surface together, in the mask and the image
+    Located,
+}
+
 impl FitArguments {
     /// Combinations that make no sense, in words; clap has checked each option by itself.
     pub fn check(&self) -> std::result::Result<(), String> {
         if self.method != MethodName::Fused {
             let method = self.method.to_possible_value().map_or(String::new(), |v| v.get_name().to_string());
-            for (given, name) in
-                [(self.objective.is_some(), "--objective"), (self.edge_weight.is_some(), "--edge-weight")]
-            {
+            for (given, name) in [
+                (self.objective.is_some(), "--objective"),
+                (self.edge_weight.is_some(), "--edge-weight"),
+                (self.edges_as_given, "--edges-as-given"),
+            ] {
                 if given {
                     return Err(format!("{name} belongs to --method fused, not to --method {method}"));
                 }
@@ -194,6 +241,13 @@ impl FitArguments {
             return Err("--edge-weight belongs to --objective paper; give that too, or leave the weight \
                         out: the robust objective takes its weights from the data"
                 .into());
+        }
+        // The library knows these in radians, and as two limits.
+        if let Some(degrees) = self.axis_max_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
+            return Err(format!("--axis-max-angle is {degrees}; it must lie in [0, 90] degrees"));
+        }
+        if let Some(radius) = self.radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+            return Err(format!("--radius is {radius}; it must be finite and greater than 0"));
         }
         match (self.start, self.start_from) {
             (Some(_), Some(kind)) if kind != StartName::Model => {
@@ -238,6 +292,13 @@ impl FitArguments {
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
             threads: self.threads,
             seed: self.seed,
+            cylinder_limits: self.limits(),
+            edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
+            extent_rule: match self.extent_rule {
+                ExtentName::Auto => ExtentRule::Auto,
+                ExtentName::Extremes => ExtentRule::Extremes,
+                ExtentName::Located => ExtentRule::Located,
+            },
             ..defaults
         };
         options.chart = match self.chart {
@@ -252,6 +313,18 @@ impl FitArguments {
         Ok(options)
     }
 
+    fn limits(&self) -> CylinderLimits {
+        let none = CylinderLimits::default();
+        let degrees = self.axis_max_angle.unwrap_or(0.0);
+        // 90 degrees in radians, rounded, may be more than a right angle.
+        let max_angle = degrees.to_radians().min(std::f64::consts::FRAC_PI_2);
+        CylinderLimits {
+            radius_min: self.radius.or(self.radius_min).unwrap_or(none.radius_min),
+            radius_max: self.radius.or(self.radius_max).unwrap_or(none.radius_max),
+            axis: self.axis.map(|axis| AxisCone { direction: axis.into(), max_angle }),
+        }
+    }
+
     /// The cylinder of `--start`.
     ///
     /// # Errors
@@ -264,13 +337,13 @@ impl FitArguments {
     }
 }
 
-fn parse_start(text: &str) -> std::result::Result<[f64; 7], String> {
+fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| word.trim().parse().map_err(|_| format!("'{word}' is not a number")))
         .collect::<std::result::Result<_, _>>()?;
     let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("{count} numbers were given, but 7 are needed"))
+    numbers.try_into().map_err(|_| format!("{count} numbers were given, but {COUNT} are needed"))
 }
 
 #[cfg(test)]
@@ -299,8 +372,8 @@ mod tests {
             assert_eq!(given.options().unwrap().start, StartKind::Model);
             assert_eq!(given.start_model().unwrap().unwrap().radius, 0.04);
         }
-        assert!(parse_start("1,2,3").unwrap_err().contains("3 numbers"));
-        assert!(parse_start("1,2,x,4,5,6,7").unwrap_err().contains("'x'"));
+        assert!(parse_numbers::<7>("1,2,3").unwrap_err().contains("3 numbers"));
+        assert!(parse_numbers::<7>("1,2,x,4,5,6,7").unwrap_err().contains("'x'"));
     }
 
     #[test]

@@ -101,7 +101,11 @@ impl Canvas {
 
     /// A filled dot at a position in the image.
     pub fn dot(&mut self, position: &Vector2<f64>, radius: f32, color: Color) {
-        let (x, y) = self.place(position);
+        self.mark(self.place(position), radius, color);
+    }
+
+    /// A filled dot at a place of the canvas.
+    pub fn mark(&mut self, (x, y): (f32, f32), radius: f32, color: Color) {
         for (radius, color) in [(radius + 1.0, HALO), (radius, color)] {
             if let Some(path) = PathBuilder::from_circle(x, y, radius) {
                 self.pixels.fill_path(&path, &paint(color), FillRule::Winding, Transform::identity(), None);

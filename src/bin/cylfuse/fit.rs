@@ -7,7 +7,8 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
-use cylfuse::fitter::{Fitter, ObjectiveKind, Options};
+use cylfuse::extent::ExtentOptions;
+use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
 use nalgebra::Vector3;
@@ -135,19 +136,23 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     if settings.edges {
         fitter.push_edges(&frame.edges)?;
     }
-    if let Some(image) = &frame.image
-        && settings.options.objective == ObjectiveKind::Robust
-    {
+    if let Some(image) = &frame.image {
         let grey = image.to_luma16();
         fitter.push_image(&ImageView::from_u16(&grey, frame.size())?)?;
     }
     let result = fitter.fit()?;
     let fitted = if frame.mask.is_some() { Fitted::Mask } else { Fitted::AllMeasuredPixels };
     let mut measurement = Measurement::new(fitted, &settings.options, &result);
+    measurement.limbs = fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into));
     let mut completed = Completed::default();
+    let mut arcs = Vec::new();
     if frame.mask.is_some() {
-        match fitter.extent(None, None) {
-            Ok(extent) => measurement.set_extent(&extent),
+        let options = ExtentOptions { image: fitter.image(), limbs_known: None };
+        match fitter.extent_and_arcs(None, None, &options) {
+            Ok((extent, found)) => {
+                measurement.set_extent(&extent);
+                arcs = found.concat();
+            }
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }
         let counts =
@@ -163,6 +168,8 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
             edges: fitter.segments(),
             cylinder: &result.cylinder,
             measurement: &measurement,
+            limbs: fitter.limbs(),
+            arcs: &arcs,
             completed: &completed.pixels,
         };
         overlay.write(&folder.join("overlay.png"))?;

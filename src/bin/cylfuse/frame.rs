@@ -109,8 +109,7 @@ impl Frame {
 
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
-        let intrinsics = self.camera.intrinsics();
-        (intrinsics.width as usize, intrinsics.height as usize)
+        self.camera.size()
     }
 }
 

@@ -1,11 +1,14 @@
-//! The picture of a fit: the image with limb lines, ends, axis, given edges and completed surface.
+//! The picture of a fit: the image with limb lines, ends, axis, given edges, completed surface, and the samples of limbs
+//! and ends that were used and refused.
 
 use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, text_width};
 use crate::failure::Failure;
 use crate::fit::write_file;
 use crate::frame::Frame;
 use crate::report::Measurement;
+use cylfuse::extent::ArcSample;
 use cylfuse::geometry::{Cylinder, LimbFrame, Line, any_orthogonal};
+use cylfuse::limb_location::{LimbObservation, LimbSample};
 use cylfuse::observations::EdgeSegment;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use nalgebra::{Vector2, Vector3};
@@ -18,12 +21,17 @@ const EDGES: Color = [255, 150, 20, 255];
 const ENDS: Color = [255, 240, 80, 255];
 const AXIS: Color = [255, 255, 255, 220];
 const SURFACE: Color = [40, 150, 255, 70];
+const USED: Color = [120, 255, 120, 255];
+const REFUSED: Color = [255, 70, 190, 255];
+const END_SAMPLES: Color = [255, 255, 255, 255];
 const PAPER: [u8; 3] = [235, 238, 242];
 const GREY: [u8; 3] = [165, 172, 180];
 
 const LIMB_PEN: Pen = Pen { color: LIMBS, width: 1.8, dash: None };
 // Wide and below the limbs, which nearly cover it where the fit is good.
 const EDGE_PEN: Pen = Pen { color: EDGES, width: 5.0, dash: None };
+// Dashed and above the limbs, which nearly coincide with it where the fit is good.
+const LOCATED_PEN: Pen = Pen { color: USED, width: 1.8, dash: Some([5.0, 7.0]) };
 const END_PEN: Pen = Pen { color: ENDS, width: 2.0, dash: None };
 const HIDDEN_END_PEN: Pen = Pen { color: [255, 240, 80, 150], width: 1.4, dash: Some([6.0, 5.0]) };
 const AXIS_PEN: Pen = Pen { color: AXIS, width: 1.2, dash: Some([12.0, 6.0]) };
@@ -40,6 +48,12 @@ const CIRCLE_SAMPLES: usize = 720;
 /// Without an extent the limbs are drawn this many times the distance of the axis to either side.
 const ENDLESS: f64 = 3.0;
 
+/// Radius of the dot of a sample of a limb.
+const LIMB_SAMPLE: f32 = 2.4;
+
+/// The same of an end, where the samples lie close together.
+const END_SAMPLE: f32 = 1.4;
+
 /// Distance of the middle of a label from the end that it names, on a picture of the ordinary width.
 const LABEL_DISTANCE: f64 = 26.0;
 
@@ -53,6 +67,10 @@ pub struct Overlay<'a> {
     pub cylinder: &'a Cylinder,
     /// Its extent and numbers.
     pub measurement: &'a Measurement,
+    /// What the image shows of the limbs.
+    pub limbs: Option<&'a [LimbObservation; 2]>,
+    /// The places of the ends in the image.
+    pub arcs: &'a [ArcSample],
     /// The pixels (column, row) with completed points.
     pub completed: &'a [(u32, u32)],
 }
@@ -82,6 +100,7 @@ impl Overlay<'_> {
         }
         self.draw_lines(&mut canvas);
         self.draw_ends(&mut canvas);
+        self.draw_samples(&mut canvas);
         draw_caption(&mut canvas, &lines);
         canvas.into_rgb()
     }
@@ -128,6 +147,31 @@ impl Overlay<'_> {
             for line in &limbs.limb_lines() {
                 draw(line, LIMB_PEN);
             }
+        }
+    }
+
+    /// The samples of limbs and ends, and the lines located through them.
+    fn draw_samples(&self, canvas: &mut Canvas) {
+        let camera = &self.frame.camera;
+        let place = |ideal: &Vector2<f64>| camera.project(&camera.ideal_ray(ideal));
+        for limb in self.limbs.into_iter().flatten() {
+            if let (Ok(line), [first, .., last]) = (limb.line, &limb.samples[..]) {
+                let along = (line.ends[1] - line.ends[0]).normalize();
+                let foot =
+                    |sample: &LimbSample| line.ends[0] + along * (sample.position - line.ends[0]).dot(&along);
+                let (from, to) = (foot(first), foot(last));
+                let sample = |k: usize| place(&from.lerp(&to, k as f64 / LINE_SAMPLES as f64));
+                canvas.polyline((0..=LINE_SAMPLES).map(sample), LOCATED_PEN);
+            }
+            for sample in &limb.samples {
+                let color = if limb.uses(sample) { USED } else { REFUSED };
+                if let Some(at) = place(&sample.position) {
+                    canvas.dot(&at, LIMB_SAMPLE, color);
+                }
+            }
+        }
+        for sample in self.arcs {
+            canvas.dot(&sample.pixel, END_SAMPLE, END_SAMPLES);
         }
     }
 
@@ -191,6 +235,19 @@ impl Overlay<'_> {
         if !self.completed.is_empty() {
             items.push(Item::Area("completed surface", SURFACE));
         }
+        items.push(Item::Break);
+        if self.limbs.is_some() {
+            items.push(Item::Line("located limbs", LOCATED_PEN));
+            items.push(Item::Dots("limb samples used", LIMB_SAMPLE, USED));
+            items.push(Item::Dots("refused", LIMB_SAMPLE, REFUSED));
+        }
+        if !self.arcs.is_empty() {
+            items.push(Item::Dots("end samples", END_SAMPLE, END_SAMPLES));
+        }
+        // A break with nothing behind it would be an empty line.
+        if matches!(items.last(), Some(Item::Break)) {
+            items.pop();
+        }
         items
     }
 }
@@ -215,6 +272,7 @@ enum Item {
     Plain(String),
     Line(&'static str, Pen),
     Area(&'static str, Color),
+    Dots(&'static str, f32, Color),
     Break,
 }
 
@@ -228,7 +286,7 @@ impl Item {
     fn width(&self) -> u32 {
         match self {
             Item::Strong(text) | Item::Plain(text) => text_width(text),
-            Item::Line(text, _) | Item::Area(text, _) => SAMPLE + text_width(text),
+            Item::Line(text, _) | Item::Area(text, _) | Item::Dots(text, ..) => SAMPLE + text_width(text),
             Item::Break => 0,
         }
     }
@@ -270,6 +328,12 @@ fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
                 }
                 Item::Area(text, [r, g, b, _]) => {
                     canvas.bar((left, middle - 6.0), (right - left, 12.0), [*r, *g, *b, 200]);
+                    canvas.text((x + SAMPLE, y), text, PAPER, false);
+                }
+                Item::Dots(text, radius, color) => {
+                    for k in 0..3 {
+                        canvas.mark((left + 4.0 + 8.0 * k as f32, middle), *radius, *color);
+                    }
                     canvas.text((x + SAMPLE, y), text, PAPER, false);
                 }
                 Item::Break => {}

@@ -6,7 +6,8 @@ use cylfuse::extent::{EndState, Extent};
 use cylfuse::fitter::{
     FitResult, Flags, Method, ObjectiveKind, Options, RadiusComparison, StartKind, Uncertainty,
 };
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{Cylinder, CylinderLimits};
+use cylfuse::limb_location::{LimbObservation, NotVisible};
 use cylfuse::observations::Dropped;
 use cylfuse::solver::Termination;
 use nalgebra::Vector3;
@@ -58,6 +59,8 @@ pub struct Measurement {
     pub extent: Option<ExtentValues>,
     /// How the fit went.
     pub result: ResultValues,
+    /// What the image shows of the two limbs; none when it was not searched.
+    pub limbs: Option<[LimbValues; 2]>,
     /// Which points were fitted.
     pub fitted: Fitted,
     /// What became of the pixels of the mask; none without one.
@@ -173,6 +176,52 @@ impl ExtentValues {
     }
 }
 
+/// What was seen of one limb.
+#[derive(Debug, Serialize)]
+pub struct LimbValues {
+    /// The line; none when it was not located.
+    line: Option<LineValues>,
+    /// Why there is no line.
+    not_visible: Option<&'static str>,
+    samples_used: usize,
+    samples_refused: usize,
+    /// Standard deviation of the blur of the image in pixels.
+    blur: Option<f64>,
+}
+
+/// A line by two points whose errors across it are independent.
+#[derive(Debug, Serialize)]
+struct LineValues {
+    /// In pixels without distortion.
+    ends: [[f64; 2]; 2],
+    /// Standard deviation of either end across the line, in pixels.
+    sigma: f64,
+}
+
+impl From<&LimbObservation> for LimbValues {
+    fn from(limb: &LimbObservation) -> Self {
+        let used = limb.samples.iter().filter(|sample| limb.uses(sample)).count();
+        Self {
+            line: limb
+                .line
+                .ok()
+                .map(|line| LineValues { ends: line.ends.map(Into::into), sigma: line.sigma }),
+            not_visible: limb.line.err().map(|reason| match reason {
+                NotVisible::NoLimbs => "no_limbs",
+                NotVisible::TooShort => "too_short",
+                NotVisible::NoEdge => "no_edge",
+                NotVisible::OutOfReach => "out_of_reach",
+                NotVisible::Uncertain => "uncertain",
+                NotVisible::Patchy => "patchy",
+                NotVisible::SameLine => "same_line",
+            }),
+            samples_used: used,
+            samples_refused: limb.samples.len() - used,
+            blur: limb.blur,
+        }
+    }
+}
+
 /// What became of the pixels of the mask.
 #[derive(Debug, Serialize)]
 pub struct CompletionValues {
@@ -214,9 +263,31 @@ pub struct ResultValues {
     gradient_norm: f64,
     step_norm: Option<f64>,
     radii: Option<RadiiValues>,
+    /// What the cylinder keeps; none without limits.
+    limits: Option<LimitsValues>,
     start: CylinderValues,
     start_kind: &'static str,
     flags: Vec<String>,
+}
+
+/// Limits of radius and axis; an infinite radius is null.
+#[derive(Debug, Serialize)]
+struct LimitsValues {
+    radius_min: f64,
+    radius_max: f64,
+    axis: Option<[f64; 3]>,
+    axis_max_angle_degrees: Option<f64>,
+}
+
+impl LimitsValues {
+    fn new(limits: &CylinderLimits) -> Option<Self> {
+        (*limits != CylinderLimits::default()).then(|| Self {
+            radius_min: limits.radius_min,
+            radius_max: limits.radius_max,
+            axis: limits.axis.map(|cone| cone.direction.into()),
+            axis_max_angle_degrees: limits.axis.map(|cone| cone.max_angle.to_degrees()),
+        })
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -260,6 +331,7 @@ impl Measurement {
             cylinder: (&result.cylinder).into(),
             uncertainty: result.uncertainty.as_ref().map(UncertaintyValues::from),
             extent: None,
+            limbs: None,
             result: ResultValues::new(options, result),
             fitted,
             completion: None,
@@ -357,6 +429,7 @@ impl ResultValues {
             gradient_norm: result.gradient_norm,
             step_norm: iterated.then_some(result.step_norm),
             radii: result.radii.as_ref().map(RadiiValues::from),
+            limits: LimitsValues::new(&options.cylinder_limits),
             start: (&result.start).into(),
             start_kind: match result.start_kind {
                 StartKind::Auto => "auto",
@@ -388,6 +461,8 @@ fn doubt(flag: Flags, result: &FitResult) -> String {
         Flags::NOT_CONVERGED => "not converged; allow more iterations",
         Flags::HIDDEN_WALL => "most points lie on the wall that the camera cannot see",
         Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",
+        Flags::RADIUS_AT_LIMIT => "a limit holds the radius: the data want another one",
+        Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone: the data want another one",
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }

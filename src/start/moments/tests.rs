@@ -74,7 +74,7 @@ fn points_without_noise_give_the_cylinder_whatever_the_arc_the_place_and_the_uni
             let mut expected = oblique();
             expected.axis.point = expected.axis.point * scale + offset;
             expected.radius *= scale;
-            let fit = moments_of(&points).unwrap().best().unwrap();
+            let fit = moments_of(&points).unwrap().best(None).unwrap();
             let difference = expected.compare(&fit.cylinder);
             assert!(difference.radius_relative.abs() < tolerance, "{half_angle} {difference:?}");
             assert!(difference.angle < tolerance, "{half_angle} {difference:?}");
@@ -91,7 +91,7 @@ fn newton_goes_downhill_from_everywhere_and_ends_in_one_of_the_minima() {
     let moments = moments_of(&points).unwrap();
     let minima = moments.minima(DEFAULT_SEEDS);
     assert!(!minima.is_empty() && minima.is_sorted_by(|a, b| a.distance_rms() <= b.distance_rms()));
-    assert_eq!(moments.best().unwrap(), minima[0]);
+    assert_eq!(moments.best(None).unwrap(), minima[0]);
     for direction in half_sphere(50) {
         let start = moments.evaluate(&direction).unwrap();
         let end = moments.refine(&direction).unwrap();
@@ -121,7 +121,7 @@ fn newton_leaves_a_saddle() {
     let (gradient, hessian) = moments.derivatives(&end).unwrap();
     assert!(gradient.norm() < 1e-12 && hessian.symmetric_eigenvalues().min() > 0.01);
     assert!(end.mean_square < slice.mean_square);
-    let best = moments.best().unwrap();
+    let best = moments.best(None).unwrap();
     assert!(best.cylinder.axis.direction.z.abs() > 1.0 - 1e-12);
     assert!((best.cylinder.radius - 1.0).abs() < 1e-12);
 }
@@ -129,7 +129,7 @@ fn newton_leaves_a_saddle() {
 #[test]
 fn five_points_are_enough_and_fewer_are_not() {
     let (points, _) = Arc { points: 5, ..Arc::default() }.sample(5);
-    let best = moments_of(&points).unwrap().best().unwrap();
+    let best = moments_of(&points).unwrap().best(None).unwrap();
     for p in &points {
         assert!(best.cylinder.distance(p).abs() < 1e-9 * best.cylinder.radius);
     }

@@ -1,6 +1,6 @@
 //! Hypotheses from random samples.
 
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::{AxisCone, Cylinder, Line};
 use crate::start::moments::Moments;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -31,6 +31,8 @@ pub(super) struct Sampler<'a> {
     /// Root mean square distance of the points from their mean.
     pub size: f64,
     pub observer_at_origin: bool,
+    /// The directions that an axis may have, if not all.
+    pub cone: Option<&'a AxisCone>,
 }
 
 impl Sampler<'_> {
@@ -46,8 +48,15 @@ impl Sampler<'_> {
     fn draw_oriented(&self, normals: &[Vector3<f64>], rng: &mut ChaCha8Rng) -> Option<Cylinder> {
         let [i, j] = [0; 2].map(|_| below(rng, self.points.len()));
         let (p, q) = (self.points[i], self.points[j]);
-        let (along_p, along_q) = (normals[i].normalize(), normals[j].normalize());
-        let direction = along_p.cross(&along_q);
+        let (mut along_p, mut along_q) = (normals[i].normalize(), normals[j].normalize());
+        let mut direction = along_p.cross(&along_q);
+        if let (Some(cone), Some(unit)) = (self.cone, direction.try_normalize(0.0)) {
+            // The normals of a cylinder about the nearest direction that is allowed.
+            let axis = cone.nearest(&unit);
+            along_p = (along_p - axis * axis.dot(&along_p)).normalize();
+            along_q = (along_q - axis * axis.dot(&along_q)).normalize();
+            direction = along_p.cross(&along_q);
+        }
         let sine_squared = direction.norm_squared();
         // False for normals that vanish or are not finite.
         let determined = sine_squared > PARALLEL;
@@ -79,7 +88,9 @@ impl Sampler<'_> {
             }
         }
         let Some(moments) = Moments::new(sample.iter().map(|p| (*p, 1.0))) else { return Vec::new() };
-        let fits = moments.minima(SEEDS).into_iter().take(KEPT);
+        let minima =
+            self.cone.map_or_else(|| moments.minima(SEEDS), |cone| moments.minima_within(cone, SEEDS));
+        let fits = minima.into_iter().take(KEPT);
         fits.map(|fit| self.on_the_visible_wall(fit.cylinder, &sample)).collect()
     }
 

@@ -1,7 +1,7 @@
 //! The score of a cylinder and its local optimisation.
 
 use super::Candidate;
-use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
+use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, Tangent, TangentMap};
 use nalgebra::Vector3;
 
 /// Points between two looks at whether a score is lost.
@@ -29,8 +29,8 @@ pub(super) struct Scorer<'a> {
     pub center: Vector3<f64>,
     /// Root mean square distance of the points from their mean.
     pub size: f64,
-    /// Smallest and largest radius.
-    pub radius_limits: (f64, f64),
+    /// What every cylinder keeps.
+    pub limits: CylinderLimits,
 }
 
 /// Where a point lies in relation to a cylinder.
@@ -112,21 +112,10 @@ impl Scorer<'_> {
         median(self.points.iter().map(|p| surface.distance(p)).filter(|e| *e < self.threshold).collect())
     }
 
-    /// The cylinder with its radius moved into the limits and its axis moved as much, so that the surface
-    /// stays where it faces the points. `None` when the radius is not positive or not finite.
+    /// The cylinder moved into the limits; `None` when its radius is not positive or not finite.
     pub fn within_limits(&self, cylinder: &Cylinder) -> Option<Cylinder> {
-        let (least, most) = self.radius_limits;
-        let radius = cylinder.radius.clamp(least, most);
-        if !(radius > 0.0 && radius.is_finite()) {
-            return None;
-        }
-        let mut moved = Cylinder { radius, ..*cylinder };
-        let away = cylinder.axis.nearest_to(&self.center) - self.center;
-        let distance = away.norm();
-        if radius != cylinder.radius && distance > 0.0 {
-            moved.axis.point += away * ((radius - cylinder.radius) / distance);
-        }
-        Some(moved)
+        let moved = self.limits.nearest(cylinder, &self.center);
+        (moved.radius > 0.0 && moved.radius.is_finite()).then_some(moved)
     }
 
     /// Local optimisation, first with a wide threshold and then with the final one.
@@ -150,9 +139,8 @@ impl Scorer<'_> {
             for i in 0..5 {
                 matrix[(i, i)] += damping * matrix[(i, i)] + floor;
             }
-            let Some(factors) = matrix.cholesky() else { break };
-            let moved = self.within_limits(&frame.retract(&-factors.solve(&gradient)));
-            let trial = moved.and_then(|cylinder| {
+            let Some((_, moved)) = self.limits.step(&frame, &matrix, &gradient) else { break };
+            let trial = self.within_limits(&moved).and_then(|cylinder| {
                 self.score(&cylinder, best.score).map(|score| Candidate { cylinder, score })
             });
             let Some(trial) = trial else {

@@ -1,9 +1,13 @@
 use super::*;
-use crate::geometry::Cylinder;
+use crate::geometry::{AxisCone, Cylinder};
 use crate::start::clouds::{Arc, oblique};
 
 fn fixed(threshold: f64) -> RansacOptions {
     RansacOptions { threshold, ..RansacOptions::default() }
+}
+
+fn radius(radius_min: f64, radius_max: f64) -> CylinderLimits {
+    CylinderLimits { radius_min, radius_max, axis: None }
 }
 
 /// Asserts that two cylinders agree: radius and axis position relative to the radius, angle in radians.
@@ -120,7 +124,8 @@ fn limits_of_the_radius_hold() {
     let (points, normals) = Arc { noise: 2e-4, outliers: 0.1, ..Arc::default() }.sample(8);
     for (radius_min, radius_max) in [(0.0, 0.018), (0.023, 1.0), (0.0201, 0.0201), (0.019, 0.021)] {
         for normals in [None, Some(normals.as_slice())] {
-            let options = RansacOptions { radius_min, radius_max, ..RansacOptions::default() };
+            let options =
+                RansacOptions { limits: radius(radius_min, radius_max), ..RansacOptions::default() };
             let fit = ransac(&points, normals, true, &options).unwrap();
             assert!((radius_min..=radius_max).contains(&fit.cylinder.radius), "{fit:?}");
             assert!(oblique().compare(&fit.cylinder).angle < 0.05, "{fit:?}");
@@ -133,9 +138,28 @@ fn limits_of_the_radius_hold() {
     let plane = (0..3000)
         .map(|i| Vector3::new(f64::from(i % 50) * 0.006 - 0.1, f64::from(i / 50) * 0.005 - 0.2, 0.73));
     let scene: Vec<_> = points.iter().copied().chain(plane).collect();
-    let options = RansacOptions { radius_max: 0.1, ..fixed(6e-4) };
+    let options = RansacOptions { limits: radius(0.0, 0.1), ..fixed(6e-4) };
     let fit = ransac(&scene, None, true, &options).unwrap();
     assert_near(&oblique(), &fit.cylinder, 0.02);
+}
+
+#[test]
+fn the_axis_stays_in_its_cone() {
+    let (points, normals) = Arc { noise: 2e-4, outliers: 0.3, ..Arc::default() }.sample(14);
+    let truth = oblique().axis.direction;
+    let aside = crate::geometry::any_orthogonal(&truth).0;
+    for (off, max_angle) in [(0.0, 0.0), (0.0, 1e-3), (0.03, 0.02), (0.1, 0.3), (0.5, 0.2), (1.5, 1.0)] {
+        let direction = (truth * f64::cos(off) + aside * f64::sin(off)) * -7.0;
+        let cone = AxisCone { direction, max_angle };
+        let limits = CylinderLimits { axis: Some(cone), ..CylinderLimits::default() };
+        for normals in [None, Some(normals.as_slice())] {
+            let fit = ransac(&points, normals, true, &RansacOptions { limits, ..fixed(1e-3) }).unwrap();
+            assert!(cone.contains(&fit.cylinder.axis.direction), "{fit:?}");
+            if off <= max_angle {
+                assert_near(&oblique(), &fit.cylinder, 0.03);
+            }
+        }
+    }
 }
 
 #[test]
@@ -215,11 +239,11 @@ fn options_out_of_range_are_refused_with_their_value() {
         (RansacOptions { threshold: f64::NAN, ..good() }, "threshold is NaN"),
         (RansacOptions { confidence: 1.0, ..good() }, "confidence is 1"),
         (RansacOptions { confidence: f64::NAN, ..good() }, "confidence is NaN"),
-        (RansacOptions { radius_min: -0.5, ..good() }, "radius_min is -0.5"),
-        (RansacOptions { radius_min: f64::INFINITY, ..good() }, "radius_min is inf"),
-        (RansacOptions { radius_max: 0.0, ..good() }, "radius_max is 0"),
-        (RansacOptions { radius_min: 2.0, radius_max: 1.0, ..good() }, "radius_max is 1"),
-        (RansacOptions { radius_max: f64::NAN, ..good() }, "radius_max is NaN"),
+        (RansacOptions { limits: radius(-0.5, f64::INFINITY), ..good() }, "radius_min is -0.5"),
+        (RansacOptions { limits: radius(f64::INFINITY, f64::INFINITY), ..good() }, "radius_min is inf"),
+        (RansacOptions { limits: radius(0.0, 0.0), ..good() }, "radius_max is 0"),
+        (RansacOptions { limits: radius(2.0, 1.0), ..good() }, "radius_max is 1"),
+        (RansacOptions { limits: radius(0.0, f64::NAN), ..good() }, "radius_max is NaN"),
     ];
     for (options, text) in cases {
         let error = ransac(&points, None, true, &options).unwrap_err();
