@@ -4,7 +4,7 @@
 mod support;
 
 use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
 
@@ -71,7 +71,15 @@ fn coverage(case: &Case) -> [f64; 3] {
             let result = trial(&truth, case, seed as u64);
             let uncertainty = result.uncertainty.unwrap();
             let error = result.cylinder.radius - truth.radius;
-            counts[0] += usize::from(uncertainty.squared_distance(&truth) <= REGION);
+            // What is known takes degrees of freedom away.
+            let limits = &case.options.cylinder_limits;
+            let region = match (limits.fix_axis(), limits.fix_radius()) {
+                (true, true) => 5.991,
+                (true, false) => 7.815,
+                (false, true) => 9.488,
+                (false, false) => REGION,
+            };
+            counts[0] += usize::from(uncertainty.squared_distance(&truth) <= region);
             counts[1] += usize::from(error.abs() <= INTERVAL * uncertainty.radius());
             counts[2] += usize::from(result.radii.is_some_and(|radii| radii.z_score().abs() <= INTERVAL));
         }
@@ -120,6 +128,29 @@ fn fits_by_least_squares_are_covered() {
     assert_covers("paper", &paper);
     let options = Options { method: Method::Points, ..options };
     assert_covers("points", &Case { options, endpoint: None, ..paper });
+}
+
+#[test]
+fn a_known_radius_and_a_known_direction_have_no_uncertainty() {
+    let truth = can();
+    let axis = Some(AxisCone { direction: truth.axis.direction, max_angle: 0.0 });
+    let known = CylinderLimits { radius_min: truth.radius, radius_max: truth.radius, axis: None };
+    for limits in
+        [known, CylinderLimits { axis, ..CylinderLimits::default() }, CylinderLimits { axis, ..known }]
+    {
+        let options = Options { cylinder_limits: limits, ..fused(ObjectiveKind::Robust) };
+        let case = Case { options, points: 200, noise: COORDINATES, endpoint: Some(0.5) };
+        let uncertainty = trial(&truth, &case, 1).uncertainty.unwrap();
+        assert_eq!(uncertainty.radius() == 0.0, limits.fix_radius());
+        assert_eq!(uncertainty.direction() == 0.0, limits.fix_axis());
+        assert!(uncertainty.position() > 0.0 && uncertainty.covariance().iter().all(|x| x.is_finite()));
+        let mut other = truth;
+        other.radius *= 1.01;
+        assert_eq!(uncertainty.squared_distance(&other) == f64::INFINITY, limits.fix_radius());
+        let [region, ..] = coverage(&case);
+        println!("known radius {}, known direction {}: {region:.4}", limits.fix_radius(), limits.fix_axis());
+        assert!((0.94..=0.96).contains(&region), "{region}");
+    }
 }
 
 /// A fit of a dense cloud with noise, moved by an offset of the depth, and the segments of the true limbs.

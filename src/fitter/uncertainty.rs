@@ -3,10 +3,17 @@
 use super::problem::Problem;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
 use crate::residuals::Sandwich;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// The step of central differences in standard deviations: small against any curvature, large against rounding.
 const DIFFERENCE_STEP: f64 = 1e-3;
+
+/// An eigenvalue of the covariance below this part of the largest stands for something that is known: rounding leaves
+/// so much of 0.
+const SINGULAR: f64 = 1e-13;
+
+/// What is known may differ by rounding, in radians or units of the size of the data.
+const KNOWN_TO: f64 = 1e-9;
 
 /// Points and limbs disagree when their radii differ by more than this many standard deviations of the difference.
 /// Normal errors do that once in 16,000 fits; the noise of real depth has longer tails than its estimated scale and
@@ -22,8 +29,11 @@ impl Problem<'_> {
     pub fn uncertainty(&self, cylinder: &Cylinder) -> (Option<Uncertainty>, Option<RadiusComparison>) {
         let frame = LocalFrame::new(cylinder, &self.center, self.unit);
         let Some(sandwich) = self.sandwich(&frame) else { return (None, None) };
-        let uncertainty =
-            sandwich.covariance().map(|tangent| Uncertainty { frame, tangent, center: self.center });
+        let limits = &self.options.cylinder_limits;
+        let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
+        let uncertainty = sandwich
+            .covariance(&[false, false, axis, axis, radius])
+            .map(|tangent| Uncertainty { frame, tangent, center: self.center });
         let limbs = self.pixels.is_some();
         let radii = limbs.then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit)).flatten();
         (uncertainty, radii)
@@ -34,7 +44,8 @@ impl Problem<'_> {
 /// in the noise.
 ///
 /// It is that of the noise of the data, with the weights that the fit used and the correlation of the depth noise
-/// along the order of the points. Errors that all data share (calibration, registration, a scale of the depth, depth
+/// along the order of the points. A radius or a direction that the limits fix has none; a limit that a minimum lies on
+/// is not felt. Errors that all data share (calibration, registration, a scale of the depth, depth
 /// that is smeared at the limbs) are not in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
@@ -97,23 +108,33 @@ impl Uncertainty {
 
     /// How far another cylinder lies from the result, as a squared number of standard deviations (squared Mahalanobis
     /// distance). For the true cylinder it is χ² of 5 degrees of freedom: up to 11.07 is the 95 % region. Infinite when
-    /// the covariance is singular.
+    /// the other has another radius or direction than what is known.
     #[must_use]
     pub fn squared_distance(&self, other: &Cylinder) -> f64 {
         let difference = self.frame.difference(other);
-        self.tangent.cholesky().map_or(f64::INFINITY, |factor| difference.dot(&factor.solve(&difference)))
+        let SymmetricEigen { eigenvalues, eigenvectors } = self.tangent.symmetric_eigen();
+        let least = SINGULAR * eigenvalues.max();
+        let parts = eigenvectors.tr_mul(&difference);
+        let terms = parts.iter().zip(&eigenvalues).map(|(part, variance)| match *variance > least {
+            true => part * part / variance,
+            // What is known is not elsewhere.
+            false if part.abs() <= KNOWN_TO => 0.0,
+            false => f64::INFINITY,
+        });
+        terms.sum()
     }
 
     /// The cylinder that lies so many standard deviations away along five independent steps: for independent normal
-    /// numbers it is a draw from the distribution. `None` when the covariance is singular.
+    /// numbers it is a draw from the distribution.
     #[must_use]
-    pub fn displaced(&self, deviations: &[f64; 5]) -> Option<Cylinder> {
-        let step = self.tangent.cholesky()?.l() * Tangent::from(*deviations);
-        Some(self.frame.retract(&step))
+    pub fn displaced(&self, deviations: &[f64; 5]) -> Cylinder {
+        let SymmetricEigen { eigenvalues, eigenvectors } = self.tangent.symmetric_eigen();
+        let roots = eigenvalues.map(|variance| variance.max(0.0).sqrt());
+        self.frame.retract(&(eigenvectors * roots.component_mul(&Tangent::from(*deviations))))
     }
 
     /// The covariance of whatever follows from the cylinder, to first order; `None` where `function` is for a
-    /// neighbouring cylinder, or when the covariance is singular.
+    /// neighbouring cylinder.
     pub fn propagate<const N: usize>(
         &self,
         function: impl Fn(&Cylinder) -> Option<SVector<f64, N>>,
@@ -123,7 +144,7 @@ impl Uncertainty {
             let at = |size: f64| {
                 let mut deviations = [0.0; 5];
                 deviations[k] = size;
-                function(&self.displaced(&deviations)?)
+                function(&self.displaced(&deviations))
             };
             let change = (at(DIFFERENCE_STEP)? - at(-DIFFERENCE_STEP)?) / (2.0 * DIFFERENCE_STEP);
             covariance += change * change.transpose();
@@ -255,7 +276,7 @@ mod tests {
     #[test]
     fn the_squared_distance_counts_standard_deviations() {
         let uncertainty = uncertainty();
-        let moved = uncertainty.displaced(&[0.0, 6e-4, 0.0, -8e-4, 0.0]).unwrap();
+        let moved = uncertainty.displaced(&[0.0, 6e-4, 0.0, -8e-4, 0.0]);
         assert!((uncertainty.squared_distance(&moved) - 1e-6).abs() < 1e-10);
         let mut turned = moved;
         turned.axis.direction = -turned.axis.direction;

@@ -135,6 +135,12 @@ impl CylinderLimits {
         self.radius_min == self.radius_max
     }
 
+    /// Whether the limits leave one direction only.
+    #[must_use]
+    pub fn fix_axis(&self) -> bool {
+        self.cone().is_some_and(|cone| cone.max_angle == 0.0)
+    }
+
     /// Whether a cylinder keeps the limits.
     #[must_use]
     pub fn contain(&self, cylinder: &Cylinder) -> bool {

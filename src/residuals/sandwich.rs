@@ -49,11 +49,21 @@ impl Sandwich {
         self.points.derivative + self.edges.derivative
     }
 
-    /// The covariance of the minimum, A⁻¹ B A⁻¹; `None` where the data do not determine all five degrees of freedom.
+    /// The covariance of the minimum, A⁻¹ B A⁻¹, over the degrees of freedom that are not `known`; these have none.
+    /// `None` where the data do not determine the others.
     #[must_use]
-    pub fn covariance(&self) -> Option<TangentMap> {
-        let inverse = self.derivative().cholesky()?.inverse();
-        let covariance = inverse * (self.points.covariance + self.edges.covariance) * inverse;
+    pub fn covariance(&self, known: &[bool; 5]) -> Option<TangentMap> {
+        let (mut derivative, mut of_gradient) =
+            (self.derivative(), self.points.covariance + self.edges.covariance);
+        for k in (0..5).filter(|&k| known[k]) {
+            for matrix in [&mut derivative, &mut of_gradient] {
+                matrix.fill_row(k, 0.0);
+                matrix.fill_column(k, 0.0);
+            }
+            derivative[(k, k)] = 1.0;
+        }
+        let inverse = derivative.cholesky()?.inverse();
+        let covariance = inverse * of_gradient * inverse;
         let covariance = (covariance + covariance.transpose()) * 0.5;
         covariance.iter().all(|x| x.is_finite()).then_some(covariance)
     }
