@@ -43,6 +43,64 @@ pub fn solution(folder: &Path, edge_weight: f64) -> Value {
     solutions.iter().find(|s| s["edge_weight"].as_f64() == Some(edge_weight)).unwrap().clone()
 }
 
+/// What a frame holds as input, decoded.
+#[derive(Clone)]
+pub struct Inputs {
+    pub intrinsics: Intrinsics,
+    pub size: (usize, usize),
+    pub depth: Vec<u16>,
+    pub depth_scale: f64,
+    pub mask: Vec<u8>,
+    pub image: Vec<u8>,
+    pub edges: Vec<EdgeSegment>,
+}
+
+impl Inputs {
+    pub fn read(folder: &Path) -> Self {
+        let frame = json(&folder.join("frame.json"));
+        let camera = &frame["camera"];
+        let number = |key: &str| camera[key].as_f64().unwrap();
+        let coefficients: Vec<f64> =
+            camera["distortion"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        let open = |key: &str| image::open(folder.join(frame[key].as_str().unwrap())).unwrap();
+        let (depth, mask) = (open("depth").into_luma16(), open("mask").into_luma8());
+        let end = |q: &Value| Vector2::new(q[0].as_f64().unwrap(), q[1].as_f64().unwrap());
+        let edge = |e: &Value| EdgeSegment { endpoints: [end(&e[0]), end(&e[1])], weight: 1.0 };
+        Self {
+            intrinsics: Intrinsics {
+                width: number("width") as u32,
+                height: number("height") as u32,
+                fx: number("fx"),
+                fy: number("fy"),
+                cx: number("cx"),
+                cy: number("cy"),
+                distortion: Distortion::brown_conrady(&coefficients).unwrap(),
+            },
+            size: (depth.width() as usize, depth.height() as usize),
+            depth: depth.into_raw(),
+            depth_scale: frame["depth_scale"].as_f64().unwrap(),
+            mask: mask.into_raw(),
+            image: open("image").into_luma8().into_raw(),
+            edges: frame["edges"].as_array().unwrap().iter().map(edge).collect(),
+        }
+    }
+
+    /// A fitter with camera, depth and mask.
+    pub fn fitter(&self) -> Fitter {
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(self.intrinsics).unwrap();
+        let depth = DepthView::from_u16(&self.depth, self.size, self.depth_scale).unwrap();
+        let mask = MaskView::from_u8(&self.mask, self.size).unwrap();
+        fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+        fitter
+    }
+
+    /// Gives the image to a fitter.
+    pub fn push_image(&self, fitter: &mut Fitter) {
+        fitter.push_image(&ImageView::from_u8(&self.image, self.size).unwrap()).unwrap();
+    }
+}
+
 /// A fitter with everything in a frame but its image.
 pub fn fitter(folder: &Path) -> Fitter {
     fitter_with_edges(folder, true)
@@ -50,48 +108,15 @@ pub fn fitter(folder: &Path) -> Fitter {
 
 /// The same, with or without the edges.
 pub fn fitter_with_edges(folder: &Path, with_edges: bool) -> Fitter {
-    let frame = json(&folder.join("frame.json"));
-    let camera = &frame["camera"];
-    let number = |key: &str| camera[key].as_f64().unwrap();
-    let coefficients: Vec<f64> =
-        camera["distortion"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-    let mut fitter = Fitter::new();
-    fitter
-        .set_intrinsics(Intrinsics {
-            width: number("width") as u32,
-            height: number("height") as u32,
-            fx: number("fx"),
-            fy: number("fy"),
-            cx: number("cx"),
-            cy: number("cy"),
-            distortion: Distortion::brown_conrady(&coefficients).unwrap(),
-        })
-        .unwrap();
-    let open = |key: &str| image::open(folder.join(frame[key].as_str().unwrap())).unwrap();
-    let (depth, mask) = (open("depth").into_luma16(), open("mask").into_luma8());
-    let size = (depth.width() as usize, depth.height() as usize);
-    let scale = frame["depth_scale"].as_f64().unwrap();
-    let depth = DepthView::from_u16(&depth, size, scale).unwrap();
-    let mask = MaskView::from_u8(&mask, size).unwrap();
-    fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
-    if !with_edges {
-        return fitter;
+    let inputs = Inputs::read(folder);
+    let mut fitter = inputs.fitter();
+    if with_edges {
+        fitter.push_edges(&inputs.edges).unwrap();
     }
-    let end = |q: &Value| Vector2::new(q[0].as_f64().unwrap(), q[1].as_f64().unwrap());
-    let edges: Vec<EdgeSegment> = frame["edges"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|edge| EdgeSegment { endpoints: [end(&edge[0]), end(&edge[1])], weight: 1.0 })
-        .collect();
-    fitter.push_edges(&edges).unwrap();
     fitter
 }
 
 /// Gives the image of a frame to its fitter.
 pub fn push_image(fitter: &mut Fitter, folder: &Path) {
-    let frame = json(&folder.join("frame.json"));
-    let image = image::open(folder.join(frame["image"].as_str().unwrap())).unwrap().into_luma8();
-    let size = (image.width() as usize, image.height() as usize);
-    fitter.push_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();
+    Inputs::read(folder).push_image(fitter);
 }
