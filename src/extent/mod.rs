@@ -16,11 +16,15 @@ use crate::end_location::{EndSearch, depth_tolerance, extreme_ends, locate_ends}
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::fitter::ExtentRule;
-use crate::fitter::Fitter;
+use crate::fitter::{FitResult, Fitter};
 use crate::geometry::Cylinder;
 use crate::observations::{GreyImage, MaskView};
 use nalgebra::Vector3;
 pub use uncertainty::ExtentUncertainty;
+
+/// Limbs that pass that near to the segments, root mean square in pixels, are taken as known: twice what a hand-set edge
+/// is off.
+const KNOWN_PIXELS: f64 = 1.0;
 
 /// The settings of the extent.
 #[derive(Debug, Clone, Copy, Default)]
@@ -28,7 +32,8 @@ pub struct ExtentOptions<'a> {
     /// The grey image, on the grid of the mask.
     pub image: Option<&'a GreyImage>,
     /// Whether the limbs of the model are good to a fraction of a pixel, so that the bias of the mask may be
-    /// read off at them. `None`: when the last fit used edge segments.
+    /// read off at them. `None`: when the last fit located a limb in the image, or passes within a pixel of the given
+    /// segments.
     pub limbs_known: Option<bool>,
 }
 
@@ -110,9 +115,12 @@ impl Fitter {
             depth: self.depth(),
             image: options.image,
             tolerance: depth_tolerance(self.cloud(), &cylinder),
-            limbs_known: options
-                .limbs_known
-                .unwrap_or_else(|| self.result().is_some_and(|result| result.segments_used > 0)),
+            limbs_known: options.limbs_known.unwrap_or_else(|| {
+                let near = |rms: f64| rms <= KNOWN_PIXELS;
+                let known =
+                    |result: &FitResult| result.limbs_located > 0 || result.edge_rms_pixels.is_some_and(near);
+                self.result().is_some_and(known)
+            }),
         };
         let locates_ends = self.options().locates_ends();
         let ends =

@@ -147,8 +147,7 @@ mod tests {
         depth.iter_mut().for_each(|z| *z += 2e-3 * normal(&mut rng) as f32);
         let mut fitter = Scene::fitter(&depth, &mask);
         let fit = fitter.fit().unwrap().uncertainty.unwrap();
-        let options =
-            ExtentOptions { image: Some(&image), limbs_known: Some(true), ..ExtentOptions::default() };
+        let options = ExtentOptions { image: Some(&image), limbs_known: Some(true) };
         let extent = fitter.extent_with(None, None, &options).unwrap();
         let uncertainty = extent.uncertainty.unwrap();
         let of_ends = extent.start_deviation.unwrap().powi(2) + extent.end_deviation.unwrap().powi(2);

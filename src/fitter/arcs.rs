@@ -33,7 +33,7 @@ impl Fitter {
             depth: self.depth.as_ref(),
             image: Some(image),
             tolerance: depth_tolerance(&self.cloud, cylinder),
-            limbs_known: problem.pixels.is_some(),
+            limbs_known: problem.has_limbs(),
         };
         let Some(ends) = locate_ends(&search, cylinder) else { return ArcTerm::default() };
         ArcTerm { ends: ends.iter().filter_map(|end| places(camera, cylinder, &end.samples)).collect() }

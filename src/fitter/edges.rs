@@ -25,13 +25,18 @@ impl UsableEdges {
             let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
             match (a, b) {
                 (Some((a, ray_a)), Some((b, ray_b))) if (a - b).norm() > 0.0 => {
-                    usable.segments.push(PixelSegment { endpoints: [a, b], weight: segment.weight });
+                    usable.segments.push(PixelSegment {
+                        endpoints: [a, b],
+                        weight: segment.weight,
+                        limb: None,
+                    });
                     usable.rays.push([ray_a, ray_b]);
                 }
                 _ => usable.flags |= Flags::SEGMENTS_UNUSABLE,
             }
         }
-        if let [first, second] = &usable.segments[..] {
+        if let [first, second] = &mut usable.segments[..] {
+            (first.limb, second.limb) = (Some(0), Some(1));
             let doubt = if coincide(first, second) {
                 Flags::EDGES_COINCIDE
             } else if cross(first, second) {

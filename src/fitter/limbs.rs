@@ -3,14 +3,35 @@
 use super::Fitter;
 use super::options::{EdgeUse, Method, ObjectiveKind, Options};
 use super::problem::Problem;
-use super::solve::ENDPOINT_PIXELS;
+use super::rough::{CONTRADICTION, GIVEN_DEVIATION, RoughFit};
+use super::solve::{ENDPOINT_PIXELS, Report};
+use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
-use crate::limb_location::{LimbObservation, LimbSearch, axial_range, locate_limbs};
+use crate::limb_location::{LimbObservation, LimbSearch, locate_limbs};
 use crate::residuals::PixelSegment;
+use crate::solver::Convergence;
 
-/// How far a limb may be from that of a fit to hand-set segments at most, and its standard deviation, in pixels.
-const REACH_PIXELS: f64 = 4.0;
-const DEVIATION_PIXELS: f64 = 1.0;
+/// How many standard deviations a limb may be from that of a rough fit at most.
+const REACH_DEVIATIONS: f64 = 4.0;
+
+/// The lines that a fit holds the limbs to.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Lines {
+    pub segments: Vec<PixelSegment>,
+    /// How many of them were located in the image.
+    pub located: usize,
+}
+
+/// The fit to the limbs that the image shows.
+pub(super) struct LocatedFit {
+    pub lines: Lines,
+    pub convergence: Convergence,
+    /// What the image shows of the limbs; `None` when it was not searched.
+    pub observations: Option<[LimbObservation; 2]>,
+}
+
+/// By limb: the line that the image shows.
+type Located = [Option<PixelSegment>; 2];
 
 impl Fitter {
     /// Whether the fit looks at the image.
@@ -19,25 +40,105 @@ impl Fitter {
         self.image.is_some() && *method == Method::Fused && *objective == ObjectiveKind::Robust
     }
 
-    /// What the image shows of the limbs near those of a fit to given segments; `None` when it is not to be searched.
-    pub(super) fn observe(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> Option<[LimbObservation; 2]> {
-        let (image, camera) = (self.image.as_ref()?, self.camera.as_ref()?);
-        if problem.pixels.is_none() || self.options.edge_use == EdgeUse::AsGiven {
+    /// Locates the limbs near those of a rough fit and fits again with them. A limb that is not seen, or that
+    /// contradicts the points, is left to what the rough fit held it to.
+    pub(super) fn fit_to_located(
+        &self,
+        problem: &mut Problem<'_>,
+        rough: &RoughFit,
+        report: Report<'_>,
+    ) -> Result<LocatedFit> {
+        let mut observations = self.observe(&rough.convergence.cylinder, rough, rough.deviation);
+        let mut located = observations.as_ref().map_or([None, None], lines_of);
+        let mut fit = None;
+        if let [Some(_), None] | [None, Some(_)] = located {
+            fit = problem.fit_to(&located, rough, report)?;
+            if let (Some(fit), Some(seen)) = (&fit, &mut observations)
+                && let Some(again) = self.observe(&fit.convergence.cylinder, rough, GIVEN_DEVIATION)
+            {
+                // One limb tells where to look for the other.
+                let missing = usize::from(located[0].is_some());
+                let [first, second] = again;
+                seen[missing] = if missing == 0 { first } else { second };
+                located = lines_of(seen);
+            }
+        }
+        if let [Some(_), Some(_)] = located {
+            fit = problem.fit_to(&located, rough, report)?;
+            if fit.is_none() {
+                // One of them is something else: the one that the points contradict more.
+                let first = problem.fit_to(&[located[0], None], rough, report)?;
+                let second = problem.fit_to(&[None, located[1]], rough, report)?;
+                fit = first.into_iter().chain(second).min_by(|a, b| a.scale.total_cmp(&b.scale));
+            }
+        }
+        let (lines, convergence) = match fit {
+            Some(fit) => (fit.lines, fit.convergence),
+            None => (lines(rough, &[None, None]), rough.convergence),
+        };
+        problem.hold_to(&lines.segments);
+        Ok(LocatedFit { lines, convergence, observations })
+    }
+
+    /// What the image shows of the limbs near those of a cylinder; `None` when it is not to be searched.
+    fn observe(&self, cylinder: &Cylinder, rough: &RoughFit, deviation: f64) -> Option<[LimbObservation; 2]> {
+        if self.options.edge_use == EdgeUse::AsGiven {
             return None;
         }
-        let endpoints = self.segments.iter().flat_map(|segment| segment.endpoints);
-        let range = axial_range(camera, cylinder, endpoints, 0.0)?;
-        let search = LimbSearch { range, reach: [REACH_PIXELS; 2], deviation: [DEVIATION_PIXELS; 2] };
+        let (image, camera, range) = (self.image.as_ref()?, self.camera.as_ref()?, rough.range?);
+        let search =
+            LimbSearch { range, reach: [REACH_DEVIATIONS * deviation; 2], deviation: [deviation; 2] };
         Some(locate_limbs(image, camera, cylinder, &search))
     }
 }
 
-/// The lines that were located, each weighed by its own standard deviation. A limb that is not seen is left to the
-/// given segment.
-pub(super) fn located_lines(observations: &[LimbObservation; 2]) -> Vec<PixelSegment> {
-    observations
-        .iter()
-        .filter_map(|limb| limb.line.as_ref().ok())
-        .map(|line| PixelSegment { endpoints: line.ends, weight: (ENDPOINT_PIXELS / line.sigma).powi(2) })
-        .collect()
+/// The lines that were located, each weighed by its own standard deviation.
+fn lines_of(observations: &[LimbObservation; 2]) -> Located {
+    [0, 1].map(|limb| {
+        let line = observations[limb].line.ok()?;
+        let weight = (ENDPOINT_PIXELS / line.sigma).powi(2);
+        Some(PixelSegment { endpoints: line.ends, weight, limb: Some(limb) })
+    })
+}
+
+/// A fit to one or two located limbs that the points do not contradict.
+struct Agreeing {
+    lines: Lines,
+    convergence: Convergence,
+    /// Scale of the points.
+    scale: f64,
+}
+
+impl Problem<'_> {
+    /// The fit to located limbs; `None` where they contradict the points.
+    fn fit_to(
+        &mut self,
+        located: &Located,
+        rough: &RoughFit,
+        report: Report<'_>,
+    ) -> Result<Option<Agreeing>> {
+        let before = &rough.convergence;
+        let lines = lines(rough, located);
+        self.hold_to(&lines.segments);
+        let minimum = self.minimise(&before.cylinder, report);
+        let checked = minimum.and_then(|minimum| self.check_radius(&minimum.cylinder).map(|()| minimum));
+        let mut convergence = match checked {
+            Ok(convergence) => convergence,
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(None),
+        };
+        convergence.add_work_of(before);
+        let scale = self.point_scale(&convergence.cylinder);
+        let agrees = scale <= CONTRADICTION * self.point_scale(&before.cylinder);
+        Ok(agrees.then_some(Agreeing { lines, convergence, scale }))
+    }
+}
+
+/// The lines of a fit: the located limbs, and the guides of the others.
+fn lines(rough: &RoughFit, located: &Located) -> Lines {
+    let of_limb = |limb: usize| match &located[limb] {
+        Some(line) => vec![*line],
+        None => rough.guides.of_limb(limb, located[1 - limb].as_ref()),
+    };
+    Lines { segments: [of_limb(0), of_limb(1)].concat(), located: located.iter().flatten().count() }
 }

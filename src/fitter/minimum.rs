@@ -1,7 +1,6 @@
 //! Which minimum is the right one: the candidates for the start one by one, and the near-wall rule.
 
 use super::problem::Problem;
-use super::result::Flags;
 use super::solve::Report;
 use super::starts::Candidate;
 use crate::error::{Error, Result};
@@ -15,14 +14,10 @@ const MOSTLY_VISIBLE: f64 = 0.8;
 /// The minimum that the first good candidate leads to. A candidate is good when its cost is finite, the radius
 /// does not run away and the points lie on the visible wall; the next one is tried only when it is not.
 pub(super) fn best_minimum(
-    problem: &mut Problem<'_>,
+    problem: &Problem<'_>,
     candidates: &[Candidate],
     report: Report<'_>,
 ) -> Result<(Candidate, Convergence)> {
-    if !candidates.iter().any(|candidate| problem.linearise(&candidate.cylinder).is_some()) {
-        let inside = candidates.iter().all(|candidate| candidate.cylinder.contains_origin());
-        problem.ignore_edges(if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND });
-    }
     let mut hidden: Option<(Candidate, Convergence)> = None;
     let mut failure = None;
     for candidate in candidates {

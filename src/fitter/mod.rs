@@ -2,11 +2,13 @@
 
 mod arcs;
 mod edges;
+mod guides;
 mod limbs;
 mod minimum;
 mod options;
 mod problem;
 mod result;
+mod rough;
 mod solve;
 mod starts;
 mod uncertainty;
@@ -25,12 +27,12 @@ use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
     PointsView, check_same_size, check_segments,
 };
-use crate::residuals::{ArcTerm, PixelSegment};
+use crate::residuals::ArcTerm;
 use crate::solver::{Convergence, Iteration, LeastSquares, Rank, Termination};
-use limbs::located_lines;
-use minimum::best_minimum;
+use limbs::Lines;
 use nalgebra::Vector3;
 use problem::Problem;
+use rough::CONTRADICTION;
 use starts::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -84,9 +86,9 @@ pub struct Fitter {
     mask: Option<Mask>,
     depth: Option<DepthImage>,
     image: Option<GreyImage>,
-    /// The limb lines that the last fit located in the image.
-    located: Vec<PixelSegment>,
-    /// The arcs of the ends that it located there.
+    /// What the last fit held the limbs to.
+    lines: Option<Lines>,
+    /// The arcs of the ends that it located in the image.
     arcs: ArcTerm,
     /// What the last fit saw of the limbs in the image.
     limbs: Option<[LimbObservation; 2]>,
@@ -113,6 +115,7 @@ impl Fitter {
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         self.options = options;
+        self.forget_held();
         Ok(())
     }
 
@@ -166,6 +169,7 @@ impl Fitter {
         self.cloud.push_depth(camera, depth, mask.as_ref(), range)?;
         self.depth = Some(image);
         self.mask = mask;
+        self.forget_held();
         Ok(())
     }
 
@@ -179,6 +183,7 @@ impl Fitter {
         let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
         self.segments.try_reserve(segments.len()).map_err(out_of_memory)?;
         self.segments.extend_from_slice(segments);
+        self.forget_held();
         Ok(())
     }
 
@@ -213,10 +218,15 @@ impl Fitter {
         self.mask = None;
         self.depth = None;
         self.image = None;
-        self.located.clear();
+        self.forget_held();
+        self.result = None;
+    }
+
+    /// Forgets what the last fit held the cylinder to: what it would be held to now is another matter.
+    fn forget_held(&mut self) {
+        self.lines = None;
         self.arcs = ArcTerm::default();
         self.limbs = None;
-        self.result = None;
     }
 
     /// Makes room for that many more points and segments.
@@ -261,7 +271,7 @@ impl Fitter {
     }
 
     /// What the last fit saw of the two limbs in the image, in the order of [`LimbFrame::limb_lines`]: lines, samples
-    /// used and refused. `None` when the image was not searched: without an image or usable edges, for edges as
+    /// used and refused. `None` when the image was not searched: without an image, for edges as
     /// given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
@@ -283,9 +293,9 @@ impl Fitter {
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
-        let mut problem = self.problem_without_located()?;
+        let mut problem = self.problem_of_data()?;
         let mut limbs = None;
-        let mut located = Vec::new();
+        let mut lines = Lines::default();
         if report(&Iteration::before_start()).is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
@@ -303,24 +313,29 @@ impl Fitter {
                 self.describe(&problem, &Candidate { kind: StartKind::Ransac, cylinder }, &cylinder)?
             }
             Method::Fused | Method::Points => {
-                let candidates = problem.candidates(self.start.as_ref())?;
-                let started = clock.elapsed().as_secs_f64();
                 problem.passing = self.locates();
-                let (start, mut convergence) = best_minimum(&mut problem, &candidates, report)?;
+                let rough = self.rough_fit(&mut problem, report)?;
+                let started = clock.elapsed().as_secs_f64();
+                let fit = self.fit_to_located(&mut problem, &rough, report)?;
+                let (start, mut convergence) = (rough.start, fit.convergence);
+                problem.limbs_located = fit.lines.located;
+                lines = fit.lines;
+                limbs = fit.observations;
                 if problem.passing {
-                    limbs = self.observe(&problem, &convergence.cylinder);
-                    located = limbs.as_ref().map_or(Vec::new(), located_lines);
-                    if !located.is_empty() {
-                        problem.add_located(&located);
-                        convergence = self.minimise_again(&problem, &convergence, report)?;
-                    }
+                    let scale = problem.point_scale(&convergence.cylinder);
                     for _ in 0..ARC_ROUNDS {
                         let before = convergence.cylinder;
                         problem.arcs = self.locate_arcs(&problem, &before);
                         if problem.arcs.ends.is_empty() {
                             break;
                         }
-                        convergence = self.minimise_again(&problem, &convergence, report)?;
+                        let after = self.minimise_again(&problem, &convergence, report)?;
+                        if problem.point_scale(&after.cylinder) > CONTRADICTION * scale {
+                            // Something else than the ends.
+                            problem.arcs = ArcTerm::default();
+                            break;
+                        }
+                        convergence = after;
                         if before.axis.angle(&convergence.cylinder.axis) < SETTLED_TURN {
                             break;
                         }
@@ -335,10 +350,10 @@ impl Fitter {
                 result
             }
         };
-        result.limbs_located = located.len();
+        result.limbs_located = lines.located;
         result.seconds.total = clock.elapsed().as_secs_f64();
         let arcs = std::mem::take(&mut problem.arcs);
-        self.located = located;
+        self.lines = Some(lines);
         self.arcs = arcs;
         self.limbs = limbs;
         self.result = Some(result);
@@ -354,9 +369,7 @@ impl Fitter {
     ) -> Result<Convergence> {
         let mut after = problem.minimise(&before.cylinder, report)?;
         problem.check_radius(&after.cylinder)?;
-        after.iterations += before.iterations;
-        after.rejected_steps += before.rejected_steps;
-        after.initial_cost = before.initial_cost;
+        after.add_work_of(before);
         Ok(after)
     }
 
@@ -378,13 +391,13 @@ impl Fitter {
         match kind {
             ResidualKind::Points => Ok(self.cloud.points().map(|p| cylinder.distance(&p)).collect()),
             ResidualKind::Edges => {
-                let problem = self.problem()?;
+                let problem = self.problem_of_data()?;
                 let Some(pixels) = &problem.pixels else { return Ok(Vec::new()) };
                 let distances = pixels.distances(&cylinder).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
                 })?;
-                Ok(distances.into_iter().take(problem.edges.segments.len()).flatten().collect())
+                Ok(distances.into_iter().flatten().collect())
             }
         }
     }
@@ -421,13 +434,16 @@ impl Fitter {
 
     /// What the last fit minimised at its end.
     fn problem(&self) -> Result<Problem<'_>> {
-        let mut problem = self.problem_without_located()?;
-        problem.add_located(&self.located);
+        let mut problem = self.problem_of_data()?;
+        if let Some(lines) = &self.lines {
+            problem.hold_to(&lines.segments);
+            problem.limbs_located = lines.located;
+        }
         problem.arcs.clone_from(&self.arcs);
         Ok(problem)
     }
 
-    fn problem_without_located(&self) -> Result<Problem<'_>> {
+    fn problem_of_data(&self) -> Result<Problem<'_>> {
         let Self { options, cloud, camera, segments, start, .. } = self;
         Problem::new(options, cloud, camera.as_ref(), segments, start.as_ref())
     }
@@ -459,11 +475,10 @@ impl Fitter {
         flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
         flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
         flags.set(Flags::POINTS_NOT_FINITE, self.cloud.dropped().not_finite > 0);
-        let distances = problem.pixels.as_ref().and_then(|pixels| pixels.distances(cylinder));
-        let edge_rms_pixels = distances.map(|distances| {
-            let given = &distances[..problem.edges.segments.len()];
-            let sum: f64 = given.iter().flatten().map(|d| d * d).sum();
-            (sum / (2 * given.len()) as f64).sqrt()
+        let given = problem.edges.pixel_term(self.camera.as_ref());
+        let edge_rms_pixels = given.and_then(|given| given.distances(cylinder)).map(|distances| {
+            let sum: f64 = distances.iter().flatten().map(|d| d * d).sum();
+            (sum / (2 * distances.len()) as f64).sqrt()
         });
         let canonical = problem.canonical(cylinder);
         let (uncertainty, radii) = problem.uncertainty(&canonical);
@@ -487,7 +502,7 @@ impl Fitter {
             dropped: *self.cloud.dropped(),
             segments_used: problem.segments_used(),
             segments_given: self.segments.len(),
-            limbs_located: self.located.len(),
+            limbs_located: self.lines.as_ref().map_or(0, |lines| lines.located),
             point_rms: energy_points.sqrt(),
             edge_rms_pixels,
             near_wall_fraction: walls.map(|walls| walls.fraction()),

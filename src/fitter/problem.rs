@@ -3,6 +3,7 @@
 use super::edges::UsableEdges;
 use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
 use super::result::Flags;
+use super::starts::Candidate;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
@@ -32,8 +33,10 @@ pub(super) struct Problem<'a> {
     pub points: PointTerm<'a>,
     /// The paper's edge term, where exactly two segments are usable.
     pub limbs: Option<LimbTerm>,
-    /// The pixel distances of the robust objective, where any segment is usable.
+    /// The pixel distances of the lines that the robust objective holds the limbs to: at first the usable segments.
     pub pixels: Option<PixelTerm>,
+    /// How many of these lines were located in the image.
+    pub limbs_located: usize,
     /// The arcs of the ends, for the robust objective.
     pub arcs: ArcTerm,
     /// Mean of the points.
@@ -41,8 +44,8 @@ pub(super) struct Problem<'a> {
     /// Root mean square distance of the points from their mean.
     pub unit: f64,
     pub near_wall: bool,
-    /// Whether the origin is known to be a camera.
-    pub has_camera: bool,
+    /// The camera at the origin, where there is one.
+    pub camera: Option<&'a Camera>,
     /// w_L, 0 where no edges count.
     pub edge_weight: f64,
     /// Whether the minimum is only a step on the way: what is located in the image from there moves it again.
@@ -114,11 +117,12 @@ impl<'a> Problem<'a> {
             points,
             limbs,
             pixels,
+            limbs_located: 0,
             arcs: ArcTerm::default(),
             center,
             unit,
             near_wall,
-            has_camera: camera.is_some(),
+            camera,
             edge_weight,
             passing: false,
         })
@@ -134,10 +138,22 @@ impl<'a> Problem<'a> {
         if self.has_edge_weight() && self.edge_weight == 0.0 { 0 } else { self.edges.segments.len() }
     }
 
-    /// Adds limb lines that were located in the image to the segments of the robust objective.
-    pub fn add_located(&mut self, located: &[PixelSegment]) {
-        if let Some(pixels) = &mut self.pixels {
-            pixels.extend(located);
+    /// Whether something that was seen in the image tells of the limbs: a mask is a hint only.
+    pub fn has_limbs(&self) -> bool {
+        self.pixels.is_some() && (self.limbs_located > 0 || !self.edges.segments.is_empty())
+    }
+
+    /// Holds the limbs to these lines and no others.
+    pub fn hold_to(&mut self, lines: &[PixelSegment]) {
+        let camera = self.camera.filter(|_| !lines.is_empty());
+        self.pixels = camera.map(|camera| PixelTerm::new(lines.to_vec(), camera.line_projection()));
+    }
+
+    /// Gives the edges up when no candidate has limbs that they could belong to.
+    pub fn ignore_edges_without_limbs(&mut self, candidates: &[Candidate]) {
+        if !candidates.iter().any(|candidate| self.linearise(&candidate.cylinder).is_some()) {
+            let inside = candidates.iter().all(|candidate| candidate.cylinder.contains_origin());
+            self.ignore_edges(if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND });
         }
     }
 

@@ -37,6 +37,11 @@ const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 const LONGEST_CORRELATION: usize = 11;
 
 impl Problem<'_> {
+    /// Whether the objective is the robust one.
+    pub fn is_robust(&self) -> bool {
+        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Robust
+    }
+
     /// Whether the objective is that of the paper (or its points alone).
     fn is_paper(&self) -> bool {
         self.options.method == Method::Points || self.options.objective == ObjectiveKind::Paper
@@ -125,9 +130,7 @@ impl Problem<'_> {
                 RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall);
             let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), &mut *report)?;
             if let Some(before) = &total {
-                round.iterations += before.iterations;
-                round.rejected_steps += before.rejected_steps;
-                round.initial_cost = before.initial_cost;
+                round.add_work_of(before);
             }
             cylinder = round.cylinder;
             let ran_away = round.termination == Termination::RadiusRanAway;
@@ -147,7 +150,7 @@ impl Problem<'_> {
             _ if !self.options.cylinder_limits.is_none() => Chart::Local,
             ChartChoice::Local => Chart::Local,
             ChartChoice::Orthonormal => Chart::Orthonormal,
-            ChartChoice::Auto if self.is_paper() && self.has_camera && !start.contains_origin() => {
+            ChartChoice::Auto if self.is_paper() && self.camera.is_some() && !start.contains_origin() => {
                 Chart::Orthonormal
             }
             ChartChoice::Auto => Chart::Local,
@@ -168,6 +171,11 @@ impl Problem<'_> {
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
         minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)
+    }
+
+    /// Scale of the point residuals of a cylinder.
+    pub fn point_scale(&self, cylinder: &Cylinder) -> f64 {
+        self.scales(cylinder).point
     }
 
     /// Scale of the point residuals by their median absolute deviation, and the number of independent points

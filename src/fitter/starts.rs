@@ -35,7 +35,7 @@ impl Problem<'_> {
         let found = |kind: StartKind, cylinder: Option<Cylinder>| {
             cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
         };
-        let sample = self.cloud.sample(SAMPLE);
+        let sample = self.start_sample();
         match self.options.start {
             StartKind::Model => found(StartKind::Model, given.copied()).ok_or(Error::BadState {
                 call: "fit from a given model",
@@ -55,6 +55,11 @@ impl Problem<'_> {
             }
             StartKind::Auto => self.choose(given, &sample),
         }
+    }
+
+    /// The points that starts are found from and judged on.
+    pub fn start_sample(&self) -> Vec<Vector3<f64>> {
+        self.cloud.sample(SAMPLE)
     }
 
     /// The cylinder moved into the limits of the iteration.

@@ -34,7 +34,7 @@ impl Problem<'_> {
         let uncertainty = sandwich
             .covariance(&[false, false, axis, axis, radius])
             .map(|tangent| Uncertainty { frame, tangent, center: self.center });
-        let limbs = self.pixels.is_some();
+        let limbs = self.has_limbs();
         let radii = limbs.then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit)).flatten();
         (uncertainty, radii)
     }

@@ -20,7 +20,7 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
-pub use region::{axial_range, sides_of_mask};
+pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};

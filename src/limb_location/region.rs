@@ -3,7 +3,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
-use crate::observations::Mask;
+use crate::observations::{DepthImage, Mask};
 use nalgebra::Vector2;
 
 /// The part of the length of the region, at either end, that is left out: rims and ragged ends.
@@ -11,6 +11,14 @@ const MARGIN: f64 = 0.15;
 
 /// Fewest positions along the axis that a side is drawn through.
 const LEAST_POSITIONS: usize = 8;
+
+/// How far beyond and inside the edge of a mask depths are compared, in pixels: the mask may be some pixels off, and
+/// depth is smeared for some more.
+const PROBES: [f64; 3] = [4.0, 6.0, 8.0];
+
+/// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
+/// cameras.
+const NEARER: f64 = 0.005;
 
 /// A side is drawn again through the positions within this many median distances, so that a piece that an
 /// occluder cuts off does not turn it.
@@ -48,65 +56,156 @@ pub fn axial_range(
     Some([low, high])
 }
 
-/// The two sides of a region along the axis of a rough cylinder, as segments in ideal pixels: a start for the
-/// search and for a fit, within some pixels of the limbs where the mask is. Only the direction of the axis in
-/// the image is taken from the cylinder. `None` when the axis cannot be seen or the region is too small.
-#[must_use]
-pub fn sides_of_mask(mask: &Mask, camera: &Camera, rough: &Cylinder) -> Option<[[Vector2<f64>; 2]; 2]> {
-    let boundary: Vec<Vector2<f64>> = mask
-        .set_pixels()
-        .filter(|&(x, y)| {
-            let inside = |x: usize, y: usize| mask.contains(x, y);
-            // Left of the first column and above the first row lies outside.
-            !(x > 0 && y > 0 && inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1))
-        })
-        .filter_map(|(x, y)| camera.ideal_pixel(&camera.unproject(&Vector2::new(x as f64, y as f64))?))
-        .collect();
-    if boundary.is_empty() {
-        return None;
-    }
-    let center = boundary.iter().sum::<Vector2<f64>>() / boundary.len() as f64;
-    // The image of the axis direction at the point of the axis that projects nearest to the region.
-    let ray = camera.ideal_ray(&center);
-    let across = ray - rough.axis.direction * ray.dot(&rough.axis.direction);
-    let nearest = ray * (rough.axis.nearest_to_origin().dot(&across) / across.norm_squared());
-    let step = rough.axis.direction * (1e-3 * nearest.norm());
-    let along = (camera.ideal_pixel(&(nearest + step))? - camera.ideal_pixel(&(nearest - step))?).normalize();
-    let normal = Vector2::new(-along.y, along.x);
-
-    let coordinates = boundary.iter().map(|p| ((p - center).dot(&along), (p - center).dot(&normal)));
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (s, _) in coordinates.clone() {
-        low = low.min(s);
-        high = high.max(s);
-    }
-    let margin = MARGIN * (high - low);
-    let (low, high) = (low + margin, high - margin);
-    let count = (high - low).floor();
-    if count.is_nan() || count < LEAST_POSITIONS as f64 {
-        return None;
-    }
-    let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; count as usize];
-    for (s, u) in coordinates {
-        if let Some(extreme) = ((s - low) >= 0.0).then(|| extremes.get_mut((s - low) as usize)).flatten() {
-            *extreme = [extreme[0].min(u), extreme[1].max(u)];
-        }
-    }
-    let side = |k: usize| {
-        let points: Vec<(f64, f64)> = extremes
-            .iter()
-            .enumerate()
-            .filter(|(_, extreme)| extreme[0] < extreme[1])
-            .map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k]))
-            .collect();
-        let (offset, slope) = robust_line(points)?;
-        Some([low, high].map(|s| center + along * s + normal * (offset + slope * s)))
-    };
-    Some([side(0)?, side(1)?])
+/// The outline of a region in ideal pixels, from which its sides are drawn.
+#[derive(Debug, Clone)]
+pub struct Outline {
+    pixels: Vec<OutlinePixel>,
+    center: Vector2<f64>,
 }
 
-/// u = offset + slope · s through most of the points.
-fn robust_line(mut points: Vec<(f64, f64)>) -> Option<(f64, f64)> {
+#[derive(Debug, Clone, Copy)]
+struct OutlinePixel {
+    position: Vector2<f64>,
+    /// Whether the region ends here for another reason than the limb: the image ends, or something in front covers
+    /// the rest.
+    cut: bool,
+}
+
+/// One side of a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Side {
+    /// Its ends in ideal pixels.
+    pub ends: [Vector2<f64>; 2],
+    /// Whether it is the border of the image or of something in front of the cylinder rather than a limb.
+    pub cut: bool,
+}
+
+impl Outline {
+    /// The outline of a mask; a depth image on the same grid tells where something in front ends it. `None` when no
+    /// pixel of it has a ray.
+    #[must_use]
+    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera) -> Option<Self> {
+        let (last_column, last_row) = (mask.width() - 1, mask.height() - 1);
+        let pixel = |(x, y): (usize, usize)| {
+            let at_border = x == 0 || y == 0 || x == last_column || y == last_row;
+            let position = camera.ideal_pixel(&camera.unproject(&Vector2::new(x as f64, y as f64))?)?;
+            let covered = || depth.is_some_and(|depth| covered(mask, depth, x, y));
+            Some(OutlinePixel { position, cut: at_border || covered() })
+        };
+        let inside = |x: usize, y: usize| mask.contains(x, y);
+        // Left of the first column and above the first row lies outside.
+        let surrounded = |&(x, y): &(usize, usize)| {
+            x > 0 && y > 0 && inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1)
+        };
+        let pixels: Vec<OutlinePixel> =
+            mask.set_pixels().filter(|at| !surrounded(at)).filter_map(pixel).collect();
+        let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
+        (!pixels.is_empty()).then_some(Self { pixels, center })
+    }
+
+    /// The two sides along the axis of a rough cylinder: a start for the search and for a fit, within some pixels of
+    /// the limbs where the mask is. Only the direction of the axis in the image is taken from the cylinder. `None`
+    /// when the axis cannot be seen or the region is too small.
+    #[must_use]
+    pub fn sides(&self, camera: &Camera, rough: &Cylinder) -> Option<[Side; 2]> {
+        let center = self.center;
+        let along = self.axis_in_image(camera, rough)?;
+        let normal = Vector2::new(-along.y, along.x);
+        let coordinates = |pixel: &OutlinePixel| {
+            let from_center = pixel.position - center;
+            (from_center.dot(&along), from_center.dot(&normal))
+        };
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (s, _) in self.pixels.iter().map(coordinates) {
+            low = low.min(s);
+            high = high.max(s);
+        }
+        let margin = MARGIN * (high - low);
+        let (low, high) = (low + margin, high - margin);
+        let count = (high - low).floor();
+        if count.is_nan() || count < LEAST_POSITIONS as f64 {
+            return None;
+        }
+        // By position along the axis and side: the outermost pixel, and whether it is cut.
+        let mut extremes = vec![[(f64::INFINITY, false), (f64::NEG_INFINITY, false)]; count as usize];
+        for pixel in &self.pixels {
+            let (s, u) = coordinates(pixel);
+            let Some([first, second]) = (s >= low).then(|| extremes.get_mut((s - low) as usize)).flatten()
+            else {
+                continue;
+            };
+            if u < first.0 {
+                *first = (u, pixel.cut);
+            }
+            if u > second.0 {
+                *second = (u, pixel.cut);
+            }
+        }
+        let side = |k: usize| {
+            let positions = extremes.iter().enumerate().filter(|(_, extreme)| extreme[0].0 < extreme[1].0);
+            let all: Vec<(f64, f64, bool)> =
+                positions.map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, extreme[k].1)).collect();
+            let whole = all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
+            let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect());
+            let (line, cut) = match robust_line(whole) {
+                Some(line) => (line, false),
+                None => (anyway()?, true),
+            };
+            let ends = line.range.map(|s| center + along * s + normal * (line.offset + line.slope * s));
+            Some(Side { ends, cut })
+        };
+        Some([side(0)?, side(1)?])
+    }
+
+    /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
+    fn axis_in_image(&self, camera: &Camera, rough: &Cylinder) -> Option<Vector2<f64>> {
+        let ray = camera.ideal_ray(&self.center);
+        let across = ray - rough.axis.direction * ray.dot(&rough.axis.direction);
+        let nearest = ray * (rough.axis.nearest_to_origin().dot(&across) / across.norm_squared());
+        let step = rough.axis.direction * (1e-3 * nearest.norm());
+        let difference = camera.ideal_pixel(&(nearest + step))? - camera.ideal_pixel(&(nearest - step))?;
+        difference.try_normalize(0.0)
+    }
+}
+
+/// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer
+/// than that inside.
+fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
+    let at = |from: (usize, usize), dx: f64, dy: f64| {
+        let (x, y) = ((from.0 as f64 + dx).round(), (from.1 as f64 + dy).round());
+        (x >= 0.0 && y >= 0.0).then_some((x as usize, y as usize))
+    };
+    let mut outward = Vector2::zeros();
+    for (dx, dy) in
+        [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)]
+    {
+        if !at((x, y), dx, dy).is_some_and(|(x, y)| mask.contains(x, y)) {
+            outward += Vector2::new(dx, dy).normalize();
+        }
+    }
+    let Some(outward) = outward.try_normalize(0.0) else { return false };
+    let middle = |side: f64| {
+        let places = PROBES.iter().filter_map(|&distance| {
+            let step = outward * (side * distance);
+            let (x, y) = at((x, y), step.x, step.y)?;
+            depth.depth(x, y)
+        });
+        let mut depths: Vec<f64> = places.collect();
+        depths.sort_by(f64::total_cmp);
+        depths.get(depths.len() / 2).copied()
+    };
+    middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER))
+}
+
+/// A line u = offset + slope · s and the s between which it was drawn.
+struct SideLine {
+    offset: f64,
+    slope: f64,
+    range: [f64; 2],
+}
+
+/// The line through most of the points.
+fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
     loop {
         if points.len() < LEAST_POSITIONS {
             return None;
@@ -126,7 +225,8 @@ fn robust_line(mut points: Vec<(f64, f64)>) -> Option<(f64, f64)> {
         // Half a pixel is the raster of the mask.
         points.retain(|p| distance(p) <= MEDIANS * median.max(0.5));
         if points.len() == before {
-            return Some((offset, slope));
+            let range = [points[0].0, points[points.len() - 1].0];
+            return Some(SideLine { offset, slope, range });
         }
     }
 }

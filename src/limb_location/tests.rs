@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::camera::{Distortion, Intrinsics};
-use crate::observations::{EdgeSegment, ImageView, Mask, MaskView};
+use crate::observations::{DepthImage, DepthView, EdgeSegment, ImageView, Mask, MaskView};
 use nalgebra::Vector3;
 
 const SIZE: (usize, usize) = (240, 180);
@@ -247,9 +247,10 @@ fn a_mask_and_segments_say_where_to_search() {
     let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1).map(|k| u8::from(on_surface(k % SIZE.0, k / SIZE.0))).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
 
-    let sides = sides_of_mask(&mask, &scene.camera, &scene.rough()).unwrap();
+    let sides =
+        Outline::new(&mask, None, &scene.camera).unwrap().sides(&scene.camera, &scene.rough()).unwrap();
     let limbs = [0, 1].map(|k| {
-        let line = LimbLine { ends: sides[k], sigma: 1.0 };
+        let line = LimbLine { ends: sides[k].ends, sigma: 1.0 };
         [0, 1].map(|limb| scene.errors(limb, &line).map(|(error, _)| error.abs()))
     });
     let near = |errors: &[f64; 2]| errors.iter().all(|&error| error < 1.5);
@@ -266,4 +267,43 @@ fn a_mask_and_segments_say_where_to_search() {
     let range = axial_range(&scene.camera, &scene.cylinder, segment.endpoints.into_iter(), 0.0).unwrap();
     assert!(range[0] < -0.05 && range[1] > 0.05, "{range:?}");
     assert_eq!(axial_range(&scene.camera, &scene.cylinder, std::iter::empty(), 0.1), None);
+}
+
+/// The sides of the scene where something in front of it covers the image right of a column from a row on.
+fn sides_behind(column: usize, row: usize) -> [Side; 2] {
+    let scene = Scene::new();
+    let axis = &scene.cylinder.axis;
+    let in_front = |x: usize, y: usize| x >= column && y >= row;
+    let hit = |x: usize, y: usize| {
+        let ray = scene.camera.unproject(&Vector2::new(x as f64, y as f64)).unwrap();
+        let hit = scene.cylinder.first_hit(&ray);
+        hit.filter(|p| (p - axis.point).dot(&axis.direction).abs() <= scene.range[1])
+    };
+    let pixels = (0..SIZE.0 * SIZE.1).map(|k| (k % SIZE.0, k / SIZE.0));
+    let bytes: Vec<u8> =
+        pixels.clone().map(|(x, y)| u8::from(!in_front(x, y) && hit(x, y).is_some())).collect();
+    let depth = |(x, y)| if in_front(x, y) { 0.4 } else { hit(x, y).map_or(2.0, |p| p.z as f32) };
+    let depths: Vec<f32> = pixels.map(depth).collect();
+    let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
+    let depth = DepthImage::copy(&DepthView::from_f32(&depths, SIZE, 1.0).unwrap()).unwrap();
+    let outline = Outline::new(&mask, Some(&depth), &scene.camera).unwrap();
+    outline.sides(&scene.camera, &scene.cylinder).unwrap()
+}
+
+#[test]
+fn the_edge_of_something_in_front_is_no_side() {
+    let scene = Scene::new();
+    let axis = scene.camera.project(&scene.cylinder.axis.point).unwrap();
+    let (column, row) = (axis.x as usize, axis.y as usize);
+    let right = |sides: &[Side; 2]| usize::from(sides[1].ends[0].x > sides[0].ends[0].x);
+    // The lower half is covered: the side follows the upper one.
+    let sides = sides_behind(column, row);
+    assert!(!sides[0].cut && !sides[1].cut, "{sides:?}");
+    let line = LimbLine { ends: sides[right(&sides)].ends, sigma: 1.0 };
+    let near = |limb: usize| scene.errors(limb, &line).iter().all(|(error, _)| error.abs() < 1.5);
+    assert!(near(0) || near(1), "{sides:?}");
+    // All of it is covered.
+    let sides = sides_behind(column, 0);
+    let right = right(&sides);
+    assert!(sides[right].cut && !sides[1 - right].cut, "{sides:?}");
 }

@@ -15,6 +15,17 @@ pub struct PixelSegment {
     pub endpoints: [Vector2<f64>; 2],
     /// How much it counts, 1 for an ordinary segment.
     pub weight: f64,
+    /// Segments with the same number, 0 or 1, lie on the same limb, those with different numbers on different
+    /// limbs; `None`: on either.
+    pub limb: Option<usize>,
+}
+
+impl PixelSegment {
+    /// The middle of the endpoints.
+    #[must_use]
+    pub fn middle(&self) -> Vector2<f64> {
+        (self.endpoints[0] + self.endpoints[1]) / 2.0
+    }
 }
 
 /// Any number of segments, each belonging to one of the limbs.
@@ -51,11 +62,6 @@ impl PixelTerm {
         Self { segments, line_projection }
     }
 
-    /// Adds segments behind those that are there.
-    pub fn extend(&mut self, segments: &[PixelSegment]) {
-        self.segments.extend_from_slice(segments);
-    }
-
     /// The segments.
     #[must_use]
     pub fn segments(&self) -> &[PixelSegment] {
@@ -88,12 +94,17 @@ impl PixelTerm {
         let sum = |rows: &[LimbRow; 2]| rows[0].0.abs() + rows[1].0.abs();
         let both: Vec<[[LimbRow; 2]; 2]> =
             self.segments.iter().map(|segment| [row(segment, 0), row(segment, 1)]).collect();
-        // Two segments are the two limbs (17)–(20); any other number choose one by one.
-        if let [first, second] = both[..] {
-            let direct = sum(&first[0]) + sum(&second[1]) <= sum(&first[1]) + sum(&second[0]);
-            return Some(if direct { vec![first[0], second[1]] } else { vec![first[1], second[0]] });
-        }
-        Some(both.iter().map(|rows| rows[usize::from(sum(&rows[1]) < sum(&rows[0]))]).collect())
+        // The smaller sum of distances tells which number goes with which limb (17)–(20). A segment without a
+        // number goes with the nearer limb.
+        let numbered =
+            || self.segments.iter().zip(&both).filter_map(|(segment, rows)| Some((segment.limb?, rows)));
+        let direct: f64 = numbered().map(|(limb, rows)| sum(&rows[limb])).sum();
+        let swapped: f64 = numbered().map(|(limb, rows)| sum(&rows[1 - limb])).sum();
+        let turn = usize::from(swapped < direct);
+        let chosen = |(segment, rows): (&PixelSegment, &[[LimbRow; 2]; 2])| {
+            rows[segment.limb.map_or(usize::from(sum(&rows[1]) < sum(&rows[0])), |limb| limb ^ turn)]
+        };
+        Some(self.segments.iter().zip(&both).map(chosen).collect())
     }
 
     fn limb_lines(&self, frame: &LocalFrame, limbs: &LimbFrame) -> [LimbLine; 2] {
@@ -129,6 +140,7 @@ mod tests {
         let segment = |a: [f64; 2], b: [f64; 2]| PixelSegment {
             endpoints: [Vector2::from(a), Vector2::from(b)],
             weight: 1.0,
+            limb: None,
         };
         let segments = vec![
             segment([287.5, 212.5], [303.9, 287.9]),
@@ -152,6 +164,27 @@ mod tests {
                 assert!((distances[k].abs() - nearest[k]).abs() < 1e-10);
             }
         }
+    }
+
+    #[test]
+    fn segments_with_numbers_go_with_limbs_together() {
+        let (frame, mut term) = scene();
+        let nearest = term.distances(&frame.cylinder).unwrap();
+        let limbs = |term: &mut PixelTerm, numbers: [Option<usize>; 3]| {
+            for (segment, number) in term.segments.iter_mut().zip(numbers) {
+                segment.limb = number;
+            }
+            term.distances(&frame.cylinder).unwrap()
+        };
+        // The first lies on one limb, the others on the other: the order of the numbers does not matter.
+        assert_eq!(limbs(&mut term, [Some(0), Some(1), Some(1)]), nearest);
+        assert_eq!(limbs(&mut term, [Some(1), Some(0), None]), nearest);
+        // On different limbs against all appearance: one of the two goes with the far one.
+        let forced = limbs(&mut term, [None, Some(0), Some(1)]);
+        assert_eq!(forced[0], nearest[0]);
+        let moved: Vec<usize> = (1..3).filter(|&k| forced[k] != nearest[k]).collect();
+        assert_eq!(moved.len(), 1);
+        assert!(forced[moved[0]][0].abs() > 10.0 + nearest[moved[0]][0].abs());
     }
 
     #[test]

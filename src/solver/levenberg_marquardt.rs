@@ -95,6 +95,15 @@ pub struct Convergence {
     pub equations: NormalEquations,
 }
 
+impl Convergence {
+    /// Counts the work of an iteration that this one went on from, and takes its start as the common one.
+    pub fn add_work_of(&mut self, before: &Self) {
+        self.iterations += before.iterations;
+        self.rejected_steps += before.rejected_steps;
+        self.initial_cost = before.initial_cost;
+    }
+}
+
 /// Solves after which JᵀΩJ is replaced by the whole second derivative of the cost. Ordinary frames need a dozen;
 /// where residuals are large and the minimum is flat the omitted part of the second derivative rules, and the
 /// iteration of the paper creeps for thousands of steps.

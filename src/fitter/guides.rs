@@ -1,0 +1,194 @@
+//! The lines that guide the limbs of the first fit: given segments, sides of the mask, or some of both.
+
+use super::solve::ENDPOINT_PIXELS;
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, LimbFrame};
+use crate::limb_location::{Outline, Side};
+use crate::residuals::PixelSegment;
+use nalgebra::{Vector2, Vector3};
+
+/// Standard deviation of a side of a mask across the limb, in pixels: masks are drawn to one or two.
+pub(super) const SIDE_PIXELS: f64 = 1.6;
+
+/// Standard deviation of the same for the part that differs from one end of a side to the other, in pixels.
+const SIDE_UNEVENNESS: f64 = 1.0;
+
+/// A mask may be too large or too small all round by this many pixels.
+const LARGEST_GROWTH: f64 = 3.0;
+
+/// Segments within this many pixels of the sides of the mask agree with them: about what hand and mask are off
+/// together.
+const AGREEMENT_PIXELS: f64 = 2.0;
+
+/// A segment farther from its side than this is grossly wrong, in pixels: ten times what a hand-set edge is off.
+const GROSS_PIXELS: f64 = 5.0;
+
+/// The lines that a fit before the location of the limbs holds them to, numbered by limb.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Guides {
+    /// Segments that were given.
+    pub given: Vec<PixelSegment>,
+    /// Sides of the mask.
+    pub sides: Vec<PixelSegment>,
+}
+
+impl Guides {
+    /// Given segments alone.
+    pub fn given(segments: &[PixelSegment]) -> Self {
+        Self { given: segments.to_vec(), sides: Vec::new() }
+    }
+
+    /// All lines.
+    pub fn all(&self) -> Vec<PixelSegment> {
+        [&self.given[..], &self.sides[..]].concat()
+    }
+
+    /// Numbers the lines by the limb of a cylinder that they lie on.
+    pub fn number(&mut self, camera: &Camera, cylinder: &Cylinder) {
+        let Some(limbs) = LimbFrame::new(cylinder) else { return };
+        let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
+        for guide in self.given.iter_mut().chain(&mut self.sides) {
+            let [first, second] = lines.map(|line| -> f64 {
+                let norm = line.x.hypot(line.y);
+                guide.endpoints.iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
+            });
+            guide.limb = Some(usize::from(second < first));
+        }
+    }
+
+    /// The lines of a limb that was not located. Where the other one was, its side of the mask shows by how much the
+    /// mask is too large.
+    pub fn of_limb(&self, limb: usize, other: Option<&PixelSegment>) -> Vec<PixelSegment> {
+        let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
+        let given = self.given.iter().filter(|guide| guide.limb == Some(limb));
+        let mut lines: Vec<PixelSegment> = given.copied().collect();
+        let Some(own) = side(limb) else { return lines };
+        lines.push(match (other, side(1 - limb)) {
+            (Some(located), Some(beside)) => {
+                let inner = own.middle();
+                let growth = located.endpoints.map(|q| outward(&beside.endpoints, &inner, &q));
+                let growth = f64::midpoint(growth[0], growth[1]).clamp(-LARGEST_GROWTH, LARGEST_GROWTH);
+                moved(own, &beside.middle(), growth)
+            }
+            _ => *own,
+        });
+        lines
+    }
+}
+
+/// Signed distance of a point from a line, positive on the side away from `inner`.
+fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
+    let along = (line[1] - line[0]).normalize();
+    let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
+    -across(inner).signum() * across(q)
+}
+
+/// A side of a mask of known growth, moved away from `inner`.
+fn moved(side: &PixelSegment, inner: &Vector2<f64>, by: f64) -> PixelSegment {
+    let along = (side.endpoints[1] - side.endpoints[0]).normalize();
+    let across = Vector2::new(-along.y, along.x);
+    let step = across * (by * (side.middle() - inner).dot(&across).signum());
+    let weight = (ENDPOINT_PIXELS / SIDE_UNEVENNESS).powi(2);
+    PixelSegment { endpoints: side.endpoints.map(|q| q + step), weight, ..*side }
+}
+
+/// The two sides of a mask along the axis of a rough fit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    sides: [Side; 2],
+}
+
+/// How given segments lie to the sides of a mask.
+#[derive(Debug, Clone)]
+pub(super) struct Agreement {
+    /// By segment: the side that it goes with.
+    pub sides: Vec<usize>,
+    /// By segment: the root mean square distance of its endpoints from that side in pixels, apart from what may be
+    /// the growth of the mask all round.
+    pub apart: Vec<f64>,
+    /// The root mean square distance of all endpoints, growth included, in pixels.
+    pub total: f64,
+}
+
+impl Agreement {
+    /// Whether to believe the segments without more ado: both limbs have one, and all are where the mask is.
+    pub fn holds(&self) -> bool {
+        // One segment says nothing about the other limb.
+        self.sides.contains(&0)
+            && self.sides.contains(&1)
+            && self.apart.iter().all(|&apart| apart <= AGREEMENT_PIXELS)
+    }
+}
+
+impl Sides {
+    pub fn new(outline: &Outline, camera: &Camera, rough: &Cylinder) -> Option<Self> {
+        Some(Self { sides: outline.sides(camera, rough)? })
+    }
+
+    /// The sides as segments of little weight.
+    pub fn segments(&self) -> impl Iterator<Item = PixelSegment> + use<> {
+        let weight = (ENDPOINT_PIXELS / SIDE_PIXELS).powi(2);
+        let seen = self.sides.into_iter().enumerate().filter(|(_, side)| !side.cut);
+        seen.map(move |(k, side)| PixelSegment { endpoints: side.ends, weight, limb: Some(k) })
+    }
+
+    /// The rays through the ends of the sides.
+    pub fn rays(&self, camera: &Camera) -> [[Vector3<f64>; 2]; 2] {
+        self.sides.map(|side| side.ends.map(|q| camera.ideal_ray(&q)))
+    }
+
+    /// The ends of the sides in pixels of the (distorted) image.
+    pub fn pixels(&self, camera: &Camera) -> Vec<Vector2<f64>> {
+        self.rays(camera).iter().flatten().filter_map(|ray| camera.project(ray)).collect()
+    }
+
+    /// Signed distance of a point from a side, positive outside.
+    fn outward(&self, side: usize, q: &Vector2<f64>) -> f64 {
+        let other = &self.sides[1 - side].ends;
+        outward(&self.sides[side].ends, &((other[0] + other[1]) / 2.0), q)
+    }
+
+    /// How segments lie to the sides; `None` for no segments.
+    pub fn compare(&self, segments: &[PixelSegment]) -> Option<Agreement> {
+        let distances =
+            |segment: &PixelSegment, side: usize| segment.endpoints.map(|q| self.outward(side, &q));
+        let sum = |distances: &[f64; 2]| distances[0].abs() + distances[1].abs();
+        let side =
+            |segment: &PixelSegment| usize::from(sum(&distances(segment, 1)) < sum(&distances(segment, 0)));
+        let sides: Vec<usize> = segments.iter().map(side).collect();
+        let outward: Vec<[f64; 2]> =
+            segments.iter().zip(&sides).map(|(segment, &side)| distances(segment, side)).collect();
+        // A side that is cut says nothing.
+        let told = outward.iter().zip(&sides).filter(|&(_, &side)| !self.sides[side].cut);
+        let mut all: Vec<f64> = told.flat_map(|(distances, _)| *distances).collect();
+        all.sort_by(f64::total_cmp);
+        let middle = all.len() / 2;
+        let growth = f64::midpoint(*all.get(middle.checked_sub(1)?)?, all[middle]);
+        let growth = growth.clamp(-LARGEST_GROWTH, LARGEST_GROWTH);
+        let total = (all.iter().map(|d| d * d).sum::<f64>() / all.len() as f64).sqrt();
+        let apart = |([a, b], &side): (&[f64; 2], &usize)| {
+            let told = if self.sides[side].cut { 0.0 } else { 1.0 };
+            told * (((a - growth).powi(2) + (b - growth).powi(2)) / 2.0).sqrt()
+        };
+        Some(Agreement { apart: outward.iter().zip(&sides).map(apart).collect(), sides, total })
+    }
+
+    /// Segments and sides together, each segment weighed by how far it is from its side.
+    pub fn with_segments(&self, segments: &[PixelSegment]) -> Guides {
+        let mut given = segments.to_vec();
+        if let Some(agreement) = self.compare(segments) {
+            // One hand sets all segments alike, those apart that are grossly wrong.
+            let alike: Vec<f64> =
+                agreement.apart.iter().copied().filter(|&apart| apart < GROSS_PIXELS).collect();
+            let pooled = alike.iter().map(|apart| apart * apart).sum::<f64>() / alike.len().max(1) as f64;
+            for (k, guide) in given.iter_mut().enumerate() {
+                let apart = agreement.apart[k];
+                let of_both = if apart < GROSS_PIXELS { pooled } else { apart * apart };
+                let variance = of_both - SIDE_UNEVENNESS.powi(2);
+                guide.weight *= ENDPOINT_PIXELS.powi(2) / variance.max(ENDPOINT_PIXELS.powi(2));
+                guide.limb = Some(agreement.sides[k]);
+            }
+        }
+        Guides { given, sides: self.segments().collect() }
+    }
+}

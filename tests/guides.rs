@@ -1,0 +1,112 @@
+//! What the limbs are held to where edges are absent, wrong, or only one.
+#![allow(clippy::unwrap_used)]
+
+#[path = "support/frames.rs"]
+mod frames;
+
+use cylfuse::fitter::{FitResult, Fitter, Flags};
+use cylfuse::observations::{EdgeSegment, PointsView};
+use frames::Inputs;
+use nalgebra::Vector2;
+use std::path::Path;
+
+fn sample(name: &str) -> Inputs {
+    Inputs::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames").join(name))
+}
+
+fn fit(inputs: &Inputs, edges: &[EdgeSegment], image: bool) -> FitResult {
+    let mut fitter = inputs.fitter();
+    fitter.push_edges(edges).unwrap();
+    if image {
+        inputs.push_image(&mut fitter);
+    }
+    fitter.fit().unwrap()
+}
+
+fn moved(edge: &EdgeSegment, by: f64) -> EdgeSegment {
+    let along = (edge.endpoints[1] - edge.endpoints[0]).normalize();
+    let across = Vector2::new(-along.y, along.x) * by;
+    EdgeSegment { endpoints: edge.endpoints.map(|q| q + across), ..*edge }
+}
+
+/// Relative difference of the radii.
+fn apart(a: &FitResult, b: &FitResult) -> f64 {
+    (a.cylinder.radius / b.cylinder.radius - 1.0).abs()
+}
+
+#[test]
+fn mask_and_image_do_without_edges() {
+    for name in ["r40_a20_f0", "w004", "w022"] {
+        let inputs = sample(name);
+        let (with, without) = (fit(&inputs, &inputs.edges, true), fit(&inputs, &[], true));
+        assert_eq!(without.limbs_located, 2, "{name}");
+        assert!(apart(&with, &without) < 0.003, "{name}: {}", apart(&with, &without));
+        assert!(with.cylinder.axis.angle(&without.cylinder.axis).to_degrees() < 0.3, "{name}");
+    }
+}
+
+#[test]
+fn wrong_edges_do_no_harm() {
+    let inputs = sample("r40_a20_f0");
+    let right = fit(&inputs, &inputs.edges, true);
+    let [first, second] = inputs.edges[..] else { panic!("two edges") };
+    let cases = [
+        ("one far out or in", vec![moved(&first, 20.0), second]),
+        ("the other way", vec![moved(&first, -20.0), second]),
+        ("one limb twice", vec![first, moved(&first, 3.0)]),
+        ("one limb alone", vec![second]),
+        ("both some pixels off", vec![moved(&first, 3.0), moved(&second, -3.0)]),
+    ];
+    for (name, edges) in cases {
+        let result = fit(&inputs, &edges, true);
+        assert!(apart(&result, &right) < 0.003, "{name}: {}", apart(&result, &right));
+    }
+}
+
+#[test]
+fn without_an_image_the_mask_outvotes_a_wrong_edge() {
+    let inputs = sample("r40_a20_f0");
+    let right = fit(&inputs, &inputs.edges, false);
+    let wrong = fit(&inputs, &[moved(&inputs.edges[0], 20.0), inputs.edges[1]], false);
+    assert!(apart(&wrong, &right) < 0.05, "{}", apart(&wrong, &right));
+}
+
+/// A fitter that has the points of a frame but not its mask.
+fn without_mask(inputs: &Inputs, edges: &[EdgeSegment]) -> Fitter {
+    let points: Vec<[f64; 3]> = inputs.fitter().cloud().points().map(|p| [p.x, p.y, p.z]).collect();
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(inputs.intrinsics).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_edges(edges).unwrap();
+    fitter
+}
+
+#[test]
+fn points_and_image_do_without_mask_and_edges() {
+    let inputs = sample("r40_a20_f0");
+    let right = fit(&inputs, &inputs.edges, true);
+    let mut fitter = without_mask(&inputs, &[]);
+    inputs.push_image(&mut fitter);
+    let result = fitter.fit().unwrap();
+    assert_eq!(result.limbs_located, 2);
+    assert!(apart(&result, &right) < 0.003, "{}", apart(&result, &right));
+}
+
+#[test]
+fn an_edge_that_contradicts_the_points_is_not_believed() {
+    let inputs = sample("r40_a20_f0");
+    let right = fit(&inputs, &inputs.edges, false);
+    let edges = [moved(&inputs.edges[0], 20.0), inputs.edges[1]];
+    let result = without_mask(&inputs, &edges).fit().unwrap();
+    assert!(apart(&result, &right) < 0.1, "{}", apart(&result, &right));
+    // Two edges that belong to another object altogether hold nothing.
+    let elsewhere = inputs.edges.iter().map(|edge| EdgeSegment {
+        endpoints: edge.endpoints.map(|q| Vector2::new(40.0, 30.0) + (q - edge.endpoints[0]) * 0.2),
+        ..*edge
+    });
+    let edges: Vec<EdgeSegment> = elsewhere.enumerate().map(|(k, e)| moved(&e, 5.0 * k as f64)).collect();
+    let result = without_mask(&inputs, &edges).fit().unwrap();
+    let alone = without_mask(&inputs, &[]).fit().unwrap();
+    assert!(result.flags.contains(Flags::EDGES_IGNORED), "{:?}", result.flags);
+    assert_eq!(result.cylinder, alone.cylinder);
+}
