@@ -51,6 +51,9 @@ const SCAN_STEP: f64 = 0.5;
 /// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
 const AMBIGUOUS: f64 = 100.0;
 
+/// The least distance of such places in pixels: blur moves a minimum by less.
+const ELSEWHERE: f64 = 1.0;
+
 /// Places this close to each other are one, in pixels.
 const SAME_PLACE: f64 = 0.1;
 
@@ -124,16 +127,15 @@ impl<'a> Limb<'a> {
                 (self.cost(profile, &limb, &self.state.line), limb)
             })
             .collect();
-        let cost = |k: usize| places.get(k).map_or(f64::INFINITY, |place| place.0);
-        let mut minima: Vec<(f64, LimbState)> = (0..places.len())
-            .filter(|&k| cost(k) <= cost(k + 1) && (k == 0 || cost(k) < cost(k - 1)))
-            .map(|k| places[k])
-            .collect();
-        minima.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let least = minima[0].0;
-        minima.retain(|minimum| minimum.0 < least + AMBIGUOUS);
-        minima.truncate(2);
-        minima.into_iter().map(|minimum| minimum.1).collect()
+        let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
+            places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
+        };
+        let Some(best) = least(&mut places.iter()) else { return vec![self.state] };
+        // A blur that is not known yet turns a second minimum into a shoulder.
+        let other = least(&mut places.iter().filter(|place| {
+            (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE && place.0 < best.0 + AMBIGUOUS
+        }));
+        [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
     }
 
     /// Twice the negative log-likelihood of the pixels about `window`, and of what is expected of line and shading.

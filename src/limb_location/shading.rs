@@ -67,6 +67,8 @@ pub(super) struct Shading {
     coefficients: Vector5<f64>,
     light: f64,
     covariance: Matrix5<f64>,
+    /// How far the brightness at the limbs at φ = −90° and 90° varies with φ₀, a variance.
+    spread: [f64; 2],
 }
 
 /// What one limb looks like from 0 to `INSIDE` pixels within it.
@@ -114,7 +116,8 @@ impl Shading {
         let mean = (0..places).map(|k| self.at(angle(k)).max(0.0)).sum::<f64>() / places as f64;
         let mean = mean.max(DARKEST);
         let at_limb = functions(side * FRAC_PI_2, self.light);
-        let variance = at_limb.dot(&(self.covariance * at_limb));
+        let spread = self.spread[usize::from(side > 0.0)];
+        let variance = at_limb.dot(&(self.covariance * at_limb)) + spread;
         LimbShading {
             shading: Some((*self, side)),
             mean,
@@ -159,16 +162,17 @@ impl Shading {
         if rows.len() < LEAST_BINS {
             return None;
         }
-        let mut best: Option<(f64, Self)> = None;
-        for k in 0..LIGHTS {
-            let light = 2.0 * PI * k as f64 / LIGHTS as f64 - PI;
-            if let Some((cost, shading)) = fit(&rows, light, true)
-                && best.is_none_or(|(least, _)| cost < least)
-            {
-                best = Some((cost, shading));
-            }
-        }
-        best.map(|(_, shading)| shading)
+        let lights = (0..LIGHTS).map(|k| 2.0 * PI * k as f64 / LIGHTS as f64 - PI);
+        let fits: Vec<(f64, Self)> = lights.filter_map(|light| fit(&rows, light, true)).collect();
+        let (least, best) = *fits.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let weights: Vec<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
+        let sum: f64 = weights.iter().sum();
+        let spread = [-FRAC_PI_2, FRAC_PI_2].map(|limb| {
+            let square = |other: &Self| (other.at(limb) - best.at(limb)).powi(2);
+            let squares = weights.iter().zip(&fits).map(|(weight, (_, other))| weight * square(other));
+            squares.sum::<f64>() / sum
+        });
+        Some(Self { spread, ..best })
     }
 }
 
@@ -252,7 +256,7 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     }
     let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
-    Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale) }))
+    Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
 }
 
 /// The upper median; the values come out in another order.
