@@ -14,6 +14,9 @@ use crate::solver::Convergence;
 /// How many standard deviations a limb may be from that of a rough fit at most.
 const REACH_DEVIATIONS: f64 = 4.0;
 
+/// How many standard deviations of both a given segment may be from a located line.
+const AGREEING_DEVIATIONS: f64 = 3.0;
+
 /// The lines that a fit holds the limbs to.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Lines {
@@ -134,10 +137,21 @@ impl Problem<'_> {
     }
 }
 
-/// The lines of a fit: the located limbs, and the guides of the others.
+/// Whether a given segment lies on a located line, as far as both are known.
+fn agree(line: &PixelSegment, given: &PixelSegment) -> bool {
+    let along = (line.endpoints[1] - line.endpoints[0]).normalize();
+    let variance = ENDPOINT_PIXELS.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
+    let limit = AGREEING_DEVIATIONS * variance.sqrt();
+    given.endpoints.iter().all(|q| along.perp(&(q - line.endpoints[0])).abs() <= limit)
+}
+
+/// The lines of a fit: the located limbs with the given segments that agree with them, and the guides of the others.
 fn lines(rough: &RoughFit, located: &Located) -> Lines {
     let of_limb = |limb: usize| match &located[limb] {
-        Some(line) => vec![*line],
+        Some(line) => {
+            let agreeing = rough.guides.given.iter().filter(|given| given.limb == Some(limb));
+            agreeing.filter(|given| agree(line, given)).chain([line]).copied().collect()
+        }
         None => rough.guides.of_limb(limb, located[1 - limb].as_ref()),
     };
     Lines { segments: [of_limb(0), of_limb(1)].concat(), located: located.iter().flatten().count() }
