@@ -58,8 +58,9 @@ fn wrong_edges_do_no_harm() {
         ("both some pixels off", vec![moved(&first, 3.0), moved(&second, -3.0)]),
     ];
     for (name, edges) in cases {
+        // A right segment counts a little beside its located limb, a wrong one does not.
         let result = fit(&inputs, &edges, true);
-        assert!(apart(&result, &right) < 0.003, "{name}: {}", apart(&result, &right));
+        assert!(apart(&result, &right) < 0.005, "{name}: {}", apart(&result, &right));
     }
 }
 
