@@ -1,6 +1,8 @@
 //! Time of whole fits: `cargo bench --bench fit`. Figures depend on the machine; compare rows of one run.
 #![allow(clippy::unwrap_used)] // A benchmark that can't run should stop.
 
+#[path = "../tests/support/frames.rs"]
+mod frames;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
@@ -57,6 +59,17 @@ fn paper_from_its_own_start(bencher: divan::Bencher, points: usize) {
 #[divan::bench(args = [5_000])]
 fn robust_from_its_own_start(bencher: divan::Bencher, points: usize) {
     let mut fitter = noisy(points, Options::default());
+    bencher.bench_local(move || fitter.fit().unwrap());
+}
+
+/// The robust objective on a frame of 4,211 points, with its edges or without: the limbs and the ends are located in the
+/// image.
+#[divan::bench(args = [true, false])]
+fn robust_with_image(bencher: divan::Bencher, edges: bool) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames/r40_a20_f0");
+    let mut fitter = frames::fitter_with_edges(&folder, edges);
+    frames::push_image(&mut fitter, &folder);
+    fitter.set_options(Options { threads: 1, ..Options::default() }).unwrap();
     bencher.bench_local(move || fitter.fit().unwrap());
 }
 
