@@ -343,14 +343,17 @@ impl Profile {
     fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
         let side = 0.25;
         let reach = (SAMPLE_REACH_PIXELS / side) as i64;
-        let score = |edge: f64| self.gain(edge, blur, noise, smooth_step);
-        let (k, best) = (-reach..=reach)
-            .map(|k| (k, score(expected + side * k as f64)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let score = |k: i64| self.gain(expected + side * k as f64, blur, noise, smooth_step);
+        let highest =
+            |places: &mut dyn Iterator<Item = (i64, f64)>| places.max_by(|a, b| a.1.total_cmp(&b.1));
+        // Every other place first: a step is wider than that.
+        let (rough, value) = highest(&mut (-reach..=reach).step_by(2).map(|k| (k, score(k))))?;
+        let beside = [(rough - 1, score(rough - 1)), (rough, value), (rough + 1, score(rough + 1))];
+        let (k, best) = highest(&mut beside.into_iter())?;
         let edge = expected + side * k as f64;
-        let (before, after) = (score(edge - side), score(edge + side));
+        let (before, after) = (score(k - 1), score(k + 1));
         let curvature = (before - 2.0 * best + after) / (side * side);
-        if k.abs() == reach || best < LEAST_GAIN || !(curvature < 0.0) {
+        if k.abs() >= reach || best < LEAST_GAIN || !(curvature < 0.0) {
             return None;
         }
         let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);

@@ -323,7 +323,9 @@ impl Fitter {
                 limbs = fit.observations;
                 if problem.passing {
                     let scale = problem.point_scale(&convergence.cylinder);
-                    for _ in 0..ARC_ROUNDS {
+                    // With a radius that no limb holds the arcs bend otherwise.
+                    let rounds = if lines.located > 0 { ARC_ROUNDS } else { 0 };
+                    for _ in 0..rounds {
                         let before = convergence.cylinder;
                         problem.arcs = self.locate_arcs(&problem, &before);
                         if problem.arcs.ends.is_empty() {

@@ -8,8 +8,9 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::PointCloud;
-use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm};
+use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm, RobustScales};
 use nalgebra::{Matrix3, Vector3};
+use std::cell::Cell;
 
 /// Degrees of freedom of a cylinder, so the least number of points.
 pub(super) const LEAST_POINTS: usize = 5;
@@ -50,6 +51,8 @@ pub(super) struct Problem<'a> {
     pub edge_weight: f64,
     /// Whether the minimum is only a step on the way: what is located in the image from there moves it again.
     pub passing: bool,
+    /// The last cylinder whose scales were asked for, and these.
+    pub last_scales: Cell<Option<(Cylinder, RobustScales)>>,
 }
 
 impl<'a> Problem<'a> {
@@ -125,6 +128,7 @@ impl<'a> Problem<'a> {
             camera,
             edge_weight,
             passing: false,
+            last_scales: Cell::new(None),
         })
     }
 

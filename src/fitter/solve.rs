@@ -182,6 +182,18 @@ impl Problem<'_> {
     /// by their correlation along the order in which they were pushed: neighbours in a row of a depth image
     /// share matching windows and interpolation. In a cloud without order the correlation vanishes.
     fn scales(&self, cylinder: &Cylinder) -> RobustScales {
+        // The end of one minimisation is the start of the next.
+        if let Some((last, scales)) = self.last_scales.get()
+            && last == *cylinder
+        {
+            return scales;
+        }
+        let scales = self.new_scales(cylinder);
+        self.last_scales.set(Some((*cylinder, scales)));
+        scales
+    }
+
+    fn new_scales(&self, cylinder: &Cylinder) -> RobustScales {
         let residuals: Vec<f64> = self.cloud.points().map(|p| cylinder.distance(&p)).collect();
         let mut sizes: Vec<f64> = residuals.iter().map(|e| e.abs()).collect();
         let middle = sizes.len() / 2;

@@ -5,7 +5,7 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{Block, LimbState, StripLine, fit_blocks};
+use super::block::{Block, LimbState, StripLine, fit_blocks, squares};
 use super::consensus::RoughLine;
 use super::profile::{Profile, SharpProfile};
 use super::shading::LimbShading;
@@ -141,8 +141,8 @@ impl<'a> Limb<'a> {
     /// Twice the negative log-likelihood of the pixels about `window`, and of what is expected of line and shading.
     fn cost(&self, profile: &Profile, state: &LimbState, window: &StripLine) -> f64 {
         let floor = self.noise * self.noise;
-        let cost = |block: &Block| block.count * (block.squares / block.count + floor).ln();
-        let blocks = self.fit_blocks(profile, state, window).iter().map(cost).sum::<f64>();
+        let cost = |(count, squares): (f64, f64)| count * (squares / count + floor).ln();
+        let blocks: f64 = squares(self.strip, profile, state, window).into_iter().map(cost).sum();
         let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
         let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
         blocks + far + state.shading.norm_squared() / self.shading_deviation.powi(2)

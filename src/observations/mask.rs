@@ -58,8 +58,11 @@ impl Mask {
 
     /// The set pixels as (column, row), row by row.
     pub fn set_pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let at = |(index, &set): (usize, &bool)| set.then_some((index % self.width, index / self.width));
-        self.pixels.iter().enumerate().filter_map(at)
+        // Most rows of most masks are empty.
+        let rows = self.pixels.chunks(self.width).enumerate().filter(|(_, pixels)| pixels.contains(&true));
+        rows.flat_map(|(row, pixels)| {
+            pixels.iter().enumerate().filter_map(move |(column, &set)| set.then_some((column, row)))
+        })
     }
 
     /// Checks that the mask lies on the grid of another image, which has the given columns and rows.
