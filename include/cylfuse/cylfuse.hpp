@@ -516,27 +516,27 @@ public:
     }
 
     /** Adds points. */
-    Returned<void> push_points(const cylfuse_points_view &points)
+    Returned<void> push_points(const PointsView &points)
     {
         return finish(cylfuse_fitter_push_points(handle(), &points, nullptr));
     }
     /** Adds the points of an organised cloud inside a mask. */
-    Returned<void> push_points(const cylfuse_points_view &points, const cylfuse_mask_view &mask)
+    Returned<void> push_points(const PointsView &points, const MaskView &mask)
     {
         return finish(cylfuse_fitter_push_points(handle(), &points, &mask));
     }
     /** Adds the points of a depth image. */
-    Returned<void> push_depth(const cylfuse_depth_view &depth)
+    Returned<void> push_depth(const DepthView &depth)
     {
         return finish(cylfuse_fitter_push_depth(handle(), &depth, nullptr));
     }
     /** Adds the points of a depth image inside a mask. */
-    Returned<void> push_depth(const cylfuse_depth_view &depth, const cylfuse_mask_view &mask)
+    Returned<void> push_depth(const DepthView &depth, const MaskView &mask)
     {
         return finish(cylfuse_fitter_push_depth(handle(), &depth, &mask));
     }
     /** Adds edge segments: pieces of the two limb lines in the (distorted) image. */
-    Returned<void> push_edges(const cylfuse_segments_view &segments)
+    Returned<void> push_edges(const SegmentsView &segments)
     {
         return finish(cylfuse_fitter_push_edges(handle(), &segments));
     }
@@ -587,15 +587,15 @@ public:
     }
 
     /** How many points a completion may give at most. `mask`: NULL = that of the last depth image. */
-    Returned<std::size_t> complete_bound(cylfuse_layout layout, const cylfuse_mask_view *mask = nullptr) const
+    Returned<std::size_t> complete_bound(cylfuse_layout layout, const MaskView *mask = nullptr) const
     {
         std::size_t bound = 0;
         const Status status = cylfuse_fitter_complete_bound(handle(), mask, layout, &bound);
         return finish(status, bound);
     }
     /** Completes the cloud over a mask. NULL = the model of the last fit, the mask of the last depth image. */
-    Returned<Completion> complete(const cylfuse_points_out &out, const Cylinder *model = nullptr,
-                                  const cylfuse_mask_view *mask = nullptr)
+    Returned<Completion> complete(const PointsOut &out, const Cylinder *model = nullptr,
+                                  const MaskView *mask = nullptr)
     {
         Completion completion;
         const Status status = cylfuse_fitter_complete(handle(), model, mask, &out, &completion);
@@ -604,7 +604,7 @@ public:
     /** Completes the cloud into a vector, which gets the size of what there is. */
     template <class T, class Allocator>
     Returned<Completion> complete(std::vector<std::array<T, 3>, Allocator> &points,
-                                  const Cylinder *model = nullptr, const cylfuse_mask_view *mask = nullptr)
+                                  const Cylinder *model = nullptr, const MaskView *mask = nullptr)
     {
         std::size_t bound = 0;
         Status status = cylfuse_fitter_complete_bound(handle(), mask, CYLFUSE_LAYOUT_PACKED, &bound);
@@ -618,19 +618,30 @@ public:
         return finish(status, completion);
     }
     /** Completes the depth image. NULL = the model of the last fit, the mask of the last depth image. */
-    Returned<Completion> complete_depth(const cylfuse_depth_out &out, const Cylinder *model = nullptr,
-                                        const cylfuse_mask_view *mask = nullptr)
+    Returned<Completion> complete_depth(const DepthOut &out, const Cylinder *model = nullptr,
+                                        const MaskView *mask = nullptr)
     {
         Completion completion;
         const Status status = cylfuse_fitter_complete_depth(handle(), model, mask, &out, &completion);
         return finish(status, completion);
     }
     /** The visible piece of the cylinder. NULL = the model of the last fit, the mask of the last depth image. */
-    Returned<Extent> extent(const Cylinder *model = nullptr, const cylfuse_mask_view *mask = nullptr) const
+    Returned<Extent> extent(const Cylinder *model = nullptr, const MaskView *mask = nullptr) const
     {
         Extent extent;
         const Status status = cylfuse_fitter_extent(handle(), model, mask, &extent);
         return finish(status, extent);
+    }
+    /**
+     * Selects, of straight edges that a line detector found, those on the two limbs of a rough cylinder beside the
+     * points that were pushed: writes 1 or 2 for the limb that a segment lies on, 0 for none. `reach` in pixels, 0 =
+     * 15 % of the distance of the limbs, at least 4. `model`: NULL = the last fit.
+     */
+    Returned<void> select_edges(const SegmentsView &segments, Span<std::uint8_t> out, double reach = 0.0,
+                                const Cylinder *model = nullptr) const
+    {
+        return finish(
+            cylfuse_fitter_select_edges(handle(), model, &segments, reach, out.data(), out.size()));
     }
 
 private:
@@ -713,7 +724,7 @@ private:
 };
 
 /** Writes signed distances of points from the surface, negative inside, NaN for points that are not finite. */
-inline Returned<void> distances(const Cylinder &model, const cylfuse_points_view &points, Span<double> out)
+inline Returned<void> distances(const Cylinder &model, const PointsView &points, Span<double> out)
 {
     return detail::finish(cylfuse_cylinder_distances(&model, &points, out.data(), out.size()));
 }

@@ -210,7 +210,7 @@ inline Intrinsics fisheye_intrinsics(cv::InputArray camera_matrix, cv::InputArra
  * image.
  */
 inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::Size size, double unit,
-                                 const Cylinder *model = nullptr, const cylfuse_mask_view *mask = nullptr)
+                                 const Cylinder *model = nullptr, const MaskView *mask = nullptr)
 {
     depth.create(size, type);
     detail::check_image(depth, "the completed depth image", {CV_16UC1, CV_32FC1}, "CV_16UC1 or CV_32FC1");
@@ -220,6 +220,32 @@ inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::S
         type == CV_16UC1 ? DepthOut(depth.ptr<std::uint16_t>(), columns, rows, unit, detail::row_stride(depth))
                          : DepthOut(depth.ptr<float>(), columns, rows, unit, detail::row_stride(depth));
     return fitter.complete_depth(out, model, mask);
+}
+
+/**
+ * Proposes edges where nobody gives them: OpenCV's line detector over a grey or colour image of 8 bits, and of what it
+ * finds the pieces on the two limbs of the last fit, which was one to the points alone. `reach` as for
+ * Fitter::select_edges(). With neither limb in sight there is nothing in the vector.
+ */
+inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat &image, double reach = 0.0)
+{
+    detail::check_image(image, "the image", {CV_8UC1, CV_8UC3, CV_8UC4}, "CV_8UC1, CV_8UC3 or CV_8UC4");
+    cv::Mat grey = image;
+    if (image.channels() > 1) {
+        cv::cvtColor(image, grey, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+    }
+    // At its usual scale of 0.8 the detector gives coordinates that are 1/8 pixel too small.
+    const cv::Ptr<cv::LineSegmentDetector> detector = cv::createLineSegmentDetector(cv::LSD_REFINE_STD, 1.0);
+    std::vector<cv::Vec4f> found, proposed;
+    detector->detect(grey, found);
+    std::vector<std::uint8_t> limbs(found.size());
+    fitter.select_edges(segments_view(found), limbs, reach);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (limbs[k] != 0) {
+            proposed.push_back(found[k]);
+        }
+    }
+    return proposed;
 }
 
 /** @cond internal */

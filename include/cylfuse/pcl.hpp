@@ -151,7 +151,7 @@ inline Cylinder to_cylinder(const pcl::ModelCoefficients &coefficients)
  */
 template <class PointT>
 Completion complete(Fitter &fitter, pcl::PointCloud<PointT> &cloud, const Cylinder *model = nullptr,
-                    const cylfuse_mask_view *mask = nullptr)
+                    const MaskView *mask = nullptr)
 {
     cloud.clear();
     cloud.resize(fitter.complete_bound(CYLFUSE_LAYOUT_PACKED, mask));
