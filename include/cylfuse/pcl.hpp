@@ -170,12 +170,18 @@ Completion complete(Fitter &fitter, pcl::PointCloud<PointT> &cloud, const Cylind
  *
  * What the settings mean here:
  * - setModelType: must be pcl::SACMODEL_CYLINDER.
- * - setDistanceThreshold: the largest distance of an inlier, and the threshold of the random samples of the start.
- * - setOptimizeCoefficients: true (the default) fits all points robustly; false ends after the random samples.
+ * - setDistanceThreshold: the largest distance of an inlier, of the result and of the random samples.
  * - setMaxIterations: most random samples.
+ * - setOptimizeCoefficients: true (the default) fits all points robustly from where the random samples led; false
+ *   ends with them.
  * - setInputNormals, setNormalDistanceWeight, setMethodType, setProbability, setNumberOfThreads, setSamplesMaxDist,
  *   setMinMaxOpeningAngle, setDistanceFromOrigin and the argument `random` have no meaning here: they are kept for
  *   their getters and do nothing. getMethod and getModel give NULL.
+ *
+ * A sensor smears depth around the sides of a cylinder, where it cannot see the surface. When the random samples lead
+ * to a cylinder of which nearly all points lie on the side of the origin of the coordinates, that is taken for the
+ * sensor, and points beyond the limbs have no influence (the near-wall rule). A cloud from all around, one in other
+ * coordinates or one with a sensor origin elsewhere is fitted without that rule.
  *
  * `segment` throws cylfuse::Error where PCL prints and leaves its outputs empty; they are empty then too.
  *
@@ -204,25 +210,40 @@ public:
         check();
         detail::check_cloud(*Points::input_);
         inliers.header = coefficients.header = Points::input_->header;
-        Options options = fitter_.options();
-        options.method = this->getOptimizeCoefficients() ? CYLFUSE_METHOD_FUSED : CYLFUSE_METHOD_RANSAC;
-        options.ransac_threshold = this->getDistanceThreshold();
-        options.ransac_max_iterations = static_cast<std::uint32_t>(this->getMaxIterations());
-        fitter_.set_options(options);
-        fitter_.clear();
         Points::initCompute(); // Without indices of the user it makes those of all points, as in PCL.
+        fitter_.clear();
         if (Points::fake_indices_) {
             fitter_.push_points(points_view(*Points::input_));
         } else {
             push_points(fitter_, *Points::input_, *Points::indices_);
         }
-        const Result result = fitter_.fit();
-        coefficients.values = to_coefficients(result.model).values;
-        select_within(result.model, inliers.indices);
+        Options options = options_;
+        options.ransac_threshold = this->getDistanceThreshold();
+        options.ransac_max_iterations = static_cast<std::uint32_t>(this->getMaxIterations());
+        options.method = CYLFUSE_METHOD_RANSAC;
+        fitter_.set_options(options);
+        result_ = fitter_.fit();
+        if (this->getOptimizeCoefficients()) {
+            options.method = CYLFUSE_METHOD_FUSED;
+            options.start = CYLFUSE_START_MODEL;
+            if (options.near_wall == CYLFUSE_NEAR_WALL_AUTO) {
+                options.near_wall = faces_origin(result_.model) ? CYLFUSE_NEAR_WALL_ON : CYLFUSE_NEAR_WALL_OFF;
+            }
+            fitter_.set_start_model(&result_.model);
+            fitter_.set_options(options);
+            result_ = fitter_.fit();
+        }
+        coefficients.values = to_coefficients(result_.model).values;
+        select_within(result_.model, inliers.indices);
     }
 
-    /** The fitter behind, for its result and for options that PCL has not: they stay from one call to the next. */
-    Fitter &getFitter() { return fitter_; }
+    /** What the last fit found, with the numbers to judge it. */
+    const Result &getResult() const { return result_; }
+
+    /** Replaces the options that PCL has no setter for; method, start and RANSAC's are set by `segment`. */
+    void setOptions(const Options &options) { options_ = options; }
+    /** The options that PCL has no setter for. */
+    const Options &getOptions() const { return options_; }
 
 protected:
     /** The name of this class in messages. */
@@ -253,6 +274,30 @@ private:
         }
     }
 
+    // Whether nearly all points near the surface lie on the side of it that the origin sees. As in PCL's estimation of
+    // normals the viewpoint is the sensor origin of the cloud; the rule of the library knows the origin only.
+    bool faces_origin(const Cylinder &model) const
+    {
+        // The part of the near-wall rule of the library: less has points on the far side too.
+        constexpr double NEARLY_ALL = 0.8;
+        if (!Points::input_->sensor_origin_.template head<3>().isZero()) {
+            return false;
+        }
+        const Eigen::Map<const Eigen::Vector3d> center(model.point), direction(model.direction);
+        std::size_t near = 0, all = 0;
+        for (const pcl::index_t index : *Points::indices_) {
+            const PointT &p = (*Points::input_)[std::size_t(index)];
+            const Eigen::Vector3d point(p.x, p.y, p.z);
+            const Eigen::Vector3d offset = point - center;
+            const Eigen::Vector3d normal = offset - direction * direction.dot(offset);
+            if (std::abs(normal.norm() - model.radius) <= this->getDistanceThreshold()) {
+                ++all;
+                near += normal.dot(point) < 0.0;
+            }
+        }
+        return double(near) >= NEARLY_ALL * double(all);
+    }
+
     void select_within(const Cylinder &model, pcl::Indices &selected) const
     {
         std::array<double, detail::POINTS_AT_ONCE> distance;
@@ -270,6 +315,8 @@ private:
     }
 
     Fitter fitter_;
+    Options options_;
+    Result result_;
 };
 
 } // inline namespace
