@@ -47,10 +47,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** The version of this header; compare with `cylfuse_version_number()`. */
+/** The first part of the version of this header; compare with `cylfuse_version_number()`. */
 #define CYLFUSE_VERSION_MAJOR 0
+/** The second part. */
 #define CYLFUSE_VERSION_MINOR 1
+/** The third part. */
 #define CYLFUSE_VERSION_PATCH 0
+/** All three, with points between them. */
 #define CYLFUSE_VERSION_STRING "0.1.0"
 /** major * 65536 + minor * 256 + patch. */
 #define CYLFUSE_VERSION_NUMBER 256
