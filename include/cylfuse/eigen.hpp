@@ -48,6 +48,12 @@ inline Cylinder make_cylinder(const Eigen::Vector3d &point, const Eigen::Vector3
     return model;
 }
 
+/** The covariance of point, direction and radius of a fit: symmetric, of rank 5; NaN where there is none. */
+inline Eigen::Matrix<double, 7, 7> covariance(const cylfuse_result &result)
+{
+    return Eigen::Map<const Eigen::Matrix<double, 7, 7>>(result.covariance);
+}
+
 /** A pinhole from a camera matrix [fx 0 cx; 0 fy cy; 0 0 1], of which only these four numbers are read. */
 inline Intrinsics intrinsics(const Eigen::Matrix3d &camera_matrix, std::uint32_t width, std::uint32_t height)
 {

@@ -35,6 +35,14 @@ int main()
     CHECK_NEAR(radius(homogeneous), 0.05, 1e-9);
     CHECK_ERROR(radius(Eigen::Matrix3Xd(3, 0)), TOO_FEW_POINTS, "0 of 0 points");
 
+    // The radius is the last of the seven numbers.
+    cylfuse::Fitter fitter;
+    fitter.push_points(cylfuse::points_view(list));
+    const cylfuse::Result result = fitter.fit();
+    const Eigen::Matrix<double, 7, 7> covariance = cylfuse::covariance(result);
+    CHECK_NEAR(std::sqrt(covariance(6, 6)), result.radius_deviation, 1e-12);
+    CHECK(covariance.isApprox(covariance.transpose()));
+
     const cylfuse::Cylinder model =
         cylfuse::make_cylinder(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, 2), 0.5);
     CHECK(cylfuse::point(model) == Eigen::Vector3d(1, 2, 3) && model.radius == 0.5);
