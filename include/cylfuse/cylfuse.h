@@ -1975,7 +1975,7 @@ CYLFUSE_NOEXCEPT;
 /**
  * Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder
  * beside the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest
- * pieces wins, the nearer the limb the better. Nothing is pushed.
+ * pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
  *
  * @param fitter the fitter, with intrinsics and points
  * @param model the rough cylinder; NULL = that of the last fit

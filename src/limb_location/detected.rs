@@ -17,8 +17,15 @@ const LEAST_REACH: f64 = 4.0;
 /// Pieces of one edge agree about its line to this many pixels: line detectors work to about one pixel.
 const SAME_EDGE: f64 = 1.5;
 
-/// An edge shorter than this many pixels says little about its direction.
+/// A piece shorter than this many pixels says little about its direction.
 const LEAST_LENGTH: f64 = 8.0;
+
+/// Largest slope of a piece against the limb of the rough cylinder: 6 degrees, where fits to points alone turn the
+/// axis by one or two.
+const LARGEST_SLOPE: f64 = 0.1;
+
+/// The part of the visible limb that the pieces on it must cover together: what is shorter may be anything.
+const LEAST_COVER: f64 = 0.3;
 
 /// A detected segment beside a limb.
 struct Candidate {
@@ -36,6 +43,11 @@ impl Candidate {
         f64::midpoint(self.ends[0].1, self.ends[1].1)
     }
 
+    /// Whether it runs along the limb.
+    fn along(&self) -> bool {
+        (self.ends[1].1 - self.ends[0].1).abs() <= LARGEST_SLOPE * self.length()
+    }
+
     /// The distance across the limb at a position along it.
     fn at(&self, position: f64) -> f64 {
         let [(s0, u0), (s1, u1)] = self.ends;
@@ -45,7 +57,7 @@ impl Candidate {
 
 /// Selects, of straight edges in the (distorted) image, those that lie on the two limbs of a rough cylinder, in the
 /// order of [`LimbFrame::limb_lines`]: indices into `segments`. For each limb the edge with the longest pieces wins,
-/// the nearer the limb the better; other edges in reach are left out. `range` is the visible part of the surface, as
+/// the nearer the limb the better, if they cover 30 % of it; other edges in reach are left out. `range` is the visible part of the surface, as
 /// of [`axial_range`]: pieces with their middle beyond it are of something else. `reach` is how far a limb may be from
 /// that of the cylinder in pixels, `None` for 15 % of the distance of the limbs, at least 4. `None` when the cylinder
 /// has no limbs that can be seen.
@@ -95,16 +107,30 @@ pub fn edges_on_limbs(
         let nearer = usize::from(far(&beside[1]) < far(&beside[0]));
         let [first, second] = beside;
         let candidate = if nearer == 0 { first } else { second };
-        if far(&candidate) <= reach && candidate.length() >= LEAST_LENGTH && within(segment) == Some(true) {
+        let long_enough = candidate.length() >= LEAST_LENGTH;
+        if far(&candidate) <= reach && long_enough && candidate.along() && within(segment) == Some(true) {
             candidates[nearer].push(candidate);
         }
     }
-    Some(candidates.map(|candidates| longest_edge(&candidates, reach)))
+    let start = rough.axis.point.dot(&rough.axis.direction);
+    let visible = limbs.limb_lines().map(|line| {
+        let end = |position: f64| camera.ideal_pixel(&(line.point + line.direction * (start + position)));
+        Some((end(range[1])? - end(range[0])?).norm())
+    });
+    let [first, second] = candidates;
+    let chosen = [(first, visible[0]), (second, visible[1])].map(|(candidates, visible)| {
+        let pieces = longest_edge(&candidates, reach);
+        let length: f64 = pieces.iter().map(|piece| piece.length()).sum();
+        // A limb that reaches behind the camera has no length in the image.
+        let enough = visible.is_none_or(|visible| length >= LEAST_COVER * visible);
+        if enough { pieces.iter().map(|piece| piece.index).collect() } else { Vec::new() }
+    });
+    Some(chosen)
 }
 
 /// The pieces of the edge that is longest and nearest: of all lines through one piece, the one with the most length
 /// along it, weighed down to 0 at the reach.
-fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<usize> {
+fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<&Candidate> {
     let pieces = |line: &Candidate| -> Vec<&Candidate> {
         let agrees =
             |piece: &&Candidate| piece.ends.iter().all(|&(s, u)| (u - line.at(s)).abs() <= SAME_EDGE);
@@ -115,7 +141,7 @@ fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<usize> {
         pieces(line).iter().map(weight).sum()
     };
     let best = candidates.iter().map(|line| (score(line), line)).max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or_else(Vec::new, |(_, line)| pieces(line).iter().map(|piece| piece.index).collect())
+    best.map_or_else(Vec::new, |(_, line)| pieces(line))
 }
 
 #[cfg(test)]
