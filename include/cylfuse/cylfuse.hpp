@@ -315,6 +315,42 @@ struct MaskView : cylfuse_mask_view {
     }
 };
 
+/** A grey image in the caller's memory. */
+struct ImageView : cylfuse_image_view {
+    /** No image. */
+    ImageView() noexcept { cylfuse_image_view_init(this, sizeof(cylfuse_image_view)); }
+    /** Values of 8 bits. `stride_of_rows` in bytes, 0 for packed. */
+    ImageView(const std::uint8_t *pixels, std::uint32_t columns, std::uint32_t rows,
+              std::ptrdiff_t stride_of_rows = 0) noexcept
+        : ImageView(pixels, CYLFUSE_IMAGE_FORMAT_U8, columns, rows, stride_of_rows)
+    {
+    }
+    /** Values of 16 bits. `stride_of_rows` in bytes, 0 for packed. */
+    ImageView(const std::uint16_t *pixels, std::uint32_t columns, std::uint32_t rows,
+              std::ptrdiff_t stride_of_rows = 0) noexcept
+        : ImageView(pixels, CYLFUSE_IMAGE_FORMAT_U16, columns, rows, stride_of_rows)
+    {
+    }
+    /** Values in float. `stride_of_rows` in bytes, 0 for packed. */
+    ImageView(const float *pixels, std::uint32_t columns, std::uint32_t rows,
+              std::ptrdiff_t stride_of_rows = 0) noexcept
+        : ImageView(pixels, CYLFUSE_IMAGE_FORMAT_F32, columns, rows, stride_of_rows)
+    {
+    }
+
+private:
+    ImageView(const void *pixels, cylfuse_image_format stored, std::uint32_t columns, std::uint32_t rows,
+              std::ptrdiff_t stride_of_rows) noexcept
+        : ImageView()
+    {
+        format = stored;
+        data = pixels;
+        width = columns;
+        height = rows;
+        row_stride = stride_of_rows;
+    }
+};
+
 /** Edge segments in the caller's memory: x1 y1 x2 y2 in pixels each. */
 struct SegmentsView : cylfuse_segments_view {
     /** No segments. */
@@ -540,6 +576,11 @@ public:
     {
         return finish(cylfuse_fitter_push_edges(handle(), &segments));
     }
+    /** Takes the grey image of the camera, in which limbs and ends are located. */
+    Returned<void> push_image(const ImageView &image)
+    {
+        return finish(cylfuse_fitter_push_image(handle(), &image));
+    }
     /** What was pushed, and what was left out by reason. */
     Returned<Counts> counts() const
     {
@@ -576,6 +617,13 @@ public:
         std::size_t count = 0;
         const Status status =
             cylfuse_fitter_residuals(handle(), model, kind, out.data(), out.size(), &count);
+        return finish(status, count);
+    }
+    /** Writes what was seen of the limbs in the image, and gives the number of samples. */
+    Returned<std::size_t> limb_samples(Span<cylfuse_limb_sample> out) const
+    {
+        std::size_t count = 0;
+        const Status status = cylfuse_fitter_limb_samples(handle(), out.data(), out.size(), &count);
         return finish(status, count);
     }
     /** What the data determine at a model. `model`: NULL = the last fit. */

@@ -49,6 +49,17 @@ inline void check_image(const cv::Mat &image, const char *what, std::initializer
                                                      .c_str());
 }
 
+// A colour image in grey; any other as it is.
+inline cv::Mat grey(const cv::Mat &image)
+{
+    if (image.type() != CV_8UC3 && image.type() != CV_8UC4) {
+        return image;
+    }
+    cv::Mat made;
+    cv::cvtColor(image, made, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+    return made;
+}
+
 inline std::ptrdiff_t row_stride(const cv::Mat &image)
 {
     return static_cast<std::ptrdiff_t>(image.step[0]);
@@ -124,6 +135,26 @@ inline MaskView mask_view(const cv::Mat &mask)
     detail::check_image(mask, "the mask", {CV_8UC1}, "CV_8UC1");
     return MaskView(mask.ptr<std::uint8_t>(), static_cast<std::uint32_t>(mask.cols),
                     static_cast<std::uint32_t>(mask.rows), detail::row_stride(mask));
+}
+
+/** A grey image CV_8UC1, CV_16UC1 or CV_32FC1. */
+inline ImageView image_view(const cv::Mat &image)
+{
+    detail::check_image(image, "the image", {CV_8UC1, CV_16UC1, CV_32FC1},
+                        "CV_8UC1, CV_16UC1 or CV_32FC1; push_image() takes colours");
+    const auto columns = static_cast<std::uint32_t>(image.cols);
+    const auto rows = static_cast<std::uint32_t>(image.rows);
+    switch (image.type()) {
+    case CV_8UC1: return ImageView(image.ptr<std::uint8_t>(), columns, rows, detail::row_stride(image));
+    case CV_16UC1: return ImageView(image.ptr<std::uint16_t>(), columns, rows, detail::row_stride(image));
+    default: return ImageView(image.ptr<float>(), columns, rows, detail::row_stride(image));
+    }
+}
+
+/** Pushes a grey image, or a colour image CV_8UC3 or CV_8UC4 (blue first), which is made grey in new memory. */
+inline void push_image(Fitter &fitter, const cv::Mat &image)
+{
+    fitter.push_image(image_view(detail::grey(image)));
 }
 
 /** An organised cloud CV_32FC3 or CV_64FC3, such as cv::reprojectImageTo3D() and cv::rgbd give. */
@@ -230,14 +261,10 @@ inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::S
 inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat &image, double reach = 0.0)
 {
     detail::check_image(image, "the image", {CV_8UC1, CV_8UC3, CV_8UC4}, "CV_8UC1, CV_8UC3 or CV_8UC4");
-    cv::Mat grey = image;
-    if (image.channels() > 1) {
-        cv::cvtColor(image, grey, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
-    }
     // At its usual scale of 0.8 the detector gives coordinates that are 1/8 pixel too small.
     const cv::Ptr<cv::LineSegmentDetector> detector = cv::createLineSegmentDetector(cv::LSD_REFINE_STD, 1.0);
     std::vector<cv::Vec4f> found, proposed;
-    detector->detect(grey, found);
+    detector->detect(detail::grey(image), found);
     std::vector<std::uint8_t> limbs(found.size());
     fitter.select_edges(segments_view(found), limbs, reach);
     for (std::size_t k = 0; k < found.size(); ++k) {

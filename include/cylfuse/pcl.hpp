@@ -174,6 +174,8 @@ Completion complete(Fitter &fitter, pcl::PointCloud<PointT> &cloud, const Cylind
  * - setMaxIterations: most random samples.
  * - setOptimizeCoefficients: true (the default) fits all points robustly from where the random samples led; false
  *   ends with them.
+ * - setRadiusLimits, setAxis with setEpsAngle: hold in what is returned. The axis is that of the cylinder; an angle of
+ *   0, the default, is no limit.
  * - setInputNormals, setNormalDistanceWeight, setMethodType, setProbability, setNumberOfThreads, setSamplesMaxDist,
  *   setMinMaxOpeningAngle, setDistanceFromOrigin and the argument `random` have no meaning here: they are kept for
  *   their getters and do nothing. getMethod and getModel give NULL.
@@ -220,6 +222,8 @@ public:
         Options options = options_;
         options.ransac_threshold = this->getDistanceThreshold();
         options.ransac_max_iterations = static_cast<std::uint32_t>(this->getMaxIterations());
+        set_radius_limits(options);
+        set_axis_limit(options);
         options.method = CYLFUSE_METHOD_RANSAC;
         fitter_.set_options(options);
         result_ = fitter_.fit();
@@ -240,7 +244,7 @@ public:
     /** What the last fit found, with the numbers to judge it. */
     const Result &getResult() const { return result_; }
 
-    /** Replaces the options that PCL has no setter for; method, start and RANSAC's are set by `segment`. */
+    /** Replaces the options that PCL has no setter for; method, start, limits and RANSAC's are set by `segment`. */
     void setOptions(const Options &options) { options_ = options; }
     /** The options that PCL has no setter for. */
     const Options &getOptions() const { return options_; }
@@ -272,6 +276,45 @@ private:
                          "; it must be at least 1, set by setMaxIterations")
                             .c_str());
         }
+    }
+
+    // As floats inside the limits, so that PCL finds the rounded radius inside them too.
+    void set_radius_limits(Options &options)
+    {
+        double low = 0.0, high = 0.0;
+        this->getRadiusLimits(low, high);
+        constexpr double NO_LIMIT = std::numeric_limits<double>::max();
+        if (!(high > 0.0)) {
+            throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT,
+                        ("the largest radius is " + std::to_string(high) +
+                         "; it must be greater than 0, set by setRadiusLimits")
+                            .c_str());
+        }
+        low = std::max(low, 0.0);
+        high = high < NO_LIMIT ? high : 0.0; // For the library 0 is no limit.
+        float above = static_cast<float>(low), below = static_cast<float>(high);
+        above = above < low ? std::nextafter(above, std::numeric_limits<float>::infinity()) : above;
+        below = below > high ? std::nextafter(below, 0.0F) : below;
+        const bool room = high == 0.0 || above <= below; // Not where the radius is known and no float.
+        options.radius_min = room ? above : low;
+        options.radius_max = room ? below : high;
+    }
+
+    // The angle is that at which PCL, which computes its cosine in float, is still content. As in PCL, 0 is no limit.
+    void set_axis_limit(Options &options) const
+    {
+        const double largest = this->getEpsAngle();
+        const Eigen::Vector3f middle = this->getAxis();
+        const bool limited = largest > 0.0 && std::cos(largest) > 0.0;
+        if (limited && middle.isZero(0.0F)) {
+            throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT,
+                        "there is an angle but the axis is 0 0 0; set the axis by setAxis, or setEpsAngle(0)");
+        }
+        constexpr double ROUNDING = 2.0 * std::numeric_limits<float>::epsilon();
+        for (int k = 0; k < 3; ++k) {
+            options.axis[k] = limited ? double(middle[k]) : 0.0;
+        }
+        options.axis_max_angle = limited ? std::acos(std::min(1.0, std::cos(largest) + ROUNDING)) : 0.0;
     }
 
     // Whether nearly all points near the surface lie on the side of it that the origin sees. As in PCL's estimation of

@@ -101,6 +101,17 @@ static void edges_are_proposed_and_drawn()
             CHECK_NEAR(edge[2], limb, 0.3);
         }
     }
+    // In the image the limbs are located near given edges that are a pixel off.
+    for (const cv::Mat &image : {images.image, colour}) {
+        std::vector<std::array<double, 4>> off = images.scene.edges;
+        off[0][0] -= 1.0, off[0][2] -= 1.0;
+        cylfuse::push_image(fitter, image);
+        fitter.push_edges(off);
+        const cylfuse::Result result = fitter.fit();
+        std::vector<cylfuse_limb_sample> samples(1000);
+        CHECK(result.limbs_located == 2 && fitter.limb_samples(samples) > 4);
+        CHECK_NEAR(result.model.radius, PIPE.radius, 0.0005);
+    }
     cv::Mat drawn = colour.clone();
     cylfuse::draw(drawn, PIPE, fitter.extent(), images.scene.camera);
     const cylfuse::Colours colours;
@@ -127,6 +138,10 @@ static void bad_images_are_named()
     cv::Mat large(200, 200, CV_8UC3);
     CHECK_ERROR(cylfuse::draw(large, PIPE, cylfuse::Extent(), images.scene.camera), SIZE_MISMATCH, "200 x 200");
     CHECK_ERROR(cylfuse::propose_edges(fitter, images.image), BAD_STATE, "fit first");
+    CHECK_ERROR(cylfuse::push_image(fitter, images.image.rowRange(0, 7)), SIZE_MISMATCH, "160 x 7");
+    CHECK_ERROR(cylfuse::push_image(fitter, cv::Mat(120, 160, CV_16UC3)), INVALID_ARGUMENT, "CV_16UC3");
+    images.depth.at<float>(0, 0) = NAN;
+    CHECK_ERROR(cylfuse::push_image(fitter, images.depth), INVALID_ARGUMENT, "NaN");
 }
 
 int main()

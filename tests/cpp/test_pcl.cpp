@@ -245,6 +245,49 @@ static void distances_inliers_and_projection_agree()
     }
 }
 
+// Limits that the data do not keep to hold in what comes out, as PCL reads it.
+static void limits_hold_as_pcl_checks_them()
+{
+    const Cloud::Ptr cloud = noisy_cloud(1.5, 0.001, 3);
+    const Eigen::Vector3f slanted(0.3F, 1.0F, 0.1F);
+    const double angle = std::acos(1.0 / slanted.norm());
+    for (const bool optimize : {true, false}) {
+        for (const double radius : {0.03, 0.049, 0.051, 0.15}) {
+            for (const double part : {0.0, 0.5, 0.99, 1.5}) {
+                ModelOfPcl of_pcl(cloud);
+                cylfuse::CylinderSegmentation<pcl::PointXYZ> segmentation;
+                settings(segmentation, cloud);
+                segmentation.setOptimizeCoefficients(optimize);
+                const double low = radius < 0.05 ? 0.01 : radius, high = radius < 0.05 ? radius : 0.2;
+                segmentation.setRadiusLimits(low, high);
+                segmentation.setAxis(slanted);
+                segmentation.setEpsAngle(part * angle);
+                of_pcl.setRadiusLimits(low, high);
+                of_pcl.setAxis(slanted);
+                of_pcl.setEpsAngle(part * angle);
+                pcl::PointIndices inliers;
+                pcl::ModelCoefficients coefficients;
+                segmentation.segment(inliers, coefficients);
+                CHECK(of_pcl.isModelValid(Eigen::Map<const Eigen::VectorXf>(coefficients.values.data(), 7)));
+            }
+        }
+    }
+    cylfuse::CylinderSegmentation<pcl::PointXYZ> segmentation;
+    settings(segmentation, cloud);
+    pcl::PointIndices inliers;
+    pcl::ModelCoefficients coefficients;
+    segmentation.setRadiusLimits(0.045, 0.045);
+    segmentation.segment(inliers, coefficients);
+    CHECK(segmentation.getResult().model.radius == 0.045);
+    segmentation.setRadiusLimits(0.05, 0.04);
+    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "radius");
+    segmentation.setRadiusLimits(-1.0, 0.0);
+    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "setRadiusLimits");
+    segmentation.setRadiusLimits(0.01, 0.2);
+    segmentation.setEpsAngle(0.1);
+    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "setAxis");
+}
+
 // On clean full and half cylinders both find the same, to what PCL is off.
 static void both_find_clean_cylinders()
 {
@@ -285,6 +328,7 @@ int main()
     the_class_stands_in_for_that_of_pcl();
     bad_input_is_named();
     distances_inliers_and_projection_agree();
+    limits_hold_as_pcl_checks_them();
     both_find_clean_cylinders();
     CHECK_NEAR(radius_in_another_unit(*make_cloud<pcl::PointXYZ>(pipe_points(30, 20, -1.0, 1.0))), 0.05, 1e-6);
     return finish("PCL");

@@ -56,6 +56,21 @@ static void fits_and_applies()
     CHECK(difference.angle < 1e-5 && difference.axis_distance < 1e-6);
 }
 
+static void images_of_each_type_pass()
+{
+    const Scene scene;
+    cylfuse::Fitter fitter;
+    const std::vector<std::uint16_t> grey(160 * 120, 1000);
+    CHECK_ERROR(fitter.push_image(cylfuse::ImageView(scene.mask.data(), 160, 120)), BAD_STATE, "intrinsics");
+    fitter.set_intrinsics(scene.camera);
+    fitter.push_image(cylfuse::ImageView(scene.mask.data(), 160, 120));
+    fitter.push_image(cylfuse::ImageView(grey.data(), 160, 120));
+    fitter.push_image(cylfuse::ImageView(scene.depth.data(), 160, 120));
+    CHECK_ERROR(fitter.push_image(cylfuse::ImageView(grey.data(), 160, 119)), SIZE_MISMATCH, "160 x 119");
+    cylfuse_limb_sample none[1];
+    CHECK_ERROR(fitter.limb_samples(none), BAD_STATE, "fit first");
+}
+
 static void keeps_its_settings_and_moves()
 {
     cylfuse::Fitter first;
@@ -134,6 +149,7 @@ static void bad_input_is_named()
 int main()
 {
     fits_and_applies();
+    images_of_each_type_pass();
     keeps_its_settings_and_moves();
     exceptions_of_callbacks_come_out();
     bad_input_is_named();
