@@ -34,10 +34,11 @@ try {
 
     const std::vector<cv::Vec4f> edges = cylfuse::propose_edges(fitter, image);
     fitter.push_edges(cylfuse::segments_view(edges));
+    cylfuse::push_image(fitter, image); // In it limbs and ends are located more precisely than the detector does.
     const cylfuse::Result result = fitter.fit();
     const cylfuse::Extent extent = fitter.extent();
-    std::printf("with %zu edges: radius %.2f mm, length %.2f mm\n", edges.size(), 1e3 * result.model.radius,
-                1e3 * extent.length);
+    std::printf("with %zu edges: radius %.2f +- %.2f mm, length %.2f mm, %u limbs located\n", edges.size(),
+                1e3 * result.model.radius, 1e3 * result.radius_deviation, 1e3 * extent.length, result.limbs_located);
 
     cv::Mat overlay;
     cv::cvtColor(image, overlay, cv::COLOR_GRAY2BGR);
