@@ -41,7 +41,7 @@ listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
 check "what was installed" test "$listing" = "./include/cylfuse/cylfuse.h ./include/cylfuse/cylfuse.hpp \
-./include/cylfuse/eigen.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/eigen.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp ./include/cylfuse/types.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
 # From here on it is somewhere else: nothing may remember where it was.
@@ -55,7 +55,7 @@ warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only)
 compiles() { # compiles COMPILER STANDARD FILE: twice the headers in one unit, with every warning.
     "$1" "-std=$2" "${warnings[@]}" -I "$prefix/include" "${opencv[@]}" "${pcl[@]}" "$3"
 }
-for header in cylfuse eigen opencv pcl; do
+for header in cylfuse types eigen opencv pcl; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done
