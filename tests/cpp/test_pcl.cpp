@@ -137,6 +137,22 @@ static void the_class_stands_in_for_that_of_pcl()
     CHECK_NEAR(coefficients.values[6], 0.05, 1e-3);
 }
 
+// The origin is taken for the sensor only where the points face it.
+static void clouds_in_other_coordinates_fit_too()
+{
+    const double pi = 3.14159265358979;
+    for (const double from : {-1.0, pi - 1.0, 0.5 * pi - 1.0}) {
+        cylfuse::CylinderSegmentation<pcl::PointXYZ> segmentation;
+        settings(segmentation, make_cloud<pcl::PointXYZ>(pipe_points(30, 20, from, from + 2.0)));
+        pcl::PointIndices inliers;
+        pcl::ModelCoefficients coefficients;
+        segmentation.segment(inliers, coefficients);
+        CHECK_NEAR(coefficients.values[6], PIPE.radius, 1e-5);
+        CHECK_NEAR(coefficients.values[2], PIPE.point[2], 1e-5);
+        CHECK(inliers.indices.size() == 600);
+    }
+}
+
 static void bad_input_is_named()
 {
     pcl::PointIndices inliers;
@@ -326,6 +342,7 @@ int main()
     any_type_of_points_passes<pcl::PointXYZI>();
     coefficients_go_both_ways();
     the_class_stands_in_for_that_of_pcl();
+    clouds_in_other_coordinates_fit_too();
     bad_input_is_named();
     distances_inliers_and_projection_agree();
     limits_hold_as_pcl_checks_them();
