@@ -29,12 +29,16 @@ try {
     cylfuse::Fitter fitter;
     fitter.set_intrinsics(intrinsics);
     fitter.push_depth(cylfuse::depth_view(depth, unit), cylfuse::mask_view(mask));
+    cylfuse::Options options;
+    options.method = CYLFUSE_METHOD_RANSAC; // Looks at nothing but the points.
+    fitter.set_options(options);
     const cylfuse::Result points_alone = fitter.fit();
     std::printf("points alone: radius %.2f mm\n", 1e3 * points_alone.model.radius);
 
     const std::vector<cv::Vec4f> edges = cylfuse::propose_edges(fitter, image);
     fitter.push_edges(cylfuse::segments_view(edges));
     cylfuse::push_image(fitter, image); // In it limbs and ends are located more precisely than the detector does.
+    fitter.set_options(cylfuse::Options());
     const cylfuse::Result result = fitter.fit();
     const cylfuse::Extent extent = fitter.extent();
     std::printf("with %zu edges: radius %.2f +- %.2f mm, length %.2f mm, %u limbs located\n", edges.size(),

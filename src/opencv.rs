@@ -4,7 +4,7 @@
 //! adjacent is copied first. Errors name types as OpenCV does.
 //!
 //! ```no_run
-//! use cylfuse::fitter::Fitter;
+//! use cylfuse::fitter::{Fitter, Method, Options};
 //! use cylfuse::observations::DepthRange;
 //! use opencv::core::Mat;
 //!
@@ -12,8 +12,11 @@
 //!     let mut fitter = Fitter::new();
 //!     fitter.set_intrinsics(cylfuse::opencv::intrinsics(matrix, distortion, (640, 480))?)?;
 //!     cylfuse::opencv::push_depth(&mut fitter, depth, 0.001, None, &DepthRange { min: 0.5, max: 0.9 })?;
-//!     fitter.fit()?; // From the points alone: it tells where to look for the limbs.
+//!     // From the points alone: it tells where to look for the limbs.
+//!     fitter.set_options(Options { method: Method::Ransac, ..Options::default() })?;
+//!     fitter.fit()?;
 //!     let edges = cylfuse::opencv::propose_edges(&fitter, image, 0.0)?;
+//!     fitter.set_options(Options::default())?;
 //!     fitter.push_edges(&edges)?;
 //!     Ok(fitter.fit()?.cylinder.radius)
 //! }
@@ -218,7 +221,8 @@ pub fn complete_depth(fitter: &Fitter, model: Option<&Cylinder>, mask: Option<&M
 }
 
 /// Proposes edges where nobody gives them: OpenCV's line detector over an image of 8 bits, grey or colour, and of what
-/// it finds the pieces on the two limbs of the last fit, which was one to the points alone. `reach` as for
+/// it finds the pieces on the two limbs of the last fit. That is best one to the points alone, such as by
+/// [`Method::Ransac`](crate::fitter::Method::Ransac): others look at the mask, which may be bad. `reach` as for
 /// [`Fitter::select_edges`]. Empty when no limb is in sight.
 ///
 /// # Errors

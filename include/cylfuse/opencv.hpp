@@ -255,8 +255,9 @@ inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::S
 
 /**
  * Proposes edges where nobody gives them: OpenCV's line detector over a grey or colour image of 8 bits, and of what it
- * finds the pieces on the two limbs of the last fit, which was one to the points alone. `reach` as for
- * Fitter::select_edges(). With neither limb in sight there is nothing in the vector.
+ * finds the pieces on the two limbs of the last fit. That is best one to the points alone, such as by
+ * CYLFUSE_METHOD_RANSAC: others look at the mask, which may be bad. `reach` as for Fitter::select_edges(). With neither
+ * limb in sight there is nothing in the vector.
  */
 inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat &image, double reach = 0.0)
 {

@@ -1,6 +1,7 @@
 //! On a frame of a can, whose radius is 37.8 mm.
 
 use super::*;
+use crate::fitter::{Method, Options};
 use opencv::core::{Rect, Scalar as Value};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/frames/r40_a20_f0/");
@@ -34,10 +35,12 @@ fn fitter() -> Fitter {
 #[test]
 fn detected_edges_bring_the_radius_nearer_to_the_truth() {
     let mut fitter = fitter();
+    fitter.set_options(Options { method: Method::Ransac, ..Options::default() }).unwrap();
     let alone = fitter.fit().unwrap().cylinder.radius;
     let edges = propose_edges(&fitter, &grey_image("image.png"), 0.0).unwrap();
     assert!(!edges.is_empty());
     fitter.push_edges(&edges).unwrap();
+    fitter.set_options(Options::default()).unwrap();
     let with_edges = fitter.fit().unwrap().cylinder.radius;
     assert!((with_edges - 0.0378).abs() < 0.5 * (alone - 0.0378).abs(), "{alone} {with_edges}");
 }
