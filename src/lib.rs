@@ -28,8 +28,9 @@
 //!
 //! # Layers
 //! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`fitter`], then what follows a fit: [`completion`] and [`extent`],
-//! and on top the C interface, [`ffi`].
+//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`fitter`], then what follows a fit:
+//! [`completion`] and [`extent`], and on top the C interface, [`ffi`], and, with the feature `opencv`, the images of
+//! OpenCV.
 
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
@@ -45,6 +46,8 @@ pub mod fitter;
 pub mod geometry;
 pub mod limb_location;
 pub mod observations;
+#[cfg(feature = "opencv")]
+pub mod opencv;
 pub mod residuals;
 pub mod solver;
 pub mod start;

@@ -6,16 +6,7 @@ cd "$(dirname "$0")/.."
 step() { printf '\n== %s\n' "$*"; }
 
 step "set-up"
-missing=()
-command -v cc >/dev/null && command -v c++ >/dev/null || missing+=(build-essential)
-command -v nm >/dev/null || missing+=(binutils)
-command -v valgrind >/dev/null || missing+=(valgrind)
-if [ ${#missing[@]} -gt 0 ]; then
-    as_root=()
-    [ "$(id -u)" = 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
-fi
+tests/packages.sh
 for component in rustfmt clippy; do
     cargo "${component/rust/}" --version >/dev/null 2>&1 || rustup component add "$component"
 done
@@ -34,11 +25,18 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 cargo test --locked --release --features cli --no-fail-fast 2>&1 | tee "$log"
 
+step "tests: matrices of OpenCV"
+cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a "$log"
+
 step "demo"
 demo=$(mktemp -d)
 cargo run --locked --release --features cli -- demo --out "$demo"
 for file in result.json overlay.png completed.ply completed.pcd; do test -s "$demo/$file"; done
 rm -rf "$demo"
 
-sum() { awk -v word="$1" '/^test result:/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
+step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
+tests/cpp.sh 2>&1 | tee -a "$log"
+
+# Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed".
+sum() { awk -v word="$1" '/^(test result|cpp):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
 printf '\n%s passed, %s failed\n' "$(sum passed)" "$(sum failed)"

@@ -28,10 +28,13 @@ fn version_macros() -> String {
     let [major, minor, patch] = version();
     let number = major << 16 | minor << 8 | patch;
     format!(
-        "\n/** The version of this header; compare with `cylfuse_version_number()`. */\n\
+        "\n/** The first part of the version of this header; compare with `cylfuse_version_number()`. */\n\
          #define CYLFUSE_VERSION_MAJOR {major}\n\
+         /** The second part. */\n\
          #define CYLFUSE_VERSION_MINOR {minor}\n\
+         /** The third part. */\n\
          #define CYLFUSE_VERSION_PATCH {patch}\n\
+         /** All three, with points between them. */\n\
          #define CYLFUSE_VERSION_STRING \"{}\"\n\
          /** major * 65536 + minor * 256 + patch. */\n\
          #define CYLFUSE_VERSION_NUMBER {number}\n",

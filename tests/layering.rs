@@ -16,7 +16,7 @@ const LAYERS: [&[&str]; 11] = [
     &["fitter"],
     &["completion"],
     &["extent"],
-    &["ffi"],
+    &["ffi", "opencv"],
     &["bin"],
 ];
 

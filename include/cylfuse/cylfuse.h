@@ -47,10 +47,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** The version of this header; compare with `cylfuse_version_number()`. */
+/** The first part of the version of this header; compare with `cylfuse_version_number()`. */
 #define CYLFUSE_VERSION_MAJOR 0
+/** The second part. */
 #define CYLFUSE_VERSION_MINOR 1
+/** The third part. */
 #define CYLFUSE_VERSION_PATCH 0
+/** All three, with points between them. */
 #define CYLFUSE_VERSION_STRING "0.1.0"
 /** major * 65536 + minor * 256 + patch. */
 #define CYLFUSE_VERSION_NUMBER 256
@@ -1967,6 +1970,31 @@ cylfuse_status cylfuse_fitter_extent(const struct cylfuse_fitter *fitter,
                                      const struct cylfuse_cylinder *model,
                                      const struct cylfuse_mask_view *mask,
                                      struct cylfuse_extent *out_extent)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder
+ * beside the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest
+ * pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
+ *
+ * @param fitter the fitter, with intrinsics and points
+ * @param model the rough cylinder; NULL = that of the last fit
+ * @param segments the edges in pixels of the (distorted) image; weights are ignored
+ * @param reach how far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the distance of
+ *   the limbs, at least 4
+ * @param out_limbs room for `capacity` bytes, one for each segment: 1 or 2 for the limb that it lies on, in the
+ *   order of `cylfuse_cylinder_project`, 0 for none. May be NULL when `capacity` is 0.
+ * @param capacity at least the count of the segments
+ * @return BAD_STATE without model, intrinsics or points, INVALID_ARGUMENT for a bad segment or reach, EDGE_GEOMETRY
+ *   when the camera is inside the cylinder or a limb cannot be seen, BUFFER_TOO_SMALL; nothing is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_select_edges(const struct cylfuse_fitter *fitter,
+                                           const struct cylfuse_cylinder *model,
+                                           const struct cylfuse_segments_view *segments,
+                                           double reach,
+                                           uint8_t *out_limbs,
+                                           size_t capacity)
 CYLFUSE_NOEXCEPT;
 
 /**

@@ -1,4 +1,4 @@
-//! What follows a fit: completion and extent.
+//! What follows a fit: completion, extent, the choice of edges.
 
 use super::constants::cylfuse_layout;
 use super::data::optional_mask;
@@ -7,9 +7,9 @@ use super::sized::{Output, check_reserved, read, zeroed};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{
     cylfuse_completion, cylfuse_cylinder, cylfuse_depth_out, cylfuse_extent, cylfuse_mask_view,
-    cylfuse_points_out,
+    cylfuse_points_out, cylfuse_segments_view,
 };
-use super::views::{Grid, Slot, optional_cylinder, pixel_size};
+use super::views::{self, Grid, Slot, optional_cylinder, pixel_size};
 use crate::completion::{CompletionCounts, Region};
 use crate::extent::{Extent, ExtentUncertainty};
 use crate::fitter::Fitter;
@@ -316,6 +316,54 @@ pub unsafe extern "C" fn cylfuse_fitter_extent(
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
             let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
             out.write(&(&extent).into());
+            Ok(())
+        })
+    }
+}
+
+/// Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder
+/// beside the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest
+/// pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
+///
+/// @param fitter the fitter, with intrinsics and points
+/// @param model the rough cylinder; NULL = that of the last fit
+/// @param segments the edges in pixels of the (distorted) image; weights are ignored
+/// @param reach how far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the distance of
+///   the limbs, at least 4
+/// @param out_limbs room for `capacity` bytes, one for each segment: 1 or 2 for the limb that it lies on, in the
+///   order of `cylfuse_cylinder_project`, 0 for none. May be NULL when `capacity` is 0.
+/// @param capacity at least the count of the segments
+/// @return BAD_STATE without model, intrinsics or points, INVALID_ARGUMENT for a bad segment or reach, EDGE_GEOMETRY
+///   when the camera is inside the cylinder or a limb cannot be seen, BUFFER_TOO_SMALL; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_select_edges(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    segments: *const cylfuse_segments_view,
+    reach: f64,
+    out_limbs: *mut u8,
+    capacity: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(fitter, |content, _| {
+            let model = optional_cylinder(model)?;
+            let segments = views::segments(&read(segments, "segments")?)?;
+            let needed = segments.len();
+            if needed > capacity {
+                return Err(Failure::BufferTooSmall { name: "out_limbs", capacity, needed });
+            }
+            if needed > 0 && out_limbs.is_null() {
+                return Err(Failure::NullPointer { name: "out_limbs" });
+            }
+            let found = content.fitter.select_edges(&segments, model.as_ref(), reach)?;
+            // As many as there are segments, which is at most the capacity; bytes need no alignment.
+            out_limbs.write_bytes(0, needed);
+            for (number, indices) in (1..).zip(found) {
+                for index in indices {
+                    out_limbs.add(index).write(number);
+                }
+            }
             Ok(())
         })
     }

@@ -9,6 +9,7 @@ mod options;
 mod problem;
 mod result;
 mod rough;
+mod selection;
 mod solve;
 mod starts;
 mod uncertainty;

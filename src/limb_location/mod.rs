@@ -12,6 +12,7 @@
 
 mod block;
 mod consensus;
+mod detected;
 mod profile;
 mod refine;
 mod region;
@@ -20,6 +21,7 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
+pub use detected::edges_on_limbs;
 pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;

@@ -91,6 +91,7 @@ void test_callbacks(void);
 void test_threads(void);
 void test_completion(void);
 void test_extent(void);
+void test_edge_selection(void);
 void test_cylinder(void);
 void test_memory(void);
 #ifdef CYLFUSE_PANIC_TEST

@@ -132,6 +132,7 @@ int main(void)
     test_threads();
     test_completion();
     test_extent();
+    test_edge_selection();
     test_cylinder();
     test_memory();
 #ifdef CYLFUSE_PANIC_TEST

@@ -229,6 +229,42 @@ void test_extent(void)
     destroy(fitter);
 }
 
+void test_edge_selection(void)
+{
+    /* Of three segments the one across the cylinder is on no limb. */
+    const double *e = the_scene.edges[0];
+    double detected[3][4] = {{0}, {e[0], e[1], e[2] + 60.0, e[3]}, {0}};
+    memcpy(detected[0], the_scene.edges[1], sizeof detected[0]);
+    memcpy(detected[2], the_scene.edges[0], sizeof detected[2]);
+    cylfuse_segments_view segments = scene_edges();
+    segments.data = detected;
+    segments.count = 3;
+    uint8_t limbs[3] = {9, 9, 9};
+
+    cylfuse_fitter *fitter = new_fitter();
+    const cylfuse_cylinder *truth = &the_scene.truth;
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, NULL, &segments, 0.0, limbs, 3), BAD_STATE, "fit first");
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, truth, &segments, 0.0, limbs, 3), BAD_STATE, "needs intrinsics");
+    CHECK_OK(cylfuse_fitter_set_intrinsics(fitter, &the_scene.intrinsics));
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, truth, &segments, 0.0, limbs, 3), BAD_STATE, "needs points");
+    destroy(fitter);
+
+    fitter = new_depth_fitter();
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, NULL, &segments, 0.0, limbs, 2), BUFFER_TOO_SMALL, "3");
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, NULL, &segments, 0.0, NULL, 3), NULL_POINTER, "out_limbs");
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, NULL, NULL, 0.0, limbs, 3), NULL_POINTER, "segments");
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, NULL, &segments, NAN, limbs, 3), INVALID_ARGUMENT, "reach is NaN");
+    cylfuse_cylinder around = *truth;
+    around.radius = 5.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_select_edges(fitter, &around, &segments, 0.0, limbs, 3), EDGE_GEOMETRY, "inside");
+    CHECK(limbs[0] == 9 && limbs[1] == 9 && limbs[2] == 9);
+    CHECK_OK(cylfuse_fitter_select_edges(fitter, NULL, &segments, 0.0, limbs, 3));
+    CHECK(limbs[0] + limbs[2] == 3 && limbs[0] != limbs[2] && limbs[0] != 0 && limbs[1] == 0);
+    segments.count = 0;
+    CHECK_OK(cylfuse_fitter_select_edges(fitter, truth, &segments, 2.0, NULL, 0));
+    destroy(fitter);
+}
+
 void test_cylinder(void)
 {
     const cylfuse_cylinder *truth = &the_scene.truth;

@@ -47,6 +47,9 @@ static void without_a_fitter(void)
     CHECK_STATUS(cylfuse_fitter_complete(NULL, NULL, NULL, &out, &completion), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete_depth(NULL, NULL, NULL, &depth_out, &completion), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_extent(NULL, NULL, NULL, &extent), NULL_POINTER);
+    uint8_t limbs[2];
+    const cylfuse_segments_view detected = scene_edges();
+    CHECK_STATUS(cylfuse_fitter_select_edges(NULL, NULL, &detected, 0.0, limbs, 2), NULL_POINTER);
 }
 
 static void without_an_argument(void)

@@ -1,0 +1,169 @@
+#!/usr/bin/env bash
+# What is there for C and C++: installation, packages, headers, examples, tests against OpenCV and PCL, reference.
+# Ends with the number of checks. PCL and OpenCV come from Debian: tests/packages.sh.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+jobs=$(nproc)
+passed=0 failed=0
+# The library that `cargo test --features cli` builds anyway; the program is no part of it.
+make=(make --no-print-directory CARGO_FLAGS="--features cli")
+
+# check NAME COMMAND...: counts whether the command succeeds, and shows what it printed when it does not.
+check() {
+    local name=$1 start=$SECONDS
+    shift
+    if "$@" > "$work/log" 2>&1; then
+        passed=$((passed + 1))
+        printf 'ok      %s (%s s)\n' "$name" $((SECONDS - start))
+    else
+        failed=$((failed + 1))
+        printf 'FAILED  %s\n' "$name"
+        tail -n 60 "$work/log" | sed 's/^/        /'
+    fi
+}
+not() { ! "$@"; }
+prints() { # prints REGEX COMMAND...: the command succeeds and prints this.
+    local regex=$1 output
+    shift
+    output=$("$@" 2>&1) || { printf '%s\n' "$output"; return 1; }
+    grep -Eq "$regex" <<< "$output" || { printf 'no "%s" in:\n%s\n' "$regex" "$output"; return 1; }
+}
+# block FILE LANGUAGE NUMBER: a block of code of a document.
+block() { awk -v open="\`\`\`$2" -v number="$3" '$0 == open { count++; inside = 1; next } /^```$/ { inside = 0 } inside && count == number' "$1"; }
+
+printf '\n-- installation\n'
+prefix=$work/first
+check "make install" "${make[@]}" install PREFIX="$prefix"
+listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
+version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
+soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
+check "what was installed" test "$listing" = "./include/cylfuse/cylfuse.h ./include/cylfuse/cylfuse.hpp \
+./include/cylfuse/eigen.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp ./include/cylfuse/types.hpp \
+./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
+./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
+# From here on it is somewhere else: nothing may remember where it was.
+mv "$prefix" "$work/moved"
+prefix=$work/moved
+
+printf '\n-- headers\n'
+read -ra opencv <<< "$(pkg-config --cflags opencv4 eigen3 | sed 's/-I/-isystem /g')"
+pcl=(-isystem "$(find /usr/include -maxdepth 1 -name 'pcl-*' | sort | tail -n 1)")
+warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only)
+compiles() { # compiles COMPILER STANDARD FILE: twice the headers in one unit, with every warning.
+    "$1" "-std=$2" "${warnings[@]}" -I "$prefix/include" "${opencv[@]}" "${pcl[@]}" "$3"
+}
+for header in cylfuse types eigen opencv pcl; do
+    printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
+    check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
+done
+for compiler in g++ clang++; do
+    for standard in c++14 c++17 c++20; do
+        check "all headers, $compiler, $standard" compiles $compiler $standard tests/cpp/second_unit.cpp
+        check "without exceptions, $compiler, $standard" compiles $compiler $standard tests/cpp/test_no_exceptions.cpp
+    done
+done
+printf '#include <cylfuse/cylfuse.h>\n#include <cylfuse/cylfuse.h>\n' > "$work/header.c"
+for compiler in gcc clang; do
+    check "cylfuse.h, $compiler, C99" compiles $compiler c99 "$work/header.c"
+done
+
+printf '\n-- ways in\n'
+mkdir "$work/project"
+block README.md c 1 > "$work/project/main.c"
+block README.md cpp 1 > "$work/project/main.cpp"
+block README.md cmake 1 > "$work/project/CMakeLists.txt"
+check "the README takes at most 5 lines of CMake" test "$(wc -l < "$work/project/CMakeLists.txt")" -le 5
+check "the README takes at most 25 lines of C++" test "$(wc -l < "$work/project/main.cpp")" -le 25
+by_pkg_config() { # by_pkg_config COMPILER FILE shared|static
+    local flags libraries
+    flags=$(pkg-config --cflags cylfuse) || return 1
+    if [ "$3" = shared ]; then
+        libraries=$(pkg-config --libs cylfuse)
+    else
+        libraries=$(pkg-config --libs --static cylfuse | sed 's/-lcylfuse/-l:libcylfuse.a/')
+    fi
+    # shellcheck disable=SC2086 # The flags are words.
+    "$1" $flags "$work/project/$2" $libraries -lm -o "$work/program" || return 1
+    if [ "$3" = static ] && readelf -d "$work/program" | grep libcylfuse; then return 1; fi
+    prints '^radius 0\.50' env LD_LIBRARY_PATH="${library_path-}" "$work/program"
+}
+by_cmake() { # by_cmake SOURCES...: the README's project with this folder in which to find the package
+    rm -rf "$work/build"
+    cmake -S "$work/project" -B "$work/build" "$@" && cmake --build "$work/build" || return 1
+    for program in "$work"/build/consumer*; do
+        prints '^radius 0\.50' "$program" || return 1
+    done
+}
+each_way() { # each_way WHERE CMAKE-ARGUMENTS...
+    local where=$1 compiler linkage
+    shift
+    for linkage in shared static; do
+        check "$where, pkg-config, C, $linkage" by_pkg_config cc main.c $linkage
+        check "$where, pkg-config, C++, $linkage" by_pkg_config c++ main.cpp $linkage
+    done
+    block README.md cmake 1 > "$work/project/CMakeLists.txt"
+    sed -i 's/add_executable(\([a-z]*\)/add_executable(consumer/; s/target_link_libraries(\([a-z]*\)/target_link_libraries(consumer/' "$work/project/CMakeLists.txt"
+    check "$where, the CMake project of the README" by_cmake "$@"
+    cp tests/cpp/consumer.cmake "$work/project/CMakeLists.txt"
+    check "$where, CMake, C and C++, shared and static" by_cmake "$@"
+}
+check "pkg-config does not find what is not installed" not pkg-config --exists cylfuse
+library_path=$prefix/lib PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+export PKG_CONFIG_PATH
+each_way "moved prefix" -DCMAKE_PREFIX_PATH="$prefix"
+check "another version is refused" not by_cmake -DCMAKE_PREFIX_PATH="$prefix" -DWANTED=0.2
+unset library_path PKG_CONFIG_PATH
+
+printf '\n-- Debian packages\n'
+check "make deb" "${make[@]}" deb
+packages=${CARGO_TARGET_DIR:-target}/deb
+as_root=()
+[ "$(id -u)" = 0 ] || as_root=(sudo)
+check "the packages install" "${as_root[@]}" dpkg -i "$packages"/*.deb
+each_way "Debian packages"
+check "the packages go" "${as_root[@]}" dpkg -P libcylfuse-dev "libcylfuse${soname#libcylfuse.so.}"
+
+printf '\n-- tests and examples\n'
+built() { # built FOLDER SOURCE CMAKE-ARGUMENTS...
+    cmake -S "$2" -B "$work/$1" -DCMAKE_PREFIX_PATH="$prefix" "${@:3}" && cmake --build "$work/$1" -j "$jobs"
+}
+tested() { # tested FOLDER: counts each test of CTest
+    local all bad
+    LD_LIBRARY_PATH=$prefix/lib ctest --test-dir "$work/$1" -j "$jobs" --output-on-failure > "$work/ctest"
+    all=$(sed -n 's/.* out of \([0-9]*\)$/\1/p' "$work/ctest")
+    bad=$(sed -n 's/.* \([0-9]*\) tests\{0,1\} failed out of .*/\1/p' "$work/ctest")
+    grep -E 'Test +#' "$work/ctest"
+    [ "${bad:-1}" = 0 ] || cat "$work/ctest"
+    passed=$((passed + ${all:-0} - ${bad:-0}))
+    failed=$((failed + ${bad:-1}))
+}
+sanitize="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
+strict="-Wall -Wextra -Wpedantic -Werror"
+check "examples build" built examples examples-cpp -DCMAKE_C_FLAGS="$strict -g" -DCMAKE_CXX_FLAGS="$strict -g"
+check "tests build" built tests tests/cpp -DEXAMPLES="$work/examples" -DVALGRIND=ON
+tested tests
+check "examples build with sanitizers" built examples-sanitized examples-cpp -DCMAKE_BUILD_TYPE=None \
+    -DCMAKE_C_FLAGS="$sanitize" -DCMAKE_CXX_FLAGS="$sanitize"
+check "tests build with sanitizers" built tests-sanitized tests/cpp -DEXAMPLES="$work/examples-sanitized" -DSANITIZE=ON
+tested tests-sanitized
+
+printf '\n-- against PCL: frames of tests/data, and of ../shared where it is\n'
+for frames in tests/data/frames ../shared/frames/paper; do
+    [ -d "$frames" ] || { echo "skipped: no $frames"; continue; }
+    check "table of $frames" "$work/tests/compare_with_pcl" "$frames"/*
+    cat "$work/log"
+done
+
+printf '\n-- reference and documents\n'
+check "doxygen" env OUTPUT="$work/doxygen" doxygen docs/Doxyfile
+check "the reference is there" test -s "$work/doxygen/html/index.html"
+block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
+block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
+check "the page from PCL, PCL" compiles g++ c++14 "$work/with_pcl.cpp"
+check "the page from PCL, cylfuse" compiles g++ c++14 "$work/with_cylfuse.cpp"
+
+printf '\ncpp: %s passed, %s failed\n' $passed $failed
+[ $failed = 0 ]
