@@ -107,7 +107,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
-/// shows no end circle, and on a mask without extent along the axis they are the extremes. `None` when no ray of
+/// shows no end circle, and on a mask without extent or ends along the axis they are the extremes. `None` when no ray of
 /// the mask meets the cylinder.
 #[must_use]
 pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
@@ -117,7 +117,9 @@ pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 
     let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
     let surroundings = surroundings(search, cylinder);
     let silhouette = Silhouette::new(&surface, search.mask, extremes, search.limbs_known);
-    Some([-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, search.image, outward)))
+    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, search.image, outward));
+    // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
+    if ends[0].position < ends[1].position { Some(ends) } else { extreme_ends(search, cylinder) }
 }
 
 /// The paper's rule: the extreme positions along the axis of the points completed over the mask. `None` when no ray

@@ -48,10 +48,7 @@ impl Guides {
         let Some(limbs) = LimbFrame::new(cylinder) else { return };
         let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
         for guide in self.given.iter_mut().chain(&mut self.sides) {
-            let [first, second] = lines.map(|line| -> f64 {
-                let norm = line.x.hypot(line.y);
-                guide.endpoints.iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
-            });
+            let [first, second] = lines.map(|line| distance(&line, guide));
             guide.limb = Some(usize::from(second < first));
         }
     }
@@ -74,6 +71,32 @@ impl Guides {
         });
         lines
     }
+}
+
+/// Distance of a segment from a line (a, b, c) with a x + b y + c = 0: the sum over its endpoints, in pixels.
+fn distance(line: &Vector3<f64>, segment: &PixelSegment) -> f64 {
+    let norm = line.x.hypot(line.y);
+    segment.endpoints.iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
+}
+
+/// The segments nearest to the limbs of a cylinder, at most `count`; the first ones where it has no limbs.
+pub(super) fn nearest_to_limbs(
+    segments: &[PixelSegment],
+    camera: &Camera,
+    cylinder: &Cylinder,
+    count: usize,
+) -> Vec<PixelSegment> {
+    let mut nearest = segments.to_vec();
+    if let Some(limbs) = LimbFrame::new(cylinder) {
+        let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
+        let apart = |segment: &PixelSegment| {
+            let [first, second] = lines.map(|line| distance(&line, segment));
+            first.min(second)
+        };
+        nearest.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
+    }
+    nearest.truncate(count);
+    nearest
 }
 
 /// Signed distance of a point from a line, positive on the side away from `inner`.

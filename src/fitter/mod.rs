@@ -97,6 +97,8 @@ impl Fitter {
     /// `InvalidIntrinsics`; the old camera stays then.
     pub fn set_intrinsics(&mut self, intrinsics: Intrinsics) -> Result<()> {
         self.camera = Some(Camera::new(intrinsics)?);
+        // Lines and arcs were those in the image of the old one.
+        self.forget_held();
         Ok(())
     }
 

@@ -4,7 +4,7 @@
 //! where not. What contradicts the points is not believed: they alone are the last resort.
 
 use super::Fitter;
-use super::guides::{Guides, SIDE_PIXELS, Sides};
+use super::guides::{Guides, SIDE_PIXELS, Sides, nearest_to_limbs};
 use super::minimum::best_minimum;
 use super::options::{EdgeUse, StartKind};
 use super::problem::Problem;
@@ -32,6 +32,10 @@ const GIVEN_CONTRADICTION: f64 = 3.0;
 
 /// The sides of the mask are drawn again along the axis of the fit to them.
 const SIDE_ROUNDS: usize = 2;
+
+/// Most given segments that are tried one by one. A detector of lines gives hundreds, each a fit of its own, but a
+/// line that the points admit is one of the few beside the limbs of the fit to them.
+const MOST_SINGLE_SEGMENTS: usize = 8;
 
 /// The part of the points at either end that does not tell how long the surface is.
 const POINTS_TRIM: f64 = 0.02;
@@ -244,7 +248,10 @@ impl Problem<'_> {
         report: Report<'_>,
     ) -> Result<RoughFit> {
         let mut best: Option<Attempt> = None;
-        let given = given.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
+        let beside = self.camera.map_or_else(Vec::new, |camera| {
+            nearest_to_limbs(given, camera, alone.cylinder(), MOST_SINGLE_SEGMENTS)
+        });
+        let given = beside.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
         let sides = sides.iter().map(|line| Guides { given: Vec::new(), sides: vec![*line] });
         for single in given.chain(sides) {
             if let Ok(fit) = self.attempt(single, &[alone.start], report)?

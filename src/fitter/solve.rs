@@ -7,7 +7,7 @@ use crate::geometry::{Chart, Cylinder, LocalFrame};
 use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, Sandwich, TUKEY_EFFICIENT,
 };
-use crate::solver::{Convergence, Domain, Iteration, Termination, minimise};
+use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use std::ops::ControlFlow;
 
 /// Hears of every linear solve and may stop the fit.
@@ -101,12 +101,14 @@ impl Problem<'_> {
 
     /// Iterates from a start. The near-wall rule is not applied.
     pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
+        let most_solves = self.options.limits.max_iterations;
         if self.is_paper() {
             let objective = self.paper_objective(start);
-            let mut convergence = self.run(&objective, start, self.chart(start), report)?;
+            let mut convergence = self.run(&objective, start, self.chart(start), most_solves, report)?;
             if convergence.termination == Termination::MaxIterations {
                 // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
-                let bottom = self.run(&objective, &convergence.cylinder, Chart::Local, report)?;
+                let bottom =
+                    self.run(&objective, &convergence.cylinder, Chart::Local, most_solves, report)?;
                 self.check_radius(&bottom.cylinder)?;
             }
             if self.edge_weight == 1.0 {
@@ -128,17 +130,19 @@ impl Problem<'_> {
         for _ in 0..SCALE_ROUNDS {
             let objective =
                 RobustObjective::new(self.points, self.pixels.as_ref(), &self.arcs, scales, self.near_wall);
-            let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), &mut *report)?;
+            // The rounds share the solves: where the scale alternates each could take all of them.
+            let left = most_solves - total.as_ref().map_or(0, |before| before.iterations);
+            let mut round = self.run(&objective, &cylinder, self.chart(&cylinder), left, &mut *report)?;
             if let Some(before) = &total {
                 round.add_work_of(before);
             }
             cylinder = round.cylinder;
-            let ran_away = round.termination == Termination::RadiusRanAway;
+            let ended = matches!(round.termination, Termination::RadiusRanAway | Termination::MaxIterations);
             total = Some(round);
             let next = self.scales(&cylinder);
             let settled = (next.point - scales.point).abs() <= tolerance * scales.point;
             scales = next;
-            if settled || ran_away {
+            if settled || ended {
                 break;
             }
         }
@@ -162,9 +166,10 @@ impl Problem<'_> {
         objective: &impl Objective,
         start: &Cylinder,
         chart: Chart,
+        most_solves: usize,
         report: Report<'_>,
     ) -> Result<Convergence> {
-        let mut limits = self.options.limits;
+        let mut limits = IterationLimits { max_iterations: most_solves, ..self.options.limits };
         if self.passing {
             limits.cost_tolerance = limits.cost_tolerance.max(PASSING_COST_TOLERANCE);
         }

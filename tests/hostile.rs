@@ -1,0 +1,351 @@
+//! Input that nobody means well: no panic, no number that is not finite, no endless fit, the same bits every time.
+#![allow(clippy::unwrap_used)]
+
+#[path = "support/frames.rs"]
+mod frames;
+#[path = "support/random_views.rs"]
+mod random_views;
+
+use cylfuse::camera::{Distortion, Intrinsics};
+use cylfuse::error::Error;
+use cylfuse::extent::ExtentOptions;
+use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Options};
+use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
+use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView, PointsView};
+use frames::Inputs;
+use nalgebra::{Vector2, Vector3};
+use random_views::{Dice, View};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+const NAMES: [&str; 3] = ["r40_a20_f0", "w004", "w022"];
+
+fn sample(name: &str) -> Inputs {
+    Inputs::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames").join(name))
+}
+
+fn whole(inputs: &Inputs, edges: bool, image: bool) -> Fitter {
+    let mut fitter = inputs.fitter();
+    if edges {
+        fitter.push_edges(&inputs.edges).unwrap();
+    }
+    if image {
+        inputs.push_image(&mut fitter);
+    }
+    fitter
+}
+
+fn same(a: &FitResult, b: &FitResult) -> bool {
+    a.cylinder == b.cylinder && a.cost.to_bits() == b.cost.to_bits() && a.uncertainty == b.uncertainty
+}
+
+/// Whether every number of a result that a caller reads is one.
+fn assert_finite(result: &FitResult, what: &str) {
+    let Cylinder { axis, radius } = &result.cylinder;
+    let mut numbers = vec![*radius, result.cost, result.initial_cost, result.point_rms];
+    numbers.extend([result.gradient_norm, result.step_norm, result.lambda]);
+    numbers.extend(axis.point.iter().chain(&axis.direction));
+    if let Some(uncertainty) = &result.uncertainty {
+        numbers.extend([uncertainty.radius(), uncertainty.direction(), uncertainty.position()]);
+        numbers.extend(&uncertainty.covariance());
+    }
+    if let Some(radii) = &result.radii {
+        numbers.extend([radii.from_points, radii.from_points_deviation]);
+        numbers.extend([radii.from_limbs, radii.from_limbs_deviation]);
+    }
+    numbers.extend(result.edge_rms_pixels.iter().chain(&result.near_wall_fraction));
+    assert!(numbers.iter().all(|x| x.is_finite()), "{what}: {result:?}");
+    assert!(*radius > 0.0 && (axis.direction.norm() - 1.0).abs() < 1e-9, "{what}: {result:?}");
+}
+
+/// A frame mirrored left to right, top to bottom, or both.
+fn mirrored(inputs: &Inputs, x: bool, y: bool) -> Inputs {
+    let (w, h) = inputs.size;
+    fn flip<T: Copy>(v: &[T], w: usize, h: usize, x: bool, y: bool) -> Vec<T> {
+        let at = |c: usize, r: usize| v[(if y { h - 1 - r } else { r }) * w + if x { w - 1 - c } else { c }];
+        (0..w * h).map(|k| at(k % w, k / w)).collect()
+    }
+    let mut i = inputs.clone();
+    i.depth = flip(&i.depth, w, h, x, y);
+    i.mask = flip(&i.mask, w, h, x, y);
+    i.image = flip(&i.image, w, h, x, y);
+    for e in &mut i.edges {
+        for q in &mut e.endpoints {
+            if x {
+                q.x = w as f64 - 1.0 - q.x;
+            }
+            if y {
+                q.y = h as f64 - 1.0 - q.y;
+            }
+        }
+    }
+    if x {
+        i.intrinsics.cx = w as f64 - 1.0 - i.intrinsics.cx;
+    }
+    if y {
+        i.intrinsics.cy = h as f64 - 1.0 - i.intrinsics.cy;
+    }
+    if let Distortion::BrownConrady(c) = &mut i.intrinsics.distortion {
+        if x {
+            c[3] = -c[3];
+        }
+        if y {
+            c[2] = -c[2];
+        }
+    }
+    i
+}
+
+#[test]
+fn a_mirrored_frame_gives_the_mirrored_cylinder() {
+    for name in NAMES {
+        let inputs = sample(name);
+        for (edges, image) in [(true, true), (false, true), (false, false)] {
+            let right = whole(&inputs, edges, image).fit().unwrap();
+            for (x, y) in [(true, false), (true, true)] {
+                let other = whole(&mirrored(&inputs, x, y), edges, image).fit().unwrap().cylinder;
+                let signs = Vector3::new(-1.0, if y { -1.0 } else { 1.0 }, 1.0);
+                let back = |v: &Vector3<f64>| v.component_mul(&signs);
+                let back = Cylinder::new(back(&other.axis.point), back(&other.axis.direction), other.radius)
+                    .unwrap();
+                // Not the same: pixels are visited in another order, and located lines have several modes.
+                let apart = right.uncertainty.unwrap().squared_distance(&back).sqrt();
+                assert!(apart < 0.5, "{name} edges {edges} image {image} {x} {y}: {apart}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    let inputs = sample("w004");
+    for (edges, image) in [(true, true), (false, true), (false, false)] {
+        let right = whole(&inputs, edges, image).fit().unwrap();
+        for scale in [1e3, 1e-6, 1e25, 1e-25] {
+            let mut scaled = inputs.clone();
+            scaled.depth_scale *= scale;
+            let result = whole(&scaled, edges, image).fit().unwrap();
+            let Cylinder { axis, radius } = result.cylinder;
+            let back = Cylinder::new(axis.point / scale, axis.direction, radius / scale).unwrap();
+            let apart = right.uncertainty.unwrap().squared_distance(&back).sqrt();
+            assert!(apart < 1e-4, "{scale:e} edges {edges} image {image}: {apart}");
+            assert_eq!(result.flags, right.flags);
+        }
+    }
+}
+
+#[test]
+fn a_cancelled_fit_changes_nothing_wherever_it_stops() {
+    let inputs = sample("w022");
+    for (edges, image) in [(true, true), (false, true)] {
+        let mut fitter = whole(&inputs, edges, image);
+        let right = fitter.fit().unwrap();
+        for threads in [1, 2, 8] {
+            fitter.set_options(Options { threads, ..Options::default() }).unwrap();
+            assert!(same(&right, &fitter.fit().unwrap()), "{threads} threads");
+        }
+        let (cost, extent) =
+            (fitter.evaluate(&right.cylinder).unwrap().cost, fitter.extent(None, None).unwrap());
+        for stop in 0.. {
+            let mut heard = 0;
+            let outcome = fitter.fit_with(&mut |_| {
+                heard += 1;
+                if heard > stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            if heard <= stop {
+                assert!(same(&right, &outcome.unwrap()));
+                break;
+            }
+            assert!(matches!(outcome, Err(Error::Cancelled { .. })), "{stop}: {outcome:?}");
+            assert!(same(&right, fitter.result().unwrap()));
+            assert_eq!(cost.to_bits(), fitter.evaluate(&right.cylinder).unwrap().cost.to_bits());
+            assert_eq!(extent, fitter.extent(None, None).unwrap());
+        }
+    }
+}
+
+#[test]
+fn limits_hold_beside_image_and_mask() {
+    let inputs = sample("r40_a20_f0");
+    let free = whole(&inputs, true, true).fit().unwrap().cylinder;
+    let (r, d) = (free.radius, free.axis.direction);
+    let side = Vector3::new(d.y, -d.x, 0.0).normalize();
+    for (edges, image) in [(true, true), (false, true), (true, false)] {
+        for (radius_min, radius_max) in
+            [(0.0, f64::INFINITY), (r, r), (1.5 * r, 1.5 * r), (1.02 * r, 2.0 * r), (0.1 * r, 0.98 * r)]
+        {
+            for (tilt, max_angle) in [(0.0, 0.0), (0.05, 0.02), (0.0, 1e-12), (0.5, 0.1)] {
+                let tilt: f64 = tilt;
+                let direction = (d * tilt.cos() + side * tilt.sin()) * -3.0;
+                let axis = Some(AxisCone { direction, max_angle });
+                let limits = CylinderLimits { radius_min, radius_max, axis };
+                let mut fitter = whole(&inputs, edges, image);
+                fitter.set_options(Options { cylinder_limits: limits, ..Options::default() }).unwrap();
+                let result = fitter.fit().unwrap();
+                assert!(limits.contain(&result.cylinder), "{limits:?}: {:?}", result.cylinder);
+                assert_finite(&result, &format!("{limits:?}"));
+            }
+        }
+    }
+}
+
+/// How often a fit reports: its solves, and once for every minimum that it looks for.
+fn reports(fitter: &mut Fitter) -> usize {
+    let mut count = 0;
+    fitter
+        .fit_with(&mut |_| {
+            count += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    count
+}
+
+/// A fitter with the points and segments of a frame but without its mask.
+fn without_mask(inputs: &Inputs, edges: &[EdgeSegment]) -> Fitter {
+    let points: Vec<[f64; 3]> = inputs.fitter().cloud().points().map(|p| [p.x, p.y, p.z]).collect();
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(inputs.intrinsics).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_edges(edges).unwrap();
+    fitter
+}
+
+#[test]
+fn hundreds_of_segments_are_not_hundreds_of_fits() {
+    let inputs = sample("w004");
+    let mut dice = Dice::new(5);
+    let mut end = || Vector2::new(dice.between(0.0, 640.0), dice.between(0.0, 480.0));
+    let mut edges: Vec<EdgeSegment> =
+        (0..300).map(|_| EdgeSegment { endpoints: [end(), end()], weight: 1.0 }).collect();
+    edges.extend(&inputs.edges);
+    let count = reports(&mut without_mask(&inputs, &edges));
+    println!("COUNT segments {count}");
+    assert!(count < 2000, "{count}");
+}
+
+#[test]
+fn the_rounds_of_the_scale_share_the_solves() {
+    let inputs = sample("w004");
+    let d = whole(&inputs, true, true).fit().unwrap().cylinder.axis.direction;
+    let side = Vector3::new(d.y, -d.x, 0.0).normalize();
+    let direction = (d * 0.5_f64.cos() + side * 0.5_f64.sin()) * -3.0;
+    let axis = Some(AxisCone { direction, max_angle: 0.1 });
+    let mut fitter = whole(&inputs, true, false);
+    let cylinder_limits = CylinderLimits { radius_min: 1e-9, radius_max: 1e-9, axis };
+    fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
+    let count = reports(&mut fitter);
+    println!("COUNT limits {count}");
+    assert!(count < 4000, "{count}");
+}
+
+#[test]
+fn another_camera_forgets_what_was_seen_with_the_old_one() {
+    let inputs = sample("r40_a20_f0");
+    let mut fitter = whole(&inputs, true, true);
+    fitter.fit().unwrap();
+    assert!(fitter.limbs().is_some());
+    let intrinsics = Intrinsics { cx: inputs.intrinsics.cx + 50.0, ..inputs.intrinsics };
+    fitter.set_intrinsics(intrinsics).unwrap();
+    assert!(fitter.limbs().is_none());
+}
+
+#[test]
+fn whatever_is_pushed_gives_finite_numbers_or_an_error() {
+    // The last one: a mask of every third pixel, whose ends passed each other.
+    let fitted = (0..120).chain([682]).filter(|&seed| round(seed).is_ok()).count();
+    assert!(fitted > 30, "{fitted}");
+}
+
+/// Everything that a caller does with one view; the error of what was refused.
+fn round(seed: u64) -> Result<(), Error> {
+    let mut dice = Dice::new(seed * 7919);
+    let dice = &mut dice;
+    let mut view = View::new(dice);
+    if !dice.one_in(3) {
+        view.spoil(dice);
+    }
+    let mut f = Fitter::new();
+    f.set_intrinsics(view.intrinsics).unwrap();
+    let depth = DepthView::from_f32(&view.depth, view.size, 1.0).unwrap();
+    let mask = MaskView::from_u8(&view.mask, view.size).unwrap();
+    let with_mask = !dice.one_in(4);
+    f.push_depth(&depth, with_mask.then_some(&mask), &DepthRange::default())?;
+    if !dice.one_in(4) {
+        f.push_image(&ImageView::from_f32(&view.image, view.size).unwrap())?;
+    }
+    let (w, h) = (view.size.0 as f64, view.size.1 as f64);
+    if dice.one_in(2) {
+        let n = [1, 2, 2, 2, 3, 30][dice.below(6)];
+        let spread = [1.0, 1.0, 3.0, 100.0][dice.below(4)];
+        let edges: Vec<EdgeSegment> = (0..n)
+            .map(|_| EdgeSegment {
+                endpoints: [(); 2].map(|()| {
+                    Vector2::new(dice.between(-0.1, 1.1) * w * spread, dice.between(-0.1, 1.1) * h * spread)
+                }),
+                weight: [1.0, 1.0, 0.0, 1e9, 1e-9][dice.below(5)],
+            })
+            .collect();
+        f.push_edges(&edges)?;
+    }
+    let mut options = Options {
+        edge_use: if dice.one_in(4) { EdgeUse::AsGiven } else { EdgeUse::Refine },
+        ..Options::default()
+    };
+    if dice.one_in(4) {
+        let r = dice.between(0.01, 1.0);
+        options.cylinder_limits = CylinderLimits {
+            radius_min: r * [0.0, 0.5, 1.0][dice.below(3)],
+            radius_max: r,
+            axis: dice.one_in(2).then(|| AxisCone {
+                direction: Vector3::new(dice.normal(), dice.normal(), dice.normal()),
+                max_angle: [0.0, 0.1, 1.0][dice.below(3)],
+            }),
+        };
+    }
+    f.set_options(options)?;
+    if dice.one_in(20) {
+        // Another camera after the data.
+        let other = Intrinsics {
+            width: 33,
+            height: 17,
+            fx: 30.0,
+            fy: 30.0,
+            cx: 16.0,
+            cy: 8.0,
+            distortion: Distortion::None,
+        };
+        f.set_intrinsics(other).unwrap();
+        if dice.one_in(2) {
+            f.push_image(&ImageView::from_f32(&vec![3.0; 33 * 17], (33, 17)).unwrap()).unwrap();
+        }
+    }
+    let what = format!("seed {seed}");
+    let fit = f.fit()?;
+    assert_finite(&fit, &what);
+    assert!(f.options().cylinder_limits.contain(&fit.cylinder), "{what}");
+    let options = ExtentOptions { image: f.image(), limbs_known: None };
+    if let Ok((extent, arcs)) = f.extent_and_arcs(None, dice.one_in(2).then_some(&mask), &options) {
+        let mut numbers: Vec<f64> = extent.start_deviation.into_iter().chain(extent.end_deviation).collect();
+        numbers.extend(extent.center.iter().chain(&extent.start).chain(&extent.end));
+        for arc in arcs.iter().flatten() {
+            numbers.extend(arc.pixel.iter().chain(&arc.normal).chain([&arc.deviation, &arc.across]));
+        }
+        assert!(numbers.iter().all(|x| x.is_finite()) && extent.length >= 0.0, "{what}: {extent:?}");
+    }
+    let mut finite = true;
+    let _ = f.complete(None, None, &mut |_, _, point| {
+        finite &= point.is_none_or(|point| point.iter().all(|x| x.is_finite()));
+    });
+    assert!(finite, "{what}");
+    for limb in f.limbs().into_iter().flatten() {
+        assert!(limb.line.is_err() || limb.line.unwrap().sigma.is_finite(), "{what}: {limb:?}");
+        assert!(
+            limb.samples.iter().all(|sample| sample.sigma.is_finite() && sample.weight.is_finite()),
+            "{what}"
+        );
+    }
+    f.evaluate(&fit.cylinder).unwrap();
+    assert!(same(&fit, &f.fit().unwrap()), "{what}");
+    Ok(())
+}
