@@ -220,7 +220,6 @@ fn hundreds_of_segments_are_not_hundreds_of_fits() {
         (0..300).map(|_| EdgeSegment { endpoints: [end(), end()], weight: 1.0 }).collect();
     edges.extend(&inputs.edges);
     let count = reports(&mut without_mask(&inputs, &edges));
-    println!("COUNT segments {count}");
     assert!(count < 2000, "{count}");
 }
 
@@ -235,7 +234,6 @@ fn the_rounds_of_the_scale_share_the_solves() {
     let cylinder_limits = CylinderLimits { radius_min: 1e-9, radius_max: 1e-9, axis };
     fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
     let count = reports(&mut fitter);
-    println!("COUNT limits {count}");
     assert!(count < 4000, "{count}");
 }
 
