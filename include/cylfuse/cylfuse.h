@@ -734,7 +734,7 @@ typedef struct cylfuse_segments_view {
      */
     ptrdiff_t segment_stride;
     /**
-     * `count` weights, 0 or greater; 0 leaves the segment out. NULL = every weight is 1.
+     * `count` weights, from 0 to 1e9; 0 leaves the segment out. NULL = every weight is 1.
      */
     const double *weights;
 } cylfuse_segments_view;

@@ -233,7 +233,7 @@ pub struct cylfuse_segments_view {
     pub count: usize,
     /// Bytes from a segment to the next one, negative too; 0 = 4 scalars.
     pub segment_stride: isize,
-    /// `count` weights, 0 or greater; 0 leaves the segment out. NULL = every weight is 1.
+    /// `count` weights, from 0 to 1e9; 0 leaves the segment out. NULL = every weight is 1.
     pub weights: *const f64,
 }
 
