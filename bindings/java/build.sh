@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Compiles the jar: build.sh FOLDER [LIBRARY] leaves cylfuse.jar in FOLDER, with the native library inside when it is named.
+set -euo pipefail
+folder=$(realpath "$1")
+library=${2:-}
+[ -z "$library" ] || library=$(realpath "$library")
+cd "$(dirname "$0")"
+rm -rf "$folder/classes"
+javac -Xlint:all -Werror -encoding UTF-8 --release 17 -cp /usr/share/java/jna.jar -d "$folder/classes" \
+    src/main/java/org/cylfuse/*.java
+if [ -n "$library" ]; then
+    mkdir -p "$folder/classes/linux-x86-64"
+    strip --strip-debug -o "$folder/classes/linux-x86-64/libcylfuse.so" "$library"
+fi
+printf 'Automatic-Module-Name: org.cylfuse\n' >"$folder/manifest"
+jar --create --file "$folder/cylfuse.jar" --manifest "$folder/manifest" -C "$folder/classes" .
