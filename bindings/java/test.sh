@@ -10,6 +10,8 @@ command -v javac >/dev/null && command -v javadoc >/dev/null || missing+=(openjd
 [ -e /usr/share/java/jna.jar ] || missing+=(libjna-java)
 [ -e /usr/share/java/junit4.jar ] || missing+=(junit4)
 [ -e /usr/share/java/hamcrest-core.jar ] || missing+=(libhamcrest-java)
+[ -e /usr/share/java/gson.jar ] || missing+=(libgoogle-gson-java)
+command -v python3 >/dev/null || missing+=(python3)
 command -v strip >/dev/null || missing+=(binutils)
 if [ ${#missing[@]} -gt 0 ]; then
     as_root=()
@@ -44,11 +46,27 @@ if [ "$printed" != "radius 0.500000, doubts []" ]; then
     exit 1
 fi
 
-packages=$packages:/usr/share/java/junit4.jar:/usr/share/java/hamcrest-core.jar
+packages=$build/tests:$packages
+for name in junit4 hamcrest-core gson; do packages=$packages:/usr/share/java/$name.jar; done
+mkdir "$build/tests"
 javac -Xlint:all -Werror -encoding UTF-8 --release 17 -cp "$packages" -d "$build/tests" "$here"/src/test/java/org/cylfuse/*.java
 classes=()
 for file in "$here"/src/test/java/org/cylfuse/*Test.java; do
     classes+=("org.cylfuse.$(basename "$file" .java)")
 done
+failed=0
 # A small heap, so that what grows in the tests of memory is native.
-java -Xmx64m -cp "$build/tests:$packages" org.cylfuse.RunTests "${classes[@]}"
+java -Xmx64m -cp "$packages" org.cylfuse.RunTests "${classes[@]}" | tee "$build/log" || failed=1
+
+# The golden cases: the bits of C in the same job.
+if [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ]; then
+    export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
+    "$repository/bindings/conformance/test.sh"
+fi
+conformance=$repository/bindings/conformance
+java -cp "$packages" org.cylfuse.ConformanceResults "$conformance/cases.json" >"$build/results.txt" || failed=1
+python3 "$conformance/check.py" "$build/results.txt" "$CYLFUSE_CONFORMANCE_RESULTS" | tee -a "$build/log" || failed=1
+python3 "$conformance/coverage.py" "$here"/src/main/java/org/cylfuse/*.java | tee -a "$build/log" || failed=1
+
+awk '/^[0-9]+ passed, [0-9]+ failed$/ { p += $1; f += $3 } END { printf "Java: %d passed, %d failed\n", p, f }' "$build/log"
+exit $failed
