@@ -55,18 +55,23 @@ for file in "$here"/src/test/java/org/cylfuse/*Test.java; do
     classes+=("org.cylfuse.$(basename "$file" .java)")
 done
 failed=0
+# Names what a sum of "N passed, N failed" counts, and keeps it for the whole sum.
+name() { sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$1: &/" | tee -a "$build/log"; }
 # A small heap, so that what grows in the tests of memory is native.
-java -Xmx64m -cp "$packages" org.cylfuse.RunTests "${classes[@]}" | tee "$build/log" || failed=1
+java -Xmx64m -cp "$packages" org.cylfuse.RunTests "${classes[@]}" | name Tests || failed=1
 
 # The golden cases: the bits of C in the same job.
 if [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ]; then
     export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
-    "$repository/bindings/conformance/test.sh"
+    "$repository/bindings/conformance/test.sh" >&2
 fi
 conformance=$repository/bindings/conformance
 java -cp "$packages" org.cylfuse.ConformanceResults "$conformance/cases.json" >"$build/results.txt" || failed=1
-python3 "$conformance/check.py" "$build/results.txt" "$CYLFUSE_CONFORMANCE_RESULTS" | tee -a "$build/log" || failed=1
-python3 "$conformance/coverage.py" "$here"/src/main/java/org/cylfuse/*.java | tee -a "$build/log" || failed=1
+python3 "$conformance/check.py" "$build/results.txt" "$CYLFUSE_CONFORMANCE_RESULTS" | name Golden-cases || failed=1
+python3 "$conformance/coverage.py" "$here"/src/main/java/org/cylfuse/*.java | name Functions-bound || failed=1
 
-awk '/^[0-9]+ passed, [0-9]+ failed$/ { p += $1; f += $3 } END { printf "Java: %d passed, %d failed\n", p, f }' "$build/log"
+# A program that broke off has printed no sum, but failed all the same.
+awk -v broken=$failed '
+    / passed, [0-9]+ failed$/ { passed += $2; failed += $4 }
+    END { if (broken && !failed) failed = 1; printf "%d passed, %d failed\n", passed, failed }' "$build/log"
 exit $failed
