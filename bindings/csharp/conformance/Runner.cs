@@ -1,0 +1,245 @@
+using System;
+using System.Collections;
+using System.Collections.Generic;
+using System.Json;
+using System.Linq;
+using System.Reflection;
+
+namespace Cylfuse.Conformance
+{
+    /// <summary>Runs one golden case of bindings/conformance/cases.json, step by step.</summary>
+    internal sealed class Runner : IDisposable
+    {
+        private readonly JsonValue file;
+        private readonly Fitter fitter = new Fitter();
+
+        internal Runner(JsonValue file)
+        {
+            this.file = file;
+        }
+
+        public void Dispose() => fitter.Dispose();
+
+        /// <summary>What a step gives: numbers under the names of the C fields.</summary>
+        internal Dictionary<string, double[]> Run(JsonValue step)
+        {
+            var outputs = new Dictionary<string, double[]>();
+            Cylinder model = Cylinder(step, "model");
+            string call = step["call"];
+            switch (call)
+            {
+                case "set_options": fitter.Options = Options(step["options"]); break;
+                case "get_options": Describe(fitter.Options, "", outputs); break;
+                case "set_intrinsics": fitter.Intrinsics = Camera(step["camera"]); break;
+                case "set_start_model": fitter.SetStartModel(model); break;
+                case "reserve": fitter.Reserve(step["points"], step["segments"]); break;
+                case "clear": fitter.Clear(); break;
+                case "cancel": fitter.Cancel(); break;
+                case "push_points": fitter.PushPoints(Cloud(step["points"]), Mask(step)); break;
+                case "push_depth": fitter.PushDepth(Depth(step), Mask(step)); break;
+                case "push_image": fitter.PushImage(Image(step["image"])); break;
+                case "push_edges": fitter.PushEdges(Edges(step)); break;
+                case "counts": Describe(fitter.Counts(), "", outputs); break;
+                case "fit": Describe(fitter.Fit(), "", outputs); break;
+                case "get_result": Describe(fitter.Result(), "", outputs); break;
+                case "evaluate": Describe(fitter.Evaluate(model), "", outputs); break;
+                case "residuals":
+                    outputs["residuals"] = fitter.Residuals(Named<ResidualKind>(step["kind"]), model);
+                    break;
+                case "limb_samples":
+                    LimbSample[] samples = fitter.LimbSamples();
+                    outputs["pixel"] = samples.SelectMany(sample => sample.Pixel).ToArray();
+                    outputs["sigma"] = samples.Select(sample => sample.Sigma).ToArray();
+                    outputs["weight"] = samples.Select(sample => sample.Weight).ToArray();
+                    outputs["limb"] = samples.Select(sample => (double)sample.Limb).ToArray();
+                    break;
+                case "diagnose": Describe(fitter.Diagnose(model), "", outputs); break;
+                case "extent": Describe(fitter.Extent(model, Mask(step)), "", outputs); break;
+                case "complete": Complete(step, model, outputs); break;
+                case "complete_depth": CompleteDepth(step, model, outputs); break;
+                case "distances": outputs["distances"] = model.Distances(Cloud(step["points"])); break;
+                case "project": outputs["lines"] = Flatten(model.Project(Camera(step["camera"]))); break;
+                case "compare": Describe(Cylinder(step, "a").Compare(Cylinder(step, "b")), "", outputs); break;
+                default: throw new NotSupportedException($"unknown call {call}");
+            }
+            return outputs;
+        }
+
+        private void Complete(JsonValue step, Cylinder model, Dictionary<string, double[]> outputs)
+        {
+            var layout = Named<Layout>(step["layout"]);
+            if (step["scalar"] == "F64")
+            {
+                CompletedCloud<double> cloud = fitter.Complete(layout, model, Mask(step));
+                Describe(cloud.Pixels, "", outputs);
+                outputs["points"] = cloud.Coordinates;
+            }
+            else
+            {
+                CompletedCloud<float> cloud = fitter.CompleteSingle(layout, model, Mask(step));
+                Describe(cloud.Pixels, "", outputs);
+                outputs["points"] = Flatten(cloud.Coordinates);
+            }
+        }
+
+        private void CompleteDepth(JsonValue step, Cylinder model, Dictionary<string, double[]> outputs)
+        {
+            double scale = Number(step["scale"]);
+            if (step["format"] == "F32")
+            {
+                CompletedDepth<float> image = fitter.CompleteDepth(scale, model, Mask(step));
+                Describe(image.Pixels, "", outputs);
+                outputs["depth"] = Flatten(image.Depth);
+            }
+            else
+            {
+                CompletedDepth<ushort> image = fitter.CompleteDepthUInt16(scale, model, Mask(step));
+                Describe(image.Pixels, "", outputs);
+                outputs["depth"] = Flatten(image.Depth);
+            }
+        }
+
+        // What goes in.
+
+        /// <summary>A number; null stands for NaN.</summary>
+        private static double Number(JsonValue value) => value == null ? double.NaN : (double)value;
+
+        private static double Number(JsonValue step, string key, double otherwise) =>
+            step.ContainsKey(key) ? Number(step[key]) : otherwise;
+
+        private static double[] Numbers(JsonValue list) => ((JsonArray)list).Select(Number).ToArray();
+
+        private static Vector Vector(JsonValue list)
+        {
+            double[] numbers = Numbers(list);
+            return new Vector(numbers[0], numbers[1], numbers[2]);
+        }
+
+        private static T Named<T>(string name) => (T)Named(typeof(T), name);
+
+        private static object Named(Type type, string name) => Enum.Parse(type, name.Replace("_", ""), true);
+
+        private static Cylinder Cylinder(JsonValue step, string key)
+        {
+            JsonValue value = step.ContainsKey(key) ? step[key] : null;
+            return value == null ? null : new Cylinder(Vector(value["point"]), Vector(value["direction"]), Number(value["radius"]));
+        }
+
+        private Intrinsics Camera(string name)
+        {
+            JsonValue camera = file["cameras"][name];
+            return new Intrinsics(
+                camera["width"], camera["height"], Number(camera["fx"]), Number(camera["fy"]), Number(camera["cx"]), Number(camera["cy"]),
+                Named<DistortionModel>(camera["distortion_model"]), Numbers(camera["distortion"]));
+        }
+
+        private static FitOptions Options(JsonValue given)
+        {
+            var options = new FitOptions();
+            foreach (KeyValuePair<string, JsonValue> setting in given)
+            {
+                PropertyInfo property = typeof(FitOptions).GetProperty(Names.OfCSharp(setting.Key));
+                Type type = property.PropertyType;
+                property.SetValue(options, type == typeof(Vector) ? Vector(setting.Value)
+                    : type.IsEnum ? Named(type, setting.Value)
+                    : Convert.ChangeType(Number(setting.Value), type));
+            }
+            return options;
+        }
+
+        /// <summary>An array of the file and its sizes, the slowest first.</summary>
+        private (Array elements, int[] shape) Data(string name)
+        {
+            JsonValue array = file["arrays"][name];
+            byte[] bytes = Convert.FromBase64String(array["data"]);
+            int[] shape = Numbers(array["shape"]).Select(size => (int)size).ToArray();
+            int count = shape.Aggregate(1, (product, size) => product * size);
+            string type = array["type"];
+            Array elements = type == "u8" ? new byte[count] : type == "u16" ? new ushort[count] : type == "f32" ? (Array)new float[count] : new double[count];
+            Buffer.BlockCopy(bytes, 0, elements, 0, bytes.Length);
+            return (elements, shape);
+        }
+
+        private static int Column(JsonValue part) => part.ContainsKey("column") ? (int)part["column"] : 0;
+
+        private PointCloud Cloud(JsonValue points)
+        {
+            (Array elements, int[] shape) = Data(points["array"]);
+            int channels = shape.Last(), width = shape[shape.Length - 2], height = shape.Length == 3 ? shape[0] : 1;
+            PointCloud cloud = elements is double[] doubles
+                ? PointCloud.From(doubles, width, height, Column(points), channels, width * channels)
+                : PointCloud.From((float[])elements, width, height, Column(points), channels, width * channels);
+            if (points.ContainsKey("weights"))
+            {
+                JsonValue part = points["weights"];
+                (Array weights, int[] size) = Data(part["array"]);
+                cloud = weights is double[] wide
+                    ? cloud.WithWeights(wide, Column(part), size.Last(), width * size.Last())
+                    : cloud.WithWeights((float[])weights, Column(part), size.Last(), width * size.Last());
+            }
+            if (points.ContainsKey("normals"))
+            {
+                JsonValue part = points["normals"];
+                (Array normals, int[] size) = Data(part["array"]);
+                cloud = normals is double[] wide
+                    ? cloud.WithNormals(wide, Column(part), size.Last(), width * size.Last())
+                    : cloud.WithNormals((float[])normals, Column(part), size.Last(), width * size.Last());
+            }
+            return cloud;
+        }
+
+        private Mask Mask(JsonValue step)
+        {
+            if (!step.ContainsKey("mask")) return null;
+            (Array elements, int[] shape) = Data(step["mask"]);
+            return Cylfuse.Mask.From((byte[])elements, shape[1], shape[0]);
+        }
+
+        private DepthImage Depth(JsonValue step)
+        {
+            (Array elements, int[] shape) = Data(step["depth"]);
+            double scale = Number(step["scale"]);
+            DepthImage depth = elements is ushort[] integers
+                ? DepthImage.From(integers, shape[1], shape[0], scale)
+                : DepthImage.From((float[])elements, shape[1], shape[0], scale);
+            depth.MinDepth = Number(step, "min_depth", 0);
+            depth.MaxDepth = Number(step, "max_depth", 0);
+            return depth;
+        }
+
+        private GreyImage Image(string name)
+        {
+            (Array elements, int[] shape) = Data(name);
+            if (elements is byte[] bytes) return GreyImage.From(bytes, shape[1], shape[0]);
+            return elements is ushort[] integers
+                ? GreyImage.From(integers, shape[1], shape[0])
+                : GreyImage.From((float[])elements, shape[1], shape[0]);
+        }
+
+        private static Segments Edges(JsonValue step)
+        {
+            double[] numbers = ((JsonArray)step["segments"]).SelectMany(Numbers).ToArray();
+            Segments segments = Segments.From(numbers, numbers.Length / 4);
+            return step.ContainsKey("weights") ? segments.WithWeights(Numbers(step["weights"])) : segments;
+        }
+
+        // What comes out.
+
+        private static void Describe(object values, string prefix, Dictionary<string, double[]> outputs)
+        {
+            foreach (PropertyInfo property in values.GetType().GetProperties())
+            {
+                string name = prefix + Names.OfC(property.Name);
+                // Times are no result.
+                if (name.StartsWith("seconds_")) continue;
+                object value = property.GetValue(values);
+                if (value is Vector vector) outputs[name] = new[] { vector.X, vector.Y, vector.Z };
+                else if (value is Cylinder) Describe(value, name + ".", outputs);
+                else if (value is Array array) outputs[name] = Flatten(array);
+                else outputs[name] = new[] { Convert.ToDouble(value) };
+            }
+        }
+
+        private static double[] Flatten(IEnumerable numbers) => numbers.Cast<object>().Select(Convert.ToDouble).ToArray();
+    }
+}

@@ -1,0 +1,276 @@
+using System;
+
+namespace Cylfuse
+{
+    /// <summary>What a call returns: 0 when it did what it was asked to, else a negative number that says why not. A
+    /// failed call changes nothing and writes no output unless its text says so; the fitter stays usable, but for <see
+    /// cref="Status.Panic"/>. The numbers never change and new ones may be added: treat an unknown negative number as a
+    /// failure.</summary>
+    public enum Status
+    {
+        /// <summary>The call did what it was asked to.</summary>
+        Ok = 0,
+        /// <summary>An argument or field has a value outside its documented range.</summary>
+        InvalidArgument = -1,
+        /// <summary>A pointer that is needed is null.</summary>
+        NullPointer = -2,
+        /// <summary>The <c>struct_size</c> of a struct is smaller than the first version of the struct or larger than
+        /// 4096, or the struct is larger than this library knows it and uses fields that this library does not
+        /// know.</summary>
+        StructSize = -3,
+        /// <summary>The program was compiled for another, incompatible version of the library.</summary>
+        AbiMismatch = -4,
+        /// <summary>The call came before something that it needs.</summary>
+        BadState = -5,
+        /// <summary>Another call on the same fitter is running: in another thread, or around a callback.</summary>
+        Busy = -6,
+        /// <summary>The buffer for the output is too small; the call says how much it needs and writes nothing
+        /// else.</summary>
+        BufferTooSmall = -7,
+        /// <summary>Memory could not be had.</summary>
+        OutOfMemory = -8,
+        /// <summary>The method does not define what was asked for.</summary>
+        Unsupported = -9,
+        /// <summary>Images on one pixel grid have different sizes.</summary>
+        SizeMismatch = -10,
+        /// <summary>No camera works with these intrinsics.</summary>
+        InvalidIntrinsics = -11,
+        /// <summary>Fewer usable points than a cylinder has degrees of freedom.</summary>
+        TooFewPoints = -20,
+        /// <summary>The points are as flat as a plane.</summary>
+        PlanarPoints = -21,
+        /// <summary>The points lie on one straight line.</summary>
+        CollinearPoints = -22,
+        /// <summary>No pixel of the mask is set.</summary>
+        EmptyMask = -23,
+        /// <summary>No pixel in the region has a usable depth.</summary>
+        NoDepth = -24,
+        /// <summary>No start for the iteration could be found.</summary>
+        NoStart = -25,
+        /// <summary>The limb lines are needed but cannot be formed.</summary>
+        EdgeGeometry = -26,
+        /// <summary>The arithmetic left the range of numbers.</summary>
+        Numerical = -27,
+        /// <summary>The progress callback or <see cref="Fitter.Cancel"/> asked to stop.</summary>
+        Cancelled = -40,
+        /// <summary>A defect of the library. The fitter can only be destroyed after it; other fitters are not
+        /// affected.</summary>
+        Panic = -99,
+    }
+
+    /// <summary>How the cylinder is estimated.</summary>
+    public enum Method
+    {
+        /// <summary>Points and edges together, by the chosen <see cref="Objective"/>.</summary>
+        Fused = 0,
+        /// <summary>Points alone by plain least squares; edges are ignored.</summary>
+        Points = 1,
+        /// <summary>Random sample consensus over the points, without a final iteration.</summary>
+        Ransac = 2,
+        /// <summary>Eberly's algebraic fit by the moments of the points, without a final iteration.</summary>
+        Eberly = 3,
+    }
+
+    /// <summary>What <see cref="Method.Fused"/> minimises.</summary>
+    public enum Objective
+    {
+        /// <summary>Robust points and the distances of the segment endpoints in pixels, each weighted by its own scale.
+        /// Takes any number of segments, none included.</summary>
+        Robust = 0,
+        /// <summary>F = (1 - w) E_P + w E_L of Zhang, Liu and Wang (Sensors 2026, 26(5), 1687), exactly, with the
+        /// weight w = <see cref="FitOptions.EdgeWeight"/>. Takes exactly two segments, or w = 0.</summary>
+        Paper = 1,
+    }
+
+    /// <summary>Where the iteration starts.</summary>
+    public enum StartKind
+    {
+        /// <summary>The candidate of the kinds below that explains the data best. Never in a result.</summary>
+        Auto = 0,
+        /// <summary>From two limb segments, scaled by the points.</summary>
+        Limbs = 1,
+        /// <summary>Eberly's algebraic fit by the moments of the points.</summary>
+        Moments = 2,
+        /// <summary>Random sample consensus over the points.</summary>
+        Ransac = 3,
+        /// <summary>The model given by <see cref="Fitter.SetStartModel"/>.</summary>
+        Model = 4,
+    }
+
+    /// <summary>Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is
+    /// often a second minimum with the cylinder between camera and surface; this rule refuses it.</summary>
+    public enum NearWall
+    {
+        /// <summary>On when intrinsics are set: only then is the origin known to be a camera.</summary>
+        Auto = 0,
+        /// <summary>On: the origin is the observer.</summary>
+        On = 1,
+        /// <summary>Off: the minimum nearest to the start stays.</summary>
+        Off = 2,
+    }
+
+    /// <summary>The coordinates in which the iteration steps. All reach the same optima.</summary>
+    public enum Chart
+    {
+        /// <summary>Orthonormal for the paper's objective where a camera stands outside the cylinder, else
+        /// Local.</summary>
+        Auto = 0,
+        /// <summary>Shift and tilt of the axis at the data: regular wherever the axis runs.</summary>
+        Local = 1,
+        /// <summary>The orthonormal representation about the origin of coordinates, as in the paper: singular for an
+        /// axis through the origin.</summary>
+        Orthonormal = 2,
+    }
+
+    /// <summary>What given edge segments are for the objective Robust. No other looks for limbs in the image.</summary>
+    public enum EdgeUse
+    {
+        /// <summary>A start: where there is a grey image, the limbs are located in it and join the fit.</summary>
+        Refine = 0,
+        /// <summary>The measurement: no limbs are looked for in the image. The arcs of the ends are.</summary>
+        AsGiven = 1,
+    }
+
+    /// <summary>How the ends of the visible cylinder are found.</summary>
+    public enum ExtentRule
+    {
+        /// <summary>Located for the objective Robust, Extremes for Paper and for the methods other than
+        /// Fused.</summary>
+        Auto = 0,
+        /// <summary>The rule of the paper: the extreme positions along the axis of the points completed over the
+        /// mask.</summary>
+        Extremes = 1,
+        /// <summary>From all lines along the surface together, in the mask and, when there is one, in the grey image;
+        /// from inside a pipe as Extremes.</summary>
+        Located = 2,
+    }
+
+    /// <summary>The distortion of the lens. What the numbers in <see cref="Intrinsics"/> mean.</summary>
+    public enum DistortionModel
+    {
+        /// <summary>A pinhole; all coefficients are 0.</summary>
+        None = 0,
+        /// <summary>Brown and Conrady: k1 k2 p1 p2 k3 k4 k5 k6 in the order of OpenCV; the missing ones of a shorter
+        /// list are 0.</summary>
+        BrownConrady = 1,
+        /// <summary>Kannala and Brandt, the fisheye model of OpenCV: k1 k2 k3 k4; the other coefficients are 0. Rays
+        /// less than 89 degrees from the axis.</summary>
+        KannalaBrandt = 2,
+    }
+
+    /// <summary>How the points of an output buffer are arranged.</summary>
+    public enum Layout
+    {
+        /// <summary>Only the points that exist, one after the other, row by row of the image.</summary>
+        Packed = 0,
+        /// <summary>One point for each pixel of the image, NaN where there is none.</summary>
+        Organised = 1,
+    }
+
+    /// <summary>What a fit is doing.</summary>
+    public enum Phase
+    {
+        /// <summary>It is about to look for a start.</summary>
+        Start = 1,
+        /// <summary>It iterates.</summary>
+        Solve = 2,
+    }
+
+    /// <summary>How much a log line matters.</summary>
+    public enum LogLevel
+    {
+        /// <summary>No lines.</summary>
+        Off = 0,
+        /// <summary>Calls that failed, with the text of <see cref="CylfuseException"/>.</summary>
+        Error = 1,
+        /// <summary>Doubts about a result, such as ignored edges.</summary>
+        Warning = 2,
+        /// <summary>What was pushed, which start was taken, how a fit ended.</summary>
+        Info = 3,
+        /// <summary>Every iteration.</summary>
+        Debug = 4,
+    }
+
+    /// <summary>Why an iteration ended.</summary>
+    public enum Termination
+    {
+        /// <summary>There was no iteration: the method has none, or a given model was evaluated.</summary>
+        None = 0,
+        /// <summary>The cost no longer fell by more than the tolerance, or reached the rounding error of the
+        /// data.</summary>
+        Cost = 1,
+        /// <summary>No step down to the largest damping lowered the cost: a minimum to rounding.</summary>
+        Stalled = 2,
+        /// <summary>The limit of iterations was reached; <see cref="ResultFlags.NotConverged"/> is set too.</summary>
+        MaxIterations = 3,
+        /// <summary>The radius left all proportion to the data: they are flat.</summary>
+        RadiusRanAway = 4,
+    }
+
+    /// <summary>Doubts about a result, one bit each. None of them is an error.</summary>
+    [Flags]
+    public enum ResultFlags : uint
+    {
+        /// <summary>No doubts.</summary>
+        None = 0,
+        /// <summary>Segments were given but none of them counts; the other flags and the counts say why.</summary>
+        EdgesIgnored = 1,
+        /// <summary>Some segments have no length or lie outside the field of the camera model.</summary>
+        SegmentsUnusable = 2,
+        /// <summary>Two segments cross each other: they cannot be the two limbs.</summary>
+        EdgesCross = 4,
+        /// <summary>Two segments lie on one line to within 2 pixels: they are the same limb.</summary>
+        EdgesCoincide = 8,
+        /// <summary>The rays of the endpoints do not meet the plane of the limbs in front of the camera.</summary>
+        EdgesBehind = 16,
+        /// <summary>The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.</summary>
+        ScaleHeld = 32,
+        /// <summary>The data hardly determine the radius: see <see cref="FitResult.Condition"/>.</summary>
+        WeakRadius = 64,
+        /// <summary>The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.</summary>
+        ResolutionLost = 128,
+        /// <summary>The limit of iterations came before convergence.</summary>
+        NotConverged = 256,
+        /// <summary>Most points lie on the wall that the camera cannot see.</summary>
+        HiddenWall = 512,
+        /// <summary>The camera is inside the cylinder: there are no limbs.</summary>
+        CameraInside = 1024,
+        /// <summary>Points with coordinates that are not finite were left out.</summary>
+        PointsNotFinite = 2048,
+        /// <summary>The radius by the points alone and the radius by the limbs differ by more than 4 standard
+        /// deviations: <see cref="FitResult.RadiusFromPoints"/> and <see cref="FitResult.RadiusFromLimbs"/> say how. An
+        /// offset of the depth, depth that is smeared or bent, wrong intrinsics or edges that are not the limbs do
+        /// that.</summary>
+        PointsAndLimbsDisagree = 4096,
+        /// <summary>A limit of the radius holds it: the data want another one. Not for a radius that is
+        /// known.</summary>
+        RadiusAtLimit = 8192,
+        /// <summary>The axis is on the border of its cone: the data want another one. Not for a direction that is
+        /// known.</summary>
+        AxisAtLimit = 16384,
+    }
+
+    /// <summary>Which residuals to list.</summary>
+    public enum ResidualKind
+    {
+        /// <summary>Signed distance of every used point from the surface, in the unit of length, negative inside; in
+        /// the order in which the points were pushed, without the dropped ones.</summary>
+        Points = 1,
+        /// <summary>Signed distance of both endpoints of every used segment from its limb line, in ideal
+        /// pixels.</summary>
+        Edges = 2,
+    }
+
+    /// <summary>What an end of the visible cylinder is.</summary>
+    public enum EndState
+    {
+        /// <summary>No depth was measured beyond the end, or no depth image was pushed.</summary>
+        Unknown = 0,
+        /// <summary>The surface ends there: what lies beyond is farther than the surface would be.</summary>
+        Seen = 1,
+        /// <summary>The border of the image cuts the cylinder off.</summary>
+        Cut = 2,
+        /// <summary>Something nearer than the surface covers what lies beyond.</summary>
+        Hidden = 3,
+    }
+}

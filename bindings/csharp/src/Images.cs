@@ -1,0 +1,175 @@
+using System;
+
+namespace Cylfuse
+{
+    /// <summary>A depth image in an array, on the pixels of the camera. A value is z, not the distance along the ray. The
+    /// array is not copied until a call takes the image, and then by the library alone.</summary>
+    public sealed class DepthImage
+    {
+        private readonly ArrayPart pixels;
+
+        private DepthImage(ArrayPart pixels, double scale)
+        {
+            this.pixels = pixels;
+            Scale = scale;
+        }
+
+        /// <summary>Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
+        /// is the metre.</summary>
+        public double Scale { get; }
+
+        /// <summary>The nearest depth that counts, in the unit of length, 0 or greater. Default 0.</summary>
+        public double MinDepth { get; set; }
+
+        /// <summary>The farthest depth that counts, in the unit of length. Default 0 = no limit.</summary>
+        public double MaxDepth { get; set; }
+
+        /// <summary>Rows × columns of integers; 0 = no measurement.</summary>
+        public static DepthImage From(ushort[,] depth, double scale) => new DepthImage(Grid.Of("pixels", depth), scale);
+
+        /// <summary>Rows × columns of floating-point numbers; 0, negative or not finite = no measurement.</summary>
+        public static DepthImage From(float[,] depth, double scale = 1.0) => new DepthImage(Grid.Of("pixels", depth), scale);
+
+        /// <summary>An image somewhere in an array.</summary>
+        /// <param name="data">The array.</param>
+        /// <param name="width">Columns; must be those of the intrinsics.</param>
+        /// <param name="height">Rows; must be those of the intrinsics.</param>
+        /// <param name="scale">Length of one unit of the stored value.</param>
+        /// <param name="offset">Index of the first pixel of the first row.</param>
+        /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1.</param>
+        /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
+        /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
+        public static DepthImage From(ushort[] data, int width, int height, double scale, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new DepthImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride), scale);
+
+        /// <summary>An image somewhere in an array.</summary>
+        /// <inheritdoc cref="From(ushort[], int, int, double, int, int, int)"/>
+        public static DepthImage From(float[] data, int width, int height, double scale = 1.0, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new DepthImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride), scale);
+
+        internal unsafe void Write(NativeDepthView* native, Pins pins)
+        {
+            NativeFunctions.Check(NativeFunctions.DepthViewInit(native, NativeFunctions.SizeOf<NativeDepthView>()));
+            native->format = pixels.ElementType == typeof(ushort) ? Native.DepthFormatU16 : Native.DepthFormatF32;
+            native->data = pixels.Pin(pins);
+            native->width = (uint)pixels.Width;
+            native->height = (uint)pixels.Height;
+            native->row_stride = pixels.RowStride;
+            native->pixel_stride = pixels.ItemStride;
+            native->scale = Scale;
+            native->min_depth = MinDepth;
+            native->max_depth = MaxDepth;
+        }
+    }
+
+    /// <summary>A mask in an array: non-zero = visible lateral surface of the cylinder. Its boundary may be some pixels
+    /// off: it is a hint and never measured.</summary>
+    public sealed class Mask
+    {
+        private readonly ArrayPart pixels;
+
+        private Mask(ArrayPart pixels)
+        {
+            this.pixels = pixels;
+        }
+
+        /// <summary>Rows × columns of bytes, which are not copied until a call takes them.</summary>
+        public static Mask From(byte[,] mask) => new Mask(Grid.Of("pixels", mask));
+
+        /// <summary>Rows × columns, copied.</summary>
+        public static Mask From(bool[,] mask)
+        {
+            if (mask == null) throw new ArgumentNullException(nameof(mask));
+            // An array of bool cannot be pinned. Its elements are bytes.
+            var bytes = new byte[mask.GetLength(0), mask.GetLength(1)];
+            Buffer.BlockCopy(mask, 0, bytes, 0, bytes.Length);
+            return From(bytes);
+        }
+
+        /// <summary>A mask somewhere in an array.</summary>
+        /// <param name="data">The array.</param>
+        /// <param name="width">Columns.</param>
+        /// <param name="height">Rows.</param>
+        /// <param name="offset">Index of the first pixel of the first row.</param>
+        /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1.</param>
+        /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
+        /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
+        public static Mask From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new Mask(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
+
+        internal unsafe void Write(NativeMaskView* native, Pins pins)
+        {
+            NativeFunctions.Check(NativeFunctions.MaskViewInit(native, NativeFunctions.SizeOf<NativeMaskView>()));
+            native->data = pixels.Pin(pins);
+            native->width = (uint)pixels.Width;
+            native->height = (uint)pixels.Height;
+            native->row_stride = pixels.RowStride;
+            native->pixel_stride = pixels.ItemStride;
+        }
+    }
+
+    /// <summary>A grey image in an array, on the pixels of the camera. Its values have no unit, but are linear in the
+    /// light (or in its root, as of ordinary cameras), not an equalised or filtered picture. The array is not copied until
+    /// a call takes the image, and then by the library alone.</summary>
+    public sealed class GreyImage
+    {
+        private readonly ArrayPart pixels;
+
+        private GreyImage(ArrayPart pixels)
+        {
+            this.pixels = pixels;
+        }
+
+        /// <summary>Rows × columns of values.</summary>
+        public static GreyImage From(byte[,] image) => new GreyImage(Grid.Of("pixels", image));
+
+        /// <summary>Rows × columns of values.</summary>
+        public static GreyImage From(ushort[,] image) => new GreyImage(Grid.Of("pixels", image));
+
+        /// <summary>Rows × columns of values, finite.</summary>
+        public static GreyImage From(float[,] image) => new GreyImage(Grid.Of("pixels", image));
+
+        /// <summary>An image somewhere in an array.</summary>
+        /// <param name="data">The array.</param>
+        /// <param name="width">Columns; must be those of the intrinsics.</param>
+        /// <param name="height">Rows; must be those of the intrinsics.</param>
+        /// <param name="offset">Index of the first pixel of the first row.</param>
+        /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1; 3 for the first of packed colours.</param>
+        /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
+        /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
+        public static GreyImage From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
+
+        /// <summary>An image somewhere in an array.</summary>
+        /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
+        public static GreyImage From(ushort[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
+
+        /// <summary>An image somewhere in an array.</summary>
+        /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
+        public static GreyImage From(float[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
+
+        internal unsafe void Write(NativeImageView* native, Pins pins)
+        {
+            NativeFunctions.Check(NativeFunctions.ImageViewInit(native, NativeFunctions.SizeOf<NativeImageView>()));
+            native->format = pixels.ElementType == typeof(byte) ? Native.ImageFormatU8
+                : pixels.ElementType == typeof(ushort) ? Native.ImageFormatU16 : Native.ImageFormatF32;
+            native->data = pixels.Pin(pins);
+            native->width = (uint)pixels.Width;
+            native->height = (uint)pixels.Height;
+            native->row_stride = pixels.RowStride;
+            native->pixel_stride = pixels.ItemStride;
+        }
+    }
+
+    /// <summary>Arrays of rows × columns.</summary>
+    internal static class Grid
+    {
+        internal static ArrayPart Of(string what, Array rows)
+        {
+            if (rows == null) throw new ArgumentNullException(nameof(rows), $"The array of the {what} is null.");
+            return new ArrayPart(what, rows, 1, rows.GetLength(1), rows.GetLength(0));
+        }
+    }
+}

@@ -1,0 +1,275 @@
+using System;
+using System.Runtime.InteropServices;
+
+namespace Cylfuse
+{
+    // The structs of cylfuse.h, field by field. The tests compare sizes and offsets with those of the library.
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeCylinder
+    {
+        internal fixed double point[3];
+        internal fixed double direction[3];
+        internal double radius;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeOptions
+    {
+        internal uint struct_size;
+        internal int method;
+        internal int objective;
+        internal int start;
+        internal int near_wall;
+        internal int chart;
+        internal uint max_iterations;
+        internal uint max_threads;
+        internal double edge_weight;
+        internal double initial_lambda;
+        internal double lambda_factor;
+        internal double max_lambda;
+        internal double cost_tolerance;
+        internal double ransac_threshold;
+        internal ulong seed;
+        internal uint ransac_max_iterations;
+        internal uint reserved;
+        internal int edge_use;
+        internal int extent_rule;
+        internal double radius_min;
+        internal double radius_max;
+        internal fixed double axis[3];
+        internal double axis_max_angle;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeIntrinsics
+    {
+        internal uint struct_size;
+        internal int distortion_model;
+        internal uint width;
+        internal uint height;
+        internal double fx;
+        internal double fy;
+        internal double cx;
+        internal double cy;
+        internal fixed double distortion[8];
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativePointsView
+    {
+        internal uint struct_size;
+        internal int scalar;
+        internal IntPtr data;
+        internal UIntPtr width;
+        internal UIntPtr height;
+        internal IntPtr point_stride;
+        internal IntPtr row_stride;
+        internal IntPtr weights;
+        internal IntPtr weight_stride;
+        internal IntPtr weight_row_stride;
+        internal IntPtr normals;
+        internal IntPtr normal_stride;
+        internal IntPtr normal_row_stride;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeDepthView
+    {
+        internal uint struct_size;
+        internal int format;
+        internal IntPtr data;
+        internal uint width;
+        internal uint height;
+        internal IntPtr row_stride;
+        internal IntPtr pixel_stride;
+        internal double scale;
+        internal double min_depth;
+        internal double max_depth;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeMaskView
+    {
+        internal uint struct_size;
+        internal uint reserved;
+        internal IntPtr data;
+        internal uint width;
+        internal uint height;
+        internal IntPtr row_stride;
+        internal IntPtr pixel_stride;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeImageView
+    {
+        internal uint struct_size;
+        internal int format;
+        internal IntPtr data;
+        internal uint width;
+        internal uint height;
+        internal IntPtr row_stride;
+        internal IntPtr pixel_stride;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeSegmentsView
+    {
+        internal uint struct_size;
+        internal int scalar;
+        internal IntPtr data;
+        internal UIntPtr count;
+        internal IntPtr segment_stride;
+        internal IntPtr weights;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativePointsOut
+    {
+        internal uint struct_size;
+        internal int scalar;
+        internal IntPtr data;
+        internal UIntPtr capacity;
+        internal IntPtr point_stride;
+        internal IntPtr row_stride;
+        internal int layout;
+        internal uint reserved;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeDepthOut
+    {
+        internal uint struct_size;
+        internal int format;
+        internal IntPtr data;
+        internal uint width;
+        internal uint height;
+        internal IntPtr row_stride;
+        internal IntPtr pixel_stride;
+        internal double scale;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeProgress
+    {
+        internal uint struct_size;
+        internal int phase;
+        internal uint iteration;
+        internal uint max_iterations;
+        internal double cost;
+        internal double lambda;
+        internal NativeCylinder model;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeCounts
+    {
+        internal uint struct_size;
+        internal uint reserved;
+        internal ulong points_given;
+        internal ulong points_used;
+        internal ulong dropped_not_finite;
+        internal ulong dropped_zero_weight;
+        internal ulong dropped_outside_mask;
+        internal ulong dropped_no_depth;
+        internal ulong dropped_out_of_range;
+        internal ulong dropped_outside_camera;
+        internal ulong segments_given;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeResult
+    {
+        internal uint struct_size;
+        internal int termination;
+        internal int start_kind;
+        internal uint flags;
+        internal uint iterations;
+        internal uint rejected_steps;
+        internal uint segments_used;
+        internal uint segments_given;
+        internal ulong points_used;
+        internal ulong points_given;
+        internal NativeCylinder model;
+        internal NativeCylinder start_model;
+        internal double initial_cost;
+        internal double cost;
+        internal double energy_points;
+        internal double energy_edges;
+        internal double edge_weight;
+        internal double point_rms;
+        internal double edge_rms_pixels;
+        internal double near_wall_fraction;
+        internal double condition;
+        internal double lambda;
+        internal double gradient_norm;
+        internal double step_norm;
+        internal double seconds_start;
+        internal double seconds_solve;
+        internal double seconds_total;
+        internal double radius_deviation;
+        internal double direction_deviation;
+        internal double position_deviation;
+        internal double radius_from_points;
+        internal double radius_from_points_deviation;
+        internal double radius_from_limbs;
+        internal double radius_from_limbs_deviation;
+        internal double radius_z_score;
+        internal fixed double covariance[49];
+        internal uint limbs_located;
+        internal uint reserved;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeLimbSample
+    {
+        internal fixed double pixel[2];
+        internal double sigma;
+        internal double weight;
+        internal uint limb;
+        internal uint reserved;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeDiagnosis
+    {
+        internal uint struct_size;
+        internal uint rank;
+        internal fixed double singular_values[5];
+        internal double condition;
+        internal fixed double weakest_shift[3];
+        internal fixed double weakest_tilt[3];
+        internal double weakest_radius;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeCompletion
+    {
+        internal uint struct_size;
+        internal uint reserved;
+        internal ulong count;
+        internal ulong hits;
+        internal ulong misses;
+        internal ulong outside_camera;
+        internal ulong out_of_range;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeExtent
+    {
+        internal uint struct_size;
+        internal int start_state;
+        internal int end_state;
+        internal uint reserved;
+        internal fixed double start[3];
+        internal fixed double end[3];
+        internal fixed double center[3];
+        internal double length;
+        internal double start_deviation;
+        internal double end_deviation;
+        internal double length_deviation;
+        internal fixed double start_covariance[9];
+        internal fixed double end_covariance[9];
+        internal fixed double center_covariance[9];
+    }
+}

@@ -1,0 +1,37 @@
+package org.cylfuse;
+
+/** What an end of the visible cylinder is. */
+public enum EndState {
+    /** No depth was measured beyond the end, or no depth image was pushed. */
+    UNKNOWN(0),
+    /** The surface ends there: what lies beyond is farther than the surface would be. */
+    SEEN(1),
+    /** The border of the image cuts the cylinder off. */
+    CUT(2),
+    /** Something nearer than the surface covers what lies beyond. */
+    HIDDEN(3);
+
+    private final int value;
+
+    EndState(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_END_STATE_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    static EndState of(int value) {
+        for (EndState candidate : values()) {
+            if (candidate.value == value) {
+                return candidate;
+            }
+        }
+        throw new IllegalStateException("the native library gave EndState " + value + ", which this package does not know");
+    }
+}

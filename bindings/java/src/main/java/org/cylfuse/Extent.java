@@ -1,0 +1,51 @@
+package org.cylfuse;
+
+/**
+ * The visible piece of the cylinder: {@link #end()} = {@link #start()} + {@link #length()} * direction of the model.
+ *
+ * @param startState What the end against the direction is.
+ * @param endState What the end along the direction is.
+ * @param start The end against the direction, a point on the axis.
+ * @param end The end along the direction, a point on the axis.
+ * @param center The middle of the ends.
+ * @param length The distance of the ends.
+ * @param startDeviation Standard deviation of the position of the start along the axis, for a model without error; NaN
+ *     for an extreme position. Of a start that is not SEEN it is that of the visible piece: the cylinder may well go
+ *     on.
+ * @param endDeviation The same for the end.
+ * @param lengthDeviation Standard deviation of the length together with the uncertainty of the fit, of the visible
+ *     piece. This and what follows is NaN for a model that was given, for extreme positions and when the fit has no
+ *     uncertainty.
+ * @param startCovariance Covariance of {@link #start()}, 3 x 3, symmetric, unit of length squared.
+ * @param endCovariance Covariance of {@link #end()}.
+ * @param centerCovariance Covariance of {@link #center()}.
+ */
+public record Extent(
+        EndState startState,
+        EndState endState,
+        Vector start,
+        Vector end,
+        Vector center,
+        double length,
+        double startDeviation,
+        double endDeviation,
+        double lengthDeviation,
+        double[][] startCovariance,
+        double[][] endCovariance,
+        double[][] centerCovariance) {
+    static Extent of(NativeStructs.Extent n) {
+        return new Extent(
+                EndState.of(n.start_state),
+                EndState.of(n.end_state),
+                Vector.of(n.start),
+                Vector.of(n.end),
+                Vector.of(n.center),
+                n.length,
+                n.start_deviation,
+                n.end_deviation,
+                n.length_deviation,
+                NativeFunctions.square(n.start_covariance, 3),
+                NativeFunctions.square(n.end_covariance, 3),
+                NativeFunctions.square(n.center_covariance, 3));
+    }
+}

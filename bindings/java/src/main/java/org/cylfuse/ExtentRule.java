@@ -1,0 +1,38 @@
+package org.cylfuse;
+
+/** How the ends of the visible cylinder are found. */
+public enum ExtentRule {
+    /** LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED. */
+    AUTO(0),
+    /** The rule of the paper: the extreme positions along the axis of the points completed over the mask. */
+    EXTREMES(1),
+    /**
+     * From all lines along the surface together, in the mask and, when there is one, in the grey image; from inside a
+     * pipe as EXTREMES.
+     */
+    LOCATED(2);
+
+    private final int value;
+
+    ExtentRule(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_EXTENT_RULE_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    static ExtentRule of(int value) {
+        for (ExtentRule candidate : values()) {
+            if (candidate.value == value) {
+                return candidate;
+            }
+        }
+        throw new IllegalStateException("the native library gave ExtentRule " + value + ", which this package does not know");
+    }
+}

@@ -1,0 +1,74 @@
+package org.cylfuse;
+
+import java.util.Arrays;
+import java.util.Objects;
+
+/**
+ * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it checks
+ * the numbers.
+ *
+ * @param width width of the image in pixels, at least 1
+ * @param height height of the image in pixels, at least 1; both together at most 2^28 pixels
+ * @param fx focal length in pixel widths, greater than 0
+ * @param fy focal length in pixel heights, greater than 0
+ * @param cx principal point in pixels from the centre of the first pixel, to the right
+ * @param cy principal point in pixels from the centre of the first pixel, down
+ * @param distortionModel what the coefficients mean
+ * @param distortion at most 8 coefficients in the order of the model
+ */
+public record Intrinsics(
+        int width,
+        int height,
+        double fx,
+        double fy,
+        double cx,
+        double cy,
+        DistortionModel distortionModel,
+        double... distortion) {
+    private static final int MOST_COEFFICIENTS = 8;
+
+    /**
+     * Checks the size and the number of coefficients.
+     *
+     * @throws IllegalArgumentException for a negative size or too many coefficients
+     */
+    public Intrinsics {
+        Objects.requireNonNull(distortionModel, "distortionModel");
+        if (width < 0 || height < 0) {
+            throw new IllegalArgumentException("An image of " + width + " x " + height + " pixels is none: both must be at least 1.");
+        }
+        if (distortion.length > MOST_COEFFICIENTS) {
+            throw new IllegalArgumentException(
+                    "There are " + distortion.length + " coefficients; a distortion model has at most " + MOST_COEFFICIENTS + ".");
+        }
+        distortion = distortion.clone();
+    }
+
+    /**
+     * A pinhole.
+     *
+     * @param width width of the image in pixels
+     * @param height height of the image in pixels
+     * @param fx focal length in pixel widths
+     * @param fy focal length in pixel heights
+     * @param cx principal point, to the right
+     * @param cy principal point, down
+     */
+    public Intrinsics(int width, int height, double fx, double fy, double cx, double cy) {
+        this(width, height, fx, fy, cx, cy, DistortionModel.NONE);
+    }
+
+    NativeStructs.Intrinsics toNative() {
+        NativeStructs.Intrinsics n = new NativeStructs.Intrinsics();
+        NativeFunctions.check(NativeFunctions.cylfuse_intrinsics_init(n, n.size()));
+        n.distortion_model = distortionModel.value();
+        n.width = width;
+        n.height = height;
+        n.fx = fx;
+        n.fy = fy;
+        n.cx = cx;
+        n.cy = cy;
+        n.distortion = Arrays.copyOf(distortion, MOST_COEFFICIENTS);
+        return n;
+    }
+}

@@ -1,0 +1,39 @@
+package org.cylfuse;
+
+/** How much a log line matters. */
+public enum LogLevel {
+    /** No lines. */
+    OFF(0),
+    /** Calls that failed, with the text of {@link CylfuseException}. */
+    ERROR(1),
+    /** Doubts about a result, such as ignored edges. */
+    WARNING(2),
+    /** What was pushed, which start was taken, how a fit ended. */
+    INFO(3),
+    /** Every iteration. */
+    DEBUG(4);
+
+    private final int value;
+
+    LogLevel(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_LOG_LEVEL_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    static LogLevel of(int value) {
+        for (LogLevel candidate : values()) {
+            if (candidate.value == value) {
+                return candidate;
+            }
+        }
+        throw new IllegalStateException("the native library gave LogLevel " + value + ", which this package does not know");
+    }
+}

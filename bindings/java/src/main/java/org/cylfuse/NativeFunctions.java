@@ -1,0 +1,171 @@
+package org.cylfuse;
+
+import com.sun.jna.Callback;
+import com.sun.jna.Native;
+import com.sun.jna.NativeLibrary;
+import com.sun.jna.Pointer;
+import com.sun.jna.ptr.DoubleByReference;
+import com.sun.jna.ptr.LongByReference;
+import com.sun.jna.ptr.PointerByReference;
+
+/** The functions of cylfuse.h; {@code size_t} is {@code long}, as the library is opened in 64-bit processes only. */
+final class NativeFunctions {
+    /** The version of the binary interface that {@link NativeStructs} describes. */
+    static final int ABI_VERSION = 1;
+
+    static {
+        open();
+    }
+
+    private NativeFunctions() {}
+
+    private static void open() {
+        if (Native.POINTER_SIZE != 8) {
+            throw new UnsatisfiedLinkError("cylfuse needs a 64-bit Java; this one has " + 8 * Native.POINTER_SIZE + " bits.");
+        }
+        String file = System.getenv("CYLFUSE_LIBRARY");
+        String name = file == null || file.isEmpty() ? "cylfuse" : file;
+        try {
+            Native.register(NativeFunctions.class, NativeLibrary.getInstance(name));
+        } catch (UnsatisfiedLinkError failure) {
+            UnsatisfiedLinkError clearer = new UnsatisfiedLinkError("The native library of cylfuse could not be opened as "
+                    + name + "; name its file in the environment variable CYLFUSE_LIBRARY. " + failure.getMessage());
+            clearer.initCause(failure);
+            throw clearer;
+        }
+    }
+
+    /** Hears of every linear solve. */
+    interface ProgressCallback extends Callback {
+        int invoke(Pointer progress, Pointer userData);
+    }
+
+    /** Takes a log line. */
+    interface LogCallback extends Callback {
+        void invoke(int level, String message, Pointer userData);
+    }
+
+    static native int cylfuse_abi_version();
+
+    static native int cylfuse_version_number();
+
+    static native String cylfuse_version_string();
+
+    static native String cylfuse_build_info();
+
+    static native String cylfuse_status_string(int status);
+
+    static native int cylfuse_options_init(NativeStructs.Options options, long structSize);
+
+    static native int cylfuse_intrinsics_init(NativeStructs.Intrinsics intrinsics, long structSize);
+
+    static native int cylfuse_points_view_init(NativeStructs.PointsView points, long structSize);
+
+    static native int cylfuse_depth_view_init(NativeStructs.DepthView depth, long structSize);
+
+    static native int cylfuse_mask_view_init(NativeStructs.MaskView mask, long structSize);
+
+    static native int cylfuse_image_view_init(NativeStructs.ImageView image, long structSize);
+
+    static native int cylfuse_segments_view_init(NativeStructs.SegmentsView segments, long structSize);
+
+    static native int cylfuse_points_out_init(NativeStructs.PointsOut out, long structSize);
+
+    static native int cylfuse_depth_out_init(NativeStructs.DepthOut out, long structSize);
+
+    static native int cylfuse_fitter_create(int abiVersion, PointerByReference fitter);
+
+    static native int cylfuse_fitter_destroy(Pointer fitter);
+
+    static native int cylfuse_fitter_reserve(Pointer fitter, long points, long segments);
+
+    static native int cylfuse_fitter_clear(Pointer fitter);
+
+    static native String cylfuse_fitter_last_error(Pointer fitter);
+
+    static native int cylfuse_fitter_cancel(Pointer fitter);
+
+    static native int cylfuse_fitter_set_options(Pointer fitter, NativeStructs.Options options);
+
+    static native int cylfuse_fitter_get_options(Pointer fitter, NativeStructs.Options options);
+
+    static native int cylfuse_fitter_set_intrinsics(Pointer fitter, NativeStructs.Intrinsics intrinsics);
+
+    static native int cylfuse_fitter_set_start_model(Pointer fitter, NativeStructs.Cylinder model);
+
+    static native int cylfuse_fitter_set_progress(Pointer fitter, ProgressCallback callback, Pointer userData);
+
+    static native int cylfuse_fitter_set_log(Pointer fitter, int maxLevel, LogCallback callback, Pointer userData);
+
+    static native int cylfuse_fitter_push_points(Pointer fitter, NativeStructs.PointsView points, NativeStructs.MaskView mask);
+
+    static native int cylfuse_fitter_push_depth(Pointer fitter, NativeStructs.DepthView depth, NativeStructs.MaskView mask);
+
+    static native int cylfuse_fitter_push_image(Pointer fitter, NativeStructs.ImageView image);
+
+    static native int cylfuse_fitter_push_edges(Pointer fitter, NativeStructs.SegmentsView segments);
+
+    static native int cylfuse_fitter_counts(Pointer fitter, NativeStructs.Counts counts);
+
+    static native int cylfuse_fitter_fit(Pointer fitter, NativeStructs.Result result);
+
+    static native int cylfuse_fitter_evaluate(Pointer fitter, NativeStructs.Cylinder model, NativeStructs.Result result);
+
+    static native int cylfuse_fitter_get_result(Pointer fitter, NativeStructs.Result result);
+
+    static native int cylfuse_fitter_residuals(
+            Pointer fitter, NativeStructs.Cylinder model, int kind, double[] out, long capacity, LongByReference count);
+
+    static native int cylfuse_fitter_limb_samples(Pointer fitter, Pointer out, long capacity, LongByReference count);
+
+    static native int cylfuse_fitter_diagnose(Pointer fitter, NativeStructs.Cylinder model, NativeStructs.Diagnosis diagnosis);
+
+    static native int cylfuse_fitter_complete_bound(
+            Pointer fitter, NativeStructs.MaskView mask, int layout, LongByReference capacity);
+
+    static native int cylfuse_fitter_complete(
+            Pointer fitter,
+            NativeStructs.Cylinder model,
+            NativeStructs.MaskView mask,
+            NativeStructs.PointsOut out,
+            NativeStructs.Completion completion);
+
+    static native int cylfuse_fitter_complete_depth(
+            Pointer fitter,
+            NativeStructs.Cylinder model,
+            NativeStructs.MaskView mask,
+            NativeStructs.DepthOut out,
+            NativeStructs.Completion completion);
+
+    static native int cylfuse_fitter_extent(
+            Pointer fitter, NativeStructs.Cylinder model, NativeStructs.MaskView mask, NativeStructs.Extent extent);
+
+    static native int cylfuse_cylinder_distances(
+            NativeStructs.Cylinder model, NativeStructs.PointsView points, double[] out, long capacity);
+
+    static native int cylfuse_cylinder_project(
+            NativeStructs.Cylinder model, NativeStructs.Intrinsics intrinsics, double[] lines);
+
+    static native int cylfuse_cylinder_compare(
+            NativeStructs.Cylinder a,
+            NativeStructs.Cylinder b,
+            DoubleByReference angle,
+            DoubleByReference axisDistance,
+            DoubleByReference radiusRelative);
+
+    /** Throws for a failed call that leaves no message of its own. */
+    static void check(int status) {
+        if (status != 0) {
+            throw CylfuseException.of(Status.of(status), cylfuse_status_string(status));
+        }
+    }
+
+    /** The rows of a square matrix. */
+    static double[][] square(double[] numbers, int size) {
+        double[][] rows = new double[size][size];
+        for (int row = 0; row < size; row++) {
+            System.arraycopy(numbers, size * row, rows[row], 0, size);
+        }
+        return rows;
+    }
+}

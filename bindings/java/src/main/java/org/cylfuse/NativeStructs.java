@@ -1,0 +1,291 @@
+package org.cylfuse;
+
+import com.sun.jna.Pointer;
+import com.sun.jna.Structure;
+import com.sun.jna.Structure.FieldOrder;
+
+/**
+ * The structs of cylfuse.h, field by field. {@code size_t} and {@code ptrdiff_t} are {@code long}: the library is
+ * opened in 64-bit processes only. The tests compare sizes and offsets with those of the library.
+ */
+final class NativeStructs {
+    private NativeStructs() {}
+
+    @FieldOrder({"point", "direction", "radius"})
+    public static class Cylinder extends Structure {
+        public double[] point = new double[3];
+        public double[] direction = new double[3];
+        public double radius;
+    }
+
+    @FieldOrder({"struct_size", "method", "objective", "start", "near_wall", "chart", "max_iterations", "max_threads",
+        "edge_weight", "initial_lambda", "lambda_factor", "max_lambda", "cost_tolerance", "ransac_threshold", "seed",
+        "ransac_max_iterations", "reserved", "edge_use", "extent_rule", "radius_min", "radius_max", "axis",
+        "axis_max_angle"})
+    public static class Options extends Structure {
+        public int struct_size;
+        public int method;
+        public int objective;
+        public int start;
+        public int near_wall;
+        public int chart;
+        public int max_iterations;
+        public int max_threads;
+        public double edge_weight;
+        public double initial_lambda;
+        public double lambda_factor;
+        public double max_lambda;
+        public double cost_tolerance;
+        public double ransac_threshold;
+        public long seed;
+        public int ransac_max_iterations;
+        public int reserved;
+        public int edge_use;
+        public int extent_rule;
+        public double radius_min;
+        public double radius_max;
+        public double[] axis = new double[3];
+        public double axis_max_angle;
+    }
+
+    @FieldOrder({"struct_size", "distortion_model", "width", "height", "fx", "fy", "cx", "cy", "distortion"})
+    public static class Intrinsics extends Structure {
+        public int struct_size;
+        public int distortion_model;
+        public int width;
+        public int height;
+        public double fx;
+        public double fy;
+        public double cx;
+        public double cy;
+        public double[] distortion = new double[8];
+    }
+
+    @FieldOrder({"struct_size", "scalar", "data", "width", "height", "point_stride", "row_stride", "weights",
+        "weight_stride", "weight_row_stride", "normals", "normal_stride", "normal_row_stride"})
+    public static class PointsView extends Structure {
+        public int struct_size;
+        public int scalar;
+        public Pointer data;
+        public long width;
+        public long height;
+        public long point_stride;
+        public long row_stride;
+        public Pointer weights;
+        public long weight_stride;
+        public long weight_row_stride;
+        public Pointer normals;
+        public long normal_stride;
+        public long normal_row_stride;
+    }
+
+    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "scale",
+        "min_depth", "max_depth"})
+    public static class DepthView extends Structure {
+        public int struct_size;
+        public int format;
+        public Pointer data;
+        public int width;
+        public int height;
+        public long row_stride;
+        public long pixel_stride;
+        public double scale;
+        public double min_depth;
+        public double max_depth;
+    }
+
+    @FieldOrder({"struct_size", "reserved", "data", "width", "height", "row_stride", "pixel_stride"})
+    public static class MaskView extends Structure {
+        public int struct_size;
+        public int reserved;
+        public Pointer data;
+        public int width;
+        public int height;
+        public long row_stride;
+        public long pixel_stride;
+    }
+
+    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride"})
+    public static class ImageView extends Structure {
+        public int struct_size;
+        public int format;
+        public Pointer data;
+        public int width;
+        public int height;
+        public long row_stride;
+        public long pixel_stride;
+    }
+
+    @FieldOrder({"struct_size", "scalar", "data", "count", "segment_stride", "weights"})
+    public static class SegmentsView extends Structure {
+        public int struct_size;
+        public int scalar;
+        public Pointer data;
+        public long count;
+        public long segment_stride;
+        public Pointer weights;
+    }
+
+    @FieldOrder({"struct_size", "scalar", "data", "capacity", "point_stride", "row_stride", "layout", "reserved"})
+    public static class PointsOut extends Structure {
+        public int struct_size;
+        public int scalar;
+        public Pointer data;
+        public long capacity;
+        public long point_stride;
+        public long row_stride;
+        public int layout;
+        public int reserved;
+    }
+
+    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "scale"})
+    public static class DepthOut extends Structure {
+        public int struct_size;
+        public int format;
+        public Pointer data;
+        public int width;
+        public int height;
+        public long row_stride;
+        public long pixel_stride;
+        public double scale;
+    }
+
+    @FieldOrder({"struct_size", "phase", "iteration", "max_iterations", "cost", "lambda", "model"})
+    public static class Progress extends Structure {
+        public int struct_size;
+        public int phase;
+        public int iteration;
+        public int max_iterations;
+        public double cost;
+        public double lambda;
+        public Cylinder model;
+
+        public Progress() {}
+
+        Progress(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"struct_size", "reserved", "points_given", "points_used", "dropped_not_finite",
+        "dropped_zero_weight", "dropped_outside_mask", "dropped_no_depth", "dropped_out_of_range",
+        "dropped_outside_camera", "segments_given"})
+    public static class Counts extends Structure {
+        public int struct_size;
+        public int reserved;
+        public long points_given;
+        public long points_used;
+        public long dropped_not_finite;
+        public long dropped_zero_weight;
+        public long dropped_outside_mask;
+        public long dropped_no_depth;
+        public long dropped_out_of_range;
+        public long dropped_outside_camera;
+        public long segments_given;
+    }
+
+    @FieldOrder({"struct_size", "termination", "start_kind", "flags", "iterations", "rejected_steps", "segments_used",
+        "segments_given", "points_used", "points_given", "model", "start_model", "initial_cost", "cost", "energy_points",
+        "energy_edges", "edge_weight", "point_rms", "edge_rms_pixels", "near_wall_fraction", "condition", "lambda",
+        "gradient_norm", "step_norm", "seconds_start", "seconds_solve", "seconds_total", "radius_deviation",
+        "direction_deviation", "position_deviation", "radius_from_points", "radius_from_points_deviation",
+        "radius_from_limbs", "radius_from_limbs_deviation", "radius_z_score", "covariance", "limbs_located", "reserved"})
+    public static class Result extends Structure {
+        public int struct_size;
+        public int termination;
+        public int start_kind;
+        public int flags;
+        public int iterations;
+        public int rejected_steps;
+        public int segments_used;
+        public int segments_given;
+        public long points_used;
+        public long points_given;
+        public Cylinder model;
+        public Cylinder start_model;
+        public double initial_cost;
+        public double cost;
+        public double energy_points;
+        public double energy_edges;
+        public double edge_weight;
+        public double point_rms;
+        public double edge_rms_pixels;
+        public double near_wall_fraction;
+        public double condition;
+        public double lambda;
+        public double gradient_norm;
+        public double step_norm;
+        public double seconds_start;
+        public double seconds_solve;
+        public double seconds_total;
+        public double radius_deviation;
+        public double direction_deviation;
+        public double position_deviation;
+        public double radius_from_points;
+        public double radius_from_points_deviation;
+        public double radius_from_limbs;
+        public double radius_from_limbs_deviation;
+        public double radius_z_score;
+        public double[] covariance = new double[49];
+        public int limbs_located;
+        public int reserved;
+    }
+
+    @FieldOrder({"pixel", "sigma", "weight", "limb", "reserved"})
+    public static class LimbSample extends Structure {
+        public double[] pixel = new double[2];
+        public double sigma;
+        public double weight;
+        public int limb;
+        public int reserved;
+
+        public LimbSample() {}
+
+        LimbSample(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"struct_size", "rank", "singular_values", "condition", "weakest_shift", "weakest_tilt",
+        "weakest_radius"})
+    public static class Diagnosis extends Structure {
+        public int struct_size;
+        public int rank;
+        public double[] singular_values = new double[5];
+        public double condition;
+        public double[] weakest_shift = new double[3];
+        public double[] weakest_tilt = new double[3];
+        public double weakest_radius;
+    }
+
+    @FieldOrder({"struct_size", "reserved", "count", "hits", "misses", "outside_camera", "out_of_range"})
+    public static class Completion extends Structure {
+        public int struct_size;
+        public int reserved;
+        public long count;
+        public long hits;
+        public long misses;
+        public long outside_camera;
+        public long out_of_range;
+    }
+
+    @FieldOrder({"struct_size", "start_state", "end_state", "reserved", "start", "end", "center", "length",
+        "start_deviation", "end_deviation", "length_deviation", "start_covariance", "end_covariance",
+        "center_covariance"})
+    public static class Extent extends Structure {
+        public int struct_size;
+        public int start_state;
+        public int end_state;
+        public int reserved;
+        public double[] start = new double[3];
+        public double[] end = new double[3];
+        public double[] center = new double[3];
+        public double length;
+        public double start_deviation;
+        public double end_deviation;
+        public double length_deviation;
+        public double[] start_covariance = new double[9];
+        public double[] end_covariance = new double[9];
+        public double[] center_covariance = new double[9];
+    }
+}

@@ -1,0 +1,38 @@
+package org.cylfuse;
+
+/**
+ * Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a second
+ * minimum with the cylinder between camera and surface; this rule refuses it.
+ */
+public enum NearWall {
+    /** On when intrinsics are set: only then is the origin known to be a camera. */
+    AUTO(0),
+    /** On: the origin is the observer. */
+    ON(1),
+    /** Off: the minimum nearest to the start stays. */
+    OFF(2);
+
+    private final int value;
+
+    NearWall(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_NEAR_WALL_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    static NearWall of(int value) {
+        for (NearWall candidate : values()) {
+            if (candidate.value == value) {
+                return candidate;
+            }
+        }
+        throw new IllegalStateException("the native library gave NearWall " + value + ", which this package does not know");
+    }
+}

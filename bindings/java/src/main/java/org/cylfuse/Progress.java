@@ -1,0 +1,29 @@
+package org.cylfuse;
+
+/**
+ * The state of a running fit, before each linear solve.
+ *
+ * @param phase What the fit is doing.
+ * @param iteration Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
+ * @param maxIterations Most linear solves.
+ * @param cost The lowest cost so far, unit of length squared; infinite in the phase START.
+ * @param lambda The damping of the next step; 0 in the phase START.
+ * @param model The best cylinder so far; of radius 0 in the phase START.
+ */
+public record Progress(
+        Phase phase,
+        int iteration,
+        int maxIterations,
+        double cost,
+        double lambda,
+        Cylinder model) {
+    static Progress of(NativeStructs.Progress n) {
+        return new Progress(
+                Phase.of(n.phase),
+                n.iteration,
+                n.max_iterations,
+                n.cost,
+                n.lambda,
+                Cylinder.of(n.model));
+    }
+}

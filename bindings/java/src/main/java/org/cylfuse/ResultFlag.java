@@ -1,0 +1,68 @@
+package org.cylfuse;
+
+import java.util.EnumSet;
+import java.util.Set;
+
+/** Doubts about a result, one bit each. None of them is an error. */
+public enum ResultFlag {
+    /** Segments were given but none of them counts; the other flags and the counts say why. */
+    EDGES_IGNORED(1),
+    /** Some segments have no length or lie outside the field of the camera model. */
+    SEGMENTS_UNUSABLE(2),
+    /** Two segments cross each other: they cannot be the two limbs. */
+    EDGES_CROSS(4),
+    /** Two segments lie on one line to within 2 pixels: they are the same limb. */
+    EDGES_COINCIDE(8),
+    /** The rays of the endpoints do not meet the plane of the limbs in front of the camera. */
+    EDGES_BEHIND(16),
+    /** The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept. */
+    SCALE_HELD(32),
+    /** The data hardly determine the radius: see {@link FitResult#condition()}. */
+    WEAK_RADIUS(64),
+    /** The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin. */
+    RESOLUTION_LOST(128),
+    /** The limit of iterations came before convergence. */
+    NOT_CONVERGED(256),
+    /** Most points lie on the wall that the camera cannot see. */
+    HIDDEN_WALL(512),
+    /** The camera is inside the cylinder: there are no limbs. */
+    CAMERA_INSIDE(1024),
+    /** Points with coordinates that are not finite were left out. */
+    POINTS_NOT_FINITE(2048),
+    /**
+     * The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: {@link
+     * FitResult#radiusFromPoints()} and {@link FitResult#radiusFromLimbs()} say how. An offset of the depth, depth that
+     * is smeared or bent, wrong intrinsics or edges that are not the limbs do that.
+     */
+    POINTS_AND_LIMBS_DISAGREE(4096),
+    /** A limit of the radius holds it: the data want another one. Not for a radius that is known. */
+    RADIUS_AT_LIMIT(8192),
+    /** The axis is on the border of its cone: the data want another one. Not for a direction that is known. */
+    AXIS_AT_LIMIT(16384);
+
+    private final int value;
+
+    ResultFlag(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_RESULT_FLAGS_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    /** The flags whose bits are set; bits that a newer library has added are left out. */
+    static Set<ResultFlag> setOf(int bits) {
+        EnumSet<ResultFlag> flags = EnumSet.noneOf(ResultFlag.class);
+        for (ResultFlag flag : values()) {
+            if ((bits & flag.value) != 0) {
+                flags.add(flag);
+            }
+        }
+        return flags;
+    }
+}

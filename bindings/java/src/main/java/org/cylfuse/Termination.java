@@ -1,0 +1,39 @@
+package org.cylfuse;
+
+/** Why an iteration ended. */
+public enum Termination {
+    /** There was no iteration: the method has none, or a given model was evaluated. */
+    NONE(0),
+    /** The cost no longer fell by more than the tolerance, or reached the rounding error of the data. */
+    COST(1),
+    /** No step down to the largest damping lowered the cost: a minimum to rounding. */
+    STALLED(2),
+    /** The limit of iterations was reached; {@link ResultFlag#NOT_CONVERGED} is set too. */
+    MAX_ITERATIONS(3),
+    /** The radius left all proportion to the data: they are flat. */
+    RADIUS_RAN_AWAY(4);
+
+    private final int value;
+
+    Termination(int value) {
+        this.value = value;
+    }
+
+    /**
+     * The number in the C interface.
+     *
+     * @return the number of {@code CYLFUSE_TERMINATION_...}
+     */
+    public int value() {
+        return value;
+    }
+
+    static Termination of(int value) {
+        for (Termination candidate : values()) {
+            if (candidate.value == value) {
+                return candidate;
+            }
+        }
+        throw new IllegalStateException("the native library gave Termination " + value + ", which this package does not know");
+    }
+}

@@ -1,0 +1,332 @@
+package org.cylfuse;
+
+import com.google.gson.JsonArray;
+import com.google.gson.JsonElement;
+import com.google.gson.JsonObject;
+import java.lang.reflect.Field;
+import java.lang.reflect.Modifier;
+import java.lang.reflect.RecordComponent;
+import java.nio.Buffer;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.nio.DoubleBuffer;
+import java.nio.FloatBuffer;
+import java.nio.ShortBuffer;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Base64;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Set;
+
+/** Runs one golden case of bindings/conformance/cases.json, step by step. */
+final class ConformanceRunner implements AutoCloseable {
+    private final JsonObject file;
+    private final Fitter fitter = new Fitter();
+
+    ConformanceRunner(JsonObject file) {
+        this.file = file;
+    }
+
+    @Override
+    public void close() {
+        fitter.close();
+    }
+
+    /** What a step gives: numbers under the names of the C fields. */
+    Map<String, double[]> run(JsonObject step) throws ReflectiveOperationException {
+        Map<String, double[]> outputs = new LinkedHashMap<>();
+        Cylinder model = cylinder(step.get("model"));
+        switch (text(step, "call")) {
+            case "set_options" -> fitter.setOptions(options(step.getAsJsonObject("options")));
+            case "get_options" -> describe(fitter.options(), outputs);
+            case "set_intrinsics" -> fitter.setIntrinsics(camera(text(step, "camera")));
+            case "set_start_model" -> fitter.setStartModel(model);
+            case "reserve" -> fitter.reserve(step.get("points").getAsLong(), step.get("segments").getAsLong());
+            case "clear" -> fitter.clear();
+            case "cancel" -> fitter.cancel();
+            case "push_points" -> fitter.pushPoints(cloud(step.getAsJsonObject("points")), mask(step));
+            case "push_depth" -> fitter.pushDepth(depth(step), mask(step));
+            case "push_image" -> fitter.pushImage(image(step));
+            case "push_edges" -> fitter.pushEdges(segments(step));
+            case "counts" -> describe(fitter.counts(), "", outputs);
+            case "fit" -> describe(fitter.fit(), "", outputs);
+            case "get_result" -> describe(fitter.result(), "", outputs);
+            case "evaluate" -> describe(fitter.evaluate(model), "", outputs);
+            case "residuals" ->
+                outputs.put("residuals", fitter.residuals(ResidualKind.valueOf(text(step, "kind")), model));
+            case "limb_samples" -> limbSamples(outputs);
+            case "diagnose" -> describe(fitter.diagnose(model), "", outputs);
+            case "extent" -> describe(fitter.extent(model, mask(step)), "", outputs);
+            case "complete" -> complete(step, model, outputs);
+            case "complete_depth" -> completeDepth(step, model, outputs);
+            case "distances" -> outputs.put("distances", model.distances(cloud(step.getAsJsonObject("points"))));
+            case "project" -> outputs.put("lines", flatten(model.project(camera(text(step, "camera")))));
+            case "compare" -> describe(cylinder(step.get("a")).compare(cylinder(step.get("b"))), "", outputs);
+            default -> throw new AssertionError("unknown call " + step.get("call"));
+        }
+        return outputs;
+    }
+
+    private void limbSamples(Map<String, double[]> outputs) {
+        LimbSample[] samples = fitter.limbSamples();
+        outputs.put("pixel", Arrays.stream(samples).flatMapToDouble(s -> Arrays.stream(s.pixel())).toArray());
+        outputs.put("sigma", Arrays.stream(samples).mapToDouble(LimbSample::sigma).toArray());
+        outputs.put("weight", Arrays.stream(samples).mapToDouble(LimbSample::weight).toArray());
+        outputs.put("limb", Arrays.stream(samples).mapToDouble(LimbSample::limb).toArray());
+    }
+
+    private void complete(JsonObject step, Cylinder model, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        Layout layout = Layout.valueOf(text(step, "layout"));
+        if (text(step, "scalar").equals("F64")) {
+            CompletedCloud cloud = fitter.complete(layout, model, mask(step));
+            describe(cloud.pixels(), "", outputs);
+            outputs.put("points", cloud.coordinates());
+        } else {
+            CompletedCloudSingle cloud = fitter.completeSingle(layout, model, mask(step));
+            describe(cloud.pixels(), "", outputs);
+            outputs.put("points", widen(cloud.coordinates()));
+        }
+    }
+
+    private void completeDepth(JsonObject step, Cylinder model, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        double scale = number(step.get("scale"));
+        if (text(step, "format").equals("F32")) {
+            CompletedDepth image = fitter.completeDepth(scale, model, mask(step));
+            describe(image.pixels(), "", outputs);
+            outputs.put("depth", widen(image.depth()));
+        } else {
+            CompletedDepthInteger image = fitter.completeDepthInteger(scale, model, mask(step));
+            describe(image.pixels(), "", outputs);
+            double[] depth = new double[image.depth().length];
+            for (int k = 0; k < depth.length; k++) {
+                depth[k] = Short.toUnsignedInt(image.depth()[k]);
+            }
+            outputs.put("depth", depth);
+        }
+    }
+
+    // What goes in.
+
+    static String text(JsonObject object, String key) {
+        return object.get(key).getAsString();
+    }
+
+    /** A number; null stands for NaN. */
+    private static double number(JsonElement value) {
+        return value.isJsonNull() ? Double.NaN : value.getAsDouble();
+    }
+
+    private static double[] numbers(JsonElement list) {
+        JsonArray array = list.getAsJsonArray();
+        double[] numbers = new double[array.size()];
+        for (int k = 0; k < numbers.length; k++) {
+            numbers[k] = number(array.get(k));
+        }
+        return numbers;
+    }
+
+    private static Cylinder cylinder(JsonElement value) {
+        if (value == null || value.isJsonNull()) {
+            return null;
+        }
+        JsonObject object = value.getAsJsonObject();
+        return new Cylinder(
+                Vector.of(numbers(object.get("point"))),
+                Vector.of(numbers(object.get("direction"))),
+                number(object.get("radius")));
+    }
+
+    private Intrinsics camera(String name) {
+        JsonObject camera = file.getAsJsonObject("cameras").getAsJsonObject(name);
+        return new Intrinsics(
+                camera.get("width").getAsInt(),
+                camera.get("height").getAsInt(),
+                number(camera.get("fx")),
+                number(camera.get("fy")),
+                number(camera.get("cx")),
+                number(camera.get("cy")),
+                DistortionModel.valueOf(text(camera, "distortion_model")),
+                numbers(camera.get("distortion")));
+    }
+
+    private static FitOptions options(JsonObject given) throws ReflectiveOperationException {
+        FitOptions options = new FitOptions();
+        for (String key : given.keySet()) {
+            String name = camel(key);
+            Class<?> type = FitOptions.class.getMethod(name).getReturnType();
+            JsonElement value = given.get(key);
+            Object argument;
+            if (type == Vector.class) {
+                argument = Vector.of(numbers(value));
+            } else if (type == int.class) {
+                argument = value.getAsInt();
+            } else if (type == long.class) {
+                argument = value.getAsLong();
+            } else if (type == double.class) {
+                argument = number(value);
+            } else {
+                argument = type.getMethod("valueOf", String.class).invoke(null, value.getAsString());
+            }
+            FitOptions.class.getMethod(name, type).invoke(options, argument);
+        }
+        return options;
+    }
+
+    /** An array of the file and its sizes, the slowest first. */
+    private record Data(Buffer elements, int[] shape) {
+        int width() {
+            return shape.length == 3 ? shape[1] : shape[0];
+        }
+
+        int height() {
+            return shape.length == 3 ? shape[0] : 1;
+        }
+
+        int channels() {
+            return shape[shape.length - 1];
+        }
+    }
+
+    private Data data(String name) {
+        JsonObject array = file.getAsJsonObject("arrays").getAsJsonObject(name);
+        ByteBuffer bytes = ByteBuffer.wrap(Base64.getDecoder().decode(text(array, "data"))).order(ByteOrder.LITTLE_ENDIAN);
+        Buffer elements = switch (text(array, "type")) {
+            case "u8" -> bytes;
+            case "u16" -> bytes.asShortBuffer();
+            case "f32" -> bytes.asFloatBuffer();
+            case "f64" -> bytes.asDoubleBuffer();
+            default -> throw new AssertionError("unknown type " + array.get("type"));
+        };
+        double[] shape = numbers(array.get("shape"));
+        return new Data(elements, Arrays.stream(shape).mapToInt(size -> (int) size).toArray());
+    }
+
+    private static int column(JsonObject part) {
+        return part.has("column") ? part.get("column").getAsInt() : 0;
+    }
+
+    private PointCloud cloud(JsonObject points) {
+        Data data = data(text(points, "array"));
+        int row = data.width() * data.channels();
+        PointCloud cloud = data.elements() instanceof DoubleBuffer doubles
+                ? PointCloud.of(doubles, data.width(), data.height(), column(points), data.channels(), row)
+                : PointCloud.of((FloatBuffer) data.elements(), data.width(), data.height(), column(points), data.channels(), row);
+        if (points.has("weights")) {
+            JsonObject part = points.getAsJsonObject("weights");
+            Data weights = data(text(part, "array"));
+            cloud = cloud.withWeights(weights.elements(), column(part), weights.channels(), weights.width() * weights.channels());
+        }
+        if (points.has("normals")) {
+            JsonObject part = points.getAsJsonObject("normals");
+            Data normals = data(text(part, "array"));
+            cloud = cloud.withNormals(normals.elements(), column(part), normals.channels(), normals.width() * normals.channels());
+        }
+        return cloud;
+    }
+
+    private Mask mask(JsonObject step) {
+        if (!step.has("mask")) {
+            return null;
+        }
+        Data data = data(text(step, "mask"));
+        return Mask.of((ByteBuffer) data.elements(), data.shape()[1], data.shape()[0], 0, 0, 0);
+    }
+
+    private DepthImage depth(JsonObject step) {
+        Data data = data(text(step, "depth"));
+        int width = data.shape()[1];
+        int height = data.shape()[0];
+        double scale = number(step.get("scale"));
+        DepthImage depth = data.elements() instanceof ShortBuffer integers
+                ? DepthImage.of(integers, width, height, scale, 0, 0, 0)
+                : DepthImage.of((FloatBuffer) data.elements(), width, height, scale, 0, 0, 0);
+        return depth.withRange(
+                step.has("min_depth") ? number(step.get("min_depth")) : 0,
+                step.has("max_depth") ? number(step.get("max_depth")) : 0);
+    }
+
+    private GreyImage image(JsonObject step) {
+        Data data = data(text(step, "image"));
+        int width = data.shape()[1];
+        int height = data.shape()[0];
+        if (data.elements() instanceof ByteBuffer bytes) {
+            return GreyImage.of(bytes, width, height, 0, 0, 0);
+        }
+        return data.elements() instanceof ShortBuffer integers
+                ? GreyImage.of(integers, width, height, 0, 0, 0)
+                : GreyImage.of((FloatBuffer) data.elements(), width, height, 0, 0, 0);
+    }
+
+    private static Segments segments(JsonObject step) {
+        List<double[]> rows = new ArrayList<>();
+        step.getAsJsonArray("segments").forEach(row -> rows.add(numbers(row)));
+        Segments segments = Segments.of(rows.toArray(new double[0][]));
+        return step.has("weights") ? segments.withWeights(numbers(step.get("weights"))) : segments;
+    }
+
+    // What comes out.
+
+    private static void describe(Record values, String prefix, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        for (RecordComponent component : values.getClass().getRecordComponents()) {
+            String name = prefix + snake(component.getName());
+            // Times are no result.
+            if (!name.startsWith("seconds_")) {
+                describe(component.getAccessor().invoke(values), name, outputs);
+            }
+        }
+    }
+
+    private static void describe(FitOptions options, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        for (Field field : FitOptions.class.getDeclaredFields()) {
+            if (!Modifier.isStatic(field.getModifiers())) {
+                describe(FitOptions.class.getMethod(field.getName()).invoke(options), snake(field.getName()), outputs);
+            }
+        }
+    }
+
+    private static void describe(Object value, String name, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        if (value instanceof Vector vector) {
+            outputs.put(name, vector.toArray());
+        } else if (value instanceof Cylinder cylinder) {
+            describe(cylinder, name + ".", outputs);
+        } else if (value instanceof double[] list) {
+            outputs.put(name, list);
+        } else if (value instanceof double[][] rows) {
+            outputs.put(name, flatten(rows));
+        } else if (value instanceof Set<?> flags) {
+            outputs.put(name, new double[] {flags.stream().mapToInt(flag -> ((ResultFlag) flag).value()).sum()});
+        } else if (value instanceof Enum<?>) {
+            outputs.put(name, new double[] {(int) value.getClass().getMethod("value").invoke(value)});
+        } else {
+            outputs.put(name, new double[] {((Number) value).doubleValue()});
+        }
+    }
+
+    private static double[] flatten(double[][] rows) {
+        return Arrays.stream(rows).flatMapToDouble(Arrays::stream).toArray();
+    }
+
+    private static double[] widen(float[] numbers) {
+        double[] wide = new double[numbers.length];
+        for (int k = 0; k < wide.length; k++) {
+            wide[k] = numbers[k];
+        }
+        return wide;
+    }
+
+    private static String camel(String name) {
+        String[] words = name.split("_");
+        StringBuilder camel = new StringBuilder(words[0]);
+        for (int k = 1; k < words.length; k++) {
+            camel.append(Character.toUpperCase(words[k].charAt(0))).append(words[k].substring(1));
+        }
+        return camel.toString();
+    }
+
+    private static String snake(String name) {
+        return name.replaceAll("([A-Z])", "_$1").toLowerCase(Locale.ROOT);
+    }
+}

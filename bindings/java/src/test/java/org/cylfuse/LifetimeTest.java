@@ -1,0 +1,171 @@
+package org.cylfuse;
+
+import static org.junit.Assert.assertEquals;
+import static org.junit.Assert.assertThrows;
+import static org.junit.Assert.assertTrue;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.Executors;
+import java.util.concurrent.Future;
+import org.junit.Test;
+
+public class LifetimeTest {
+    private static final int THREADS = 8;
+    private static final int CYCLES = 10000;
+
+    @Test
+    public void aClosedFitterSaysSo() {
+        Fitter fitter = new Fitter();
+        fitter.close();
+        fitter.close();
+        assertThrows(IllegalStateException.class, fitter::fit);
+        assertThrows(IllegalStateException.class, fitter::cancel);
+    }
+
+    @Test
+    public void closeInsideACallWaitsForIt() {
+        Fitter fitter = Scene.loaded();
+        fitter.setProgressListener(progress -> {
+            fitter.close();
+            return true;
+        });
+        assertEquals(Scene.TRUTH.radius(), fitter.fit().model().radius(), 1e-3);
+        assertThrows(IllegalStateException.class, fitter::fit);
+    }
+
+    @Test
+    public void tenThousandCyclesLeaveMemoryFlat() throws IOException {
+        // The Java heap is limited by test.sh and full after the first rounds; what grows after them is native.
+        cycle(CYCLES, true);
+        long before = residentKilobytes();
+        cycle(CYCLES, true);
+        long growth = residentKilobytes() - before;
+        assertTrue("memory grew by " + growth + " kB", growth < 16 * 1024);
+    }
+
+    @Test
+    public void theCleanerFreesWhatWasNotClosed() throws IOException {
+        cycle(CYCLES, false);
+        long before = residentKilobytes();
+        cycle(CYCLES, false);
+        long growth = residentKilobytes() - before;
+        assertTrue("memory grew by " + growth + " kB", growth < 16 * 1024);
+    }
+
+    private static void cycle(int count, boolean close) {
+        PointCloud points = PointCloud.of(Scene.pipe(50));
+        FitOptions options = new FitOptions().maxThreads(1).start(StartKind.MOMENTS);
+        for (int k = 0; k < count; k++) {
+            Fitter fitter = new Fitter();
+            fitter.setOptions(options);
+            fitter.pushPoints(points);
+            fitter.fit();
+            if (close) {
+                fitter.close();
+            } else if (k % 1000 == 0) {
+                // The collector does not know how large a fitter is; a program that never closes needs its runs.
+                System.gc();
+            }
+        }
+        System.gc();
+    }
+
+    private static long residentKilobytes() throws IOException {
+        return Files.readAllLines(Path.of("/proc/self/status")).stream()
+                .filter(line -> line.startsWith("VmRSS:"))
+                .mapToLong(line -> Long.parseLong(line.split("\\s+")[1]))
+                .findFirst()
+                .orElseThrow();
+    }
+
+    @Test
+    public void eightThreadsOnTheirOwnFittersAgree() throws ExecutionException, InterruptedException {
+        ExecutorService threads = Executors.newFixedThreadPool(THREADS);
+        List<Future<FitResult>> futures = new ArrayList<>();
+        for (int k = 0; k < THREADS; k++) {
+            futures.add(threads.submit(() -> {
+                try (Fitter fitter = Scene.loaded()) {
+                    FitResult last = null;
+                    for (int round = 0; round < 20; round++) {
+                        last = fitter.fit();
+                    }
+                    return last;
+                }
+            }));
+        }
+        for (Future<FitResult> future : futures) {
+            assertEquals(futures.get(0).get().model(), future.get().model());
+            assertEquals(futures.get(0).get().cost(), future.get().cost(), 0);
+        }
+        threads.shutdown();
+    }
+
+    @Test
+    public void oneFitterInTwoThreadsThrowsBusy() throws ExecutionException, InterruptedException {
+        ExecutorService thread = Executors.newSingleThreadExecutor();
+        try (Fitter fitter = Scene.loaded()) {
+            // A fit that stays inside its listener until the other thread has tried.
+            CountDownLatch inside = new CountDownLatch(1);
+            CountDownLatch tried = new CountDownLatch(1);
+            fitter.setProgressListener(progress -> {
+                inside.countDown();
+                try {
+                    tried.await();
+                } catch (InterruptedException interruption) {
+                    throw new IllegalStateException(interruption);
+                }
+                return true;
+            });
+            Future<FitResult> fit = thread.submit(fitter::fit);
+            inside.await();
+            assertEquals(Status.BUSY, assertThrows(CylfuseException.class, fitter::counts).status());
+            assertEquals(Status.BUSY, assertThrows(CylfuseException.class, fitter::fit).status());
+            tried.countDown();
+            assertEquals(Scene.TRUTH.radius(), fit.get().model().radius(), 1e-3);
+        }
+        thread.shutdown();
+    }
+
+    @Test
+    public void misuseFromEightThreadsNeverCrashes() throws ExecutionException, InterruptedException {
+        ExecutorService threads = Executors.newFixedThreadPool(THREADS);
+        for (int round = 0; round < 20; round++) {
+            Fitter fitter = Scene.loaded();
+            List<Future<?>> futures = new ArrayList<>();
+            for (int k = 0; k < THREADS; k++) {
+                boolean closes = k == 0;
+                futures.add(threads.submit(() -> misuse(fitter, closes)));
+            }
+            for (Future<?> future : futures) {
+                future.get();
+            }
+        }
+        threads.shutdown();
+    }
+
+    private static void misuse(Fitter fitter, boolean closes) {
+        for (int call = 0; call < 50; call++) {
+            try {
+                if (closes && call == 25) {
+                    fitter.close();
+                }
+                if (call % 2 == 0) {
+                    fitter.fit();
+                } else {
+                    fitter.residuals(ResidualKind.POINTS, null);
+                }
+            } catch (CylfuseException failure) {
+                assertTrue(failure.status().toString(), failure.status() == Status.BUSY || failure.status() == Status.BAD_STATE);
+            } catch (IllegalStateException closed) {
+                assertTrue(closed.getMessage(), closed.getMessage().contains("closed"));
+            }
+        }
+    }
+}
