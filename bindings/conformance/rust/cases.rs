@@ -382,7 +382,6 @@ fn failures() -> Vec<Value> {
                 call("fit"),
                 call("extent"),
                 json!({"call": "complete", "layout": "PACKED", "scalar": "F64", "model": truth(), "mask": "mask"}),
-                json!({"call": "complete_depth", "format": "F32", "scale": 1.0, "model": truth(), "mask": "mask"}),
             ],
         ),
         case(

@@ -301,6 +301,7 @@ impl Points {
 }
 
 /// All cases as lines of bits.
+#[allow(dead_code, reason = "the test compares numbers")]
 pub fn report(file: &Value) -> String {
     let mut lines = String::new();
     for case in file["cases"].as_array().unwrap() {
@@ -323,6 +324,7 @@ pub fn report(file: &Value) -> String {
 }
 
 /// The sign and the payload of a NaN say nothing.
+#[allow(dead_code, reason = "as above")]
 fn bits(value: &f64) -> String {
     if value.is_nan() { "nan".into() } else { format!("{:016x}", value.to_bits()) }
 }
