@@ -1,0 +1,154 @@
+//! What a call gives, as numbers under the names of the C fields.
+
+use super::names::*;
+use cylfuse::extent::{EndState, Extent};
+use cylfuse::fitter::{FitResult, Fitter, Options};
+use cylfuse::geometry::Cylinder;
+use nalgebra::{Matrix3, Vector3};
+
+/// The numbers of every output.
+pub type Fields = Vec<(String, Vec<f64>)>;
+
+/// Outputs under their names.
+#[derive(Default)]
+pub struct Output(pub Fields);
+
+impl Output {
+    pub fn number(mut self, name: &str, value: impl Into<f64>) -> Self {
+        self.0.push((name.into(), vec![value.into()]));
+        self
+    }
+
+    pub fn count(self, name: &str, value: usize) -> Self {
+        self.number(name, value as f64)
+    }
+
+    pub fn optional(self, name: &str, value: Option<f64>) -> Self {
+        self.number(name, value.unwrap_or(f64::NAN))
+    }
+
+    pub fn list(mut self, name: &str, values: &[f64]) -> Self {
+        self.0.push((name.into(), values.to_vec()));
+        self
+    }
+
+    pub fn model(self, name: &str, cylinder: &Cylinder) -> Self {
+        self.list(&format!("{name}.point"), cylinder.axis.point.as_slice())
+            .list(&format!("{name}.direction"), cylinder.axis.direction.as_slice())
+            .number(&format!("{name}.radius"), cylinder.radius)
+    }
+}
+
+pub fn result(result: &FitResult) -> Fields {
+    let uncertainty = result.uncertainty.as_ref();
+    let radii = result.radii.as_ref();
+    let covariance = uncertainty.map_or_else(|| vec![f64::NAN; 49], |u| u.covariance().as_slice().to_vec());
+    Output::default()
+        .number("termination", result.termination.map_or(0, |end| end as i32 + 1))
+        .number("start_kind", position(&result.start_kind, STARTS))
+        .number("flags", result.flags.bits())
+        .count("iterations", result.iterations)
+        .count("rejected_steps", result.rejected_steps)
+        .count("segments_used", result.segments_used)
+        .count("segments_given", result.segments_given)
+        .count("points_used", result.points_used)
+        .count("points_given", result.points_given)
+        .model("model", &result.cylinder)
+        .model("start_model", &result.start)
+        .number("initial_cost", result.initial_cost)
+        .number("cost", result.cost)
+        .number("energy_points", result.energy_points)
+        .optional("energy_edges", result.energy_edges)
+        .optional("edge_weight", result.edge_weight)
+        .number("point_rms", result.point_rms)
+        .optional("edge_rms_pixels", result.edge_rms_pixels)
+        .optional("near_wall_fraction", result.near_wall_fraction)
+        .number("condition", result.condition)
+        .number("lambda", result.lambda)
+        .number("gradient_norm", result.gradient_norm)
+        .number("step_norm", result.step_norm)
+        .optional("radius_deviation", uncertainty.map(|u| u.radius()))
+        .optional("direction_deviation", uncertainty.map(|u| u.direction()))
+        .optional("position_deviation", uncertainty.map(|u| u.position()))
+        .optional("radius_from_points", radii.map(|r| r.from_points))
+        .optional("radius_from_points_deviation", radii.map(|r| r.from_points_deviation))
+        .optional("radius_from_limbs", radii.map(|r| r.from_limbs))
+        .optional("radius_from_limbs_deviation", radii.map(|r| r.from_limbs_deviation))
+        .optional("radius_z_score", radii.map(|r| r.z_score()))
+        .list("covariance", &covariance)
+        .count("limbs_located", result.limbs_located)
+        .0
+}
+
+fn end_state(state: EndState) -> f64 {
+    match state {
+        EndState::Unknown => 0.0,
+        EndState::Seen => 1.0,
+        EndState::Cut => 2.0,
+        EndState::Hidden => 3.0,
+    }
+}
+
+pub fn extent(extent: &Extent) -> Fields {
+    let uncertainty = extent.uncertainty.as_ref();
+    let entries =
+        |matrix: Option<&Matrix3<f64>>| matrix.map_or_else(|| vec![f64::NAN; 9], |m| m.as_slice().to_vec());
+    Output::default()
+        .number("start_state", end_state(extent.start_state))
+        .number("end_state", end_state(extent.end_state))
+        .list("start", extent.start.as_slice())
+        .list("end", extent.end.as_slice())
+        .list("center", extent.center.as_slice())
+        .number("length", extent.length)
+        .optional("start_deviation", extent.start_deviation)
+        .optional("end_deviation", extent.end_deviation)
+        .optional("length_deviation", uncertainty.map(|u| u.length))
+        .list("start_covariance", &entries(uncertainty.map(|u| &u.start)))
+        .list("end_covariance", &entries(uncertainty.map(|u| &u.end)))
+        .list("center_covariance", &entries(uncertainty.map(|u| &u.center)))
+        .0
+}
+
+pub fn options(options: &Options) -> Fields {
+    let limits = &options.cylinder_limits;
+    let largest = if limits.radius_max.is_finite() { limits.radius_max } else { 0.0 };
+    Output::default()
+        .number("method", position(&options.method, METHODS))
+        .number("objective", position(&options.objective, OBJECTIVES))
+        .number("start", position(&options.start, STARTS))
+        .number("near_wall", position(&options.near_wall, NEAR_WALLS))
+        .number("chart", position(&options.chart, CHARTS))
+        .count("max_iterations", options.limits.max_iterations)
+        .count("max_threads", options.threads)
+        .number("edge_weight", options.edge_weight)
+        .number("initial_lambda", options.limits.initial_lambda)
+        .number("lambda_factor", options.limits.lambda_factor)
+        .number("max_lambda", options.limits.max_lambda)
+        .number("cost_tolerance", options.limits.cost_tolerance)
+        .number("ransac_threshold", options.ransac_threshold)
+        .number("seed", options.seed as f64)
+        .count("ransac_max_iterations", options.ransac_iterations)
+        .number("edge_use", position(&options.edge_use, EDGE_USES))
+        .number("extent_rule", position(&options.extent_rule, EXTENT_RULES))
+        .number("radius_min", limits.radius_min)
+        .number("radius_max", largest)
+        .list("axis", limits.axis.map_or(Vector3::zeros(), |cone| cone.direction).as_slice())
+        .number("axis_max_angle", limits.axis.map_or(0.0, |cone| cone.max_angle))
+        .0
+}
+
+pub fn counts(fitter: &Fitter) -> Fields {
+    let cloud = fitter.cloud();
+    let dropped = cloud.dropped();
+    Output::default()
+        .count("points_given", cloud.given())
+        .count("points_used", cloud.len())
+        .count("dropped_not_finite", dropped.not_finite)
+        .count("dropped_zero_weight", dropped.zero_weight)
+        .count("dropped_outside_mask", dropped.outside_mask)
+        .count("dropped_no_depth", dropped.no_depth)
+        .count("dropped_out_of_range", dropped.out_of_range)
+        .count("dropped_outside_camera", dropped.outside_camera)
+        .count("segments_given", fitter.segments().len())
+        .0
+}
