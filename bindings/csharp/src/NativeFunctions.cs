@@ -43,6 +43,7 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int CompleteFunction(FitterHandle fitter, NativeCylinder* model, NativeMaskView* mask, NativePointsOut* points, NativeCompletion* completion);
         [UnmanagedFunctionPointer(C)] internal delegate int CompleteDepthFunction(FitterHandle fitter, NativeCylinder* model, NativeMaskView* mask, NativeDepthOut* depth, NativeCompletion* completion);
         [UnmanagedFunctionPointer(C)] internal delegate int ExtentFunction(FitterHandle fitter, NativeCylinder* model, NativeMaskView* mask, NativeExtent* extent);
+        [UnmanagedFunctionPointer(C)] internal delegate int SelectEdgesFunction(FitterHandle fitter, NativeCylinder* model, NativeSegmentsView* segments, double reach, byte* limbs, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int DistancesFunction(NativeCylinder* model, NativePointsView* points, double* distances, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int ProjectFunction(NativeCylinder* model, NativeIntrinsics* intrinsics, double* lines);
         [UnmanagedFunctionPointer(C)] internal delegate int CompareFunction(NativeCylinder* a, NativeCylinder* b, out double angle, out double axisDistance, out double radiusRelative);
@@ -92,6 +93,7 @@ namespace Cylfuse
         internal static readonly CompleteFunction FitterComplete = Find<CompleteFunction>("cylfuse_fitter_complete");
         internal static readonly CompleteDepthFunction FitterCompleteDepth = Find<CompleteDepthFunction>("cylfuse_fitter_complete_depth");
         internal static readonly ExtentFunction FitterExtent = Find<ExtentFunction>("cylfuse_fitter_extent");
+        internal static readonly SelectEdgesFunction FitterSelectEdges = Find<SelectEdgesFunction>("cylfuse_fitter_select_edges");
 
         internal static readonly DistancesFunction CylinderDistances = Find<DistancesFunction>("cylfuse_cylinder_distances");
         internal static readonly ProjectFunction CylinderProject = Find<ProjectFunction>("cylfuse_cylinder_project");

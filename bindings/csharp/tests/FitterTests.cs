@@ -119,6 +119,25 @@ namespace Cylfuse.Tests
             }
         }
 
+        public static void EdgesOfADetectorAreSelected()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            {
+                double[,] edges = Scene.Edges();
+                var found = new double[3, 4];
+                for (int k = 0; k < 4; k++)
+                {
+                    found[0, k] = k % 2 == 0 ? 2 : 10 + 20 * k; // the border of the image
+                    found[1, k] = edges[1, k];
+                    found[2, k] = edges[0, k];
+                }
+                byte[] limbs = fitter.SelectEdges(Segments.From(found), Scene.Truth);
+                Check.That(limbs.SequenceEqual(new byte[] { 0, 2, 1 }), string.Join(" ", limbs));
+                Check.Fails(Status.BadState, () => fitter.SelectEdges(Segments.From(found)), "model");
+                Check.Fails(Status.InvalidArgument, () => fitter.SelectEdges(Segments.From(found), Scene.Truth, -1), "-1");
+            }
+        }
+
         public static void TheImageIsSearchedForLimbs()
         {
             using (Fitter fitter = Scene.Loaded())

@@ -331,6 +331,29 @@ public final class Fitter implements AutoCloseable {
     }
 
     /**
+     * Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder beside
+     * the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest pieces
+     * wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
+     *
+     * @param segments the edges; their weights are ignored
+     * @param model the rough cylinder
+     * @param reach how far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the distance of the
+     *     limbs, at least 4
+     * @return for each segment 1 or 2 for the limb that it lies on, in the order of {@link Cylinder#project}, 0 for none
+     * @throws CylfuseException BAD_STATE without model, intrinsics or points, INVALID_ARGUMENT for a bad segment or reach,
+     *     EDGE_GEOMETRY when the camera is inside the cylinder or a limb cannot be seen
+     */
+    public byte[] selectEdges(Segments segments, Cylinder model, double reach) {
+        try (NativeCopies copies = new NativeCopies()) {
+            NativeStructs.Cylinder n = Cylinder.toNative(model);
+            NativeStructs.SegmentsView view = segments.toNative(copies);
+            byte[] limbs = new byte[segments.count()];
+            calls.run(fitter -> NativeFunctions.cylfuse_fitter_select_edges(fitter, n, view, reach, limbs, limbs.length));
+            return limbs;
+        }
+    }
+
+    /**
      * Finds the visible piece of the cylinder of the last fit.
      *
      * @return the extent

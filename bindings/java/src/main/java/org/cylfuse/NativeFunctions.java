@@ -140,6 +140,14 @@ final class NativeFunctions {
     static native int cylfuse_fitter_extent(
             Pointer fitter, NativeStructs.Cylinder model, NativeStructs.MaskView mask, NativeStructs.Extent extent);
 
+    static native int cylfuse_fitter_select_edges(
+            Pointer fitter,
+            NativeStructs.Cylinder model,
+            NativeStructs.SegmentsView segments,
+            double reach,
+            byte[] limbs,
+            long capacity);
+
     static native int cylfuse_cylinder_distances(
             NativeStructs.Cylinder model, NativeStructs.PointsView points, double[] out, long capacity);
 

@@ -68,6 +68,15 @@ public final class Segments {
         return new Segments(segments, BufferPart.whole("weights", buffer, segments.width, 1));
     }
 
+    /**
+     * Number of segments.
+     *
+     * @return the number
+     */
+    public int count() {
+        return segments.width;
+    }
+
     NativeStructs.SegmentsView toNative(NativeCopies copies) {
         NativeStructs.SegmentsView n = new NativeStructs.SegmentsView();
         NativeFunctions.check(NativeFunctions.cylfuse_segments_view_init(n, n.size()));

@@ -146,6 +146,18 @@ public class FitterTest {
     }
 
     @Test
+    public void edgesOfADetectorAreSelected() {
+        try (Fitter fitter = Scene.loaded()) {
+            double[][] edges = Scene.edges();
+            double[] border = {2, 10, 2, 70};
+            Segments found = Segments.of(border, edges[1], edges[0]);
+            assertArrayEquals(new byte[] {0, 2, 1}, fitter.selectEdges(found, Scene.TRUTH, 0));
+            fails(Status.BAD_STATE, () -> fitter.selectEdges(found, null, 0), "model");
+            fails(Status.INVALID_ARGUMENT, () -> fitter.selectEdges(found, Scene.TRUTH, -1), "-1");
+        }
+    }
+
+    @Test
     public void theImageIsSearchedForLimbs() {
         try (Fitter fitter = Scene.loaded()) {
             byte[] mask = Scene.mask();
