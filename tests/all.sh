@@ -37,6 +37,9 @@ rm -rf "$demo"
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
 tests/cpp.sh 2>&1 | tee -a "$log"
 
-# Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed".
-sum() { awk -v word="$1" '/^(test result|cpp):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
+step "bindings"
+bindings/test.sh 2>&1 | tee -a "$log"
+
+# Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed" and so on.
+sum() { awk -v word="$1" '/^(test result|cpp|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
 printf '\n%s passed, %s failed\n' "$(sum passed)" "$(sum failed)"

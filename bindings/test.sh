@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds and tests every binding against one native library: CYLFUSE_LIBRARY, else a release build. Each installs
+# what it needs from Debian's and its language's packages.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
+    # Whatever features were built before.
+    (cd .. && cargo build --locked --release)
+    CYLFUSE_LIBRARY=$(cd .. && pwd)/target/release/libcylfuse.so
+fi
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+mkdir "$results/logs"
+export CYLFUSE_LIBRARY CYLFUSE_CONFORMANCE_RESULTS=$results/c.txt
+
+failed=0
+# The conformance cases come first: the bindings compare with the results of C.
+for part in conformance */; do
+    part=${part%/}
+    [ -x "$part/test.sh" ] || continue
+    [ "$part" != conformance ] || [ ! -e "$results/logs/conformance" ] || continue
+    printf '\n-- %s\n' "$part"
+    "$part/test.sh" 2>&1 | tee "$results/logs/$part" || failed=1
+done
+
+# Of each its last line, "3 passed, 0 failed". A part that broke off has no such line, but failed all the same.
+for part in "$results/logs"/*; do tail -n 1 "$part"; done | awk -v broken=$failed '
+    / passed, [0-9]+ failed$/ { passed += $1; failed += $3 }
+    END { if (broken && !failed) failed = 1; printf "bindings: %d passed, %d failed\n", passed, failed }'
+exit $failed
