@@ -53,8 +53,8 @@ type DepthImage[T uint16 | float32] struct {
 	RowStride int
 	// PixelStride is the distance of a pixel from the next one, in numbers; 0 = 1.
 	PixelStride int
-	// Scale is the length of one unit of the stored value: 0.001 for millimetres when the unit of length is the metre;
-	// 0 = 1.
+	// Scale is the length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
+	// is the metre. It has no default, because a forgotten one would go straight into the radius.
 	Scale float64
 	// MinDepth is the nearest depth that counts, in the unit of length.
 	MinDepth float64
@@ -199,9 +199,7 @@ func (depth DepthImage[T]) depthView() (depthView, error) {
 	call.view.height = C.uint32_t(depth.Height)
 	call.view.row_stride = inBytes[T](depth.RowStride)
 	call.view.pixel_stride = inBytes[T](depth.PixelStride)
-	if depth.Scale != 0 {
-		call.view.scale = C.double(depth.Scale)
-	}
+	call.view.scale = C.double(depth.Scale)
 	call.view.min_depth = C.double(depth.MinDepth)
 	call.view.max_depth = C.double(depth.MaxDepth)
 	call.data = first(depth.Data)
