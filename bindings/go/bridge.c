@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+#include "bridge.h"
+
+#include "_cgo_export.h"
+
+/* A copy of a mask view with its pixels; NULL stays NULL. */
+static const cylfuse_mask_view *with_pixels(cylfuse_mask_view *copy, const cylfuse_mask_view *mask, const void *data)
+{
+    if (mask == NULL) return NULL;
+    *copy = *mask;
+    copy->data = data;
+    return copy;
+}
+
+cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_view *points, const void *data,
+                                  const void *weights, const void *normals, const cylfuse_mask_view *mask,
+                                  const void *mask_data)
+{
+    cylfuse_mask_view mask_copy;
+    cylfuse_points_view view = *points;
+    view.data = data;
+    view.weights = weights;
+    view.normals = normals;
+    return cylfuse_fitter_push_points(fitter, &view, with_pixels(&mask_copy, mask, mask_data));
+}
+
+cylfuse_status bridge_push_depth(cylfuse_fitter *fitter, const cylfuse_depth_view *depth, const void *data,
+                                 const cylfuse_mask_view *mask, const void *mask_data)
+{
+    cylfuse_mask_view mask_copy;
+    cylfuse_depth_view view = *depth;
+    view.data = data;
+    return cylfuse_fitter_push_depth(fitter, &view, with_pixels(&mask_copy, mask, mask_data));
+}
+
+cylfuse_status bridge_push_image(cylfuse_fitter *fitter, const cylfuse_image_view *image, const void *data)
+{
+    cylfuse_image_view view = *image;
+    view.data = data;
+    return cylfuse_fitter_push_image(fitter, &view);
+}
+
+cylfuse_status bridge_push_edges(cylfuse_fitter *fitter, const cylfuse_segments_view *segments, const void *data,
+                                 const void *weights)
+{
+    cylfuse_segments_view view = *segments;
+    view.data = data;
+    view.weights = weights;
+    return cylfuse_fitter_push_edges(fitter, &view);
+}
+
+cylfuse_status bridge_complete_bound(cylfuse_fitter *fitter, const cylfuse_mask_view *mask, const void *mask_data,
+                                     cylfuse_layout layout, size_t *out_capacity)
+{
+    cylfuse_mask_view mask_copy;
+    return cylfuse_fitter_complete_bound(fitter, with_pixels(&mask_copy, mask, mask_data), layout, out_capacity);
+}
+
+cylfuse_status bridge_complete(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
+                               const void *mask_data, const cylfuse_points_out *out, void *data,
+                               cylfuse_completion *out_completion)
+{
+    cylfuse_mask_view mask_copy;
+    cylfuse_points_out buffer = *out;
+    buffer.data = data;
+    return cylfuse_fitter_complete(fitter, model, with_pixels(&mask_copy, mask, mask_data), &buffer, out_completion);
+}
+
+cylfuse_status bridge_complete_depth(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
+                                     const cylfuse_mask_view *mask, const void *mask_data,
+                                     const cylfuse_depth_out *out, void *data, cylfuse_completion *out_completion)
+{
+    cylfuse_mask_view mask_copy;
+    cylfuse_depth_out image = *out;
+    image.data = data;
+    return cylfuse_fitter_complete_depth(fitter, model, with_pixels(&mask_copy, mask, mask_data), &image,
+                                         out_completion);
+}
+
+cylfuse_status bridge_extent(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
+                             const void *mask_data, cylfuse_extent *out_extent)
+{
+    cylfuse_mask_view mask_copy;
+    return cylfuse_fitter_extent(fitter, model, with_pixels(&mask_copy, mask, mask_data), out_extent);
+}
+
+cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_points_view *points, const void *data,
+                                double *out, size_t capacity)
+{
+    cylfuse_points_view view = *points;
+    view.data = data;
+    return cylfuse_cylinder_distances(model, &view, out, capacity);
+}
+
+static int32_t hear_progress(const cylfuse_progress *progress, void *user_data)
+{
+    return cylfuseGoProgress((cylfuse_progress *)progress, user_data);
+}
+
+static void hear_log(cylfuse_log_level level, const char *message, void *user_data)
+{
+    cylfuseGoLog(level, (char *)message, user_data);
+}
+
+cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on, void *user_data)
+{
+    return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, user_data);
+}
+
+cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on, void *user_data)
+{
+    return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, user_data);
+}

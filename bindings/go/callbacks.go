@@ -1,0 +1,122 @@
+package cylfuse
+
+// #include "bridge.h"
+import "C"
+
+import (
+	"runtime/cgo"
+	"unsafe"
+)
+
+// Phase is what a fit is doing.
+type Phase int32
+
+const (
+	// PhaseStart: it is about to look for a start.
+	PhaseStart Phase = C.CYLFUSE_PHASE_START
+	// PhaseSolve: it iterates.
+	PhaseSolve Phase = C.CYLFUSE_PHASE_SOLVE
+)
+
+// Progress is the state of a running fit, before each linear solve.
+type Progress struct {
+	// Phase is what the fit is doing.
+	Phase Phase
+	// Iteration counts the linear solves, from 0 with every start that is tried and every robust round.
+	Iteration uint32
+	// MaxIterations is the most linear solves.
+	MaxIterations uint32
+	// Cost is the lowest so far, unit of length squared; infinite in PhaseStart.
+	Cost float64
+	// Lambda is the damping of the next step; 0 in PhaseStart.
+	Lambda float64
+	// Cylinder is the best so far; of radius 0 in PhaseStart.
+	Cylinder Cylinder
+}
+
+// LogLevel is how much a log line matters.
+type LogLevel int32
+
+const (
+	// LogOff: no lines.
+	LogOff LogLevel = C.CYLFUSE_LOG_LEVEL_OFF
+	// LogError: calls that failed.
+	LogError LogLevel = C.CYLFUSE_LOG_LEVEL_ERROR
+	// LogWarning: doubts about a result.
+	LogWarning LogLevel = C.CYLFUSE_LOG_LEVEL_WARNING
+	// LogInfo: what was pushed, which start was taken, how a fit ended.
+	LogInfo LogLevel = C.CYLFUSE_LOG_LEVEL_INFO
+	// LogDebug: every iteration.
+	LogDebug LogLevel = C.CYLFUSE_LOG_LEVEL_DEBUG
+)
+
+// SetProgress sets what hears of every linear solve of a fit, in the goroutine that called Fit; nil for nothing. It
+// returns true to go on; false stops the fit, which returns StatusCancelled. Of the methods of the same fitter it may
+// only call Cancel; the others return StatusBusy.
+func (fitter *Fitter) SetProgress(callback func(Progress) bool) error {
+	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		status := C.bridge_set_progress(handle, truth(callback != nil), unsafe.Pointer(fitter.native.slot))
+		if status == C.CYLFUSE_STATUS_OK {
+			fitter.progress = callback
+		}
+		return status
+	})
+}
+
+// SetLog sets what takes log lines up to a level, in the goroutine of the call; nil for nothing. The rules of SetProgress
+// hold here too.
+func (fitter *Fitter) SetLog(maxLevel LogLevel, callback func(level LogLevel, message string)) error {
+	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		status := C.bridge_set_log(handle, C.cylfuse_log_level(maxLevel), truth(callback != nil),
+			unsafe.Pointer(fitter.native.slot))
+		if status == C.CYLFUSE_STATUS_OK {
+			fitter.log = callback
+		}
+		return status
+	})
+}
+
+//export cylfuseGoProgress
+func cylfuseGoProgress(c *C.cylfuse_progress, userData unsafe.Pointer) (stop C.int32_t) {
+	fitter := (*cgo.Handle)(userData).Value().(*Fitter)
+	defer fitter.catch(&stop)
+	if fitter.thrown != nil {
+		return 1
+	}
+	if fitter.progress(Progress{
+		Phase:         Phase(c.phase),
+		Iteration:     uint32(c.iteration),
+		MaxIterations: uint32(c.max_iterations),
+		Cost:          float64(c.cost),
+		Lambda:        float64(c.lambda),
+		Cylinder:      cylinderFromC(&c.model),
+	}) {
+		return 0
+	}
+	return 1
+}
+
+//export cylfuseGoLog
+func cylfuseGoLog(level C.cylfuse_log_level, message *C.char, userData unsafe.Pointer) {
+	fitter := (*cgo.Handle)(userData).Value().(*Fitter)
+	var stop C.int32_t
+	defer fitter.catch(&stop)
+	if fitter.log != nil && fitter.thrown == nil {
+		fitter.log(LogLevel(level), C.GoString(message))
+	}
+}
+
+// catch keeps a panic of a callback, which must not run through the library, for the call to go on with.
+func (fitter *Fitter) catch(stop *C.int32_t) {
+	if thrown := recover(); thrown != nil {
+		fitter.thrown = thrown
+		*stop = 1
+	}
+}
+
+func truth(is bool) C.int32_t {
+	if is {
+		return 1
+	}
+	return 0
+}

@@ -1,0 +1,140 @@
+package cylfuse
+
+// #include "bridge.h"
+import "C"
+
+import "unsafe"
+
+// Distortion says what the coefficients of a camera mean.
+type Distortion int32
+
+const (
+	// DistortionNone is a pinhole; all coefficients are 0.
+	DistortionNone Distortion = C.CYLFUSE_DISTORTION_NONE
+	// DistortionBrownConrady has k1 k2 p1 p2 k3 k4 k5 k6 in the order of OpenCV.
+	DistortionBrownConrady Distortion = C.CYLFUSE_DISTORTION_BROWN_CONRADY
+	// DistortionKannalaBrandt is the fisheye model of OpenCV: k1 k2 k3 k4. Rays less than 89 degrees from the axis.
+	DistortionKannalaBrandt Distortion = C.CYLFUSE_DISTORTION_KANNALA_BRANDT
+)
+
+// Intrinsics is a camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV.
+type Intrinsics struct {
+	// Width and Height of the image in pixels, at least 1, together at most 2^28 pixels.
+	Width, Height uint32
+	// FX and FY are the focal length in pixel widths and in pixel heights, greater than 0.
+	FX, FY float64
+	// CX and CY are the principal point in pixels from the centre of the first pixel, to the right and down.
+	CX, CY float64
+	// Model says what Distortion means.
+	Model Distortion
+	// Distortion holds the coefficients; those that the model does not have are 0.
+	Distortion [8]float64
+}
+
+func (intrinsics *Intrinsics) toC() C.cylfuse_intrinsics {
+	var c C.cylfuse_intrinsics
+	C.cylfuse_intrinsics_init(&c, C.sizeof_cylfuse_intrinsics)
+	c.width = C.uint32_t(intrinsics.Width)
+	c.height = C.uint32_t(intrinsics.Height)
+	c.fx = C.double(intrinsics.FX)
+	c.fy = C.double(intrinsics.FY)
+	c.cx = C.double(intrinsics.CX)
+	c.cy = C.double(intrinsics.CY)
+	c.distortion_model = C.cylfuse_distortion(intrinsics.Model)
+	for i, coefficient := range intrinsics.Distortion {
+		c.distortion[i] = C.double(coefficient)
+	}
+	return c
+}
+
+// Cylinder is an infinite cylinder.
+type Cylinder struct {
+	// Point is on the axis, in the unit of length of the data.
+	Point [3]float64
+	// Direction is that of the axis. As input of any length but 0, as output of length 1. Its sign has no meaning; the
+	// library gives the one with a positive largest component.
+	Direction [3]float64
+	// Radius in the unit of length of the data, greater than 0.
+	Radius float64
+}
+
+// Distances are the signed distances of points from the surface, negative inside, NaN for a point that is not finite;
+// row by row of the points. Weights are ignored.
+func (cylinder Cylinder) Distances(points PointCloud) ([]float64, error) {
+	view, err := points.pointsView()
+	if err != nil {
+		return nil, err
+	}
+	model := cylinder.toC()
+	distances := make([]float64, view.count)
+	status := C.bridge_distances(&model, &view.view, view.data, (*C.double)(first(distances)), C.size_t(len(distances)))
+	if err := statusError(status); err != nil {
+		return nil, err
+	}
+	return distances, nil
+}
+
+// Project gives the two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of
+// a pinhole with the same focal lengths and principal point. StatusEdgeGeometry when the camera is inside.
+func (cylinder Cylinder) Project(intrinsics Intrinsics) ([2][3]float64, error) {
+	model, camera := cylinder.toC(), intrinsics.toC()
+	var lines [2][3]float64
+	status := C.cylfuse_cylinder_project(&model, &camera, (*C.double)(unsafe.Pointer(&lines)))
+	return lines, statusError(status)
+}
+
+// Comparison is how two cylinders differ.
+type Comparison struct {
+	// Angle between the axes in radians, in [0, pi / 2], whatever the signs of the directions.
+	Angle float64
+	// AxisDistance is the shortest distance between the two axes, in the unit of length.
+	AxisDistance float64
+	// RadiusRelative is (radius of the other - radius) / radius.
+	RadiusRelative float64
+}
+
+// Compare says how another cylinder differs from this one.
+func (cylinder Cylinder) Compare(other Cylinder) (Comparison, error) {
+	a, b := cylinder.toC(), other.toC()
+	var angle, distance, radius C.double
+	status := C.cylfuse_cylinder_compare(&a, &b, &angle, &distance, &radius)
+	return Comparison{float64(angle), float64(distance), float64(radius)}, statusError(status)
+}
+
+func (cylinder *Cylinder) toC() C.cylfuse_cylinder {
+	return C.cylfuse_cylinder{
+		point:     vectorToC(cylinder.Point),
+		direction: vectorToC(cylinder.Direction),
+		radius:    C.double(cylinder.Radius),
+	}
+}
+
+// optional is the model for C, where nil is that of the last fit.
+func (cylinder *Cylinder) optional() *C.cylfuse_cylinder {
+	if cylinder == nil {
+		return nil
+	}
+	c := cylinder.toC()
+	return &c
+}
+
+func cylinderFromC(c *C.cylfuse_cylinder) Cylinder {
+	return Cylinder{vectorFromC(c.point), vectorFromC(c.direction), float64(c.radius)}
+}
+
+func vectorToC(v [3]float64) [3]C.double {
+	return [3]C.double{C.double(v[0]), C.double(v[1]), C.double(v[2])}
+}
+
+func vectorFromC(v [3]C.double) [3]float64 {
+	return [3]float64{float64(v[0]), float64(v[1]), float64(v[2])}
+}
+
+// matrixFromC reads a symmetric 3 x 3 matrix.
+func matrixFromC(c [9]C.double) [3][3]float64 {
+	var m [3][3]float64
+	for i, value := range c {
+		m[i/3][i%3] = float64(value)
+	}
+	return m
+}

@@ -1,0 +1,3 @@
+module cylfuse
+
+go 1.19

@@ -1,0 +1,348 @@
+package cylfuse
+
+// #include "bridge.h"
+import "C"
+
+import (
+	"strings"
+	"time"
+)
+
+// Termination is why an iteration ended.
+type Termination int32
+
+const (
+	// TerminationNone: there was no iteration.
+	TerminationNone Termination = C.CYLFUSE_TERMINATION_NONE
+	// TerminationCost: the cost no longer fell by more than the tolerance.
+	TerminationCost Termination = C.CYLFUSE_TERMINATION_COST
+	// TerminationStalled: no step down to the largest damping lowered the cost, a minimum to rounding.
+	TerminationStalled Termination = C.CYLFUSE_TERMINATION_STALLED
+	// TerminationMaxIterations: the limit of iterations was reached.
+	TerminationMaxIterations Termination = C.CYLFUSE_TERMINATION_MAX_ITERATIONS
+	// TerminationRadiusRanAway: the radius left all proportion to the data, they are flat.
+	TerminationRadiusRanAway Termination = C.CYLFUSE_TERMINATION_RADIUS_RAN_AWAY
+)
+
+// Flags are doubts about a result, one bit each. None of them is an error.
+type Flags uint32
+
+const (
+	// FlagEdgesIgnored: segments were given but none of them counts.
+	FlagEdgesIgnored Flags = C.CYLFUSE_RESULT_FLAGS_EDGES_IGNORED
+	// FlagSegmentsUnusable: some segments have no length or lie outside the field of the camera model.
+	FlagSegmentsUnusable Flags = C.CYLFUSE_RESULT_FLAGS_SEGMENTS_UNUSABLE
+	// FlagEdgesCross: two segments cross each other, they cannot be the two limbs.
+	FlagEdgesCross Flags = C.CYLFUSE_RESULT_FLAGS_EDGES_CROSS
+	// FlagEdgesCoincide: two segments lie on one line to within 2 pixels.
+	FlagEdgesCoincide Flags = C.CYLFUSE_RESULT_FLAGS_EDGES_COINCIDE
+	// FlagEdgesBehind: the rays of the endpoints do not meet the plane of the limbs in front of the camera.
+	FlagEdgesBehind Flags = C.CYLFUSE_RESULT_FLAGS_EDGES_BEHIND
+	// FlagScaleHeld: the edges alone do not tell the scale, that of the start was kept.
+	FlagScaleHeld Flags = C.CYLFUSE_RESULT_FLAGS_SCALE_HELD
+	// FlagWeakRadius: the data hardly determine the radius.
+	FlagWeakRadius Flags = C.CYLFUSE_RESULT_FLAGS_WEAK_RADIUS
+	// FlagResolutionLost: the coordinates are coarser than 0.01 % of the radius.
+	FlagResolutionLost Flags = C.CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST
+	// FlagNotConverged: the limit of iterations came before convergence.
+	FlagNotConverged Flags = C.CYLFUSE_RESULT_FLAGS_NOT_CONVERGED
+	// FlagHiddenWall: most points lie on the wall that the camera cannot see.
+	FlagHiddenWall Flags = C.CYLFUSE_RESULT_FLAGS_HIDDEN_WALL
+	// FlagCameraInside: the camera is inside the cylinder, there are no limbs.
+	FlagCameraInside Flags = C.CYLFUSE_RESULT_FLAGS_CAMERA_INSIDE
+	// FlagPointsNotFinite: points with coordinates that are not finite were left out.
+	FlagPointsNotFinite Flags = C.CYLFUSE_RESULT_FLAGS_POINTS_NOT_FINITE
+	// FlagPointsAndLimbsDisagree: the radius by the points and that by the limbs differ by more than 4 deviations.
+	FlagPointsAndLimbsDisagree Flags = C.CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE
+	// FlagRadiusAtLimit: a limit of the radius holds it.
+	FlagRadiusAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT
+	// FlagAxisAtLimit: the axis is on the border of its cone.
+	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
+)
+
+var flagNames = []struct {
+	flag Flags
+	name string
+}{
+	{FlagEdgesIgnored, "edges ignored"},
+	{FlagSegmentsUnusable, "segments unusable"},
+	{FlagEdgesCross, "edges cross"},
+	{FlagEdgesCoincide, "edges coincide"},
+	{FlagEdgesBehind, "edges behind"},
+	{FlagScaleHeld, "scale held"},
+	{FlagWeakRadius, "weak radius"},
+	{FlagResolutionLost, "resolution lost"},
+	{FlagNotConverged, "not converged"},
+	{FlagHiddenWall, "hidden wall"},
+	{FlagCameraInside, "camera inside"},
+	{FlagPointsNotFinite, "points not finite"},
+	{FlagPointsAndLimbsDisagree, "points and limbs disagree"},
+	{FlagRadiusAtLimit, "radius at limit"},
+	{FlagAxisAtLimit, "axis at limit"},
+}
+
+// Has says whether all of these doubts are there.
+func (flags Flags) Has(doubts Flags) bool { return flags&doubts == doubts }
+
+// String names the doubts, separated by commas.
+func (flags Flags) String() string {
+	var names []string
+	for _, entry := range flagNames {
+		if flags.Has(entry.flag) {
+			names = append(names, entry.name)
+		}
+	}
+	return strings.Join(names, ", ")
+}
+
+// Result is the outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
+type Result struct {
+	// Cylinder has its axis point nearest to the middle of the points.
+	Cylinder Cylinder
+	// StartCylinder is the model that the iteration started from, moved into the limits.
+	StartCylinder Cylinder
+	// Termination is why the iteration ended.
+	Termination Termination
+	// StartKind is how the start was found.
+	StartKind Start
+	// Flags are the doubts; 0 when there are none.
+	Flags Flags
+	// Iterations counts the linear solves, RejectedSteps those whose step was rejected.
+	Iterations, RejectedSteps uint32
+	// SegmentsUsed took part of the SegmentsGiven.
+	SegmentsUsed, SegmentsGiven uint32
+	// PointsUsed took part of the PointsGiven; Counts says why the others were left out.
+	PointsUsed, PointsGiven uint64
+	// InitialCost is the cost of the start, unit of length squared.
+	InitialCost float64
+	// Cost is that of the cylinder, unit of length squared.
+	Cost float64
+	// EnergyPoints is E_P, the mean squared distance of the points from the surface, unit of length squared.
+	EnergyPoints float64
+	// EnergyEdges is E_L, the mean squared distance of the back-projected endpoints from the limb lines, unit of length
+	// squared; NaN without exactly two usable segments.
+	EnergyEdges float64
+	// EdgeWeight is the one that was used, 0 when no edges count; NaN where the objective has none.
+	EdgeWeight float64
+	// PointRMS is the root of E_P, unit of length.
+	PointRMS float64
+	// EdgeRMSPixels is the root mean square distance of the endpoints from the limb lines in ideal pixels.
+	EdgeRMSPixels float64
+	// NearWallFraction is the part of the points on the wall that the camera sees.
+	NearWallFraction float64
+	// Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
+	Condition float64
+	// Lambda is the last damping.
+	Lambda float64
+	// GradientNorm is that of half the gradient of the cost at the end, in units of the size of the data.
+	GradientNorm float64
+	// StepNorm is that of the last accepted step, in units of the size of the data.
+	StepNorm float64
+	// TimeStart, TimeSolve and TimeTotal are wall-clock times: to find the start, to iterate, of the whole fit.
+	TimeStart, TimeSolve, TimeTotal time.Duration
+	// RadiusDeviation is the standard deviation of the radius by the noise of the data, unit of length. NaN for RANSAC
+	// and Eberly, for an edge weight of 1, and where the data do not determine a cylinder.
+	RadiusDeviation float64
+	// DirectionDeviation is the standard deviation of the direction in radians, where it is least certain.
+	DirectionDeviation float64
+	// PositionDeviation is the standard deviation of the axis across itself at Cylinder.Point, where it is least
+	// certain, unit of length.
+	PositionDeviation float64
+	// RadiusFromPoints is the radius by the curvature of the points alone; NaN without segments or limbs.
+	RadiusFromPoints, RadiusFromPointsDeviation float64
+	// RadiusFromLimbs is the radius by the limbs, with distance and tilt of the axis from the points.
+	RadiusFromLimbs, RadiusFromLimbsDeviation float64
+	// RadiusZScore is RadiusFromPoints - RadiusFromLimbs in standard deviations of the difference.
+	RadiusZScore float64
+	// Covariance of (point, direction, radius), symmetric, of rank 5.
+	Covariance [7][7]float64
+	// LimbsLocated counts the limb lines that were located in the grey image and took part, 0 to 2.
+	LimbsLocated uint32
+}
+
+func newResult() C.cylfuse_result {
+	return C.cylfuse_result{struct_size: C.sizeof_cylfuse_result}
+}
+
+func resultFromC(c *C.cylfuse_result) Result {
+	result := Result{
+		Cylinder:                  cylinderFromC(&c.model),
+		StartCylinder:             cylinderFromC(&c.start_model),
+		Termination:               Termination(c.termination),
+		StartKind:                 Start(c.start_kind),
+		Flags:                     Flags(c.flags),
+		Iterations:                uint32(c.iterations),
+		RejectedSteps:             uint32(c.rejected_steps),
+		SegmentsUsed:              uint32(c.segments_used),
+		SegmentsGiven:             uint32(c.segments_given),
+		PointsUsed:                uint64(c.points_used),
+		PointsGiven:               uint64(c.points_given),
+		InitialCost:               float64(c.initial_cost),
+		Cost:                      float64(c.cost),
+		EnergyPoints:              float64(c.energy_points),
+		EnergyEdges:               float64(c.energy_edges),
+		EdgeWeight:                float64(c.edge_weight),
+		PointRMS:                  float64(c.point_rms),
+		EdgeRMSPixels:             float64(c.edge_rms_pixels),
+		NearWallFraction:          float64(c.near_wall_fraction),
+		Condition:                 float64(c.condition),
+		Lambda:                    float64(c.lambda),
+		GradientNorm:              float64(c.gradient_norm),
+		StepNorm:                  float64(c.step_norm),
+		TimeStart:                 duration(c.seconds_start),
+		TimeSolve:                 duration(c.seconds_solve),
+		TimeTotal:                 duration(c.seconds_total),
+		RadiusDeviation:           float64(c.radius_deviation),
+		DirectionDeviation:        float64(c.direction_deviation),
+		PositionDeviation:         float64(c.position_deviation),
+		RadiusFromPoints:          float64(c.radius_from_points),
+		RadiusFromPointsDeviation: float64(c.radius_from_points_deviation),
+		RadiusFromLimbs:           float64(c.radius_from_limbs),
+		RadiusFromLimbsDeviation:  float64(c.radius_from_limbs_deviation),
+		RadiusZScore:              float64(c.radius_z_score),
+		LimbsLocated:              uint32(c.limbs_located),
+	}
+	for i, value := range c.covariance {
+		result.Covariance[i/7][i%7] = float64(value)
+	}
+	return result
+}
+
+func duration(seconds C.double) time.Duration {
+	return time.Duration(float64(seconds) * float64(time.Second))
+}
+
+// Counts says what was pushed, and what was left out by reason.
+type Counts struct {
+	// PointsGiven counts points and pixels that were pushed, PointsUsed those that a fit uses.
+	PointsGiven, PointsUsed uint64
+	// DroppedNotFinite: a coordinate or weight is not finite.
+	DroppedNotFinite uint64
+	// DroppedZeroWeight: the weight is 0.
+	DroppedZeroWeight uint64
+	// DroppedOutsideMask: the mask is 0 there.
+	DroppedOutsideMask uint64
+	// DroppedNoDepth: no depth was measured there.
+	DroppedNoDepth uint64
+	// DroppedOutOfRange: the depth is below MinDepth or above MaxDepth.
+	DroppedOutOfRange uint64
+	// DroppedOutsideCamera: the camera model has no ray for the pixel.
+	DroppedOutsideCamera uint64
+	// SegmentsGiven counts edge segments that were pushed.
+	SegmentsGiven uint64
+}
+
+// ResidualKind says which residuals to list.
+type ResidualKind int32
+
+const (
+	// ResidualPoints is the signed distance of every used point from the surface, in the unit of length, negative
+	// inside; in the order in which the points were pushed, without the dropped ones.
+	ResidualPoints ResidualKind = C.CYLFUSE_RESIDUAL_KIND_POINTS
+	// ResidualEdges is the signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
+	ResidualEdges ResidualKind = C.CYLFUSE_RESIDUAL_KIND_EDGES
+)
+
+// LimbSample is what a short piece of a limb in the grey image says.
+type LimbSample struct {
+	// Pixel is where the limb is seen, x and y in the (distorted) image.
+	Pixel [2]float64
+	// Sigma is the standard deviation across the limb in ideal pixels, by the noise of the image only.
+	Sigma float64
+	// Weight is what the sample counted, from 1 down to 0 for a refused one.
+	Weight float64
+	// Limb that it belongs to, 0 or 1.
+	Limb uint32
+}
+
+// Diagnosis is what the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
+// freedom, in units of the size of the data.
+type Diagnosis struct {
+	// Rank counts the singular values that stand out of the rounding error; 5 when everything is determined.
+	Rank uint32
+	// SingularValues, the largest first.
+	SingularValues [5]float64
+	// Condition is the largest over the smallest singular value; may be infinite.
+	Condition float64
+	// WeakestShift is how the step along which the residuals change least moves the axis, in the unit of length,
+	WeakestShift [3]float64
+	// WeakestTilt how it tilts the axis, in radians towards this vector,
+	WeakestTilt [3]float64
+	// WeakestRadius and how it changes the radius, in the unit of length.
+	WeakestRadius float64
+}
+
+// Layout is how completed points are arranged.
+type Layout int32
+
+const (
+	// LayoutPacked has only the points that exist, one after the other, row by row of the image.
+	LayoutPacked Layout = C.CYLFUSE_LAYOUT_PACKED
+	// LayoutOrganised has one point for each pixel of the image, NaN where there is none.
+	LayoutOrganised Layout = C.CYLFUSE_LAYOUT_ORGANISED
+)
+
+// Completion is what became of the pixels.
+type Completion struct {
+	// Count is the number of points or pixels that were written.
+	Count uint64
+	// Hits are pixels of the mask whose ray meets the cylinder, Misses those whose ray passes it by.
+	Hits, Misses uint64
+	// OutsideCamera counts pixels of the mask for which the camera model has no ray.
+	OutsideCamera uint64
+	// OutOfRange counts hits whose depth does not fit the pixel format: written as 0 and not in Count.
+	OutOfRange uint64
+}
+
+func completionFromC(c *C.cylfuse_completion) Completion {
+	return Completion{uint64(c.count), uint64(c.hits), uint64(c.misses), uint64(c.outside_camera), uint64(c.out_of_range)}
+}
+
+// EndState is what an end of the visible cylinder is.
+type EndState int32
+
+const (
+	// EndUnknown: no depth was measured beyond the end, or no depth image was pushed.
+	EndUnknown EndState = C.CYLFUSE_END_STATE_UNKNOWN
+	// EndSeen: the surface ends there.
+	EndSeen EndState = C.CYLFUSE_END_STATE_SEEN
+	// EndCut: the border of the image cuts the cylinder off.
+	EndCut EndState = C.CYLFUSE_END_STATE_CUT
+	// EndHidden: something nearer than the surface covers what lies beyond.
+	EndHidden EndState = C.CYLFUSE_END_STATE_HIDDEN
+)
+
+// Extent is the visible piece of the cylinder: End = Start + Length * direction of the model.
+type Extent struct {
+	// StartState is what the end against the direction is, EndState what the end along it is.
+	StartState, EndState EndState
+	// Start and End are points on the axis, Center the middle of them.
+	Start, End, Center [3]float64
+	// Length is the distance of the ends.
+	Length float64
+	// StartDeviation is the standard deviation of the position of the start along the axis, for a model without error;
+	// NaN for an extreme position. EndDeviation is the same for the end.
+	StartDeviation, EndDeviation float64
+	// LengthDeviation is the standard deviation of the length together with the uncertainty of the fit. This and what
+	// follows is NaN for a model that was given, for extreme positions and when the fit has no uncertainty.
+	LengthDeviation float64
+	// StartCovariance, EndCovariance and CenterCovariance are those of the points, unit of length squared.
+	StartCovariance, EndCovariance, CenterCovariance [3][3]float64
+}
+
+func extentFromC(c *C.cylfuse_extent) Extent {
+	return Extent{
+		StartState:       EndState(c.start_state),
+		EndState:         EndState(c.end_state),
+		Start:            vectorFromC(c.start),
+		End:              vectorFromC(c.end),
+		Center:           vectorFromC(c.center),
+		Length:           float64(c.length),
+		StartDeviation:   float64(c.start_deviation),
+		EndDeviation:     float64(c.end_deviation),
+		LengthDeviation:  float64(c.length_deviation),
+		StartCovariance:  matrixFromC(c.start_covariance),
+		EndCovariance:    matrixFromC(c.end_covariance),
+		CenterCovariance: matrixFromC(c.center_covariance),
+	}
+}

@@ -1,0 +1,30 @@
+'use strict';
+// One native function for all progress callbacks and one for all log callbacks of this thread. They find their fitter
+// by a number through a weak reference, so that a callback that refers to its fitter does not keep it alive.
+
+const native = require('./native.js');
+
+const { koffi } = native;
+const listeners = new Map();
+let last = 0n;
+
+const progressCallback = koffi.register(
+  (progress, key) => listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, native.Progress)) ?? 0,
+  native.ProgressCallback,
+);
+
+const logCallback = koffi.register(
+  (level, message, key) => listeners.get(BigInt(key))?.deref()?.hearLog(level, message),
+  native.LogCallback,
+);
+
+/** A key for the user_data of a listener with hearProgress and hearLog, which must never throw. */
+function addListener(listener) {
+  last += 1n;
+  listeners.set(last, new WeakRef(listener));
+  return last;
+}
+
+const removeListener = (key) => listeners.delete(key);
+
+module.exports = { progressCallback, logCallback, addListener, removeListener };

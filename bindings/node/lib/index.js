@@ -1,0 +1,52 @@
+'use strict';
+
+const { functions } = require('./native.js');
+const convert = require('./convert.js');
+const { enumerations } = require('./names.js');
+const { CylfuseError, statusError } = require('./errors.js');
+const { Fitter } = require('./fitter.js');
+
+async function fitPoints(points) {
+  const fitter = new Fitter();
+  try {
+    fitter.pushPoints(points);
+    return await fitter.fit();
+  } finally {
+    fitter.close();
+  }
+}
+
+function check(status) {
+  if (status !== enumerations.status.OK) throw statusError(status);
+}
+
+function distances(cylinder, points) {
+  const c = convert.cylinderToC('cylinder', cylinder);
+  const { view, count } = convert.pointsToC(points);
+  const out = new Float64Array(count);
+  check(functions.cylfuse_cylinder_distances(c, view, out, count));
+  return out;
+}
+
+function project(cylinder, intrinsics) {
+  const lines = new Float64Array(6);
+  const c = convert.cylinderToC('cylinder', cylinder);
+  check(functions.cylfuse_cylinder_project(c, convert.intrinsicsToC(intrinsics), lines));
+  return [Array.from(lines.subarray(0, 3)), Array.from(lines.subarray(3))];
+}
+
+function compare(a, b) {
+  const [angle, axisDistance, radiusRelative] = [[0], [0], [0]];
+  const [first, second] = [convert.cylinderToC('a', a), convert.cylinderToC('b', b)];
+  check(functions.cylfuse_cylinder_compare(first, second, angle, axisDistance, radiusRelative));
+  return { angle: angle[0], axisDistance: axisDistance[0], radiusRelative: radiusRelative[0] };
+}
+
+exports.Fitter = Fitter;
+exports.CylfuseError = CylfuseError;
+exports.fitPoints = fitPoints;
+exports.distances = distances;
+exports.project = project;
+exports.compare = compare;
+exports.version = functions.cylfuse_version_string();
+exports.buildInfo = functions.cylfuse_build_info();

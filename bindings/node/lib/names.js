@@ -1,0 +1,51 @@
+'use strict';
+// The enumerations of the C interface as strings.
+
+const enumerations = {
+  status: {
+    OK: 0, INVALID_ARGUMENT: -1, NULL_POINTER: -2, STRUCT_SIZE: -3, ABI_MISMATCH: -4, BAD_STATE: -5, BUSY: -6,
+    BUFFER_TOO_SMALL: -7, OUT_OF_MEMORY: -8, UNSUPPORTED: -9, SIZE_MISMATCH: -10, INVALID_INTRINSICS: -11,
+    TOO_FEW_POINTS: -20, PLANAR_POINTS: -21, COLLINEAR_POINTS: -22, EMPTY_MASK: -23, NO_DEPTH: -24, NO_START: -25,
+    EDGE_GEOMETRY: -26, NUMERICAL: -27, CANCELLED: -40, PANIC: -99,
+  },
+  method: { fused: 0, points: 1, ransac: 2, eberly: 3 },
+  objective: { robust: 0, paper: 1 },
+  start: { auto: 0, limbs: 1, moments: 2, ransac: 3, model: 4 },
+  nearWall: { auto: 0, on: 1, off: 2 },
+  chart: { auto: 0, local: 1, orthonormal: 2 },
+  edgeUse: { refine: 0, 'as-given': 1 },
+  extentRule: { auto: 0, extremes: 1, located: 2 },
+  distortionModel: { none: 0, 'brown-conrady': 1, 'kannala-brandt': 2 },
+  termination: { none: 0, cost: 1, stalled: 2, 'max-iterations': 3, 'radius-ran-away': 4 },
+  flag: {
+    'edges-ignored': 1, 'segments-unusable': 2, 'edges-cross': 4, 'edges-coincide': 8, 'edges-behind': 16,
+    'scale-held': 32, 'weak-radius': 64, 'resolution-lost': 128, 'not-converged': 256, 'hidden-wall': 512,
+    'camera-inside': 1024, 'points-not-finite': 2048, 'points-and-limbs-disagree': 4096, 'radius-at-limit': 8192,
+    'axis-at-limit': 16384,
+  },
+  residualKind: { points: 1, edges: 2 },
+  layout: { packed: 0, organised: 1 },
+  endState: { unknown: 0, seen: 1, cut: 2, hidden: 3 },
+  phase: { start: 1, solve: 2 },
+  logLevel: { off: 0, error: 1, warning: 2, info: 3, debug: 4 },
+};
+
+const names = {};
+for (const [kind, values] of Object.entries(enumerations)) {
+  names[kind] = new Map(Object.entries(values).map(([name, value]) => [value, name]));
+}
+
+/** The number of a name; a TypeError that lists the names for anything else. */
+function numberOf(kind, what, name) {
+  const values = enumerations[kind];
+  if (typeof name === 'string' && Object.hasOwn(values, name)) return values[name];
+  throw new TypeError(`${what} is ${String(name)}; it must be one of ${Object.keys(values).join(', ')}`);
+}
+
+/** The name of a number; the number as text when a later library has made it up. */
+const nameOf = (kind, number) => names[kind].get(number) ?? String(number);
+
+/** The names of the bits that are set. */
+const flagsOf = (bits) => [...names.flag].filter(([bit]) => bits & bit).map(([, name]) => name);
+
+module.exports = { enumerations, numberOf, nameOf, flagsOf };

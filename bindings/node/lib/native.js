@@ -1,0 +1,231 @@
+'use strict';
+// The C interface: where the library is, its structs and its functions. include/cylfuse/cylfuse.h is the manual.
+
+const fs = require('node:fs');
+const path = require('node:path');
+const koffi = require('koffi');
+
+const ABI_VERSION = 1;
+// The oldest library that knows every field of the structs below: major * 65536 + minor * 256 + patch.
+const OLDEST_VERSION = 0x000100;
+
+/** The path of the library: CYLFUSE_LIBRARY, else the one in the package. */
+function libraryPath() {
+  if (process.env.CYLFUSE_LIBRARY) return process.env.CYLFUSE_LIBRARY;
+  const name = { darwin: 'libcylfuse.dylib', win32: 'cylfuse.dll' }[process.platform] ?? 'libcylfuse.so';
+  const bundled = path.join(__dirname, '..', 'native', `${process.platform}-${process.arch}`, name);
+  if (fs.existsSync(bundled)) return bundled;
+  throw new Error(
+    `cylfuse has no native library for ${process.platform}-${process.arch}: set CYLFUSE_LIBRARY to the path of one`,
+  );
+}
+
+const library = koffi.load(libraryPath());
+
+const pointer = koffi.pointer;
+const vector = koffi.array('double', 3);
+const matrix = koffi.array('double', 9);
+
+// Anonymous, so that two copies of this package may be in one program.
+const Handle = pointer(koffi.opaque());
+
+const Cylinder = koffi.struct({ point: vector, direction: vector, radius: 'double' });
+
+const LimbSample = koffi.struct({
+  pixel: koffi.array('double', 2), sigma: 'double', weight: 'double', limb: 'uint32_t', reserved: 'uint32_t',
+});
+
+const Intrinsics = koffi.struct({
+  struct_size: 'uint32_t', distortion_model: 'int32_t', width: 'uint32_t', height: 'uint32_t', fx: 'double',
+  fy: 'double', cx: 'double', cy: 'double', distortion: koffi.array('double', 8),
+});
+
+const PointsView = koffi.struct({
+  struct_size: 'uint32_t', scalar: 'int32_t', data: 'void *', width: 'size_t', height: 'size_t',
+  point_stride: 'intptr_t', row_stride: 'intptr_t', weights: 'void *', weight_stride: 'intptr_t',
+  weight_row_stride: 'intptr_t', normals: 'void *', normal_stride: 'intptr_t', normal_row_stride: 'intptr_t',
+});
+
+const PointsOut = koffi.struct({
+  struct_size: 'uint32_t', scalar: 'int32_t', data: 'void *', capacity: 'size_t', point_stride: 'intptr_t',
+  row_stride: 'intptr_t', layout: 'int32_t', reserved: 'uint32_t',
+});
+
+const DepthView = koffi.struct({
+  struct_size: 'uint32_t', format: 'int32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
+  row_stride: 'intptr_t', pixel_stride: 'intptr_t', scale: 'double', min_depth: 'double', max_depth: 'double',
+});
+
+const DepthOut = koffi.struct({
+  struct_size: 'uint32_t', format: 'int32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
+  row_stride: 'intptr_t', pixel_stride: 'intptr_t', scale: 'double',
+});
+
+const MaskView = koffi.struct({
+  struct_size: 'uint32_t', reserved: 'uint32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
+  row_stride: 'intptr_t', pixel_stride: 'intptr_t',
+});
+
+const ImageView = koffi.struct({
+  struct_size: 'uint32_t', format: 'int32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
+  row_stride: 'intptr_t', pixel_stride: 'intptr_t',
+});
+
+const SegmentsView = koffi.struct({
+  struct_size: 'uint32_t', scalar: 'int32_t', data: 'void *', count: 'size_t', segment_stride: 'intptr_t',
+  weights: 'void *',
+});
+
+const Options = koffi.struct({
+  struct_size: 'uint32_t', method: 'int32_t', objective: 'int32_t', start: 'int32_t', near_wall: 'int32_t',
+  chart: 'int32_t', max_iterations: 'uint32_t', max_threads: 'uint32_t', edge_weight: 'double',
+  initial_lambda: 'double', lambda_factor: 'double', max_lambda: 'double', cost_tolerance: 'double',
+  ransac_threshold: 'double', seed: 'uint64_t', ransac_max_iterations: 'uint32_t', reserved: 'uint32_t',
+  edge_use: 'int32_t', extent_rule: 'int32_t', radius_min: 'double', radius_max: 'double', axis: vector,
+  axis_max_angle: 'double',
+});
+
+const Counts = koffi.struct({
+  struct_size: 'uint32_t', reserved: 'uint32_t', points_given: 'uint64_t', points_used: 'uint64_t',
+  dropped_not_finite: 'uint64_t', dropped_zero_weight: 'uint64_t', dropped_outside_mask: 'uint64_t',
+  dropped_no_depth: 'uint64_t', dropped_out_of_range: 'uint64_t', dropped_outside_camera: 'uint64_t',
+  segments_given: 'uint64_t',
+});
+
+const Result = koffi.struct({
+  struct_size: 'uint32_t', termination: 'int32_t', start_kind: 'int32_t', flags: 'uint32_t', iterations: 'uint32_t',
+  rejected_steps: 'uint32_t', segments_used: 'uint32_t', segments_given: 'uint32_t', points_used: 'uint64_t',
+  points_given: 'uint64_t', model: Cylinder, start_model: Cylinder, initial_cost: 'double', cost: 'double',
+  energy_points: 'double', energy_edges: 'double', edge_weight: 'double', point_rms: 'double',
+  edge_rms_pixels: 'double', near_wall_fraction: 'double', condition: 'double', lambda: 'double',
+  gradient_norm: 'double', step_norm: 'double', seconds_start: 'double', seconds_solve: 'double',
+  seconds_total: 'double', radius_deviation: 'double', direction_deviation: 'double', position_deviation: 'double',
+  radius_from_points: 'double', radius_from_points_deviation: 'double', radius_from_limbs: 'double',
+  radius_from_limbs_deviation: 'double', radius_z_score: 'double', covariance: koffi.array('double', 49),
+  limbs_located: 'uint32_t', reserved: 'uint32_t',
+});
+
+const Diagnosis = koffi.struct({
+  struct_size: 'uint32_t', rank: 'uint32_t', singular_values: koffi.array('double', 5), condition: 'double',
+  weakest_shift: vector, weakest_tilt: vector, weakest_radius: 'double',
+});
+
+const Completion = koffi.struct({
+  struct_size: 'uint32_t', reserved: 'uint32_t', count: 'uint64_t', hits: 'uint64_t', misses: 'uint64_t',
+  outside_camera: 'uint64_t', out_of_range: 'uint64_t',
+});
+
+const Extent = koffi.struct({
+  struct_size: 'uint32_t', start_state: 'int32_t', end_state: 'int32_t', reserved: 'uint32_t', start: vector,
+  end: vector, center: vector, length: 'double', start_deviation: 'double', end_deviation: 'double',
+  length_deviation: 'double', start_covariance: matrix, end_covariance: matrix, center_covariance: matrix,
+});
+
+const Progress = koffi.struct({
+  struct_size: 'uint32_t', phase: 'int32_t', iteration: 'uint32_t', max_iterations: 'uint32_t', cost: 'double',
+  lambda: 'double', model: Cylinder,
+});
+
+const ProgressCallback = pointer(koffi.proto('int32_t', ['void *', 'void *']));
+const LogCallback = pointer(koffi.proto('void', ['int32_t', 'str', 'void *']));
+
+/** The structs by the names of the C interface without prefix, for their sizes. */
+const structs = {
+  cylinder: Cylinder, limb_sample: LimbSample, intrinsics: Intrinsics, points_view: PointsView, points_out: PointsOut,
+  depth_view: DepthView, depth_out: DepthOut, mask_view: MaskView, image_view: ImageView,
+  segments_view: SegmentsView, options: Options, counts: Counts, result: Result, diagnosis: Diagnosis,
+  completion: Completion, extent: Extent, progress: Progress,
+};
+
+const input = pointer;
+const output = (type) => koffi.out(pointer(type));
+// What the library fills says its size before.
+const filled = (type) => koffi.inout(pointer(type));
+
+const signatures = {
+  cylfuse_abi_version: ['uint32_t', []],
+  cylfuse_version_number: ['uint32_t', []],
+  cylfuse_version_string: ['str', []],
+  cylfuse_build_info: ['str', []],
+  cylfuse_status_string: ['str', ['int32_t']],
+  cylfuse_options_init: ['int32_t', [output(Options), 'size_t']],
+  cylfuse_intrinsics_init: ['int32_t', [output(Intrinsics), 'size_t']],
+  cylfuse_points_view_init: ['int32_t', [output(PointsView), 'size_t']],
+  cylfuse_depth_view_init: ['int32_t', [output(DepthView), 'size_t']],
+  cylfuse_mask_view_init: ['int32_t', [output(MaskView), 'size_t']],
+  cylfuse_image_view_init: ['int32_t', [output(ImageView), 'size_t']],
+  cylfuse_segments_view_init: ['int32_t', [output(SegmentsView), 'size_t']],
+  cylfuse_points_out_init: ['int32_t', [output(PointsOut), 'size_t']],
+  cylfuse_depth_out_init: ['int32_t', [output(DepthOut), 'size_t']],
+  cylfuse_fitter_create: ['int32_t', ['uint32_t', output(Handle)]],
+  cylfuse_fitter_destroy: ['int32_t', [Handle]],
+  cylfuse_fitter_reserve: ['int32_t', [Handle, 'size_t', 'size_t']],
+  cylfuse_fitter_clear: ['int32_t', [Handle]],
+  cylfuse_fitter_last_error: ['str', [Handle]],
+  cylfuse_fitter_cancel: ['int32_t', [Handle]],
+  cylfuse_fitter_set_options: ['int32_t', [Handle, input(Options)]],
+  cylfuse_fitter_get_options: ['int32_t', [Handle, filled(Options)]],
+  cylfuse_fitter_set_intrinsics: ['int32_t', [Handle, input(Intrinsics)]],
+  cylfuse_fitter_set_start_model: ['int32_t', [Handle, input(Cylinder)]],
+  cylfuse_fitter_set_progress: ['int32_t', [Handle, ProgressCallback, 'void *']],
+  cylfuse_fitter_set_log: ['int32_t', [Handle, 'int32_t', LogCallback, 'void *']],
+  cylfuse_fitter_push_points: ['int32_t', [Handle, input(PointsView), input(MaskView)]],
+  cylfuse_fitter_push_depth: ['int32_t', [Handle, input(DepthView), input(MaskView)]],
+  cylfuse_fitter_push_image: ['int32_t', [Handle, input(ImageView)]],
+  cylfuse_fitter_push_edges: ['int32_t', [Handle, input(SegmentsView)]],
+  cylfuse_fitter_counts: ['int32_t', [Handle, filled(Counts)]],
+  cylfuse_fitter_fit: ['int32_t', [Handle, filled(Result)]],
+  cylfuse_fitter_evaluate: ['int32_t', [Handle, input(Cylinder), filled(Result)]],
+  cylfuse_fitter_get_result: ['int32_t', [Handle, filled(Result)]],
+  cylfuse_fitter_residuals: ['int32_t', [Handle, input(Cylinder), 'int32_t', 'void *', 'size_t', output('size_t')]],
+  cylfuse_fitter_limb_samples: ['int32_t', [Handle, 'void *', 'size_t', output('size_t')]],
+  cylfuse_fitter_diagnose: ['int32_t', [Handle, input(Cylinder), filled(Diagnosis)]],
+  cylfuse_fitter_complete_bound: ['int32_t', [Handle, input(MaskView), 'int32_t', output('size_t')]],
+  cylfuse_fitter_complete: [
+    'int32_t', [Handle, input(Cylinder), input(MaskView), input(PointsOut), filled(Completion)],
+  ],
+  cylfuse_fitter_complete_depth: [
+    'int32_t', [Handle, input(Cylinder), input(MaskView), input(DepthOut), filled(Completion)],
+  ],
+  cylfuse_fitter_extent: ['int32_t', [Handle, input(Cylinder), input(MaskView), filled(Extent)]],
+  cylfuse_cylinder_distances: ['int32_t', [input(Cylinder), input(PointsView), 'void *', 'size_t']],
+  cylfuse_cylinder_project: ['int32_t', [input(Cylinder), input(Intrinsics), 'void *']],
+  cylfuse_cylinder_compare: [
+    'int32_t', [input(Cylinder), input(Cylinder), output('double'), output('double'), output('double')],
+  ],
+};
+
+/** The functions by their C names. */
+const functions = {};
+for (const [name, [result, parameters]] of Object.entries(signatures)) {
+  functions[name] = library.func(name, result, parameters);
+}
+
+if (functions.cylfuse_abi_version() !== ABI_VERSION || functions.cylfuse_version_number() < OLDEST_VERSION) {
+  throw new Error(
+    `the library ${libraryPath()} is version ${functions.cylfuse_version_string()} with version ` +
+      `${functions.cylfuse_abi_version()} of the binary interface, this package needs at least 0.1.0 with version ` +
+      `${ABI_VERSION}: install the library that belongs to the package`,
+  );
+}
+
+/** A struct for the library to fill. */
+function toFill(type) {
+  // Every field is copied in, so every field must be there.
+  const struct = koffi.decode(Buffer.alloc(koffi.sizeof(type)), type);
+  struct.struct_size = koffi.sizeof(type);
+  return struct;
+}
+
+/** A struct with the defaults of its ..._init function. */
+function initialised(init, type) {
+  const struct = {};
+  init(struct, koffi.sizeof(type));
+  return struct;
+}
+
+module.exports = {
+  ABI_VERSION, koffi, structs, functions, toFill, initialised, Cylinder, LimbSample, Intrinsics, PointsView, PointsOut,
+  DepthView, DepthOut, MaskView, ImageView, SegmentsView, Options, Counts, Result, Diagnosis, Completion, Extent,
+  Progress, ProgressCallback, LogCallback,
+};

@@ -1,0 +1,32 @@
+// Compiled by the tests, never run: what the types allow and what they refuse.
+import { Fitter, fitPoints, distances, CylfuseError, type Result, type Extent } from '..';
+
+async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Promise<number> {
+  const fitter = new Fitter();
+  fitter.setOptions({ objective: 'paper', axis: [0, 1, 0] });
+  fitter.setIntrinsics({ width: 4, height: 2, fx: 1, fy: 1, cx: 0, cy: 0, distortion: new Float64Array(5) });
+  fitter.pushDepth({ data: depth, width: 4, height: 2, scale: 0.001 }, { data: mask, width: 4, height: 2 });
+  fitter.pushPoints({ data: xyz, pointStride: 4 });
+  fitter.setProgress((progress) => progress.iteration < 100);
+  const result: Result = await fitter.fit();
+  const extent: Extent = fitter.extent({ model: result.cylinder });
+  const single: Float32Array = fitter.complete({ type: Float32Array }).points;
+  const double: Float64Array = fitter.complete().points;
+  const stored: Uint16Array = fitter.completeDepth({ type: Uint16Array, scale: 0.001 }).depth.data;
+  try {
+    await fitPoints(double);
+  } catch (error) {
+    if (error instanceof CylfuseError && error.code === 'TOO_FEW_POINTS') return -1;
+  }
+  // @ts-expect-error no such objective
+  fitter.setOptions({ objective: 'best' });
+  // @ts-expect-error a typed array is needed
+  fitter.pushPoints([1, 2, 3]);
+  // @ts-expect-error the size is missing
+  fitter.pushDepth({ data: depth });
+  // @ts-expect-error fit is asynchronous
+  fitter.fit().cylinder;
+  fitter.close();
+  return extent.length + single.length + stored.length + distances(result.cylinder, xyz)[0];
+}
+void use;
