@@ -38,7 +38,7 @@ fn golden_cases_give_the_committed_values() {
                     assert!(step["error"].is_null(), "{at} succeeds");
                     assert_eq!(
                         fields.len(),
-                        step["expect"].as_object().map_or(0, |object| object.len()),
+                        step["expect"].as_object().map_or(0, serde_json::Map::len),
                         "{at}"
                     );
                     for (name, values) in fields {

@@ -1,5 +1,7 @@
 //! The golden cases: what is called, in which order. What comes out is added by running them.
 
+#![allow(clippy::needless_pass_by_value, reason = "what is passed is written on the spot")]
+
 use super::scene::{self, RADIUS, edges, truth};
 use serde_json::{Value, json};
 

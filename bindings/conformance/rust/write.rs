@@ -2,7 +2,7 @@
 
 use super::names::*;
 use cylfuse::extent::{EndState, Extent};
-use cylfuse::fitter::{FitResult, Fitter, Options};
+use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Uncertainty};
 use cylfuse::geometry::Cylinder;
 use nalgebra::{Matrix3, Vector3};
 
@@ -67,14 +67,14 @@ pub fn result(result: &FitResult) -> Fields {
         .number("lambda", result.lambda)
         .number("gradient_norm", result.gradient_norm)
         .number("step_norm", result.step_norm)
-        .optional("radius_deviation", uncertainty.map(|u| u.radius()))
-        .optional("direction_deviation", uncertainty.map(|u| u.direction()))
-        .optional("position_deviation", uncertainty.map(|u| u.position()))
+        .optional("radius_deviation", uncertainty.map(Uncertainty::radius))
+        .optional("direction_deviation", uncertainty.map(Uncertainty::direction))
+        .optional("position_deviation", uncertainty.map(Uncertainty::position))
         .optional("radius_from_points", radii.map(|r| r.from_points))
         .optional("radius_from_points_deviation", radii.map(|r| r.from_points_deviation))
         .optional("radius_from_limbs", radii.map(|r| r.from_limbs))
         .optional("radius_from_limbs_deviation", radii.map(|r| r.from_limbs_deviation))
-        .optional("radius_z_score", radii.map(|r| r.z_score()))
+        .optional("radius_z_score", radii.map(RadiusComparison::z_score))
         .list("covariance", &covariance)
         .count("limbs_located", result.limbs_located)
         .0
