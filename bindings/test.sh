@@ -1,42 +1,40 @@
 #!/usr/bin/env bash
-# Builds and tests every binding against one native library: CYLFUSE_LIBRARY, else a release build. Installs what
-# they need from Debian's and their languages' packages.
+# Builds the library once and tests all bindings with it: the golden cases by C and Rust, whose results the languages
+# must meet bit by bit, then each language. Each installs what it needs from Debian and npm.
+# bindings/test.sh [LANGUAGE...]: only these.
 set -euo pipefail
-cd "$(dirname "$0")"
+here=$(cd "$(dirname "$0")" && pwd)
+repository=$(cd "$here/.." && pwd)
 
-missing=()
-command -v go >/dev/null || missing+=(golang-go)
-command -v node >/dev/null || missing+=(nodejs)
-command -v npm >/dev/null || missing+=(npm)
-if [ ${#missing[@]} -gt 0 ]; then
-    as_root=()
-    [ "$(id -u)" = 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
-fi
+languages=("$@")
+[ $# -gt 0 ] || languages=(csharp java go node)
+
 if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
-    # Whatever features were built before.
-    (cd .. && cargo build --locked --release)
-    CYLFUSE_LIBRARY=$(cd .. && pwd)/target/release/libcylfuse.so
+    (cd "$repository" && cargo build --locked --release)
+    CYLFUSE_LIBRARY=${CARGO_TARGET_DIR:-$repository/target}/release/libcylfuse.so
 fi
-results=$(mktemp -d)
-trap 'rm -rf "$results"' EXIT
-mkdir "$results/logs"
-export CYLFUSE_LIBRARY CYLFUSE_CONFORMANCE_RESULTS=$results/c.txt
+CYLFUSE_LIBRARY=$(realpath "$CYLFUSE_LIBRARY")
+build=$(mktemp -d)
+trap 'rm -rf "$build"' EXIT
+export CYLFUSE_LIBRARY CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
 
-failed=0
-# The conformance cases come first: the bindings compare with the results of C.
-for part in conformance */; do
-    part=${part%/}
-    [ -x "$part/test.sh" ] || continue
-    [ "$part" != conformance ] || [ ! -e "$results/logs/conformance" ] || continue
-    printf '\n-- %s\n' "$part"
-    "$part/test.sh" 2>&1 | tee "$results/logs/$part" || failed=1
-done
+passed=0 failed=0 summary=
+# Runs a test.sh and adds up its last "N passed, N failed". One that breaks off, or prints no such line, has failed.
+run() {
+    local status=0 own
+    printf '\n== %s\n' "$1"
+    # Its sum is named, so that only the sum of all stands alone on a line.
+    "$here/$1/test.sh" 2>&1 | tee "$build/log" | sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$1: &/" || status=1
+    own=$(grep -E '^[0-9]+ passed, [0-9]+ failed$' "$build/log" | tail -n 1) || own="0 passed, 1 failed"
+    local own_failed
+    own_failed=$(awk '{ print $3 }' <<<"$own")
+    [ "$status" = 0 ] || [ "$own_failed" != 0 ] || own_failed=1
+    passed=$((passed + $(awk '{ print $1 }' <<<"$own")))
+    failed=$((failed + own_failed))
+    summary+=$(printf '%-12s %s passed, %s failed' "$1" "$(awk '{ print $1 }' <<<"$own")" "$own_failed")$'\n'
+}
 
-# Of each its last line, such as "node: 3 passed, 0 failed". A part that broke off has no such line, but failed all the
-# same.
-for part in "$results/logs"/*; do tail -n 1 "$part"; done | awk -v broken=$failed '
-    / passed, [0-9]+ failed$/ { passed += $(NF - 3); failed += $(NF - 1) }
-    END { if (broken && !failed) failed = 1; printf "bindings: %d passed, %d failed\n", passed, failed }'
-exit $failed
+for part in conformance "${languages[@]}"; do run "$part"; done
+
+printf '\n%sbindings: %s passed, %s failed\n' "$summary" "$passed" "$failed"
+[ "$failed" = 0 ]

@@ -92,6 +92,15 @@ cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_poi
     return cylfuse_cylinder_distances(model, &view, out, capacity);
 }
 
+cylfuse_status bridge_select_edges(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
+                                   const cylfuse_segments_view *segments, const void *data, double reach,
+                                   void *out_limbs, size_t capacity)
+{
+    cylfuse_segments_view view = *segments;
+    view.data = data;
+    return cylfuse_fitter_select_edges(fitter, model, &view, reach, out_limbs, capacity);
+}
+
 static int32_t hear_progress(const cylfuse_progress *progress, void *user_data)
 {
     return cylfuseGoProgress((cylfuse_progress *)progress, user_data);

@@ -31,6 +31,9 @@ cylfuse_status bridge_extent(cylfuse_fitter *fitter, const cylfuse_cylinder *mod
                              const void *mask_data, cylfuse_extent *out_extent);
 cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_points_view *points, const void *data,
                                 double *out, size_t capacity);
+cylfuse_status bridge_select_edges(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
+                                   const cylfuse_segments_view *segments, const void *data, double reach,
+                                   void *out_limbs, size_t capacity);
 
 /* Sets the callbacks that call Go; `user_data` points to the handle of the fitter in Go. */
 cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on, void *user_data);

@@ -104,7 +104,7 @@ type Segments[T float32 | float64] struct {
 	Data []T
 	// Stride is the distance of a segment from the next one, in numbers; 0 = 4.
 	Stride int
-	// Weights holds the weight of each segment, 0 or greater; 0 leaves it out. nil = every weight is 1.
+	// Weights holds the weight of each segment, from 0 to 1e9; 0 leaves it out. nil = every weight is 1.
 	Weights []float64
 }
 

@@ -372,6 +372,26 @@ func (fitter *Fitter) Extent(model *Cylinder, mask *Mask) (Extent, error) {
 	return extentFromC(&out), nil
 }
 
+// SelectEdges selects, of straight edges that a line detector found in the image, those on the two limbs of a rough
+// cylinder (nil = that of the last fit) beside the points that were pushed: 1 or 2 for the limb that a segment lies on,
+// in the order of Cylinder.Project, 0 for none. A limb may be `reach` pixels from that of the model; 0 = 15 % of the
+// distance of the limbs, at least 4. Nothing is pushed, and weights are ignored.
+func (fitter *Fitter) SelectEdges(edges Edges, model *Cylinder, reach float64) ([]uint8, error) {
+	call, err := edges.segmentsView()
+	if err != nil {
+		return nil, err
+	}
+	c := model.optional()
+	limbs := make([]uint8, int(call.view.count))
+	err = fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		return C.bridge_select_edges(handle, c, &call.view, call.data, C.double(reach), first(limbs), C.size_t(len(limbs)))
+	})
+	if err != nil {
+		return nil, err
+	}
+	return limbs, nil
+}
+
 func (fitter *Fitter) result(run func(*C.cylfuse_fitter, *C.cylfuse_result) C.cylfuse_status) (Result, error) {
 	out := newResult()
 	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status { return run(handle, &out) })

@@ -202,6 +202,16 @@ func TestFrame(t *testing.T) {
 		t.Errorf("rank %d, condition %v", diagnosis.Rank, diagnosis.Condition)
 	}
 
+	// The given edges lie on the limbs; a line across the image lies on none.
+	found := Segments[float64]{Data: append([]float64{10, 10, 600, 30}, frame.edges.Data...)}
+	limbs, err := fitter.SelectEdges(found, nil, 0)
+	must(t, err)
+	if len(limbs) != 3 || limbs[0] != 0 || limbs[1]+limbs[2] != 3 || limbs[1] == limbs[2] {
+		t.Errorf("edges on the limbs %v", limbs)
+	}
+	_, err = fitter.SelectEdges(found, nil, -1)
+	wantStatus(t, err, StatusInvalidArgument, "-1")
+
 	extent, err := fitter.Extent(nil, nil)
 	must(t, err)
 	along := 0.0

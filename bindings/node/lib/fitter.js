@@ -244,6 +244,17 @@ class Fitter {
     return convert.extentFromC(this.#filled(native.Extent, extent));
   }
 
+  selectEdges(edges, options = {}) {
+    convert.object('options', options, ['model', 'reach']);
+    const { model = null, reach = 0 } = options;
+    const view = convert.segmentsToC(edges);
+    const c = convert.optionalCylinder(model);
+    convert.number('reach', reach);
+    const limbs = new Uint8Array(view.count);
+    this.#call((handle) => functions.cylfuse_fitter_select_edges(handle, c, view, reach, limbs, view.count));
+    return limbs;
+  }
+
   #open() {
     if (this.#handle === null) throw new Error('the fitter is closed: make a new one');
     return this.#handle;

@@ -156,7 +156,7 @@ export interface Segments {
   /** x1, y1, x2, y2 of segment after segment. */
   data: Scalars;
   stride?: number;
-  /** A weight for each segment, 0 or greater; 0 leaves it out. */
+  /** A weight for each segment, from 0 to 1e9; 0 leaves it out. */
   weights?: Float64Array | null;
 }
 
@@ -378,6 +378,13 @@ export class Fitter {
   ): { depth: Depth<T>; completion: Completion };
   /** The visible piece of the cylinder and what its ends are. */
   extent(options?: Region): Extent;
+  /**
+   * Selects, of straight edges that a line detector found, those on the two limbs of a rough cylinder (none = that of the
+   * last fit) beside the points that were pushed: 1 or 2 for the limb that a segment lies on, in the order of
+   * {@link project}, 0 for none. A limb may be `reach` pixels from that of the model; 0 = 15 % of the distance of the
+   * limbs, at least 4. Nothing is pushed, and weights are ignored.
+   */
+  selectEdges(edges: Scalars | Segments, options?: { model?: Cylinder | null; reach?: number }): Uint8Array;
 }
 
 /** Fits a cylinder to a cloud by the default options. For anything else there is {@link Fitter}. */

@@ -188,6 +188,9 @@ const signatures = {
     'int32_t', [Handle, input(Cylinder), input(MaskView), input(DepthOut), filled(Completion)],
   ],
   cylfuse_fitter_extent: ['int32_t', [Handle, input(Cylinder), input(MaskView), filled(Extent)]],
+  cylfuse_fitter_select_edges: [
+    'int32_t', [Handle, input(Cylinder), input(SegmentsView), 'double', 'void *', 'size_t'],
+  ],
   cylfuse_cylinder_distances: ['int32_t', [input(Cylinder), input(PointsView), 'void *', 'size_t']],
   cylfuse_cylinder_project: ['int32_t', [input(Cylinder), input(Intrinsics), 'void *']],
   cylfuse_cylinder_compare: [

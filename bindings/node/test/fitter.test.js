@@ -120,6 +120,11 @@ test('a frame of a camera, with its image', async () => {
   }
   assert.deepEqual(new Set(samples.map(({ limb }) => limb)), new Set([0, 1]));
   assert.ok(fitter.extent().lengthDeviation > 0);
+  // The given edges lie on the limbs; a line across the image lies on none.
+  const found = Float64Array.of(10, 10, 600, 30, ...edges);
+  const [none, ...limbs] = fitter.selectEdges(found);
+  assert.deepEqual([none, limbs.sort()], [0, [1, 2]]);
+  assert.throws(() => fitter.selectEdges(found, { reach: -1 }), coded('INVALID_ARGUMENT', /-1/));
   fitter.close();
 });
 
