@@ -1,0 +1,152 @@
+"""The shared library: where it is found and the types of its functions."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import pathlib
+import sys
+from ctypes import POINTER, byref, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_void_p, sizeof
+from typing import Any, Type, TypeVar
+
+from . import _structs as structs
+
+#: The binary interface that this package was written for.
+ABI_VERSION = 1
+
+_NAMES = {"win32": "cylfuse.dll", "darwin": "libcylfuse.dylib"}
+
+
+def library_path() -> str:
+    """The path of the shared library: the environment variable CYLFUSE_LIBRARY, else the one in the package."""
+    given = os.environ.get("CYLFUSE_LIBRARY")
+    if given:
+        return given
+    path = pathlib.Path(__file__).with_name(_NAMES.get(sys.platform, "libcylfuse.so"))
+    if not path.is_file():
+        raise ImportError(
+            f"{path} is not there: install a wheel of cylfuse for this platform, or set CYLFUSE_LIBRARY to the "
+            "path of the shared library"
+        )
+    return str(path)
+
+
+def _load() -> Any:
+    library = ctypes.CDLL(library_path())  # releases the GIL during every call
+    fitter, status, size = c_void_p, c_int32, c_size_t
+    cylinder = POINTER(structs.Cylinder)
+    mask = POINTER(structs.MaskView)
+    points = POINTER(structs.PointsView)
+    intrinsics = POINTER(structs.Intrinsics)
+    options = POINTER(structs.Options)
+    result = POINTER(structs.Result)
+    completion = POINTER(structs.Completion)
+    number = POINTER(c_double)
+    count = POINTER(c_size_t)
+    signatures: dict[str, tuple[Any, list[Any]]] = {
+        "cylfuse_abi_version": (c_uint32, []),
+        "cylfuse_version_number": (c_uint32, []),
+        "cylfuse_version_string": (c_char_p, []),
+        "cylfuse_build_info": (c_char_p, []),
+        "cylfuse_status_string": (c_char_p, [status]),
+        "cylfuse_options_init": (status, [options, size]),
+        "cylfuse_intrinsics_init": (status, [intrinsics, size]),
+        "cylfuse_points_view_init": (status, [points, size]),
+        "cylfuse_depth_view_init": (status, [POINTER(structs.DepthView), size]),
+        "cylfuse_mask_view_init": (status, [mask, size]),
+        "cylfuse_image_view_init": (status, [POINTER(structs.ImageView), size]),
+        "cylfuse_segments_view_init": (status, [POINTER(structs.SegmentsView), size]),
+        "cylfuse_points_out_init": (status, [POINTER(structs.PointsOut), size]),
+        "cylfuse_depth_out_init": (status, [POINTER(structs.DepthOut), size]),
+        "cylfuse_fitter_create": (status, [c_uint32, POINTER(fitter)]),
+        "cylfuse_fitter_destroy": (status, [fitter]),
+        "cylfuse_fitter_reserve": (status, [fitter, size, size]),
+        "cylfuse_fitter_clear": (status, [fitter]),
+        "cylfuse_fitter_last_error": (c_char_p, [fitter]),
+        "cylfuse_fitter_cancel": (status, [fitter]),
+        "cylfuse_fitter_set_options": (status, [fitter, options]),
+        "cylfuse_fitter_get_options": (status, [fitter, options]),
+        "cylfuse_fitter_set_intrinsics": (status, [fitter, intrinsics]),
+        "cylfuse_fitter_set_start_model": (status, [fitter, cylinder]),
+        "cylfuse_fitter_set_progress": (status, [fitter, structs.ProgressFunction, c_void_p]),
+        "cylfuse_fitter_set_log": (status, [fitter, c_int32, structs.LogFunction, c_void_p]),
+        "cylfuse_fitter_push_points": (status, [fitter, points, mask]),
+        "cylfuse_fitter_push_depth": (status, [fitter, POINTER(structs.DepthView), mask]),
+        "cylfuse_fitter_push_image": (status, [fitter, POINTER(structs.ImageView)]),
+        "cylfuse_fitter_push_edges": (status, [fitter, POINTER(structs.SegmentsView)]),
+        "cylfuse_fitter_counts": (status, [fitter, POINTER(structs.Counts)]),
+        "cylfuse_fitter_fit": (status, [fitter, result]),
+        "cylfuse_fitter_evaluate": (status, [fitter, cylinder, result]),
+        "cylfuse_fitter_get_result": (status, [fitter, result]),
+        "cylfuse_fitter_residuals": (status, [fitter, cylinder, c_int32, c_void_p, size, count]),
+        "cylfuse_fitter_limb_samples": (status, [fitter, POINTER(structs.LimbSample), size, count]),
+        "cylfuse_fitter_diagnose": (status, [fitter, cylinder, POINTER(structs.Diagnosis)]),
+        "cylfuse_fitter_complete_bound": (status, [fitter, mask, c_int32, count]),
+        "cylfuse_fitter_complete": (status, [fitter, cylinder, mask, POINTER(structs.PointsOut), completion]),
+        "cylfuse_fitter_complete_depth": (status, [fitter, cylinder, mask, POINTER(structs.DepthOut), completion]),
+        "cylfuse_fitter_extent": (status, [fitter, cylinder, mask, POINTER(structs.Extent)]),
+        "cylfuse_cylinder_distances": (status, [cylinder, points, c_void_p, size]),
+        "cylfuse_cylinder_project": (status, [cylinder, intrinsics, number]),
+        "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
+    }
+    for name, (restype, argtypes) in signatures.items():
+        function = getattr(library, name)
+        function.restype = restype
+        function.argtypes = argtypes
+    found = library.cylfuse_abi_version()
+    if found != ABI_VERSION:
+        raise ImportError(
+            f"{library_path()} has version {found} of the binary interface but this package needs {ABI_VERSION}; "
+            "install package and library of one release"
+        )
+    return library
+
+
+#: The loaded library.
+lib: Any = _load()
+
+_INIT: dict[Any, Any] = {
+    structs.Options: lib.cylfuse_options_init,
+    structs.Intrinsics: lib.cylfuse_intrinsics_init,
+    structs.PointsView: lib.cylfuse_points_view_init,
+    structs.DepthView: lib.cylfuse_depth_view_init,
+    structs.MaskView: lib.cylfuse_mask_view_init,
+    structs.ImageView: lib.cylfuse_image_view_init,
+    structs.SegmentsView: lib.cylfuse_segments_view_init,
+    structs.PointsOut: lib.cylfuse_points_out_init,
+    structs.DepthOut: lib.cylfuse_depth_out_init,
+}
+
+_S = TypeVar("_S", bound=ctypes.Structure)
+
+
+def make(kind: Type[_S]) -> _S:
+    """A struct to be filled here, with the defaults of the library."""
+    struct = kind()
+    _INIT[kind](byref(struct), sizeof(struct))  # fails for a wrong size only, which the version rules out
+    return struct
+
+
+def make_output(kind: Type[_S]) -> _S:
+    """A struct to be filled by the library."""
+    return kind(sizeof(kind))
+
+
+def version() -> str:
+    """The version of the loaded library, such as "0.1.0"."""
+    return str(lib.cylfuse_version_string().decode())
+
+
+def version_number() -> int:
+    """The version of the loaded library as major * 65536 + minor * 256 + patch."""
+    return int(lib.cylfuse_version_number())
+
+
+def build_info() -> str:
+    """How the library was built, for reports of defects."""
+    return str(lib.cylfuse_build_info().decode())
+
+
+def status_text(status: int) -> str:
+    """The name of a status, a colon, and what it means."""
+    return str(lib.cylfuse_status_string(status).decode())

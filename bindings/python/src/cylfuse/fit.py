@@ -1,0 +1,121 @@
+"""Single calls: one frame or cloud in, one result out; and many of them at once."""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+import itertools
+import os
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, Callable, Deque, Iterable, Iterator, Mapping, Optional, Union
+
+from .errors import CylfuseError
+from .fitter import Fitter
+from .geometry import Intrinsics
+from .options import Options
+from .result import Result
+
+
+def fit(
+    *,
+    depth: Any,
+    intrinsics: Any,
+    mask: Any = None,
+    image: Any = None,
+    edges: Any = None,
+    depth_scale: float = 1.0,
+    min_depth: float = 0.0,
+    max_depth: Optional[float] = None,
+    options: Optional[Options] = None,
+) -> Result:
+    """Fits the cylinder in a frame.
+
+    :param depth: rows x columns of uint16 or float32, z = value * ``depth_scale``; 0 = not measured
+    :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole
+    :param mask: rows x columns of bool or uint8: the visible lateral surface, give or take some pixels; None =
+        every measured pixel, and no extent
+    :param image: rows x columns of uint8, uint16 or float32: the grey image, in which the limbs are located
+    :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels
+    :param min_depth: the nearest depth that counts
+    :param max_depth: the farthest depth that counts
+    :param options: settings other than the defaults
+    :raises DataError: the data do not determine a cylinder
+    """
+    if not isinstance(intrinsics, Intrinsics):
+        intrinsics = Intrinsics.from_matrix(intrinsics, *reversed(getattr(depth, "shape", ())[:2]))
+    fitter = Fitter(intrinsics, options)
+    fitter.push_depth(depth, mask, depth_scale, min_depth, max_depth)
+    if image is not None:
+        fitter.push_image(image)
+    if edges is not None:
+        fitter.push_edges(edges)
+    return fitter.fit()
+
+
+def fit_points(
+    points: Any,
+    weights: Any = None,
+    normals: Any = None,
+    *,
+    mask: Any = None,
+    edges: Any = None,
+    intrinsics: Optional[Intrinsics] = None,
+    options: Optional[Options] = None,
+) -> Result:
+    """Fits a cylinder to a cloud, N x 3 or rows x columns x 3, in any frame; in the camera frame with edges."""
+    fitter = Fitter(intrinsics, options)
+    fitter.push_points(points, weights, normals, mask)
+    if edges is not None:
+        fitter.push_edges(edges)
+    return fitter.fit()
+
+
+def fit_many(
+    frames: Iterable[Union[Mapping[str, Any], Callable[[], Mapping[str, Any]]]],
+    *,
+    options: Optional[Options] = None,
+    threads: Optional[int] = None,
+    progress: bool = False,
+) -> Iterator[Union[Result, CylfuseError]]:
+    """Fits frames in threads and yields their outcomes in order: a result, or the error that :func:`fit` raised.
+
+    Only a few frames per thread are held at a time, so an endless iterable works; each result holds the data of its
+    frame until it is dropped.
+
+    :param frames: the arguments of :func:`fit` for each frame, or functions that return them, such as
+        ``functools.partial(load, path)``, which then run in the threads too
+    :param options: settings of all frames
+    :param threads: fits at once, by default one a processor; each fit itself takes one thread
+    :param progress: shows a bar; needs the package tqdm
+    """
+    single = dataclasses.replace(options or Options(), max_threads=1)
+    outcomes = _in_order(frames, single, threads or os.cpu_count() or 1)
+    if progress:
+        from tqdm.auto import tqdm
+
+        total = len(frames) if hasattr(frames, "__len__") else None
+        return iter(tqdm(outcomes, total=total, unit="frame"))
+    return outcomes
+
+
+def _outcome(frame: Any, options: Options) -> Union[Result, CylfuseError]:
+    try:
+        return fit(**{"options": options, **(frame() if callable(frame) else frame)})
+    except CylfuseError as error:
+        return error
+
+
+def _in_order(frames: Iterable[Any], options: Options, threads: int) -> Iterator[Union[Result, CylfuseError]]:
+    remaining = iter(frames)
+    waiting: Deque[Future[Union[Result, CylfuseError]]] = collections.deque()
+    with ThreadPoolExecutor(threads, thread_name_prefix="cylfuse") as pool:
+        try:
+            while True:
+                for frame in itertools.islice(remaining, 2 * threads - len(waiting)):
+                    waiting.append(pool.submit(_outcome, frame, options))
+                if not waiting:
+                    return
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()

@@ -1,0 +1,91 @@
+"""The settings of a fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from . import _structs
+from ._arrays import c_vector
+from ._native import make
+from .enums import Chart, EdgeUse, ExtentRule, Method, NearWall, Objective, Start
+
+_ENUMS: dict[str, Any] = {
+    "method": Method,
+    "objective": Objective,
+    "start": Start,
+    "near_wall": NearWall,
+    "chart": Chart,
+    "edge_use": EdgeUse,
+    "extent_rule": ExtentRule,
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """The settings of a fit. Choices may be given by name: ``Options(objective="paper")``. Ranges are checked by the
+    library, when the options are set."""
+
+    method: Method = Method.FUSED
+    #: What FUSED minimises.
+    objective: Objective = Objective.ROBUST
+    start: Start = Start.AUTO
+    near_wall: NearWall = NearWall.AUTO
+    chart: Chart = Chart.AUTO
+    #: Most linear solves.
+    max_iterations: int = 400
+    #: Most threads of one fit; 0 = as many as the machine has. The result has the same bits for any number.
+    max_threads: int = 0
+    #: The weight of the edges in the objective PAPER, in [0, 1].
+    edge_weight: float = 0.6
+    #: Damping of the first step.
+    initial_lambda: float = 1e-3
+    #: Factor by which the damping changes.
+    lambda_factor: float = 10.0
+    #: Damping at which no smaller step is tried any more.
+    max_lambda: float = 1e12
+    #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
+    cost_tolerance: float = 1e-12
+    #: Distance of an inlier of RANSAC, in the unit of length; 0 = from the data.
+    ransac_threshold: float = 0.0
+    #: Seed of the random samples of RANSAC.
+    seed: int = 0
+    #: Most random samples of RANSAC.
+    ransac_max_iterations: int = 1000
+    edge_use: EdgeUse = EdgeUse.REFINE
+    extent_rule: ExtentRule = ExtentRule.AUTO
+    #: The smallest radius that the cylinder keeps.
+    radius_min: float = 0.0
+    #: The largest radius, equal to the smallest for a known one; 0 = no limit.
+    radius_max: float = 0.0
+    #: The middle of the cone of directions that the axis keeps; (0, 0, 0) = all directions.
+    axis: Any = (0.0, 0.0, 0.0)
+    #: The largest angle from ``axis`` in radians; 0 for a known direction.
+    axis_max_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, kind in _ENUMS.items():
+            object.__setattr__(self, name, kind(getattr(self, name)))
+        object.__setattr__(self, "axis", tuple(float(x) for x in self.axis))
+        for name, bits in _WHOLE.items():
+            value = getattr(self, name)
+            if not 0 <= value < 2**bits:
+                raise ValueError(f"{name} is {value}; it must lie in [0, 2^{bits})")
+
+    def _struct(self) -> _structs.Options:
+        struct = make(_structs.Options)
+        for name in _NAMES:
+            if name != "axis":
+                setattr(struct, name, getattr(self, name))
+        struct.axis = c_vector("axis", self.axis, 3)
+        return struct
+
+    @classmethod
+    def _from_struct(cls, struct: _structs.Options) -> Options:
+        values = {name: getattr(struct, name) for name in _NAMES}
+        values["axis"] = tuple(struct.axis)
+        return cls(**values)
+
+
+_NAMES = [field.name for field in fields(Options)]
+_WHOLE = {"max_iterations": 32, "max_threads": 32, "ransac_max_iterations": 32, "seed": 64}

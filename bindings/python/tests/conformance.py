@@ -1,0 +1,152 @@
+"""Runs the golden cases of bindings/conformance and prints the results as bits: conformance.py > results.txt"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import pathlib
+import struct
+import sys
+from typing import Any, Iterator
+
+import numpy as np
+
+import cylfuse
+
+CASES = pathlib.Path(__file__).parents[2] / "conformance/cases.json"
+TYPES = {"u8": "<u1", "u16": "<u2", "f32": "<f4", "f64": "<f8"}
+# Fields of a result that are times, and those that are models.
+SECONDS = {"seconds_start", "seconds_solve", "seconds_total"}
+WITHOUT_FITTER = {"distances", "project", "compare"}
+
+
+def number(value: Any) -> float:
+    return math.nan if value is None else value
+
+
+class Runner:
+    def __init__(self, file: dict[str, Any]) -> None:
+        self.file = file
+        self.fitter = cylfuse.Fitter()
+
+    def array(self, name: str | None) -> Any:
+        if name is None:
+            return None
+        array = self.file["arrays"][name]
+        return np.frombuffer(base64.b64decode(array["data"]), TYPES[array["type"]]).reshape(array["shape"])
+
+    def columns(self, given: dict[str, Any] | None, count: int) -> Any:
+        if given is None:
+            return None
+        first = given.get("column", 0)
+        columns = self.array(given["array"])[..., first : first + count]
+        return columns if count > 1 else columns[..., 0]
+
+    def camera(self, name: str) -> cylfuse.Intrinsics:
+        return cylfuse.Intrinsics(**{key: number(value) if key != "distortion" else value
+                                     for key, value in self.file["cameras"][name].items()})
+
+    @staticmethod
+    def model(given: dict[str, Any] | None) -> cylfuse.Cylinder | None:
+        return None if given is None else cylfuse.Cylinder(**given)
+
+    def run(self, step: dict[str, Any]) -> dict[str, Any]:
+        fitter, call, model, mask = self.fitter, step["call"], self.model(step.get("model")), None
+        if step.get("mask"):
+            mask = self.array(step["mask"])
+        if call == "set_options":
+            fitter.options = cylfuse.Options(**{k: number(v) for k, v in step["options"].items()})
+        elif call == "get_options":
+            return {name: getattr(fitter.options, name) for name in fitter.options.__dataclass_fields__}
+        elif call == "set_intrinsics":
+            fitter.intrinsics = self.camera(step["camera"])
+        elif call == "set_start_model":
+            fitter.set_start_model(model)
+        elif call == "reserve":
+            fitter.reserve(step["points"], step["segments"])
+        elif call in ("clear", "cancel"):
+            getattr(fitter, call)()
+        elif call == "push_points":
+            points = step["points"]
+            weights, normals = self.columns(points.get("weights"), 1), self.columns(points.get("normals"), 3)
+            fitter.push_points(self.columns(points, 3), weights, normals, mask)
+        elif call == "push_depth":
+            names = [name for name in ("scale", "min_depth", "max_depth") if name in step]
+            fitter.push_depth(self.array(step["depth"]), mask, **{name: step[name] for name in names})
+        elif call == "push_image":
+            fitter.push_image(self.array(step["image"]))
+        elif call == "push_edges":
+            segments = [[number(x) for x in segment] for segment in step["segments"]]
+            fitter.push_edges(segments, step.get("weights"))
+        elif call == "counts":
+            return fitter.counts.to_dict()
+        elif call == "fit":
+            return self.result(fitter.fit())
+        elif call == "get_result":
+            return self.result(fitter.result)
+        elif call == "evaluate":
+            return self.result(fitter.evaluate(model))
+        elif call == "residuals":
+            return {"residuals": fitter.residuals(step["kind"], model)}
+        elif call == "limb_samples":
+            return fitter.limb_samples()._asdict()
+        elif call == "diagnose":
+            return fitter.diagnose(model).to_dict()
+        elif call == "complete":
+            dtype = np.float32 if step["scalar"] == "F32" else np.float64
+            completion = fitter.complete(step["layout"], dtype, model, mask)
+            return {**completion.to_dict(), "points": completion.array}
+        elif call == "complete_depth":
+            dtype = np.uint16 if step["format"] == "U16" else np.float32
+            completion = fitter.complete_depth(dtype, step["scale"], model, mask)
+            return {**completion.to_dict(), "depth": completion.array}
+        elif call == "extent":
+            return fitter.extent(model, mask).to_dict()
+        elif call == "distances":
+            return {"distances": model.distances(self.columns(step["points"], 3))}
+        elif call == "project":
+            return {"lines": model.project(self.camera(step["camera"]))}
+        elif call == "compare":
+            return self.model(step["a"]).compare(self.model(step["b"]))._asdict()
+        else:
+            raise ValueError(f"unknown call {call}")
+        return {}
+
+    @staticmethod
+    def result(result: cylfuse.Result) -> dict[str, Any]:
+        fields: dict[str, Any] = {}
+        for name, value in result.to_dict().items():
+            if isinstance(value, cylfuse.Cylinder):
+                for part in ("point", "direction", "radius"):
+                    fields[f"{name}.{part}"] = getattr(value, part)
+            elif name not in SECONDS:
+                fields["lambda" if name == "damping" else name] = value
+        return fields
+
+
+def bits(value: float) -> str:
+    return "nan" if math.isnan(value) else struct.pack(">d", value).hex()
+
+
+def lines() -> Iterator[str]:
+    """The results of all cases."""
+    file = json.loads(CASES.read_text())
+    for case in file["cases"]:
+        runner = Runner(file)
+        for index, step in enumerate(case["steps"]):
+            start = f"{case['name']}\t{index}"
+            try:
+                fields = runner.run(step)
+            except cylfuse.CylfuseError as error:
+                message = "" if step["call"] in WITHOUT_FITTER else error.message
+                yield f"{start}\terror\t{error.name}\t{message}"
+                continue
+            yield f"{start}\tok"
+            for name, value in fields.items():
+                yield f"{start}\t{name}\t{' '.join(bits(float(x)) for x in np.ravel(value))}"
+        runner.fitter.close()
+
+
+if __name__ == "__main__":
+    sys.stdout.writelines(f"{line}\n" for line in lines())
