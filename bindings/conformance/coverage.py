@@ -13,7 +13,7 @@ import sys
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    symbols = pathlib.Path(__file__).parents[2] / "tests/data/symbols.txt"
+    symbols = pathlib.Path(__file__).resolve().parents[2] / "tests/data/symbols.txt"
     words = set()
     for path in sys.argv[1:]:
         words.update(re.findall(r"\bcylfuse_\w+", pathlib.Path(path).read_text(encoding="utf-8")))

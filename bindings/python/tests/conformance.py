@@ -14,7 +14,7 @@ import numpy as np
 
 import cylfuse
 
-CASES = pathlib.Path(__file__).parents[2] / "conformance/cases.json"
+CASES = pathlib.Path(__file__).resolve().parents[2] / "conformance/cases.json"
 TYPES = {"u8": "<u1", "u16": "<u2", "f32": "<f4", "f64": "<f8"}
 # Fields of a result that are times, and those that are models.
 SECONDS = {"seconds_start", "seconds_solve", "seconds_total"}
