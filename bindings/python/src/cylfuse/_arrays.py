@@ -7,7 +7,7 @@ may not be the one that was given.
 from __future__ import annotations
 
 from ctypes import c_double
-from typing import Any, Optional
+from typing import Any, Optional, TypeVar
 
 import numpy as np
 
@@ -41,7 +41,10 @@ def _two_dimensional(name: str, given: Any, formats: Any, remedy: str) -> Any:
     return given
 
 
-def _fill(view: Any, array: Any) -> Any:
+_V = TypeVar("_V", DepthView, MaskView, ImageView)
+
+
+def _fill(view: _V, array: Any) -> _V:
     view.data = address(array)
     view.height, view.width = array.shape
     view.row_stride, view.pixel_stride = _stride(array, 0), _stride(array, 1)

@@ -7,7 +7,7 @@ import dataclasses
 import itertools
 import os
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any, Callable, Deque, Iterable, Iterator, Mapping, Optional, Union
+from typing import Any, Callable, Deque, Iterable, Iterator, Mapping, Optional, Sized, Union
 
 from .errors import CylfuseError
 from .fitter import Fitter
@@ -93,7 +93,7 @@ def fit_many(
     if progress:
         from tqdm.auto import tqdm
 
-        total = len(frames) if hasattr(frames, "__len__") else None
+        total = len(frames) if isinstance(frames, Sized) else None
         return iter(tqdm(outcomes, total=total, unit="frame"))
     return outcomes
 

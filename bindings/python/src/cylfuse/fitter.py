@@ -179,7 +179,7 @@ class Fitter:
                 self._raised = error
 
         self._set_callback(
-            "log", callback, _structs.LogFunction, forward, lib.cylfuse_fitter_set_log, LogLevel(level)
+            "log", callback, _structs.LogFunction, forward, lib.cylfuse_fitter_set_log, LogLevel(level)  # type: ignore[arg-type]
         )
 
     def _set_callback(
@@ -286,7 +286,7 @@ class Fitter:
     def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS, model: Optional[Cylinder] = None) -> Any:
         """Signed distances of the used points from the surface in the order of pushing, or of both ends of every
         used edge from its limb in ideal pixels."""
-        given, which, counts = _cylinder(model), ResidualKind(kind), self.counts
+        given, which, counts = _cylinder(model), ResidualKind(kind), self.counts  # type: ignore[arg-type]
         capacity = counts.points_used if which == ResidualKind.POINTS else 2 * counts.segments_given
 
         def arguments(out: Any, count: Any) -> tuple[Any, ...]:
@@ -343,7 +343,7 @@ class Fitter:
         mask: Any = None,
     ) -> Completion:
         """Casts the ray of every pixel of a mask onto the cylinder: points in the camera frame."""
-        dtype, layout = np.dtype(dtype), Layout(layout)
+        dtype, layout = np.dtype(dtype), Layout(layout)  # type: ignore[arg-type]
         if dtype not in _arrays._SCALARS:
             raise TypeError(f"dtype is {dtype}; it must be float32 or float64")
         region, capacity = _arrays.mask_view(mask), c_size_t()

@@ -289,12 +289,15 @@ class Result(_Record):
             row.update(length=extent.length, length_deviation=extent.length_deviation)
         return row
 
+    @staticmethod
+    def _text(vector: Any) -> str:
+        return ", ".join(f"{x:.6g}" for x in vector)
+
     def _summary(self) -> list[tuple[str, str]]:
         model, rows = self.model, []
-        vector = lambda values: ", ".join(f"{x:.6g}" for x in values)  # noqa: E731
         rows.append(("radius", f"{model.radius:.6g} ± {self.radius_deviation:.2g}"))
-        rows.append(("point", f"{vector(model.point)} ± {self.position_deviation:.2g}"))
-        rows.append(("direction", f"{vector(model.direction)} ± {self.direction_deviation:.2g} rad"))
+        rows.append(("point", f"{self._text(model.point)} ± {self.position_deviation:.2g}"))
+        rows.append(("direction", f"{self._text(model.direction)} ± {self.direction_deviation:.2g} rad"))
         edges = f", {self.segments_used} of {self.segments_given} edges" if self.segments_given else ""
         rows.append(("data", f"{self.points_used} of {self.points_given} points{edges}"))
         rows.append(("root mean square", f"{self.point_rms:.3g}"))
