@@ -53,7 +53,7 @@ def plot(result: Result, image: Any = None, ax: Any = None) -> Any:
     for number, (centre, state) in enumerate(
         [(extent.start, extent.start_state), (extent.end, extent.end_state)]
     ):
-        line(circle(cylinder, centre), "C2-", f"{'start' if number == 0 else 'end'}: {state}")
+        line(circle(cylinder, centre), f"C{2 + number}-", f"{'start' if number == 0 else 'end'}: {state}")
     line(extent.start + steps * (extent.end - extent.start), "C0--", "axis")
     ax.set(xlim=(-0.5, camera.width - 0.5), ylim=(camera.height - 0.5, -0.5), aspect="equal")
     ax.set_title(f"radius {cylinder.radius:.5g} ± {result.radius_deviation:.2g}, length {extent.length:.5g}")

@@ -1,0 +1,235 @@
+"""Life of a fitter, callbacks, results, exceptions."""
+
+from __future__ import annotations
+
+import gc
+import pickle
+import weakref
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import FRAMES, load, pipe
+
+import cylfuse
+from cylfuse.geometry import limb_points
+
+
+def test_the_example_of_the_readme() -> None:
+    readme = (FRAMES.parents[2] / "bindings/python/README.md").read_text()
+    code = readme.split("```python\n")[1].split("```")[0]
+    assert len([line for line in code.splitlines() if line]) <= 10
+    names: dict[str, Any] = {}
+    exec(code, names)
+    assert abs(names["result"].cylinder.radius - 0.5) < 1e-9
+
+
+def test_a_frame(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    assert result.limbs_located == 2 and result.termination == cylfuse.Termination.COST
+    assert result.cylinder.radius == pytest.approx(result.model.radius)
+    assert result.covariance.shape == (7, 7)
+    assert np.sqrt(result.covariance[6, 6]) == pytest.approx(result.radius_deviation)
+    residuals = result.residuals()
+    assert residuals.shape == (result.points_used,)
+    assert np.sqrt(np.mean(residuals**2)) == pytest.approx(result.point_rms)
+    assert result.residuals("edges").shape == (2 * result.segments_used,)
+    points = result.complete()
+    assert points.shape[1] == 3 and np.abs(result.cylinder.distances(points)).max() < 1e-9
+    organised = result.complete("organised", np.float32)
+    assert organised.shape == (480, 640, 3) and organised.dtype == np.float32
+    depth = result.complete_depth(np.uint16, frame["depth_scale"])
+    assert depth.shape == (480, 640) and depth.dtype == np.uint16
+    seen = depth > 0
+    np.testing.assert_allclose(depth[seen] * frame["depth_scale"], organised[seen][:, 2], atol=frame["depth_scale"])
+    extent = result.extent
+    np.testing.assert_allclose(extent.end, extent.start + extent.length * result.cylinder.direction)
+    assert extent.length_deviation > 0 and extent.center_covariance.shape == (3, 3)
+    assert result.diagnostics.rank == 5
+
+
+def test_evaluate_and_samples(frame: dict[str, Any]) -> None:
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        fitter.push_image(frame["image"])
+        fitter.push_edges(frame["edges"], weights=[1.0, 1.0])
+        result = fitter.fit()
+        samples = fitter.limb_samples()
+        assert samples.pixel.shape == (len(samples.sigma), 2) and set(samples.limb) == {0, 1}
+        assert fitter.evaluate(result.model).model.radius == result.model.radius
+        assert fitter.result.cost == result.cost
+        assert fitter.counts.points_used == result.points_used
+        with pytest.raises(cylfuse.StateError, match="given model"):
+            fitter.evaluate(result.model).residuals()
+
+
+def test_more_limb_samples_than_guessed(monkeypatch: pytest.MonkeyPatch, frame: dict[str, Any]) -> None:
+    result = cylfuse.fit(**frame)
+    expected = result._fitter.limb_samples()
+    original = cylfuse.Fitter._list
+    monkeypatch.setattr(cylfuse.Fitter, "_list", lambda self, *a: original(self, *a[:-1], 1))
+    assert (result._fitter.limb_samples().pixel == expected.pixel).all() and len(expected.sigma) > 1
+
+
+def test_text_of_a_result(result: cylfuse.Result) -> None:
+    assert "radius: 0." in repr(result) and "doubts: " in repr(result)
+    assert "<th>radius</th>" in result._repr_html_()
+    row = result.row()
+    assert row["radius"] == result.model.radius and row["length"] == result.extent.length
+    assert set(result.to_dict()) <= set(dir(result))
+    with pytest.raises(AttributeError):
+        result.reserved
+
+
+def test_a_result_of_earlier_data_says_so() -> None:
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe())
+        result = fitter.fit()
+        assert len(result.residuals()) == 200
+        fitter.push_points(pipe())
+        with pytest.raises(cylfuse.StateError, match="something else"):
+            result.residuals()
+        assert result.model.radius == pytest.approx(0.5)
+
+
+def test_the_next_frame() -> None:
+    with cylfuse.Fitter() as fitter:
+        fitter.reserve(200)
+        for _ in range(3):
+            fitter.clear()
+            fitter.push_points(pipe())
+            assert fitter.fit().model.radius == pytest.approx(0.5)
+        assert fitter.counts.points_given == 200
+    with pytest.raises(ValueError, match="points is -1"):
+        cylfuse.Fitter().reserve(-1)
+
+
+def test_after_close_every_call_says_so() -> None:
+    fitter = cylfuse.Fitter()
+    fitter.close()
+    fitter.close()
+    assert fitter.closed
+    for call in (fitter.fit, fitter.clear, fitter.cancel, lambda: fitter.push_points(pipe()), fitter.residuals):
+        with pytest.raises(cylfuse.StateError, match="the fitter is closed"):
+            call()
+
+
+def test_a_forgotten_fitter_is_closed() -> None:
+    fitter = cylfuse.Fitter()
+    finalizer, gone = fitter._finalizer, weakref.ref(fitter)
+    del fitter
+    gc.collect()
+    assert gone() is None and not finalizer.alive
+
+
+def test_a_result_keeps_its_fitter_alive() -> None:
+    result = cylfuse.fit_points(pipe())
+    gc.collect()
+    assert len(result.residuals()) == 200
+
+
+def test_fitters_cannot_be_pickled() -> None:
+    with pytest.raises(TypeError, match="make one where it is used"):
+        pickle.dumps(cylfuse.Fitter())
+    camera = cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5, "kannala_brandt", [0.1])
+    assert pickle.loads(pickle.dumps(camera)) == camera
+    options = cylfuse.Options(objective="paper", axis=[0, 0, 1])
+    assert pickle.loads(pickle.dumps(options)) == options
+
+
+def test_options_come_back() -> None:
+    options = cylfuse.Options("fused", "paper", "model", "off", "local", 7, 2, 0.25, 0.5, 3.0, 1e6, 1e-9, 0.1, 2**40,
+                              9, "as_given", "located", 0.1, 0.2, (0.0, 1.0, 0.0), 0.5)  # fmt: skip
+    with cylfuse.Fitter(options=options) as fitter:
+        assert fitter.options == options
+        with pytest.raises(cylfuse.InvalidArgumentError, match="edge weight is 1.4"):
+            fitter.options = cylfuse.Options(edge_weight=1.4)
+        assert fitter.options == options
+
+
+def test_exceptions_are_of_their_kind(frame: dict[str, Any]) -> None:
+    plane = np.c_[np.arange(40) % 8, np.arange(40) // 8, np.ones(40)]
+    with pytest.raises(cylfuse.PlanarPointsError) as caught:
+        cylfuse.fit_points(plane)
+    assert isinstance(caught.value, cylfuse.DataError) and caught.value.name == "PLANAR_POINTS"
+    assert caught.value.status == -21 and "plane" in caught.value.message
+    with pytest.raises(cylfuse.SizeMismatchError, match="mask is 640 x 2"):
+        cylfuse.fit(**{**frame, "mask": np.ones((2, 640), bool)})
+    with pytest.raises(ValueError, match="fx is nan|fx is NaN"):
+        cylfuse.Fitter(cylfuse.Intrinsics(640, 480, float("nan"), 1, 1, 1))
+    with pytest.raises(cylfuse.StateError, match="set the intrinsics first"):
+        cylfuse.Fitter().push_depth(frame["depth"])
+    with pytest.raises(cylfuse.InvalidArgumentError):
+        cylfuse.Cylinder([0, 0, 1], [0, 0, 0], 1).distances(pipe())
+
+
+def test_progress(frame: dict[str, Any]) -> None:
+    states: list[cylfuse.Progress] = []
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe() + 1e-3 * np.sin(np.arange(600)).reshape(-1, 3))
+        fitter.on_progress(states.append)
+        fitter.fit()
+        assert states[0].phase == cylfuse.Phase.START and states[-1].phase == cylfuse.Phase.SOLVE
+        assert states[-1].model.radius == pytest.approx(0.5, rel=0.1) and states[-1].damping > 0
+        fitter.on_progress(lambda state: False)
+        with pytest.raises(cylfuse.CancelledError):
+            fitter.fit()
+        fitter.on_progress(lambda state: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            fitter.fit()
+        fitter.on_progress(lambda state: fitter.counts)
+        with pytest.raises(cylfuse.BusyError):
+            fitter.fit()
+        fitter.on_progress(lambda state: fitter.cancel())
+        with pytest.raises(cylfuse.CancelledError):
+            fitter.fit()
+        fitter.on_progress(None)
+        assert fitter.fit().model.radius == pytest.approx(0.5, rel=0.1)
+
+
+def test_log() -> None:
+    lines: list[tuple[cylfuse.LogLevel, str]] = []
+    with cylfuse.Fitter() as fitter:
+        fitter.on_log(lambda level, text: lines.append((level, text)), "debug")
+        fitter.push_points(pipe())
+        fitter.fit()
+        assert any("cloud pushed: 200" in text for level, text in lines if level == cylfuse.LogLevel.INFO)
+        lines.clear()
+        fitter.residuals()
+        fitter.limb_samples()
+        assert lines == []
+        fitter.on_log(lambda level, text: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            fitter.push_points(pipe())
+        fitter.on_log(None)
+        fitter.push_points(pipe())
+
+
+def test_start_model() -> None:
+    with cylfuse.Fitter(options=cylfuse.Options(start="model")) as fitter:
+        fitter.push_points(pipe())
+        fitter.set_start_model(cylfuse.Cylinder([0, 0, 2.1], [0.1, 1, 0], 0.4))
+        result = fitter.fit()
+        assert result.start_kind == cylfuse.Start.MODEL and result.start_model.radius == pytest.approx(0.4)
+        fitter.set_start_model(None)
+        with pytest.raises(cylfuse.StateError):
+            fitter.fit()
+
+
+def test_geometry() -> None:
+    cylinder = cylfuse.Cylinder([0, 0, 2], [0, 2, 0], 0.5)
+    assert cylinder.distances([[0, 5, 2], [1, 0, 2]]).tolist() == [-0.5, 0.5]
+    assert cylinder.distances(pipe().reshape(10, 20, 3)).shape == (10, 20)
+    angle, distance, radius = cylinder.compare(cylfuse.Cylinder([1, 0, 2], [0, 1, 0], 1.0))
+    assert (angle, distance, radius) == (0.0, 1.0, 1.0)
+    camera = cylfuse.Intrinsics.from_matrix([[100, 0, 50], [0, 100, 40], [0, 0, 1]], 100, 80)
+    lines = cylinder.project(camera)
+    ends = limb_points(cylfuse.Cylinder([0, 0, 2], [0, 1, 0], 0.5), np.array([0, -1.0, 2]), np.array([0, 1.0, 2]))
+    pixels = np.concatenate([camera.pixels(limb) for limb in ends])
+    distances = np.abs(lines[:, :2] @ pixels.T + lines[:, 2:])
+    assert np.sort(distances, axis=0)[0].max() < 1e-9
+
+
+@pytest.mark.parametrize("name", [path.name for path in sorted(FRAMES.iterdir())])
+def test_all_frames(name: str) -> None:
+    result = cylfuse.fit(**load(FRAMES / name))
+    assert result.extent.length > 0 and cylfuse.ResultFlags.NOT_CONVERGED not in result.flags

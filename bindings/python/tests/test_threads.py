@@ -1,0 +1,138 @@
+"""Threads and memory."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import gc
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import FRAMES, load, pipe
+
+import cylfuse
+from cylfuse import _native
+
+
+def test_eight_fitters_at_once_give_the_same_bits(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    barrier = threading.Barrier(8)
+
+    def run(_: int) -> bytes:
+        barrier.wait()
+        return b"".join(cylfuse.fit(**frame).covariance.tobytes() for _ in range(3))
+
+    with ThreadPoolExecutor(8) as pool:
+        outcomes = set(pool.map(run, range(8)))
+    assert outcomes == {result.covariance.tobytes() * 3}
+
+
+def test_a_second_call_from_another_thread_raises() -> None:
+    fitter, running, go_on = cylfuse.Fitter(), threading.Event(), threading.Event()
+
+    def wait(_: cylfuse.Progress) -> None:
+        running.set()
+        assert go_on.wait(60)
+
+    fitter.push_points(pipe())
+    fitter.on_progress(wait)
+    with ThreadPoolExecutor(1) as pool:
+        fit = pool.submit(fitter.fit)
+        assert running.wait(60)
+        for call in (fitter.fit, fitter.clear, fitter.close, lambda: fitter.push_points(pipe()), lambda: fitter.counts):
+            with pytest.raises(cylfuse.BusyError, match="take one fitter for each thread"):
+                call()
+        # The one call that other threads may make.
+        fitter.cancel()
+        go_on.set()
+        with pytest.raises(cylfuse.CancelledError):
+            fit.result()
+    fitter.close()
+
+
+def test_misuse_raises_and_never_crashes() -> None:
+    points = pipe()
+    for _ in range(50):
+        fitter, barrier = cylfuse.Fitter(), threading.Barrier(8)
+
+        def abuse(number: int) -> None:
+            barrier.wait()
+            for _ in range(20):
+                try:
+                    [fitter.fit, lambda: fitter.push_points(points), fitter.clear, fitter.cancel, fitter.residuals,
+                     lambda: fitter.counts, fitter.close, lambda: fitter.options][number]()  # fmt: skip
+                except cylfuse.CylfuseError:
+                    pass
+
+        with ThreadPoolExecutor(8) as pool:
+            list(pool.map(abuse, range(8)))
+
+
+def test_the_gil_is_free_during_calls() -> None:
+    # ctypes.PyDLL keeps it, ctypes.CDLL does not.
+    assert type(_native.lib) is ctypes.CDLL
+
+
+def resident() -> int:
+    """Bytes of memory in use, and what Python can give back is given back."""
+    gc.collect()
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096
+
+
+@pytest.mark.parametrize("close", [True, False])
+def test_ten_thousand_fitters_leave_no_memory(close: bool) -> None:
+    points = pipe(50)
+
+    def cycle(count: int) -> None:
+        for _ in range(count):
+            fitter = cylfuse.Fitter()
+            fitter.push_points(points)
+            fitter.fit().residuals()
+            if close:
+                fitter.close()
+
+    cycle(1000)
+    before = resident()
+    cycle(10_000)
+    # A leak of 100 bytes a cycle would be a million.
+    assert resident() - before < 1_000_000
+
+
+def test_many_frames_in_order_with_their_failures() -> None:
+    names = [path.name for path in sorted(FRAMES.iterdir())] * 3
+    frames: list[Any] = [functools.partial(load, FRAMES / name) for name in names]
+    frames.insert(4, {**load(FRAMES / names[0]), "mask": np.zeros((480, 640), bool)})
+    expected = {name: cylfuse.fit(**load(FRAMES / name)).model.radius for name in set(names)}
+    for threads in (1, 3):
+        outcomes = list(cylfuse.fit_many(frames, threads=threads))
+        assert isinstance(outcomes.pop(4), cylfuse.EmptyMaskError)
+        assert [outcome.model.radius for outcome in outcomes] == [expected[name] for name in names]
+
+
+def test_many_frames_are_taken_as_they_are_needed(frame: dict[str, Any]) -> None:
+    taken = []
+
+    def endless() -> Any:
+        while True:
+            taken.append(None)
+            yield frame
+
+    outcomes = cylfuse.fit_many(endless(), threads=2)
+    for _ in range(3):
+        assert isinstance(next(outcomes), cylfuse.Result)
+    outcomes.close()
+    assert len(taken) <= 3 + 4
+
+
+def test_a_loader_that_fails_is_not_hidden() -> None:
+    with pytest.raises(ZeroDivisionError):
+        list(cylfuse.fit_many([lambda: 1 / 0]))
+
+
+def test_the_bar_counts_the_frames(capsys: pytest.CaptureFixture[str], frame: dict[str, Any]) -> None:
+    pytest.importorskip("tqdm")
+    assert len(list(cylfuse.fit_many([frame] * 3, progress=True))) == 3
+    assert "3/3" in capsys.readouterr().err
