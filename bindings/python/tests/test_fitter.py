@@ -62,6 +62,21 @@ def test_evaluate_and_samples(frame: dict[str, Any]) -> None:
             fitter.evaluate(result.model).residuals()
 
 
+def test_selection_of_edges(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    limbs = np.array(frame["edges"]).reshape(-1, 4)
+    elsewhere = [[10.0, 10.0, 600.0, 20.0], [20.0, 400.0, 30.0, 470.0]]
+    found = np.concatenate([elsewhere, limbs])
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        with pytest.raises(cylfuse.StateError):
+            fitter.select_edges(found)
+        selected = fitter.select_edges(found, model=result.cylinder)
+        assert selected.dtype == np.uint8 and sorted(selected) == [0, 0, 1, 2] and list(selected[:2]) == [0, 0]
+        fitter.push_edges(found[selected > 0])
+        assert fitter.fit().segments_used == 2
+        assert len(fitter.select_edges([])) == 0
+
+
 def test_more_limb_samples_than_guessed(monkeypatch: pytest.MonkeyPatch, frame: dict[str, Any]) -> None:
     result = cylfuse.fit(**frame)
     expected = result._fitter.limb_samples()

@@ -85,6 +85,10 @@ def _load() -> Any:
         "cylfuse_fitter_complete": (status, [fitter, cylinder, mask, POINTER(structs.PointsOut), completion]),
         "cylfuse_fitter_complete_depth": (status, [fitter, cylinder, mask, POINTER(structs.DepthOut), completion]),
         "cylfuse_fitter_extent": (status, [fitter, cylinder, mask, POINTER(structs.Extent)]),
+        "cylfuse_fitter_select_edges": (
+            status,
+            [fitter, cylinder, POINTER(structs.SegmentsView), c_double, c_void_p, size],
+        ),
         "cylfuse_cylinder_distances": (status, [cylinder, points, c_void_p, size]),
         "cylfuse_cylinder_project": (status, [cylinder, intrinsics, number]),
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),

@@ -322,6 +322,20 @@ class Fitter:
         finally:
             self._running.release()
 
+    def select_edges(self, segments: Any, reach: float = 0.0, model: Optional[Cylinder] = None) -> Any:
+        """Selects, of edges that a line detector found, those on the limbs of a rough cylinder: for each 1 or 2 for
+        the limb that it lies on, 0 for none, shape (N,). ``segments[selected > 0]`` is for :meth:`push_edges`.
+
+        :param reach: how far a limb may be from that of the model in pixels; 0 = 15 % of the distance of the limbs
+        :param model: the rough cylinder; None = that of the last fit
+        """
+        view, kept = _arrays.segments_view(segments)
+        out = np.empty(view.count, np.uint8)
+        arguments = (_cylinder(model), byref(view), reach, _arrays.address(out), out.size)
+        self._call(lib.cylfuse_fitter_select_edges, *arguments)
+        del kept
+        return out
+
     def diagnose(self, model: Optional[Cylinder] = None) -> Diagnosis:
         """What the data determine, more precise than ``condition`` of a result and far slower."""
         struct = make_output(_structs.Diagnosis)
