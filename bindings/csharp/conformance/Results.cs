@@ -20,7 +20,8 @@ namespace Cylfuse.Conformance
                 using (var runner = new Runner(file))
                 {
                     int index = 0;
-                    foreach (JsonValue step in (JsonArray)golden["steps"]) Print(runner, step, $"{(string)golden["name"]}\t{index++}");
+                    foreach (JsonValue step in (JsonArray)golden["steps"])
+                        Print(runner, step, $"{(string)golden["name"]}\t{index++}");
                 }
             }
         }
@@ -51,7 +52,8 @@ namespace Cylfuse.Conformance
     {
         /// <summary>EdgeRmsPixels becomes edge_rms_pixels.</summary>
         internal static string OfC(string name) =>
-            string.Concat(name.Select((letter, k) => (char.IsUpper(letter) && k > 0 ? "_" : "") + char.ToLowerInvariant(letter)));
+            string.Concat(name.Select((letter, k) =>
+                (char.IsUpper(letter) && k > 0 ? "_" : "") + char.ToLowerInvariant(letter)));
 
         /// <summary>edge_rms_pixels becomes EdgeRmsPixels.</summary>
         internal static string OfCSharp(string name) =>

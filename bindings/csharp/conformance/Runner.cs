@@ -122,14 +122,16 @@ namespace Cylfuse.Conformance
         private static Cylinder Cylinder(JsonValue step, string key)
         {
             JsonValue value = step.ContainsKey(key) ? step[key] : null;
-            return value == null ? null : new Cylinder(Vector(value["point"]), Vector(value["direction"]), Number(value["radius"]));
+            return value == null ? null
+                : new Cylinder(Vector(value["point"]), Vector(value["direction"]), Number(value["radius"]));
         }
 
         private Intrinsics Camera(string name)
         {
             JsonValue camera = file["cameras"][name];
             return new Intrinsics(
-                camera["width"], camera["height"], Number(camera["fx"]), Number(camera["fy"]), Number(camera["cx"]), Number(camera["cy"]),
+                camera["width"], camera["height"], Number(camera["fx"]), Number(camera["fy"]), Number(camera["cx"]),
+                Number(camera["cy"]),
                 Named<DistortionModel>(camera["distortion_model"]), Numbers(camera["distortion"]));
         }
 
@@ -155,7 +157,8 @@ namespace Cylfuse.Conformance
             int[] shape = Numbers(array["shape"]).Select(size => (int)size).ToArray();
             int count = shape.Aggregate(1, (product, size) => product * size);
             string type = array["type"];
-            Array elements = type == "u8" ? new byte[count] : type == "u16" ? new ushort[count] : type == "f32" ? (Array)new float[count] : new double[count];
+            Array elements = type == "u8" ? new byte[count] : type == "u16" ? new ushort[count]
+                : type == "f32" ? (Array)new float[count] : new double[count];
             Buffer.BlockCopy(bytes, 0, elements, 0, bytes.Length);
             return (elements, shape);
         }
@@ -240,6 +243,7 @@ namespace Cylfuse.Conformance
             }
         }
 
-        private static double[] Flatten(IEnumerable numbers) => numbers.Cast<object>().Select(Convert.ToDouble).ToArray();
+        private static double[] Flatten(IEnumerable numbers) =>
+            numbers.Cast<object>().Select(Convert.ToDouble).ToArray();
     }
 }

@@ -41,7 +41,8 @@ namespace Cylfuse
             int offset = 0, int itemStride = 0, int rowStride = 0)
         {
             if (array == null) throw new ArgumentNullException(nameof(array), $"The array of the {what} is null.");
-            if (width < 0 || height < 0) throw new ArgumentException($"{width} x {height} {what} cannot be: neither number may be negative.");
+            if (width < 0 || height < 0)
+                throw new ArgumentException($"{width} x {height} {what} cannot be: neither number may be negative.");
             this.array = array;
             this.offset = offset;
             Width = width;

@@ -42,7 +42,8 @@ namespace Cylfuse
                 var distances = new double[points.Count];
                 fixed (double* buffer = distances)
                 {
-                    NativeFunctions.Check(NativeFunctions.CylinderDistances(&model, &view, buffer, (UIntPtr)distances.Length));
+                    NativeFunctions.Check(NativeFunctions.CylinderDistances(&model, &view, buffer,
+                        (UIntPtr)distances.Length));
                 }
                 return distances;
             }
@@ -77,7 +78,8 @@ namespace Cylfuse
             NativeCylinder a, b;
             Write(&a);
             other.Write(&b);
-            NativeFunctions.Check(NativeFunctions.CylinderCompare(&a, &b, out double angle, out double axisDistance, out double radiusRelative));
+            NativeFunctions.Check(NativeFunctions.CylinderCompare(&a, &b, out double angle, out double axisDistance,
+                out double radiusRelative));
             return new CylinderDifference(angle, axisDistance, radiusRelative);
         }
 

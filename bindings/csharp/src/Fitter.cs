@@ -121,7 +121,8 @@ namespace Cylfuse
             Enter();
             try
             {
-                Check(NativeFunctions.FitterSetLog(handle, (int)maxLevel, handler == null ? null : nativeLog, IntPtr.Zero));
+                Check(NativeFunctions.FitterSetLog(handle, (int)maxLevel, handler == null ? null : nativeLog,
+                    IntPtr.Zero));
                 log = handler;
             }
             finally { Leave(); }
@@ -132,7 +133,8 @@ namespace Cylfuse
         public void Reserve(int points, int segments)
         {
             if (points < 0 || segments < 0)
-                throw new ArgumentOutOfRangeException(nameof(points), $"Room for {points} points and {segments} segments cannot be made: neither number may be negative.");
+                throw new ArgumentOutOfRangeException(nameof(points),
+                    $"Room for {points} points and {segments} segments cannot be made: neither number may be negative.");
             Enter();
             try { Check(NativeFunctions.FitterReserve(handle, (UIntPtr)points, (UIntPtr)segments)); }
             finally { Leave(); }
@@ -260,7 +262,8 @@ namespace Cylfuse
                 token = cancellation;
                 if (cancellation.CanBeCanceled) InstallProgress();
                 int status = NativeFunctions.FitterFit(handle, &native);
-                if (status == (int)Status.Cancelled && callbackFailure == null) cancellation.ThrowIfCancellationRequested();
+                if (status == (int)Status.Cancelled && callbackFailure == null)
+                    cancellation.ThrowIfCancellationRequested();
                 Check(status);
             }
             finally
@@ -356,7 +359,8 @@ namespace Cylfuse
             callbackFailure?.Throw();
             if (status == 0) return;
             string message = Library.Text(NativeFunctions.FitterLastError(handle));
-            throw CylfuseException.For((Status)status, string.IsNullOrEmpty(message) ? Library.StatusText((Status)status) : message);
+            if (string.IsNullOrEmpty(message)) message = Library.StatusText((Status)status);
+            throw CylfuseException.For((Status)status, message);
         }
     }
 }

@@ -19,7 +19,8 @@ namespace Cylfuse
             try
             {
                 NativeCylinder* modelOrNull = Model(model, &cylinder);
-                int status = NativeFunctions.FitterResiduals(handle, modelOrNull, (int)kind, null, UIntPtr.Zero, out UIntPtr count);
+                int status = NativeFunctions.FitterResiduals(handle, modelOrNull, (int)kind, null, UIntPtr.Zero,
+                    out UIntPtr count);
                 if (status != (int)Status.BufferTooSmall) Check(status);
                 var residuals = new double[(long)count];
                 fixed (double* buffer = residuals)
@@ -93,12 +94,14 @@ namespace Cylfuse
         /// <param name="mask">The region; null = the mask of the last depth image.</param>
         /// <exception cref="CylfuseException">BadState without model, intrinsics or mask, SizeMismatch, EmptyMask,
         /// InvalidArgument.</exception>
-        public CompletedCloud<double> Complete(Layout layout = Layout.Packed, Cylinder model = null, Mask mask = null) =>
+        public CompletedCloud<double> Complete(Layout layout = Layout.Packed, Cylinder model = null,
+            Mask mask = null) =>
             Complete<double>(Native.ScalarF64, layout, model, mask);
 
         /// <summary>Completes the cloud with coordinates of single precision.</summary>
         /// <inheritdoc cref="Complete(Layout, Cylinder, Mask)"/>
-        public CompletedCloud<float> CompleteSingle(Layout layout = Layout.Packed, Cylinder model = null, Mask mask = null) =>
+        public CompletedCloud<float> CompleteSingle(Layout layout = Layout.Packed, Cylinder model = null,
+            Mask mask = null) =>
             Complete<float>(Native.ScalarF32, layout, model, mask);
 
         /// <summary>Completes the depth image: the z of every point of a completed cloud, 0 where there is none.</summary>
@@ -177,7 +180,8 @@ namespace Cylfuse
             return (long)capacity;
         }
 
-        private unsafe CompletedCloud<T> Complete<T>(int scalar, Layout layout, Cylinder model, Mask mask) where T : struct
+        private unsafe CompletedCloud<T> Complete<T>(int scalar, Layout layout, Cylinder model, Mask mask)
+            where T : struct
         {
             using (var pins = new Pins())
             {
@@ -187,7 +191,8 @@ namespace Cylfuse
                 NativeCompletion completion = default(NativeCompletion);
                 completion.struct_size = (uint)NativeFunctions.SizeOf<NativeCompletion>();
                 NativePointsOut target;
-                NativeFunctions.Check(NativeFunctions.PointsOutInit(&target, NativeFunctions.SizeOf<NativePointsOut>()));
+                NativeFunctions.Check(NativeFunctions.PointsOutInit(&target,
+                    NativeFunctions.SizeOf<NativePointsOut>()));
                 Enter();
                 try
                 {
@@ -197,9 +202,11 @@ namespace Cylfuse
                     target.data = pins.Add(coordinates);
                     target.capacity = (UIntPtr)capacity;
                     target.layout = (int)layout;
-                    Check(NativeFunctions.FitterComplete(handle, Model(model, &cylinder), regionOrNull, &target, &completion));
+                    Check(NativeFunctions.FitterComplete(handle, Model(model, &cylinder), regionOrNull, &target,
+                        &completion));
                     if (layout == Layout.Organised)
-                        return new CompletedCloud<T>(coordinates, intrinsics.Width, intrinsics.Height, new Completion(&completion));
+                        return new CompletedCloud<T>(coordinates, intrinsics.Width, intrinsics.Height,
+                            new Completion(&completion));
                     if ((long)completion.count < capacity) Array.Resize(ref coordinates, 3 * (int)completion.count);
                     return new CompletedCloud<T>(coordinates, (int)completion.count, 1, new Completion(&completion));
                 }
@@ -207,7 +214,8 @@ namespace Cylfuse
             }
         }
 
-        private unsafe CompletedDepth<T> CompleteDepth<T>(int format, double scale, Cylinder model, Mask mask) where T : struct
+        private unsafe CompletedDepth<T> CompleteDepth<T>(int format, double scale, Cylinder model, Mask mask)
+            where T : struct
         {
             using (var pins = new Pins())
             {
@@ -228,7 +236,8 @@ namespace Cylfuse
                     target.width = (uint)depth.GetLength(1);
                     target.height = (uint)depth.GetLength(0);
                     target.scale = scale;
-                    Check(NativeFunctions.FitterCompleteDepth(handle, Model(model, &cylinder), regionOrNull, &target, &completion));
+                    Check(NativeFunctions.FitterCompleteDepth(handle, Model(model, &cylinder), regionOrNull, &target,
+                        &completion));
                     return new CompletedDepth<T>(depth, new Completion(&completion));
                 }
                 finally { Leave(); }

@@ -28,7 +28,8 @@ namespace Cylfuse
         public static DepthImage From(ushort[,] depth, double scale) => new DepthImage(Grid.Of("pixels", depth), scale);
 
         /// <summary>Rows × columns of floating-point numbers; 0, negative or not finite = no measurement.</summary>
-        public static DepthImage From(float[,] depth, double scale = 1.0) => new DepthImage(Grid.Of("pixels", depth), scale);
+        public static DepthImage From(float[,] depth, double scale = 1.0) =>
+            new DepthImage(Grid.Of("pixels", depth), scale);
 
         /// <summary>An image somewhere in an array.</summary>
         /// <param name="data">The array.</param>
@@ -39,12 +40,14 @@ namespace Cylfuse
         /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1.</param>
         /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
         /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
-        public static DepthImage From(ushort[] data, int width, int height, double scale, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static DepthImage From(ushort[] data, int width, int height, double scale, int offset = 0,
+            int pixelStride = 0, int rowStride = 0) =>
             new DepthImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride), scale);
 
         /// <summary>An image somewhere in an array.</summary>
         /// <inheritdoc cref="From(ushort[], int, int, double, int, int, int)"/>
-        public static DepthImage From(float[] data, int width, int height, double scale = 1.0, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static DepthImage From(float[] data, int width, int height, double scale = 1.0, int offset = 0,
+            int pixelStride = 0, int rowStride = 0) =>
             new DepthImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride), scale);
 
         internal unsafe void Write(NativeDepthView* native, Pins pins)
@@ -94,7 +97,8 @@ namespace Cylfuse
         /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1.</param>
         /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
         /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
-        public static Mask From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static Mask From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0,
+            int rowStride = 0) =>
             new Mask(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
 
         internal unsafe void Write(NativeMaskView* native, Pins pins)
@@ -137,17 +141,20 @@ namespace Cylfuse
         /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1; 3 for the first of packed colours.</param>
         /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
         /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
-        public static GreyImage From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static GreyImage From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0,
+            int rowStride = 0) =>
             new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
 
         /// <summary>An image somewhere in an array.</summary>
         /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
-        public static GreyImage From(ushort[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static GreyImage From(ushort[] data, int width, int height, int offset = 0, int pixelStride = 0,
+            int rowStride = 0) =>
             new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
 
         /// <summary>An image somewhere in an array.</summary>
         /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
-        public static GreyImage From(float[] data, int width, int height, int offset = 0, int pixelStride = 0, int rowStride = 0) =>
+        public static GreyImage From(float[] data, int width, int height, int offset = 0, int pixelStride = 0,
+            int rowStride = 0) =>
             new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
 
         internal unsafe void Write(NativeImageView* native, Pins pins)

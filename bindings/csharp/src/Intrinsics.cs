@@ -45,7 +45,8 @@ namespace Cylfuse
             DistortionModel distortionModel = DistortionModel.None, double[] distortion = null)
         {
             if (width < 0 || height < 0)
-                throw new ArgumentOutOfRangeException(nameof(width), $"An image of {width} x {height} pixels is none: both must be at least 1.");
+                throw new ArgumentOutOfRangeException(nameof(width),
+                    $"An image of {width} x {height} pixels is none: both must be at least 1.");
             if (distortion != null && distortion.Length > MostCoefficients)
                 throw new ArgumentException($"There are {distortion.Length} coefficients; a distortion model has at most {MostCoefficients}.", nameof(distortion));
             Width = width;

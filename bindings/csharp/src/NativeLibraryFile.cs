@@ -26,17 +26,19 @@ namespace Cylfuse
             {
                 // A path that does not exist is skipped, so that a file that does exist and fails to load is heard of.
                 if (Path.IsPathRooted(file) && !File.Exists(file)) continue;
-                IntPtr library = Windows ? LoadLibraryW(file) : MacOs ? dlopenOnMac(file, ResolveNow) : dlopen(file, ResolveNow);
+                IntPtr library = Windows ? LoadLibraryW(file)
+                    : MacOs ? dlopenOnMac(file, ResolveNow) : dlopen(file, ResolveNow);
                 if (library != IntPtr.Zero) return library;
             }
             throw new DllNotFoundException(
-                $"The native library of cylfuse was not found; tried {string.Join(", ", candidates)}. Name its file in the " +
-                "environment variable CYLFUSE_LIBRARY.");
+                $"The native library of cylfuse was not found; tried {string.Join(", ", candidates)}. " +
+                "Name its file in the environment variable CYLFUSE_LIBRARY.");
         }
 
         internal static IntPtr Find(IntPtr library, string name)
         {
-            IntPtr function = Windows ? GetProcAddress(library, name) : MacOs ? dlsymOnMac(library, name) : dlsym(library, name);
+            IntPtr function = Windows ? GetProcAddress(library, name)
+                : MacOs ? dlsymOnMac(library, name) : dlsym(library, name);
             if (function == IntPtr.Zero)
                 throw new EntryPointNotFoundException($"The native library of cylfuse has no function {name}: it is older than this package.");
             return function;
@@ -48,7 +50,8 @@ namespace Cylfuse
             string system = Windows ? "win" : MacOs ? "osx" : "linux";
             string processor = RuntimeInformation.ProcessArchitecture.ToString().ToLowerInvariant();
             var candidates = new List<string>();
-            foreach (string folder in new[] { Path.GetDirectoryName(typeof(NativeLibraryFile).Assembly.Location), AppContext.BaseDirectory })
+            string assembly = typeof(NativeLibraryFile).Assembly.Location;
+            foreach (string folder in new[] { Path.GetDirectoryName(assembly), AppContext.BaseDirectory })
             {
                 if (string.IsNullOrEmpty(folder)) continue;
                 candidates.Add(Path.Combine(folder, "runtimes", system + "-" + processor, "native", name));
@@ -58,11 +61,22 @@ namespace Cylfuse
             return candidates;
         }
 
-        [DllImport("libdl.so.2")] private static extern IntPtr dlopen(string file, int flags);
-        [DllImport("libdl.so.2")] private static extern IntPtr dlsym(IntPtr library, string name);
-        [DllImport("libSystem.dylib", EntryPoint = "dlopen")] private static extern IntPtr dlopenOnMac(string file, int flags);
-        [DllImport("libSystem.dylib", EntryPoint = "dlsym")] private static extern IntPtr dlsymOnMac(IntPtr library, string name);
-        [DllImport("kernel32", CharSet = CharSet.Unicode)] private static extern IntPtr LoadLibraryW(string file);
-        [DllImport("kernel32", CharSet = CharSet.Ansi)] private static extern IntPtr GetProcAddress(IntPtr library, string name);
+        [DllImport("libdl.so.2")]
+        private static extern IntPtr dlopen(string file, int flags);
+
+        [DllImport("libdl.so.2")]
+        private static extern IntPtr dlsym(IntPtr library, string name);
+
+        [DllImport("libSystem.dylib", EntryPoint = "dlopen")]
+        private static extern IntPtr dlopenOnMac(string file, int flags);
+
+        [DllImport("libSystem.dylib", EntryPoint = "dlsym")]
+        private static extern IntPtr dlsymOnMac(IntPtr library, string name);
+
+        [DllImport("kernel32", CharSet = CharSet.Unicode)]
+        private static extern IntPtr LoadLibraryW(string file);
+
+        [DllImport("kernel32", CharSet = CharSet.Ansi)]
+        private static extern IntPtr GetProcAddress(IntPtr library, string name);
     }
 }

@@ -56,12 +56,14 @@ namespace Cylfuse
         /// <param name="pointStride">Elements from a point to the next one in its row, negative too; 0 = 3.</param>
         /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pointStride.</param>
         /// <exception cref="ArgumentException">A point lies outside the array.</exception>
-        public static PointCloud From(double[] data, int width, int height = 1, int offset = 0, int pointStride = 0, int rowStride = 0) =>
+        public static PointCloud From(double[] data, int width, int height = 1, int offset = 0, int pointStride = 0,
+            int rowStride = 0) =>
             new PointCloud(new ArrayPart("points", data, 3, width, height, offset, pointStride, rowStride));
 
         /// <summary>Points somewhere in an array.</summary>
         /// <inheritdoc cref="From(double[], int, int, int, int, int)"/>
-        public static PointCloud From(float[] data, int width, int height = 1, int offset = 0, int pointStride = 0, int rowStride = 0) =>
+        public static PointCloud From(float[] data, int width, int height = 1, int offset = 0, int pointStride = 0,
+            int rowStride = 0) =>
             new PointCloud(new ArrayPart("points", data, 3, width, height, offset, pointStride, rowStride));
 
         /// <summary>The same points with weights, 0 or greater; 0 drops a point.</summary>
@@ -70,11 +72,13 @@ namespace Cylfuse
         /// <param name="stride">Elements from a weight to the next one in its row; 0 = 1.</param>
         /// <param name="rowStride">Elements from a row of weights to the next one; 0 = width * stride.</param>
         /// <exception cref="ArgumentException">The coordinates are float, or a weight lies outside the array.</exception>
-        public PointCloud WithWeights(double[] data, int offset = 0, int stride = 0, int rowStride = 0) => Weighted(data, offset, stride, rowStride);
+        public PointCloud WithWeights(double[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
+            Weighted(data, offset, stride, rowStride);
 
         /// <summary>The same points with weights, 0 or greater; 0 drops a point.</summary>
         /// <inheritdoc cref="WithWeights(double[], int, int, int)"/>
-        public PointCloud WithWeights(float[] data, int offset = 0, int stride = 0, int rowStride = 0) => Weighted(data, offset, stride, rowStride);
+        public PointCloud WithWeights(float[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
+            Weighted(data, offset, stride, rowStride);
 
         /// <summary>The same points with normals of any length and sign, of which one of length 0 or that is not finite
         /// counts as unknown. Only <see cref="Method.Ransac"/> uses them, when all points come with normals.</summary>
@@ -83,11 +87,13 @@ namespace Cylfuse
         /// <param name="stride">Elements from a normal to the next one in its row; 0 = 3.</param>
         /// <param name="rowStride">Elements from a row of normals to the next one; 0 = width * stride.</param>
         /// <exception cref="ArgumentException">The coordinates are float, or a normal lies outside the array.</exception>
-        public PointCloud WithNormals(double[] data, int offset = 0, int stride = 0, int rowStride = 0) => Oriented(data, offset, stride, rowStride);
+        public PointCloud WithNormals(double[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
+            Oriented(data, offset, stride, rowStride);
 
         /// <summary>The same points with normals.</summary>
         /// <inheritdoc cref="WithNormals(double[], int, int, int)"/>
-        public PointCloud WithNormals(float[] data, int offset = 0, int stride = 0, int rowStride = 0) => Oriented(data, offset, stride, rowStride);
+        public PointCloud WithNormals(float[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
+            Oriented(data, offset, stride, rowStride);
 
         internal unsafe void Write(NativePointsView* native, Pins pins)
         {
@@ -137,14 +143,16 @@ namespace Cylfuse
         private PointCloud Weighted(Array data, int offset, int stride, int rowStride)
         {
             var copy = (PointCloud)MemberwiseClone();
-            copy.weights = OfSameType(new ArrayPart("weights", data, 1, Width, Height, offset, stride, rowStride), "weights");
+            copy.weights = OfSameType(new ArrayPart("weights", data, 1, Width, Height, offset, stride, rowStride),
+                "weights");
             return copy;
         }
 
         private PointCloud Oriented(Array data, int offset, int stride, int rowStride)
         {
             var copy = (PointCloud)MemberwiseClone();
-            copy.normals = OfSameType(new ArrayPart("normals", data, 3, Width, Height, offset, stride, rowStride), "normals");
+            copy.normals = OfSameType(new ArrayPart("normals", data, 3, Width, Height, offset, stride, rowStride),
+                "normals");
             return copy;
         }
 

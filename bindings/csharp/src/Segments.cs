@@ -44,7 +44,8 @@ namespace Cylfuse
         public Segments WithWeights(double[] data)
         {
             if (data == null) throw new ArgumentNullException(nameof(data));
-            if (data.Length != Count) throw new ArgumentException($"There are {data.Length} weights for {Count} segments.", nameof(data));
+            if (data.Length != Count)
+                throw new ArgumentException($"There are {data.Length} weights for {Count} segments.", nameof(data));
             var copy = (Segments)MemberwiseClone();
             copy.weights = new ArrayPart("weights", data, 1, Count, 1);
             return copy;
@@ -52,7 +53,8 @@ namespace Cylfuse
 
         internal unsafe void Write(NativeSegmentsView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.SegmentsViewInit(native, NativeFunctions.SizeOf<NativeSegmentsView>()));
+            NativeFunctions.Check(NativeFunctions.SegmentsViewInit(native,
+                NativeFunctions.SizeOf<NativeSegmentsView>()));
             native->scalar = Native.Scalar(segments.ElementType);
             native->data = segments.Pin(pins);
             native->count = (UIntPtr)Count;

@@ -12,9 +12,11 @@ namespace Cylfuse.Tests
         {
             Check.Equal(1, Library.AbiVersion);
             string[] parts = Library.VersionString.Split('.');
-            Check.Equal(int.Parse(parts[0]) * 65536 + int.Parse(parts[1]) * 256 + int.Parse(parts[2]), Library.VersionNumber);
+            Check.Equal(int.Parse(parts[0]) * 65536 + int.Parse(parts[1]) * 256 + int.Parse(parts[2]),
+                Library.VersionNumber);
             Check.That(Library.BuildInfo.Contains(Library.VersionString), Library.BuildInfo);
-            Check.That(Library.StatusText(Status.PlanarPoints).StartsWith("PLANAR_POINTS:"), Library.StatusText(Status.PlanarPoints));
+            Check.That(Library.StatusText(Status.PlanarPoints).StartsWith("PLANAR_POINTS:"),
+                Library.StatusText(Status.PlanarPoints));
         }
 
         public static void PointsGiveTheCylinder()
@@ -48,7 +50,8 @@ namespace Cylfuse.Tests
             Check.Near(radius, Radius(PointCloud.From(strided, 200, 1, 5, 4)), 0, "strided");
             Check.Near(radius, Radius(PointCloud.From(strided, 20, 10, 5, 4, 80)), 0, "strided rows");
             Check.Near(radius, Radius(PointCloud.From(reversed, 200, 1, 597, -3)), 0, "backwards");
-            Check.Near(radius, Radius(PointCloud.From(rows).WithWeights(Enumerable.Repeat(1.0, 200).ToArray())), 0, "weights");
+            Check.Near(radius, Radius(PointCloud.From(rows).WithWeights(Enumerable.Repeat(1.0, 200).ToArray())), 0,
+                "weights");
             float[] single = flat.Select(x => (float)x).ToArray();
             Check.Near(0.5, Radius(PointCloud.From(single)), 1e-6, "float");
         }
@@ -134,7 +137,8 @@ namespace Cylfuse.Tests
                 byte[] limbs = fitter.SelectEdges(Segments.From(found), Scene.Truth);
                 Check.That(limbs.SequenceEqual(new byte[] { 0, 2, 1 }), string.Join(" ", limbs));
                 Check.Fails(Status.BadState, () => fitter.SelectEdges(Segments.From(found)), "model");
-                Check.Fails(Status.InvalidArgument, () => fitter.SelectEdges(Segments.From(found), Scene.Truth, -1), "-1");
+                Check.Fails(Status.InvalidArgument, () => fitter.SelectEdges(Segments.From(found), Scene.Truth, -1),
+                    "-1");
             }
         }
 
@@ -160,10 +164,12 @@ namespace Cylfuse.Tests
             {
                 var options = new FitOptions
                 {
-                    Method = Method.Fused, Objective = Objective.Paper, Start = StartKind.Model, NearWall = NearWall.On, Chart = Chart.Local,
-                    MaxIterations = 123, MaxThreads = 2, EdgeWeight = 0.25, InitialLambda = 0.5, LambdaFactor = 3, MaxLambda = 1e9,
-                    CostTolerance = 1e-11, RansacThreshold = 0.125, Seed = 77, RansacMaxIterations = 321, EdgeUse = EdgeUse.AsGiven,
-                    ExtentRule = ExtentRule.Extremes, RadiusMin = 0.05, RadiusMax = 0.0625, Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75,
+                    Method = Method.Fused, Objective = Objective.Paper, Start = StartKind.Model,
+                    NearWall = NearWall.On, Chart = Chart.Local, MaxIterations = 123, MaxThreads = 2,
+                    EdgeWeight = 0.25, InitialLambda = 0.5, LambdaFactor = 3, MaxLambda = 1e9, CostTolerance = 1e-11,
+                    RansacThreshold = 0.125, Seed = 77, RansacMaxIterations = 321, EdgeUse = EdgeUse.AsGiven,
+                    ExtentRule = ExtentRule.Extremes, RadiusMin = 0.05, RadiusMax = 0.0625,
+                    Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75,
                 };
                 fitter.Options = options;
                 FitOptions read = fitter.Options;
@@ -196,17 +202,23 @@ namespace Cylfuse.Tests
                 Check.Throws<UnusableDataException>(() => fitter.Fit(), "point");
                 fitter.PushPoints(PointCloud.From(new double[4, 3]));
                 Check.Fails(Status.TooFewPoints, () => fitter.Fit(), "4");
-                Check.Fails(Status.BadState, () => fitter.PushDepth(DepthImage.From(Scene.Depth(), 1e-4)), "intrinsics");
+                Check.Fails(Status.BadState, () => fitter.PushDepth(DepthImage.From(Scene.Depth(), 1e-4)),
+                    "intrinsics");
                 Check.Fails(Status.BadState, () => fitter.CompleteDepth());
                 Check.Fails(Status.BadState, () => fitter.Complete());
-                Check.Fails(Status.InvalidIntrinsics, () => fitter.Intrinsics = new Intrinsics(10, 10, double.NaN, 1, 0, 0), "NaN");
+                Check.Fails(Status.InvalidIntrinsics, () =>
+                    fitter.Intrinsics = new Intrinsics(10, 10, double.NaN, 1, 0, 0), "NaN");
                 Check.Fails(Status.InvalidArgument, () => fitter.Options = new FitOptions { EdgeWeight = 2 }, "2");
-                Check.Fails(Status.InvalidArgument, () => fitter.Options = new FitOptions { Method = (Method)99 }, "99");
+                Check.Fails(Status.InvalidArgument, () => fitter.Options = new FitOptions { Method = (Method)99 },
+                    "99");
                 Check.Fails(Status.InvalidArgument, () => fitter.PushEdges(new[,] { { double.NaN, 0, 1, 1 } }), "NaN");
-                Check.Fails(Status.InvalidArgument, () => Scene.Truth.Compare(new Cylinder(new Vector(), new Vector(), 1)));
+                Check.Fails(Status.InvalidArgument, () =>
+                    Scene.Truth.Compare(new Cylinder(new Vector(), new Vector(), 1)));
                 fitter.Intrinsics = Scene.Camera;
                 Check.Fails(Status.SizeMismatch, () => fitter.PushDepth(DepthImage.From(new ushort[3, 4], 1)), "4");
-                Check.Fails(Status.EmptyMask, () => fitter.PushDepth(DepthImage.From(Scene.Depth(), 1e-4), Mask.From(new byte[Scene.Height, Scene.Width])));
+                Check.Fails(Status.EmptyMask, () =>
+                    fitter.PushDepth(DepthImage.From(Scene.Depth(), 1e-4),
+                        Mask.From(new byte[Scene.Height, Scene.Width])));
             }
         }
 
@@ -214,17 +226,24 @@ namespace Cylfuse.Tests
         {
             Check.Throws<ArgumentException>(() => PointCloud.From(new double[5, 2]), "must be 3");
             Check.Throws<ArgumentException>(() => PointCloud.From(new double[7]), "multiple of 3");
-            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30], 10, 1, 1), "elements 1 to 30 of an array that has 30");
+            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30], 10, 1, 1),
+                "elements 1 to 30 of an array that has 30");
             Check.Throws<ArgumentException>(() => PointCloud.From(new double[30], 10, 1, 0, -3), "elements -27 to 2");
-            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30], int.MaxValue, int.MaxValue), "elements");
-            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30]).WithWeights(new float[10]), "same type");
-            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30]).WithWeights(new double[9]), "weights");
+            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30], int.MaxValue, int.MaxValue),
+                "elements");
+            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30]).WithWeights(new float[10]),
+                "same type");
+            Check.Throws<ArgumentException>(() => PointCloud.From(new double[30]).WithWeights(new double[9]),
+                "weights");
             Check.Throws<ArgumentException>(() => DepthImage.From(new ushort[11], 4, 3, 1.0), "elements 0 to 11");
             Check.Throws<ArgumentException>(() => Mask.From(new byte[12], 4, -3), "negative");
-            Check.Throws<ArgumentException>(() => GreyImage.From(new byte[33], 4, 3, 0, 3), "elements 0 to 33 of an array that has 33");
+            Check.Throws<ArgumentException>(() => GreyImage.From(new byte[33], 4, 3, 0, 3),
+                "elements 0 to 33 of an array that has 33");
             Check.Throws<ArgumentException>(() => Segments.From(new double[2, 3]), "must be 4");
-            Check.Throws<ArgumentException>(() => Segments.From(new double[2, 4]).WithWeights(new double[3]), "3 weights for 2 segments");
-            Check.Throws<ArgumentException>(() => new Intrinsics(1, 1, 1, 1, 0, 0, DistortionModel.BrownConrady, new double[9]), "at most 8");
+            Check.Throws<ArgumentException>(() => Segments.From(new double[2, 4]).WithWeights(new double[3]),
+                "3 weights for 2 segments");
+            Check.Throws<ArgumentException>(() =>
+                new Intrinsics(1, 1, 1, 1, 0, 0, DistortionModel.BrownConrady, new double[9]), "at most 8");
             Check.Throws<ArgumentNullException>(() => PointCloud.From((double[,])null), "");
         }
 
@@ -243,7 +262,7 @@ namespace Cylfuse.Tests
 
                 fitter.SetProgress(progress => false);
                 Check.Fails(Status.Cancelled, () => fitter.Fit());
-                fitter.SetProgress(progress => { if (progress.Iteration >= 0) throw new FormatException("from the callback"); return true; });
+                fitter.SetProgress(progress => { Throw(); return true; });
                 Check.Throws<FormatException>(() => fitter.Fit(), "from the callback");
                 fitter.SetProgress(progress => { fitter.Clear(); return true; });
                 Check.Fails(Status.Busy, () => fitter.Fit(), "BUSY");
@@ -253,6 +272,8 @@ namespace Cylfuse.Tests
                 Check.Near(Scene.Truth.Radius, fitter.Fit().Model.Radius, 1e-3, "after all that");
             }
         }
+
+        private static void Throw() => throw new FormatException("from the callback");
 
         public static void ATokenCancelsAFit()
         {

@@ -12,7 +12,8 @@ namespace Cylfuse.Tests
     internal static class LayoutTests
     {
         private static string Data => Path.Combine(
-            Environment.GetEnvironmentVariable("CYLFUSE_REPOSITORY") ?? throw new Exception("CYLFUSE_REPOSITORY is not set: run test.sh"), "tests", "data");
+            Environment.GetEnvironmentVariable("CYLFUSE_REPOSITORY") ??
+                throw new Exception("CYLFUSE_REPOSITORY is not set: run test.sh"), "tests", "data");
 
         public static void StructsHaveTheLayoutOfTheLibrary()
         {
@@ -53,7 +54,8 @@ namespace Cylfuse.Tests
         public static void EveryFunctionOfTheHeaderIsBound()
         {
             int delegates = typeof(Fitter).Assembly.GetType("Cylfuse.NativeFunctions")
-                .GetFields(BindingFlags.NonPublic | BindingFlags.Static).Count(field => typeof(Delegate).IsAssignableFrom(field.FieldType));
+                .GetFields(BindingFlags.NonPublic | BindingFlags.Static).Count(field =>
+                    typeof(Delegate).IsAssignableFrom(field.FieldType));
             Check.Equal(File.ReadAllLines(Path.Combine(Data, "symbols.txt")).Length, delegates);
         }
     }

@@ -67,7 +67,8 @@ namespace Cylfuse.Tests
 
         private static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
             .Where(line => line.StartsWith("VmRSS:"))
-            .Select(line => long.Parse(line.Split(new[] { ' ', '\t' }, StringSplitOptions.RemoveEmptyEntries)[1])).Single();
+            .Select(line => long.Parse(line.Split(new[] { ' ', '\t' },
+                StringSplitOptions.RemoveEmptyEntries)[1])).Single();
 
         public static void EightThreadsOnTheirOwnFittersAgree()
         {
@@ -112,7 +113,8 @@ namespace Cylfuse.Tests
                             if (k == 0 && call == 25) fitter.Dispose();
                             if (call % 2 == 0) fitter.Fit(); else fitter.Residuals(ResidualKind.Points);
                         }
-                        catch (CylfuseException failure) when (failure.Status == Status.Busy || failure.Status == Status.BadState) { }
+                        catch (CylfuseException failure) when (failure.Status == Status.Busy
+                            || failure.Status == Status.BadState) { }
                         catch (ObjectDisposedException) { }
                     }
                 }, TaskCreationOptions.LongRunning)).ToArray();

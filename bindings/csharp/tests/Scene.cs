@@ -6,7 +6,8 @@ namespace Cylfuse.Tests
     internal static class Scene
     {
         internal const int Width = 96, Height = 80;
-        internal static readonly Cylinder Truth = new Cylinder(new Vector(0.01, -0.02, 1.0), Unit(0.2, 0.95, 0.24), 0.1);
+        internal static readonly Cylinder Truth = new Cylinder(new Vector(0.01, -0.02, 1.0), Unit(0.2, 0.95, 0.24),
+            0.1);
         internal static readonly Intrinsics Camera = new Intrinsics(Width, Height, 150, 150, 47.5, 39.5);
 
         /// <summary>z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the border.</summary>
@@ -15,7 +16,8 @@ namespace Cylfuse.Tests
             var depth = new ushort[Height, Width];
             for (int v = 4; v < Height - 4; v++)
                 for (int u = 4; u < Width - 4; u++)
-                    depth[v, u] = (ushort)Math.Round(NearWall((u - Camera.Cx) / Camera.Fx, (v - Camera.Cy) / Camera.Fy) / 1e-4);
+                    depth[v, u] = (ushort)Math.Round(NearWall((u - Camera.Cx) / Camera.Fx,
+                        (v - Camera.Cy) / Camera.Fy) / 1e-4);
             return depth;
         }
 
