@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Builds the library once and tests all bindings with it: the golden cases by C and Rust, whose results the languages
-# must meet bit by bit, then each language. Each installs what it needs from Debian and npm.
+# must meet bit by bit, then each language. Each installs what it needs from Debian, PyPI and npm.
 # bindings/test.sh [LANGUAGE...]: only these.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 repository=$(cd "$here/.." && pwd)
 
 languages=("$@")
-[ $# -gt 0 ] || languages=(csharp java go node)
+[ $# -gt 0 ] || languages=(python csharp java go node)
 
 if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
     (cd "$repository" && cargo build --locked --release)
