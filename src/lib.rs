@@ -51,6 +51,7 @@ pub mod opencv;
 pub mod residuals;
 pub mod solver;
 pub mod start;
+mod statistics;
 
 /// Runs the Rust program of the README as a test.
 #[cfg(doctest)]

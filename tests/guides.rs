@@ -4,7 +4,7 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{FitResult, Fitter, Flags};
+use cylfuse::fitter::{FitResult, Fitter, Flags, Options, StartKind};
 use cylfuse::observations::{EdgeSegment, PointsView};
 use frames::Inputs;
 use nalgebra::Vector2;
@@ -110,4 +110,21 @@ fn an_edge_that_contradicts_the_points_is_not_believed() {
     let alone = without_mask(&inputs, &[]).fit().unwrap();
     assert!(result.flags.contains(Flags::EDGES_IGNORED), "{:?}", result.flags);
     assert_eq!(result.cylinder, alone.cylinder);
+}
+
+#[test]
+fn a_start_that_was_asked_for_is_the_start() {
+    let inputs = sample("w004");
+    let model = fit(&inputs, &inputs.edges, true).cylinder;
+    for start in [StartKind::Model, StartKind::Moments] {
+        for edges in [&inputs.edges[..], &[]] {
+            let mut fitter = inputs.fitter();
+            fitter.push_edges(edges).unwrap();
+            fitter.set_start(Some(model));
+            fitter.set_options(Options { start, ..Options::default() }).unwrap();
+            let result = fitter.fit().unwrap();
+            assert_eq!(result.start_kind, start, "{} edges", edges.len());
+            assert_eq!(result.start == model, start == StartKind::Model, "{} edges", edges.len());
+        }
+    }
 }

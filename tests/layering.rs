@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
 const LAYERS: [&[&str]; 11] = [
-    &["error"],
+    &["error", "statistics"],
     &["geometry"],
     &["camera"],
     &["observations"],

@@ -10,6 +10,7 @@
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
 use crate::observations::{GreyImage, Mask};
+use crate::statistics::median;
 use nalgebra::Vector2;
 
 /// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
@@ -243,10 +244,8 @@ fn noise(profiles: &[Profile]) -> f64 {
         low = samples.iter().copied().fold(low, f64::min);
         high = samples.iter().copied().fold(high, f64::max);
     }
-    let middle = differences.len() / 2;
-    let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
     // The median of |x| is 0.6745 σ, and (1, −2, 1) has norm √6.
-    (median / (0.6745 * 6.0_f64.sqrt())).max(1e-3 * (high - low)).max(f64::MIN_POSITIVE)
+    (median(&mut differences) / (0.6745 * 6.0_f64.sqrt())).max(1e-3 * (high - low)).max(f64::MIN_POSITIVE)
 }
 
 /// Sums over a window for the brightness x of the surface, the cap and the background by least squares.

@@ -17,6 +17,7 @@ mod surroundings;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
 use nalgebra::Vector2;
 use silhouette::Silhouette;
@@ -98,12 +99,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     let stride = cloud.len() / TOLERANCE_POINTS + 1;
     let mut distances: Vec<f64> =
         cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
-    let middle = distances.len() / 2;
-    let median = match distances.is_empty() {
-        true => 0.0,
-        false => *distances.select_nth_unstable_by(middle, f64::total_cmp).1,
-    };
-    (3.0 * 1.4826 * median).max(LEAST_TOLERANCE * cylinder.radius)
+    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE * cylinder.radius)
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which

@@ -2,11 +2,15 @@
 
 use super::Fitter;
 use super::problem::Problem;
-use super::solve::ENDPOINT_PIXELS;
+use super::rough::CONTRADICTION;
+use super::solve::{ENDPOINT_PIXELS, Report};
 use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
+use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::residuals::{ArcRay, ArcTerm, Loss, TUKEY_EFFICIENT, Tukey, Wall, near_wall};
+use crate::solver::Convergence;
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix3, Vector3};
 
 /// Fewest places that tell how an arc is bent.
@@ -18,9 +22,44 @@ const LEAST_SINE: f64 = 0.25;
 /// Rounds of reweighting.
 const REWEIGHTINGS: usize = 5;
 
+/// Rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says.
+const ARC_ROUNDS: usize = 2;
+
+/// An axis that turned by less than this, in radians, leaves the arcs where they were found: at a radius of 25
+/// pixels it moves them by a tenth of a pixel.
+const SETTLED_TURN: f64 = 0.004;
+
 impl Fitter {
+    /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
+    /// contradict the points are something else and are dropped.
+    pub(super) fn fit_to_arcs(
+        &self,
+        problem: &mut Problem<'_>,
+        mut convergence: Convergence,
+        report: Report<'_>,
+    ) -> Result<Convergence> {
+        let scale = problem.point_scale(&convergence.cylinder);
+        for _ in 0..ARC_ROUNDS {
+            let before = convergence.cylinder;
+            problem.arcs = self.locate_arcs(problem, &before);
+            if problem.arcs.ends.is_empty() {
+                break;
+            }
+            let after = problem.minimise_again(&convergence, report)?;
+            if problem.point_scale(&after.cylinder) > CONTRADICTION * scale {
+                problem.arcs = ArcTerm::default();
+                break;
+            }
+            convergence = after;
+            if before.axis.angle(&convergence.cylinder.axis) < SETTLED_TURN {
+                break;
+            }
+        }
+        Ok(convergence)
+    }
+
     /// The arcs of the ends that the image shows, each place weighed by how well it agrees with its neighbours.
-    pub(super) fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
+    fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
         let (Some(image), Some(mask), Some(camera)) = (&self.image, &self.mask, &self.camera) else {
             return ArcTerm::default();
         };
@@ -78,8 +117,7 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option
             })
             .collect();
         let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
-        let middle = sizes.len() / 2;
-        scatter = (1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1).max(1.0);
+        scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
         let loss = Tukey { cutoff: TUKEY_EFFICIENT * scatter, wall: Wall::Either };
         for ((place, residual), variance) in found.iter_mut().zip(residuals).zip(&variances) {
             place.0.weight = loss.loss_and_weight(residual, 0.0).1 / variance;

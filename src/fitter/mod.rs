@@ -31,20 +31,11 @@ use crate::observations::{
     PointsView, check_same_size, check_segments,
 };
 use crate::residuals::ArcTerm;
-use crate::solver::{Convergence, Iteration};
+use crate::solver::Iteration;
 use limbs::Lines;
-use problem::Problem;
-use rough::CONTRADICTION;
 use starts::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
-
-/// Rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says.
-const ARC_ROUNDS: usize = 2;
-
-/// An axis that turned by less than this, in radians, leaves the arcs where they were found: at a radius of 25
-/// pixels it moves them by a tenth of a pixel.
-const SETTLED_TURN: f64 = 0.004;
 
 /// Estimates one cylinder. Set intrinsics, push observations, call [`Fitter::fit`]; whatever fails leaves
 /// everything as it was.
@@ -296,28 +287,12 @@ impl Fitter {
                 lines = fit.lines;
                 limbs = fit.observations;
                 if problem.passing {
-                    let scale = problem.point_scale(&convergence.cylinder);
                     // With a radius that no limb holds the arcs bend otherwise.
-                    let rounds = if lines.located > 0 { ARC_ROUNDS } else { 0 };
-                    for _ in 0..rounds {
-                        let before = convergence.cylinder;
-                        problem.arcs = self.locate_arcs(&problem, &before);
-                        if problem.arcs.ends.is_empty() {
-                            break;
-                        }
-                        let after = self.minimise_again(&problem, &convergence, report)?;
-                        if problem.point_scale(&after.cylinder) > CONTRADICTION * scale {
-                            // Something else than the ends.
-                            problem.arcs = ArcTerm::default();
-                            break;
-                        }
-                        convergence = after;
-                        if before.axis.angle(&convergence.cylinder.axis) < SETTLED_TURN {
-                            break;
-                        }
+                    if lines.located > 0 {
+                        convergence = self.fit_to_arcs(&mut problem, convergence, report)?;
                     }
                     problem.passing = false;
-                    convergence = self.minimise_again(&problem, &convergence, report)?;
+                    convergence = problem.minimise_again(&convergence, report)?;
                 }
                 let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
                 result.add_convergence(&convergence);
@@ -334,18 +309,5 @@ impl Fitter {
         self.limbs = limbs;
         self.result = Some(result);
         Ok(result)
-    }
-
-    /// Iterates on from a minimum, after something was added to the problem.
-    fn minimise_again(
-        &self,
-        problem: &Problem<'_>,
-        before: &Convergence,
-        report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-    ) -> Result<Convergence> {
-        let mut after = problem.minimise(&before.cylinder, report)?;
-        problem.check_radius(&after.cylinder)?;
-        after.add_work_of(before);
-        Ok(after)
     }
 }

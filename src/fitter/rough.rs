@@ -136,10 +136,11 @@ impl Fitter {
         {
             // On the way to located limbs the sides matter only where one is not found.
             let guides = sides.with_segments(given);
-            let start = [fit.onward()];
+            let start = fit.start;
+            let onward = fit.onward();
             let fit = match first {
                 Ok(fit) if problem.passing => Attempt { guides, ..fit },
-                _ => problem.attempt(guides, &start, report)??,
+                _ => Attempt { start, ..problem.attempt(guides, &[onward], report)?? },
             };
             let range = self.range_of_given(camera, fit.cylinder());
             return Ok(fit.rough(range, agreement.total.clamp(GIVEN_DEVIATION, POINTS_DEVIATION)));
@@ -151,10 +152,12 @@ impl Fitter {
         let mut guided: Option<(Attempt, Sides)> = None;
         for _ in 0..SIDE_ROUNDS {
             let Some(sides) = sides_of(guided.as_ref().map_or(&alone, |guided| &guided.0)) else { break };
-            let [a, b] = sides.rays(camera);
-            let from_sides = from_limbs(&a, &b, &problem.start_sample());
-            let from_sides = from_sides.map(|cylinder| Candidate { kind: StartKind::Limbs, cylinder });
-            let starts: Vec<Candidate> = from_sides.into_iter().chain([alone.start]).collect();
+            let mut starts = vec![alone.start];
+            if matches!(self.options.start, StartKind::Auto | StartKind::Limbs) {
+                let [a, b] = sides.rays(camera);
+                let found = from_limbs(&a, &b, &problem.start_sample());
+                starts.splice(0..0, found.map(|cylinder| Candidate { kind: StartKind::Limbs, cylinder }));
+            }
             let Ok(fit) = problem.attempt(sides.with_segments(given), &starts, report)? else { break };
             guided = Some((fit, sides));
         }

@@ -8,6 +8,7 @@ use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, Sandwich, TUKEY_EFFICIENT,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use std::ops::ControlFlow;
 
 /// Hears of every linear solve and may stop the fit.
@@ -149,6 +150,14 @@ impl Problem<'_> {
         total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })
     }
 
+    /// Iterates on from a minimum, after something was added to the problem.
+    pub fn minimise_again(&self, before: &Convergence, report: Report<'_>) -> Result<Convergence> {
+        let mut after = self.minimise(&before.cylinder, report)?;
+        self.check_radius(&after.cylinder)?;
+        after.add_work_of(before);
+        Ok(after)
+    }
+
     fn chart(&self, start: &Cylinder) -> Chart {
         match self.options.chart {
             _ if !self.options.cylinder_limits.is_none() => Chart::Local,
@@ -201,11 +210,9 @@ impl Problem<'_> {
     fn new_scales(&self, cylinder: &Cylinder) -> RobustScales {
         let residuals: Vec<f64> = self.cloud.points().map(|p| cylinder.distance(&p)).collect();
         let mut sizes: Vec<f64> = residuals.iter().map(|e| e.abs()).collect();
-        let middle = sizes.len() / 2;
-        let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
         // Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
         let floor = 64.0 * f64::EPSILON * self.center.amax().max(self.unit);
-        let point = (1.4826 * median).max(floor);
+        let point = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(floor);
         let range = correlated_range(&residuals, TUKEY_EFFICIENT * point);
         // A row of the image repeats the correlation of a column.
         let independent_points = (residuals.len() as f64 / (range * range)).max(1.0);

@@ -7,6 +7,7 @@ use crate::geometry::Cylinder;
 use crate::start::limbs::from_limbs;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacFit, RansacOptions, ransac};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
@@ -126,7 +127,7 @@ impl Problem<'_> {
         let smallest =
             candidates.iter().map(|c| median_distance(&c.cylinder, sample)).fold(f64::INFINITY, f64::min);
         // Three standard deviations of the noise around the best candidate.
-        let scale = (3.0 * 1.4826 * smallest).max(f64::MIN_POSITIVE);
+        let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
         let cost = |candidate: &Candidate| self.robust_cost(&candidate.cylinder, sample, scale);
         let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
         judged.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -159,10 +160,6 @@ impl Problem<'_> {
 
 /// Median distance of points from a surface, 0 for no points.
 fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
-    if points.is_empty() {
-        return 0.0;
-    }
     let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut distances)
 }

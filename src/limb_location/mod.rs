@@ -221,9 +221,7 @@ fn inner_shading(
         let slope = (u1 - u0) / (s1 - s0);
         (u0 - slope * s0, slope)
     });
-    let intrinsics = camera.intrinsics();
-    let size = Vector2::new(f64::from(intrinsics.width), f64::from(intrinsics.height));
-    let strip = Strip::gather(image, camera, &baseline.clipped(&(size / 2.0), size.norm())?, radius);
+    let strip = Strip::gather(image, camera, &near_image(camera, &baseline)?, radius);
     Shading::observe(&strip, limbs, radius)
 }
 
@@ -244,6 +242,13 @@ fn baselines(camera: &Camera, model: &Cylinder, range: &[f64; 2]) -> Option<([Ba
     (radius > 0.0).then_some(([first, second], radius))
 }
 
+/// The part of a baseline that an image may show: a range may be far longer, and a lens shows more than a pinhole.
+fn near_image(camera: &Camera, baseline: &Baseline) -> Option<Baseline> {
+    let intrinsics = camera.intrinsics();
+    let size = Vector2::new(f64::from(intrinsics.width), f64::from(intrinsics.height));
+    baseline.clipped(&(size / 2.0), size.norm())
+}
+
 /// The part of the image around a baseline, and the baseline as far as the image shows it.
 fn visible_strip(
     image: &GreyImage,
@@ -251,10 +256,7 @@ fn visible_strip(
     baseline: &Baseline,
     half_width: f64,
 ) -> Option<(Baseline, Strip)> {
-    // A range may be far longer than what the image shows, and a lens shows more than a pinhole.
-    let intrinsics = camera.intrinsics();
-    let size = Vector2::new(f64::from(intrinsics.width), f64::from(intrinsics.height));
-    let baseline = baseline.clipped(&(size / 2.0), size.norm())?;
+    let baseline = near_image(camera, baseline)?;
     let [low, high] = Strip::gather(image, camera, &baseline, half_width).extent()?;
     let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;
     Some((baseline, Strip::gather(image, camera, &baseline, half_width)))

@@ -11,6 +11,7 @@ use super::profile::{Profile, SharpProfile};
 use super::shading::LimbShading;
 use super::strip::Strip;
 use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
 /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
@@ -173,8 +174,7 @@ impl<'a> Limb<'a> {
         for _ in 0..REWEIGHTINGS {
             let distance = |block: &Block| (block.shift - line.at(block.s)) / block.variance().sqrt();
             let mut sizes: Vec<f64> = self.blocks.iter().map(|block| distance(block).abs()).collect();
-            let median = *sizes.select_nth_unstable_by(count / 2, f64::total_cmp).1;
-            self.scatter = (1.4826 * median).max(1.0);
+            self.scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
             let loss = Tukey { cutoff: TUKEY_EFFICIENT * self.scatter, wall: Wall::Either };
             let weights: Vec<f64> =
                 self.blocks.iter().map(|block| loss.loss_and_weight(distance(block), 0.0).1).collect();

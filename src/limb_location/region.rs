@@ -4,6 +4,7 @@
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::observations::{DepthImage, Mask};
+use crate::statistics::median;
 use nalgebra::Vector2;
 
 /// The part of the length of the region, at either end, that is left out: rims and ragged ends.
@@ -220,7 +221,7 @@ fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
         let offset = mean.1 - slope * mean.0;
         let distance = |p: &(f64, f64)| (p.1 - offset - slope * p.0).abs();
         let mut distances: Vec<f64> = points.iter().map(distance).collect();
-        let median = *distances.select_nth_unstable_by(points.len() / 2, f64::total_cmp).1;
+        let median = median(&mut distances);
         let before = points.len();
         // Half a pixel is the raster of the mask.
         points.retain(|p| distance(p) <= MEDIANS * median.max(0.5));

@@ -10,6 +10,7 @@
 use super::block::INSIDE;
 use super::strip::Strip;
 use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -193,7 +194,7 @@ impl Median {
         let value = median(&mut values);
         let mut sizes: Vec<f64> = values.iter().map(|x| (x - value).abs()).collect();
         // The standard error of a median is √(π/2) times that of a mean.
-        let scatter = 1.4826 * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
+        let scatter = DEVIATION_OF_MEDIAN * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
         Some(Self { angle, value, deviation: scatter.hypot(FLOOR) })
     }
 }
@@ -241,7 +242,7 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
         for ((f, value), size) in scaled.iter().zip(&mut sizes) {
             *size = (value - f.dot(&coefficients)).abs();
         }
-        scale = (1.4826 * median(&mut sizes.clone())).max(1.0);
+        scale = (DEVIATION_OF_MEDIAN * median(&mut sizes.clone())).max(1.0);
         let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
         for (weight, size) in weights.iter_mut().zip(&sizes) {
             *weight = loss.loss_and_weight(*size, 0.0).1;
@@ -257,12 +258,6 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
     Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
-}
-
-/// The upper median; the values come out in another order.
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 use crate::camera::Camera;
 use crate::observations::GreyImage;
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
 
 /// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
@@ -202,13 +203,8 @@ impl Strip {
             .runs()
             .flat_map(|run| run.windows(3).map(|w| (w[0].value - 2.0 * w[1].value + w[2].value).abs()))
             .collect();
-        let middle = differences.len() / 2;
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
-        if differences.is_empty() {
-            return floor;
-        }
-        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
-        (1.4826 * median / 6.0_f64.sqrt()).max(floor)
+        (DEVIATION_OF_MEDIAN * median(&mut differences) / 6.0_f64.sqrt()).max(floor)
     }
 
     /// Range of the values.

@@ -3,6 +3,7 @@
 use super::mask::Mask;
 use super::views::{PointsView, Scalar};
 use crate::error::{Error, Result};
+use crate::statistics::median;
 use nalgebra::Vector3;
 
 /// How many points were left out, by reason.
@@ -334,7 +335,7 @@ impl Batch {
         let sample: Vec<_> = (0..count).map(|k| self.points[k * self.points.len() / count]).collect();
         Vector3::from_fn(|axis, _| {
             let mut values: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
-            *values.select_nth_unstable_by(count / 2, f64::total_cmp).1
+            median(&mut values)
         })
     }
 }

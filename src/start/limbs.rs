@@ -13,6 +13,7 @@
 //!    robust regression of the votes on the tilt refines tilt and scale together.
 
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector3;
 
 /// Points that are used at most; more hardly help a start.
@@ -39,8 +40,6 @@ const SMALL_TURN: f64 = 1e-4;
 const DIFFERENCE_STEP: f64 = 1e-5;
 /// Residuals beyond this many standard deviations have no weight: Tukey's biweight at 95 % efficiency.
 const TUKEY_CUTOFF: f64 = 4.685;
-/// From the median of absolute normal residuals to their standard deviation.
-const MEDIAN_TO_SIGMA: f64 = 1.4826;
 /// Residuals of logarithmic votes count as at least this large, so that exact data do not divide by zero.
 const LEAST_SIGMA: f64 = 1e-12;
 
@@ -239,9 +238,7 @@ fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Optio
         }
         sizes.clear();
         sizes.extend(rows.iter().map(|(residual, _)| residual.abs()));
-        let half = sizes.len() / 2;
-        let median = *sizes.select_nth_unstable_by(half, f64::total_cmp).1;
-        let cutoff = TUKEY_CUTOFF * (MEDIAN_TO_SIGMA * median).max(LEAST_SIGMA);
+        let cutoff = TUKEY_CUTOFF * (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(LEAST_SIGMA);
 
         let (turn, growth) = regress(&rows, cutoff);
         let part = if turn.abs() > MAX_TURN { MAX_TURN / turn.abs() } else { 1.0 };

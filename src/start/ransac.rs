@@ -24,6 +24,7 @@ mod score;
 use super::moments::Moments;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::statistics::DEVIATION_OF_MEDIAN;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -48,9 +49,6 @@ const FEWEST_ORIENTED_ITERATIONS: usize = 200;
 /// Threshold in standard deviations of the noise, when it comes from the data: 1 % of the normal
 /// distribution is outside.
 const THRESHOLD_DEVIATIONS: f64 = 2.5;
-
-/// Standard deviation of a normal distribution over its median absolute value.
-const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 
 /// The smallest threshold that comes from the data, in units of the size of the cloud: above the rounding of
 /// a fit to points without noise.

@@ -2,6 +2,7 @@
 
 use super::Candidate;
 use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, Tangent, TangentMap};
+use crate::statistics::median;
 use nalgebra::Vector3;
 
 /// Points between two looks at whether a score is lost.
@@ -102,14 +103,14 @@ impl Scorer<'_> {
         const ENOUGH: usize = 250;
         let surface = self.surface(cylinder);
         let stride = self.points.len().div_ceil(ENOUGH);
-        median(self.points.iter().step_by(stride).map(|p| surface.distance(p)).collect())
+        median_of(self.points.iter().step_by(stride).map(|p| surface.distance(p)).collect())
             .unwrap_or(f64::INFINITY)
     }
 
     /// The median distance of the points within the threshold, if any.
     pub fn median_inlier_distance(&self, cylinder: &Cylinder) -> Option<f64> {
         let surface = self.surface(cylinder);
-        median(self.points.iter().map(|p| surface.distance(p)).filter(|e| *e < self.threshold).collect())
+        median_of(self.points.iter().map(|p| surface.distance(p)).filter(|e| *e < self.threshold).collect())
     }
 
     /// The cylinder moved into the limits; `None` when its radius is not positive or not finite.
@@ -182,8 +183,7 @@ impl Scorer<'_> {
     }
 }
 
-/// The upper median, if there are any values.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+/// The median, if there are any values.
+fn median_of(mut values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| median(&mut values))
 }
