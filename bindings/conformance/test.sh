@@ -24,7 +24,7 @@ mkdir -p "$(dirname "$CYLFUSE_CONFORMANCE_RESULTS")"
 # The loader looks for the soname, which is not the name of the file in the folder of the build.
 soname=$(objdump -p "$CYLFUSE_LIBRARY" | awk '$1 == "SONAME" { print $2 }')
 ln -s "$CYLFUSE_LIBRARY" "$build/$soname"
-cc -std=c11 -O1 -Wall -Wextra -Werror -I"$root/include" runner.c -o "$build/runner" "$build/$soname" \
+cc -std=c11 -O1 -Wall -Wextra -Werror -I"$root/include" c/*.c -o "$build/runner" "$build/$soname" \
     -Wl,-rpath,"$build" -lcjson -lm
 env -u LD_LIBRARY_PATH "$build/runner" cases.json >"$CYLFUSE_CONFORMANCE_RESULTS"
 cargo run --quiet --locked --release --manifest-path "$root/Cargo.toml" --example conformance >"$build/rust.txt"

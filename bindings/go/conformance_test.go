@@ -51,6 +51,7 @@ type caseStep struct {
 	Model, A, B    *caseModel
 	Points         json.RawMessage
 	Segments       json.RawMessage
+	Reach          float64
 	Weights        []float64
 	Mask           string
 	Depth, Image   string
@@ -314,6 +315,18 @@ func (out outputs) addFields(prefix string, value any) {
 	}
 }
 
+func (step *caseStep) segments() (Segments[float64], error) {
+	var rows [][4]number
+	err := json.Unmarshal(step.Segments, &rows)
+	segments := Segments[float64]{Weights: step.Weights}
+	for _, row := range rows {
+		for _, value := range row {
+			segments.Data = append(segments.Data, float64(value))
+		}
+	}
+	return segments, err
+}
+
 func (file *caseFile) run(fitter *Fitter, step *caseStep) (out outputs, err error) {
 	out = outputs{}
 	// The outputs of a call, unless it failed.
@@ -351,17 +364,19 @@ func (file *caseFile) run(fitter *Fitter, step *caseStep) (out outputs, err erro
 	case "push_image":
 		return out, fitter.PushImage(file.image(step.Image))
 	case "push_edges":
-		var rows [][4]number
-		if err := json.Unmarshal(step.Segments, &rows); err != nil {
+		segments, err := step.segments()
+		if err != nil {
 			return nil, err
 		}
-		segments := Segments[float64]{Weights: step.Weights}
-		for _, row := range rows {
-			for _, value := range row {
-				segments.Data = append(segments.Data, float64(value))
-			}
-		}
 		return out, fitter.PushEdges(segments)
+	case "select_edges":
+		segments, err := step.segments()
+		if err != nil {
+			return nil, err
+		}
+		limbs, err := fitter.SelectEdges(segments, model, step.Reach)
+		out.add("selected", limbs)
+		return out, err
 	case "counts":
 		return fields(fitter.Counts())
 	case "fit":

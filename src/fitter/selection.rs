@@ -12,10 +12,9 @@ const STRAY: f64 = 0.01;
 impl Fitter {
     /// Selects, of straight edges that a line detector found in the (distorted) image, those on the two limbs of a
     /// rough cylinder beside the points that were pushed, such as a fit to these points alone: indices of the pieces
-    /// of either limb. For each limb the edge with the longest pieces wins, the nearer the limb the better, if they cover
-    /// 30 % of it. `model`
-    /// stands in for the last fit; `reach` is how far a limb may be from that of the model in pixels, 0 for 15 % of
-    /// the distance of the limbs, at least 4.
+    /// of either limb. For each limb the edge with the longest pieces wins, the nearer the limb the better, if they
+    /// cover 30 % of it. `model` stands in for the last fit; `reach` is how far a limb may be from that of the model
+    /// in pixels, 0 for 15 % of the distance of the limbs, at least 4.
     ///
     /// # Errors
     /// `InvalidArgument` for a bad segment or reach, `BadState` without intrinsics, points or a model, `EdgeGeometry`

@@ -223,6 +223,34 @@ fn frames() -> Vec<Value> {
     cases
 }
 
+/// Edges as a line detector finds them: those of the limbs, one across the image, one off the axis.
+fn selection() -> Value {
+    let mut detected = vec![[3.0, 3.0, 60.0, 4.0], [5.0, 40.0, 40.0, 5.0]];
+    detected.splice(1..1, edges());
+    let select = |arguments: Value| {
+        let mut step = json!({"call": "select_edges", "segments": &detected});
+        for (name, value) in arguments.as_object().into_iter().flatten() {
+            step[name] = value.clone();
+        }
+        step
+    };
+    let steps = vec![
+        select(json!({"model": truth()})),
+        camera("pinhole"),
+        select(json!({"model": truth()})),
+        depth(),
+        select(json!({})),
+        select(json!({"model": truth()})),
+        call("fit"),
+        select(json!({})),
+        select(json!({"reach": 0.125})),
+        select(json!({"reach": -1.0})),
+        json!({"call": "select_edges", "segments": []}),
+        json!({"call": "select_edges", "segments": [[1.0, 2.0, 1.0, 2.0]]}),
+    ];
+    case("select_edges", "edges of a line detector on the limbs, and what it takes", steps)
+}
+
 fn settings() -> Vec<Value> {
     let with = |name: &str, about: &str, settings: Value| {
         let steps = vec![
@@ -470,6 +498,7 @@ fn failures() -> Vec<Value> {
 pub fn file() -> Value {
     let mut cases = points_of_every_kind();
     cases.extend(frames());
+    cases.push(selection());
     cases.extend(settings());
     cases.extend(completion());
     cases.extend(failures());

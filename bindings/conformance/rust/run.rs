@@ -81,6 +81,7 @@ impl<'a> Runner<'a> {
                 self.fitter.push_image(&ImageView::new(image.image(), format))?;
             }
             "push_edges" => self.fitter.push_edges(&self.segments(step))?,
+            "select_edges" => return self.select_edges(step, model?.as_ref()),
             "counts" => return Ok(write::counts(&self.fitter)),
             "fit" => return self.fit(),
             "get_result" => {
@@ -159,6 +160,16 @@ impl<'a> Runner<'a> {
         let weight = |k: usize| step["weights"].as_array().map_or(1.0, |weights| number(&weights[k]));
         let segment = |(k, row)| EdgeSegment { endpoints: [end(row, 0), end(row, 2)], weight: weight(k) };
         rows.iter().enumerate().map(segment).collect()
+    }
+
+    fn select_edges(&self, step: &Value, model: Option<&Cylinder>) -> Result<Fields> {
+        let segments = self.segments(step);
+        let limbs = self.fitter.select_edges(&segments, model, step["reach"].as_f64().unwrap_or(0.0))?;
+        let mut selected = vec![0.0; segments.len()];
+        for (limb, indices) in (1..).zip(&limbs) {
+            indices.iter().for_each(|&index| selected[index] = f64::from(limb));
+        }
+        Ok(Output::default().list("selected", &selected).0)
     }
 
     fn fit(&mut self) -> Result<Fields> {

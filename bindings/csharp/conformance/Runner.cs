@@ -39,6 +39,10 @@ namespace Cylfuse.Conformance
                 case "push_depth": fitter.PushDepth(Depth(step), Mask(step)); break;
                 case "push_image": fitter.PushImage(Image(step["image"])); break;
                 case "push_edges": fitter.PushEdges(Edges(step)); break;
+                case "select_edges":
+                    byte[] limbs = fitter.SelectEdges(Edges(step), model, Number(step, "reach", 0));
+                    outputs["selected"] = limbs.Select(limb => (double)limb).ToArray();
+                    break;
                 case "counts": Describe(fitter.Counts(), "", outputs); break;
                 case "fit": Describe(fitter.Fit(), "", outputs); break;
                 case "get_result": Describe(fitter.Result(), "", outputs); break;

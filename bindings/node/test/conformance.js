@@ -61,6 +61,11 @@ function image(name) {
   return { data: elements, width: shape[1], height: shape[0] };
 }
 
+const segments = (step) => ({
+  data: Float64Array.from(step.segments.flat(), number),
+  weights: step.weights && Float64Array.from(step.weights, number),
+});
+
 /** The outputs by the names of the C interface, as lists of numbers. */
 function outputs(value) {
   const kinds = { termination: 'termination', startKind: 'start', startState: 'endState', endState: 'endState' };
@@ -96,9 +101,9 @@ const calls = {
     { ...image(step.depth), scale: step.scale, minDepth: step.min_depth, maxDepth: step.max_depth }, image(step.mask),
   ),
   push_image: (fitter, step) => fitter.pushImage(image(step.image)),
-  push_edges: (fitter, step) => fitter.pushEdges({
-    data: Float64Array.from(step.segments.flat(), number),
-    weights: step.weights && Float64Array.from(step.weights, number),
+  push_edges: (fitter, step) => fitter.pushEdges(segments(step)),
+  select_edges: (fitter, step) => ({
+    selected: [...fitter.selectEdges(segments(step), { model: model(step.model), reach: step.reach })],
   }),
   counts: (fitter) => fitter.counts(),
   fit: (fitter) => fitter.fit(),

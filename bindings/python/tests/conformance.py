@@ -77,8 +77,9 @@ class Runner:
         elif call == "push_image":
             fitter.push_image(self.array(step["image"]))
         elif call == "push_edges":
-            segments = [[number(x) for x in segment] for segment in step["segments"]]
-            fitter.push_edges(segments, step.get("weights"))
+            fitter.push_edges(self.segments(step), step.get("weights"))
+        elif call == "select_edges":
+            return {"selected": fitter.select_edges(self.segments(step), step.get("reach", 0.0), model)}
         elif call == "counts":
             return fitter.counts.to_dict()
         elif call == "fit":
@@ -112,6 +113,10 @@ class Runner:
         else:
             raise ValueError(f"unknown call {call}")
         return {}
+
+    @staticmethod
+    def segments(step: dict[str, Any]) -> list[list[float]]:
+        return [[number(x) for x in segment] for segment in step["segments"]]
 
     @staticmethod
     def result(result: cylfuse.Result) -> dict[str, Any]:

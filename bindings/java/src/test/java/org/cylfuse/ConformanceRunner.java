@@ -20,6 +20,7 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Set;
+import java.util.stream.IntStream;
 
 /** Runs one golden case of bindings/conformance/cases.json, step by step. */
 final class ConformanceRunner implements AutoCloseable {
@@ -51,6 +52,11 @@ final class ConformanceRunner implements AutoCloseable {
             case "push_depth" -> fitter.pushDepth(depth(step), mask(step));
             case "push_image" -> fitter.pushImage(image(step));
             case "push_edges" -> fitter.pushEdges(segments(step));
+            case "select_edges" -> {
+                double reach = step.has("reach") ? number(step.get("reach")) : 0;
+                byte[] limbs = fitter.selectEdges(segments(step), model, reach);
+                outputs.put("selected", IntStream.range(0, limbs.length).mapToDouble(k -> limbs[k]).toArray());
+            }
             case "counts" -> describe(fitter.counts(), "", outputs);
             case "fit" -> describe(fitter.fit(), "", outputs);
             case "get_result" -> describe(fitter.result(), "", outputs);
