@@ -4,7 +4,7 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{FitResult, Fitter, Flags, Options, StartKind};
+use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Flags, Options, StartKind};
 use cylfuse::observations::{EdgeSegment, PointsView};
 use frames::Inputs;
 use nalgebra::Vector2;
@@ -126,5 +126,23 @@ fn a_start_that_was_asked_for_is_the_start() {
             assert_eq!(result.start_kind, start, "{} edges", edges.len());
             assert_eq!(result.start == model, start == StartKind::Model, "{} edges", edges.len());
         }
+    }
+}
+
+#[test]
+fn edges_as_given_that_the_points_contradict_are_flagged() {
+    let inputs = sample("r40_a20_f0");
+    let fit = |by: f64| {
+        let edges = [moved(&inputs.edges[0], by), moved(&inputs.edges[1], by)];
+        let mut fitter = inputs.fitter();
+        fitter.push_edges(&edges).unwrap();
+        fitter.set_options(Options { edge_use: EdgeUse::AsGiven, ..Options::default() }).unwrap();
+        fitter.fit().unwrap()
+    };
+    let right = fit(0.0);
+    assert!(!right.flags.contains(Flags::POINTS_AND_LIMBS_DISAGREE), "{:?}", right.flags);
+    for by in [-100.0, -12.0, 12.0, 100.0] {
+        let wrong = fit(by);
+        assert!(wrong.flags.contains(Flags::POINTS_AND_LIMBS_DISAGREE), "{by} {:?}", wrong.flags);
     }
 }

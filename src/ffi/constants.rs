@@ -499,7 +499,8 @@ impl cylfuse_result_flags {
     pub const POINTS_NOT_FINITE: cylfuse_result_flags = cylfuse_result_flags(2048);
     /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
     /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
-    /// wrong intrinsics or edges that are not the limbs do that.
+    /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
+    /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
     /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);

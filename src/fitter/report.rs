@@ -155,7 +155,9 @@ impl Fitter {
         });
         let canonical = problem.canonical(cylinder);
         let (uncertainty, radii) = problem.uncertainty(&canonical);
-        flags.set(Flags::POINTS_AND_LIMBS_DISAGREE, radii.is_some_and(|radii| radii.disagree()));
+        if radii.is_some_and(|radii| radii.disagree()) {
+            flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
+        }
         Ok(FitResult {
             cylinder: canonical,
             uncertainty,

@@ -35,7 +35,8 @@ bitflags::bitflags! {
         /// Points with coordinates that are not finite were left out.
         const POINTS_NOT_FINITE = 1 << 11;
         /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: see
-        /// [`FitResult::radii`].
+        /// [`FitResult::radii`]. Or the points alone, far from edges that were taken as given, would be another cylinder:
+        /// one 1.5 times nearer to them, or surely 1.5 times as large or as small.
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
         /// A limit of the radius holds it: the data want another one. Not for a fixed radius.
         const RADIUS_AT_LIMIT = 1 << 13;

@@ -11,6 +11,7 @@ use super::problem::Problem;
 use super::result::Flags;
 use super::solve::Report;
 use super::starts::Candidate;
+use super::uncertainty::DISAGREEMENT;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
@@ -29,6 +30,10 @@ pub(super) const CONTRADICTION: f64 = 1.5;
 
 /// The same for segments that a person set: those are believed against more bias.
 const GIVEN_CONTRADICTION: f64 = 3.0;
+
+/// The radius by the points contradicts that of edges as they were given when it is surely so many times as large or as
+/// small. Depth that is smeared at the limbs makes the points alone overestimate it by up to a third.
+const RADIUS_CONTRADICTION: f64 = 1.5;
 
 /// The sides of the mask are drawn again along the axis of the fit to them.
 const SIDE_ROUNDS: usize = 2;
@@ -100,8 +105,13 @@ impl Fitter {
         let first = problem.attempt(Guides::given(&given), &candidates, report)?;
         let Some(camera) = &self.camera else { return Ok(first?.rough(None, GIVEN_DEVIATION)) };
         if self.options.edge_use == EdgeUse::AsGiven && !given.is_empty() {
-            let mut rough = first?.rough(None, GIVEN_DEVIATION);
+            let fit = first?;
+            if problem.points_contradict(&fit, &candidates, report)? {
+                problem.edges.flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
+            }
+            let mut rough = fit.rough(None, GIVEN_DEVIATION);
             rough.guides.number(camera, &rough.convergence.cylinder);
+            problem.hold_to(&rough.guides.all());
             return Ok(rough);
         }
         let outline = self.mask.as_ref().and_then(|mask| Outline::new(mask, self.depth.as_ref(), camera));
@@ -239,6 +249,24 @@ impl Problem<'_> {
             starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder });
         }
         self.attempt(Guides::default(), &starts, report)?
+    }
+
+    /// Whether the points alone would rather be another cylinder than that of a fit to edges as they were given.
+    fn points_contradict(
+        &mut self,
+        fit: &Attempt,
+        candidates: &[Candidate],
+        report: Report<'_>,
+    ) -> Result<bool> {
+        let alone = match self.alone(candidates, report) {
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(false),
+            Ok(alone) => alone,
+        };
+        let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
+        let (uncertainty, _) = self.uncertainty(alone.cylinder());
+        let surely = uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius());
+        Ok(fit.scale > CONTRADICTION * alone.scale || surely && a.max(b) > RADIUS_CONTRADICTION * a.min(b))
     }
 
     /// Of the fits to single lines the one that the points contradict least, or the one to the points alone if they

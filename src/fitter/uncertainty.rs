@@ -18,7 +18,7 @@ const KNOWN_TO: f64 = 1e-9;
 /// Points and limbs disagree when their radii differ by more than this many standard deviations of the difference.
 /// Normal errors do that once in 16,000 fits; the noise of real depth has longer tails than its estimated scale and
 /// correlation know of, and a flag that is raised by them says nothing.
-const DISAGREEMENT: f64 = 4.0;
+pub(super) const DISAGREEMENT: f64 = 4.0;
 
 /// Limbs that add a smaller part than this to what is known of the radius have no radius of their own.
 const LEAST_SHARE: f64 = 1e-3;
