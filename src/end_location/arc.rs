@@ -43,17 +43,21 @@ const LEAST_SINE: f64 = 0.35;
 const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
 
 /// Samples of a window that are independent: neighbours share pixels.
-const INDEPENDENT_SAMPLES: f64 = WINDOW_PIXELS;
+const INDEPENDENT_SAMPLES: f64 = 2.0 * WINDOW_PIXELS;
 
 /// The mean gain in log-likelihood per generator from which on an arc is believed.
-const LEAST_GAIN: f64 = 1.0;
+const LEAST_GAIN: f64 = 2.0;
 
 /// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
 /// the axis by some degrees departs by so much.
 const SAMPLE_REACH_PIXELS: f64 = 2.5;
 
-/// Standard deviation in pixels of what the model of the profile leaves out.
+/// The far rim of the cap shines so many blurs into a window before it.
+const RIM_BLURS: f64 = 2.0;
+
+/// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
 const MODEL_DEVIATION: f64 = 0.1;
+const PLACE_DEVIATION: f64 = 0.05;
 
 /// An end as the image shows it.
 #[derive(Debug, Clone)]
@@ -147,7 +151,7 @@ pub(super) fn locate(
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
-        let deviation = deviation.hypot(MODEL_DEVIATION);
+        let deviation = deviation.hypot(PLACE_DEVIATION);
         Some(ArcSample { pixel, normal, deviation, across: profile.across })
     });
     Some(ArcEnd {
@@ -272,7 +276,7 @@ impl Window {
         let first = ((edge - WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize;
         let last = (((edge + WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize)
             .min(profile.samples.len() - 1);
-        let has_cap = profile.cap < WINDOW_PIXELS;
+        let has_cap = profile.cap < WINDOW_PIXELS + RIM_BLURS * blur;
         // Brightness relative to one sample, against cancellation.
         let origin = profile.samples[first.min(last)];
         let sharpness = 1.0 / blur;
