@@ -54,7 +54,7 @@ namespace Cylfuse.Tests
         public static void EveryFunctionOfTheHeaderIsBound()
         {
             int delegates = typeof(Fitter).Assembly.GetType("Cylfuse.NativeFunctions")
-                .GetFields(BindingFlags.NonPublic | BindingFlags.Static).Count(field =>
+                .GetFields(BindingFlags.NonPublic | BindingFlags.Instance).Count(field =>
                     typeof(Delegate).IsAssignableFrom(field.FieldType));
             Check.Equal(File.ReadAllLines(Path.Combine(Data, "symbols.txt")).Length, delegates);
         }
