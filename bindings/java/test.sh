@@ -13,6 +13,7 @@ command -v javac >/dev/null && command -v javadoc >/dev/null || missing+=(openjd
 [ -e /usr/share/java/gson.jar ] || missing+=(libgoogle-gson-java)
 command -v python3 >/dev/null || missing+=(python3)
 command -v strip >/dev/null || missing+=(binutils)
+command -v cc >/dev/null || missing+=(gcc libc6-dev)
 if [ ${#missing[@]} -gt 0 ]; then
     as_root=()
     [ "$(id -u)" = 0 ] || as_root=(sudo)
@@ -29,7 +30,7 @@ export CYLFUSE_LIBRARY CYLFUSE_REPOSITORY=$repository
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
 "$here/build.sh" "$build" "$CYLFUSE_LIBRARY"
-javadoc -Xdoclint:all,-missing -Werror -quiet -encoding UTF-8 -cp /usr/share/java/jna.jar -d "$build/documentation" \
+javadoc -Xdoclint:all -Werror -quiet -encoding UTF-8 -cp /usr/share/java/jna.jar -d "$build/documentation" \
     "$here"/src/main/java/org/cylfuse/*.java
 packages=$build/cylfuse.jar:/usr/share/java/jna.jar
 
@@ -46,6 +47,8 @@ if [ "$printed" != "radius 0.500000, doubts []" ]; then
     exit 1
 fi
 
+echo 'unsigned cylfuse_abi_version(void) { return 2; }' | cc -shared -fPIC -x c - -o "$build/other_abi.so"
+export CYLFUSE_OTHER_ABI=$build/other_abi.so
 packages=$build/tests:$packages
 for name in junit4 hamcrest-core gson; do packages=$packages:/usr/share/java/$name.jar; done
 mkdir "$build/tests"

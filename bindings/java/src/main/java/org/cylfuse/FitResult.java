@@ -93,8 +93,8 @@ public record FitResult(
         int limbsLocated) {
     static FitResult of(NativeStructs.Result n) {
         return new FitResult(
-                Termination.of(n.termination),
-                StartKind.of(n.start_kind),
+                NativeNumber.find(Termination.class, n.termination),
+                NativeNumber.find(StartKind.class, n.start_kind),
                 ResultFlag.setOf(n.flags),
                 n.iterations,
                 n.rejected_steps,

@@ -41,6 +41,17 @@ public class LifetimeTest {
     }
 
     @Test
+    public void closeInsideACallLeavesItsFailure() {
+        Fitter fitter = Scene.loaded();
+        fitter.setProgressListener(progress -> {
+            fitter.close();
+            return false;
+        });
+        assertEquals(Status.CANCELLED, assertThrows(CylfuseException.class, fitter::fit).status());
+        assertThrows(IllegalStateException.class, fitter::fit);
+    }
+
+    @Test
     public void tenThousandCyclesLeaveMemoryFlat() throws IOException {
         // The Java heap is limited by test.sh and full after the first rounds; what grows after them is native.
         cycle(CYCLES, true);
@@ -65,6 +76,9 @@ public class LifetimeTest {
         for (int k = 0; k < count; k++) {
             Fitter fitter = new Fitter();
             fitter.setOptions(options);
+            // Listeners that know their fitter do not keep it alive.
+            fitter.setProgressListener(progress -> fitter != null);
+            fitter.setLogListener(LogLevel.DEBUG, (level, line) -> fitter.hashCode());
             fitter.pushPoints(points);
             fitter.fit();
             if (close) {
