@@ -53,7 +53,7 @@ public class LifetimeTest {
 
     @Test
     public void tenThousandCyclesLeaveMemoryFlat() throws IOException {
-        // The Java heap is limited by test.sh and full after the first rounds; what grows after them is native.
+        // The Java heap is resident from the start (pom.xml); what grows after the first rounds is native.
         cycle(CYCLES, true);
         long before = residentKilobytes();
         cycle(CYCLES, true);
