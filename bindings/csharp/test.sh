@@ -26,22 +26,32 @@ trap 'rm -rf "$build"' EXIT
 "$here/build.sh" "$build"
 compile() { mcs -langversion:7 -warnaserror -r:"$build/Cylfuse.dll" -r:System.Core.dll "$@"; }
 
-# The program of the README compiles, and finds the library where a package has it: without CYLFUSE_LIBRARY.
+# The program of the README in an empty folder with what the package brings: it finds the library without CYLFUSE_LIBRARY.
+project="$build/an empty project é"
+native=$project/runtimes/linux-$([ "$(uname -m)" = aarch64 ] && echo arm64 || echo x64)/native
+mkdir -p "$native"
+cp "$CYLFUSE_LIBRARY" "$native/libcylfuse.so"
+cp "$build/Cylfuse.dll" "$project"
+block() { awk -v number="$1" '/^```/ { inside = /csharp/ && ++count == number; next } inside' "$here/README.md"; }
 {
     echo 'using System; using System.Collections.Generic; static class Smallest { static void Main() {'
-    awk '/^```csharp$/ { inside = 1; next } /^```$/ { exit } inside' "$here/README.md"
+    block 1
     echo '} }'
-} >"$build/smallest.cs"
-compile -out:"$build/smallest.exe" "$build/smallest.cs"
-native=$build/runtimes/linux-$([ "$(uname -m)" = aarch64 ] && echo arm64 || echo x64)/native
-mkdir -p "$native"
-ln -s "$CYLFUSE_LIBRARY" "$native/libcylfuse.so"
-printed=$(env -u CYLFUSE_LIBRARY mono "$build/smallest.exe")
+} >"$project/smallest.cs"
+compile -out:"$project/smallest.exe" "$project/smallest.cs"
+# The one with a camera compiles.
+{
+    echo 'using Cylfuse; static class WithCamera {'
+    echo 'static void Use(Fitter fitter, ushort[,] depth, byte[,] mask, double[,] edges, byte[,] image) {'
+    block 2
+    echo '} }'
+} >"$project/camera.cs"
+compile -nowarn:219 -target:library -out:"$project/camera.dll" "$project/camera.cs"
+printed=$(env -u CYLFUSE_LIBRARY mono "$project/smallest.exe")
 if [ "$printed" != "radius 0.500000, doubts None" ]; then
     echo "the program of the README printed: $printed"
     exit 1
 fi
-rm -r "$build/runtimes"
 
 echo 'unsigned cylfuse_abi_version(void) { return 2; }' | cc -shared -fPIC -x c - -o "$build/other_abi.so"
 export CYLFUSE_OTHER_ABI=$build/other_abi.so

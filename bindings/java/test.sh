@@ -64,11 +64,19 @@ awk '/^Tests run:/ { gsub(",", ""); passed += $3 - $5 - $7 - $9; failed += $5 + 
 # The program of the README, in an empty project that depends on the package; it finds the library in the jar.
 project="$build/an empty project é"
 mkdir -p "$project/src/main/java"
+block() { awk -v number="$1" '/^```/ { inside = /java/ && ++count == number; next } inside' "$here/README.md"; }
 {
     echo 'import java.util.Locale; import org.cylfuse.*; class Smallest { public static void main(String[] arguments) {'
-    awk '/^```java$/ { inside = 1; next } /^```$/ { exit } inside' "$here/README.md"
+    block 1
     echo '} }'
 } >"$project/src/main/java/Smallest.java"
+# The one with a camera compiles.
+{
+    echo 'import org.cylfuse.*; class WithCamera {'
+    echo 'static void use(Fitter fitter, short[] depth, byte[] mask, double[] first, double[] second, byte[] image) {'
+    block 2
+    echo '} }'
+} >"$project/src/main/java/WithCamera.java"
 cat >"$project/pom.xml" <<'POM'
 <project xmlns="http://maven.apache.org/POM/4.0.0">
   <modelVersion>4.0.0</modelVersion>
