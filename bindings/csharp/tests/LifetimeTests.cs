@@ -29,6 +29,22 @@ namespace Cylfuse.Tests
             Check.Throws<ObjectDisposedException>(() => fitter.Fit(), "Fitter");
         }
 
+        public static void AnotherThreadCancelsAFit()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            {
+                var inside = new ManualResetEventSlim();
+                var cancelled = new ManualResetEventSlim();
+                fitter.SetProgress(progress => { inside.Set(); cancelled.Wait(); return true; });
+                Task fit = Task.Factory.StartNew(() => Check.Fails(Status.Cancelled, () => fitter.Fit()),
+                    TaskCreationOptions.LongRunning);
+                inside.Wait();
+                fitter.Cancel();
+                cancelled.Set();
+                fit.Wait();
+            }
+        }
+
         /// <summary>The abortion must not jump over the frames of the library.</summary>
         public static void AnAbortedThreadLeavesTheFitterUsable()
         {

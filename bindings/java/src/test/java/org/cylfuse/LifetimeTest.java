@@ -52,6 +52,34 @@ public class LifetimeTest {
     }
 
     @Test
+    public void anotherThreadCancelsAFit() throws InterruptedException, ExecutionException {
+        ExecutorService thread = Executors.newSingleThreadExecutor();
+        try (Fitter fitter = Scene.loaded()) {
+            CountDownLatch inside = new CountDownLatch(1);
+            CountDownLatch cancelled = new CountDownLatch(1);
+            fitter.setProgressListener(progress -> {
+                inside.countDown();
+                await(cancelled);
+                return true;
+            });
+            Future<CylfuseException> fit = thread.submit(() -> assertThrows(CylfuseException.class, fitter::fit));
+            inside.await();
+            fitter.cancel();
+            cancelled.countDown();
+            assertEquals(Status.CANCELLED, fit.get().status());
+        }
+        thread.shutdown();
+    }
+
+    private static void await(CountDownLatch latch) {
+        try {
+            latch.await();
+        } catch (InterruptedException interruption) {
+            throw new IllegalStateException(interruption);
+        }
+    }
+
+    @Test
     public void tenThousandCyclesLeaveMemoryFlat() throws IOException {
         // The Java heap is resident from the start (pom.xml); what grows after the first rounds is native.
         cycle(CYCLES, true);
@@ -130,11 +158,7 @@ public class LifetimeTest {
             CountDownLatch tried = new CountDownLatch(1);
             fitter.setProgressListener(progress -> {
                 inside.countDown();
-                try {
-                    tried.await();
-                } catch (InterruptedException interruption) {
-                    throw new IllegalStateException(interruption);
-                }
+                await(tried);
                 return true;
             });
             Future<FitResult> fit = thread.submit(fitter::fit);
