@@ -5,8 +5,7 @@ namespace Cylfuse
     {
         private readonly NativeCompletion native;
 
-        /// <summary>Points or pixels that were written; after <see cref="Status.BufferTooSmall"/> the capacity that is
-        /// needed.</summary>
+        /// <summary>Points or pixels that were written.</summary>
         public long Count => (long)native.count;
 
         /// <summary>Pixels of the mask whose ray meets the cylinder.</summary>

@@ -11,7 +11,7 @@ namespace Cylfuse
         /// <summary>How the start was found.</summary>
         public StartKind StartKind => (StartKind)native.start_kind;
 
-        /// <summary>Doubts, <see cref="ResultFlags"/> by bit; 0 when there are none.</summary>
+        /// <summary>Doubts; None when there are none.</summary>
         public ResultFlags Flags => (ResultFlags)native.flags;
 
         /// <summary>Linear solves.</summary>

@@ -7,7 +7,7 @@ import java.util.Set;
  *
  * @param termination Why the iteration ended.
  * @param startKind How the start was found.
- * @param flags Doubts, {@link ResultFlag} by bit; 0 when there are none.
+ * @param flags Doubts; empty when there are none.
  * @param iterations Linear solves.
  * @param rejectedSteps Solves whose step was rejected.
  * @param segmentsUsed Segments that took part.
