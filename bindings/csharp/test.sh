@@ -6,12 +6,13 @@ here=$(cd "$(dirname "$0")" && pwd)
 repository=$(cd "$here/../.." && pwd)
 
 if ! command -v mcs >/dev/null || ! command -v mono >/dev/null || ! command -v python3 >/dev/null ||
+    ! command -v cc >/dev/null ||
     [ ! -e /usr/lib/mono/4.5/System.Json.dll ]; then
     as_root=()
     [ "$(id -u)" = 0 ] || as_root=(sudo)
     "${as_root[@]}" apt-get update -q
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends \
-        mono-mcs mono-runtime libmono-system-core4.0-cil libmono-system-json4.0-cil python3
+        mono-mcs mono-runtime libmono-system-core4.0-cil libmono-system-json4.0-cil python3 gcc libc6-dev
 fi
 if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
     (cd "$repository" && cargo build --locked --release)
@@ -25,24 +26,36 @@ trap 'rm -rf "$build"' EXIT
 "$here/build.sh" "$build"
 compile() { mcs -langversion:7 -warnaserror -r:"$build/Cylfuse.dll" -r:System.Core.dll "$@"; }
 
-# The program of the README compiles, and finds the library where a package has it: without CYLFUSE_LIBRARY.
+# The program of the README in an empty folder with what the package brings: it finds the library without CYLFUSE_LIBRARY.
+project="$build/an empty project é"
+native=$project/runtimes/linux-$([ "$(uname -m)" = aarch64 ] && echo arm64 || echo x64)/native
+mkdir -p "$native"
+cp "$CYLFUSE_LIBRARY" "$native/libcylfuse.so"
+cp "$build/Cylfuse.dll" "$project"
+block() { awk -v number="$1" '/^```/ { inside = /csharp/ && ++count == number; next } inside' "$here/README.md"; }
 {
     echo 'using System; using System.Collections.Generic; static class Smallest { static void Main() {'
-    awk '/^```csharp$/ { inside = 1; next } /^```$/ { exit } inside' "$here/README.md"
+    block 1
     echo '} }'
-} >"$build/smallest.cs"
-compile -out:"$build/smallest.exe" "$build/smallest.cs"
-native=$build/runtimes/linux-$([ "$(uname -m)" = aarch64 ] && echo arm64 || echo x64)/native
-mkdir -p "$native"
-ln -s "$CYLFUSE_LIBRARY" "$native/libcylfuse.so"
-printed=$(env -u CYLFUSE_LIBRARY mono "$build/smallest.exe")
+} >"$project/smallest.cs"
+compile -out:"$project/smallest.exe" "$project/smallest.cs"
+# The one with a camera compiles.
+{
+    echo 'using Cylfuse; static class WithCamera {'
+    echo 'static void Use(Fitter fitter, ushort[,] depth, byte[,] mask, double[,] edges, byte[,] image) {'
+    block 2
+    echo '} }'
+} >"$project/camera.cs"
+compile -nowarn:219 -target:library -out:"$project/camera.dll" "$project/camera.cs"
+printed=$(env -u CYLFUSE_LIBRARY mono "$project/smallest.exe")
 if [ "$printed" != "radius 0.500000, doubts None" ]; then
     echo "the program of the README printed: $printed"
     exit 1
 fi
-rm -r "$build/runtimes"
 
-compile -out:"$build/tests.exe" "$here"/tests/*.cs
+echo 'unsigned cylfuse_abi_version(void) { return 2; }' | cc -shared -fPIC -x c - -o "$build/other_abi.so"
+export CYLFUSE_OTHER_ABI=$build/other_abi.so
+compile -r:System.dll -out:"$build/tests.exe" "$here"/tests/*.cs
 failed=0
 # Names what a sum of "N passed, N failed" counts, and keeps it for the whole sum.
 name() { sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$1: &/" | tee -a "$build/log"; }

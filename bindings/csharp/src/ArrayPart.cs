@@ -23,11 +23,8 @@ namespace Cylfuse
         /// <summary>Bytes from a row to the next one; 0 = packed.</summary>
         internal IntPtr RowStride { get; }
 
-        /// <summary>Bytes of an element.</summary>
+        /// <summary>Bytes of an element. They tell the type, of which a short[] may pass for a ushort[].</summary>
         internal int ElementSize { get; }
-
-        /// <summary>Type of an element.</summary>
-        internal Type ElementType => array.GetType().GetElementType();
 
         /// <param name="what">The name of the items in messages, in the plural.</param>
         /// <param name="array">An array of primitive elements, of any rank.</param>
@@ -47,7 +44,7 @@ namespace Cylfuse
             this.offset = offset;
             Width = width;
             Height = height;
-            ElementSize = Buffer.ByteLength(array) / Math.Max(array.Length, 1);
+            ElementSize = SizeOf(array.GetType().GetElementType());
             ItemStride = (IntPtr)((long)itemStride * ElementSize);
             RowStride = (IntPtr)((long)rowStride * ElementSize);
             if (width == 0 || height == 0) return;
@@ -70,6 +67,18 @@ namespace Cylfuse
         {
             if (columns != needed)
                 throw new ArgumentException($"The last dimension of the {what} is {columns}; it must be {needed}.");
+        }
+
+        private static int SizeOf(Type element)
+        {
+            switch (Type.GetTypeCode(element))
+            {
+                case TypeCode.Double: return 8;
+                case TypeCode.Single: return 4;
+                case TypeCode.Int16:
+                case TypeCode.UInt16: return 2;
+                default: return 1;
+            }
         }
 
         /// <summary>The address of the first item, valid until the pins are gone.</summary>

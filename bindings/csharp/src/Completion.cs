@@ -3,30 +3,27 @@ namespace Cylfuse
     /// <summary>What became of the pixels of a completion.</summary>
     public sealed class Completion
     {
-        /// <summary>Points or pixels that were written; after <see cref="Status.BufferTooSmall"/> the capacity that is
-        /// needed.</summary>
-        public long Count { get; }
+        private readonly NativeCompletion native;
+
+        /// <summary>Points or pixels that were written.</summary>
+        public long Count => (long)native.count;
 
         /// <summary>Pixels of the mask whose ray meets the cylinder.</summary>
-        public long Hits { get; }
+        public long Hits => (long)native.hits;
 
         /// <summary>Pixels of the mask whose ray passes the cylinder by.</summary>
-        public long Misses { get; }
+        public long Misses => (long)native.misses;
 
         /// <summary>Pixels of the mask for which the camera model has no ray.</summary>
-        public long OutsideCamera { get; }
+        public long OutsideCamera => (long)native.outside_camera;
 
         /// <summary>Hits whose depth does not fit the pixel format: written as 0 and not in <see
         /// cref="Count"/>.</summary>
-        public long OutOfRange { get; }
+        public long OutOfRange => (long)native.out_of_range;
 
-        internal unsafe Completion(NativeCompletion* native)
+        internal Completion(NativeCompletion native)
         {
-            Count = (long)native->count;
-            Hits = (long)native->hits;
-            Misses = (long)native->misses;
-            OutsideCamera = (long)native->outside_camera;
-            OutOfRange = (long)native->out_of_range;
+            this.native = native;
         }
     }
 }

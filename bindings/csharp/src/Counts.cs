@@ -3,45 +3,39 @@ namespace Cylfuse
     /// <summary>What was pushed, and what was left out by reason.</summary>
     public sealed class Counts
     {
+        private readonly NativeCounts native;
+
         /// <summary>Points and pixels that were pushed.</summary>
-        public long PointsGiven { get; }
+        public long PointsGiven => (long)native.points_given;
 
         /// <summary>Points that a fit uses.</summary>
-        public long PointsUsed { get; }
+        public long PointsUsed => (long)native.points_used;
 
         /// <summary>Left out: a coordinate or weight is not finite.</summary>
-        public long DroppedNotFinite { get; }
+        public long DroppedNotFinite => (long)native.dropped_not_finite;
 
         /// <summary>Left out: the weight is 0.</summary>
-        public long DroppedZeroWeight { get; }
+        public long DroppedZeroWeight => (long)native.dropped_zero_weight;
 
         /// <summary>Left out: the mask is 0 there.</summary>
-        public long DroppedOutsideMask { get; }
+        public long DroppedOutsideMask => (long)native.dropped_outside_mask;
 
         /// <summary>Left out: no depth was measured there.</summary>
-        public long DroppedNoDepth { get; }
+        public long DroppedNoDepth => (long)native.dropped_no_depth;
 
         /// <summary>Left out: the depth is below <see cref="DepthImage.MinDepth"/> or above <see
         /// cref="DepthImage.MaxDepth"/>.</summary>
-        public long DroppedOutOfRange { get; }
+        public long DroppedOutOfRange => (long)native.dropped_out_of_range;
 
         /// <summary>Left out: the camera model has no ray for the pixel.</summary>
-        public long DroppedOutsideCamera { get; }
+        public long DroppedOutsideCamera => (long)native.dropped_outside_camera;
 
         /// <summary>Edge segments that were pushed; <see cref="FitResult.SegmentsUsed"/> says how many count.</summary>
-        public long SegmentsGiven { get; }
+        public long SegmentsGiven => (long)native.segments_given;
 
-        internal unsafe Counts(NativeCounts* native)
+        internal Counts(NativeCounts native)
         {
-            PointsGiven = (long)native->points_given;
-            PointsUsed = (long)native->points_used;
-            DroppedNotFinite = (long)native->dropped_not_finite;
-            DroppedZeroWeight = (long)native->dropped_zero_weight;
-            DroppedOutsideMask = (long)native->dropped_outside_mask;
-            DroppedNoDepth = (long)native->dropped_no_depth;
-            DroppedOutOfRange = (long)native->dropped_out_of_range;
-            DroppedOutsideCamera = (long)native->dropped_outside_camera;
-            SegmentsGiven = (long)native->segments_given;
+            this.native = native;
         }
     }
 }

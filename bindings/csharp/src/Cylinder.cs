@@ -24,8 +24,7 @@ namespace Cylfuse
             Radius = radius;
         }
 
-        internal unsafe Cylinder(NativeCylinder* native)
-            : this(new Vector(native->point), new Vector(native->direction), native->radius) { }
+        internal Cylinder(NativeCylinder native) : this(native.point, native.direction, native.radius) { }
 
         /// <summary>Signed distances of points from the surface, negative inside, row by row of the points; NaN for a
         /// point with a coordinate that is not finite. Weights are ignored.</summary>
@@ -35,14 +34,13 @@ namespace Cylfuse
             if (points == null) throw new ArgumentNullException(nameof(points));
             using (var pins = new Pins())
             {
-                NativeCylinder model;
-                Write(&model);
+                NativeCylinder model = ToNative();
                 NativePointsView view;
                 points.Write(&view, pins);
                 var distances = new double[points.Count];
                 fixed (double* buffer = distances)
                 {
-                    NativeFunctions.Check(NativeFunctions.CylinderDistances(&model, &view, buffer,
+                    Native.Check(Native.Functions.CylinderDistances(&model, &view, buffer,
                         (UIntPtr)distances.Length));
                 }
                 return distances;
@@ -58,14 +56,13 @@ namespace Cylfuse
         public unsafe double[,] Project(Intrinsics intrinsics)
         {
             if (intrinsics == null) throw new ArgumentNullException(nameof(intrinsics));
-            NativeCylinder model;
-            Write(&model);
+            NativeCylinder model = ToNative();
             NativeIntrinsics camera;
             intrinsics.Write(&camera);
             var lines = new double[2, 3];
             fixed (double* buffer = lines)
             {
-                NativeFunctions.Check(NativeFunctions.CylinderProject(&model, &camera, buffer));
+                Native.Check(Native.Functions.CylinderProject(&model, &camera, buffer));
             }
             return lines;
         }
@@ -75,10 +72,8 @@ namespace Cylfuse
         public unsafe CylinderDifference Compare(Cylinder other)
         {
             if (other == null) throw new ArgumentNullException(nameof(other));
-            NativeCylinder a, b;
-            Write(&a);
-            other.Write(&b);
-            NativeFunctions.Check(NativeFunctions.CylinderCompare(&a, &b, out double angle, out double axisDistance,
+            NativeCylinder a = ToNative(), b = other.ToNative();
+            Native.Check(Native.Functions.CylinderCompare(&a, &b, out double angle, out double axisDistance,
                 out double radiusRelative));
             return new CylinderDifference(angle, axisDistance, radiusRelative);
         }
@@ -87,12 +82,16 @@ namespace Cylfuse
         public override string ToString() => string.Format(
             CultureInfo.InvariantCulture, "Cylinder: radius {0}, axis through {1} along {2}", Radius, Point, Direction);
 
-        internal unsafe void Write(NativeCylinder* native)
+        /// <summary>Fills the struct and gives its address; null where there is no cylinder.</summary>
+        internal static unsafe NativeCylinder* Write(Cylinder cylinder, NativeCylinder* native)
         {
-            Point.CopyTo(native->point);
-            Direction.CopyTo(native->direction);
-            native->radius = Radius;
+            if (cylinder == null) return null;
+            *native = cylinder.ToNative();
+            return native;
         }
+
+        private NativeCylinder ToNative() =>
+            new NativeCylinder { point = Point, direction = Direction, radius = Radius };
     }
 
     /// <summary>How two cylinders differ.</summary>

@@ -4,35 +4,33 @@ namespace Cylfuse
     /// of freedom, in units of the size of the data.</summary>
     public sealed class Diagnosis
     {
+        private readonly NativeDiagnosis native;
+
         /// <summary>How many singular values stand out of the rounding error; 5 when everything is
         /// determined.</summary>
-        public int Rank { get; }
+        public int Rank => (int)native.rank;
 
         /// <summary>Singular values, the largest first.</summary>
         public double[] SingularValues { get; }
 
         /// <summary>Largest over smallest singular value; may be infinite.</summary>
-        public double Condition { get; }
+        public double Condition => native.condition;
 
         /// <summary>The step along which the residuals change least: how it moves the axis at the middle of the points,
-        /// in the unit of length,</summary>
-        public Vector WeakestShift { get; }
+        /// in the unit of length. Shift and radius over the size of the data and the tilt have a joint
+        /// norm of 1.</summary>
+        public Vector WeakestShift => native.weakest_shift;
 
-        /// <summary>how it tilts the axis, in radians towards this vector,</summary>
-        public Vector WeakestTilt { get; }
+        /// <summary>How that step tilts the axis, in radians towards this vector.</summary>
+        public Vector WeakestTilt => native.weakest_tilt;
 
-        /// <summary>and how it changes the radius, in the unit of length. Shift and radius over the size of the data
-        /// and the tilt have a joint norm of 1.</summary>
-        public double WeakestRadius { get; }
+        /// <summary>How that step changes the radius, in the unit of length.</summary>
+        public double WeakestRadius => native.weakest_radius;
 
-        internal unsafe Diagnosis(NativeDiagnosis* native)
+        internal unsafe Diagnosis(NativeDiagnosis native)
         {
-            Rank = (int)native->rank;
-            SingularValues = Native.Copy(native->singular_values, 5);
-            Condition = native->condition;
-            WeakestShift = new Vector(native->weakest_shift);
-            WeakestTilt = new Vector(native->weakest_tilt);
-            WeakestRadius = native->weakest_radius;
+            this.native = native;
+            SingularValues = Native.Copy(native.singular_values, 5);
         }
     }
 }

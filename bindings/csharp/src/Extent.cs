@@ -4,36 +4,38 @@ namespace Cylfuse
     /// direction of the model.</summary>
     public sealed class Extent
     {
+        private readonly NativeExtent native;
+
         /// <summary>What the end against the direction is.</summary>
-        public EndState StartState { get; }
+        public EndState StartState => (EndState)native.start_state;
 
         /// <summary>What the end along the direction is.</summary>
-        public EndState EndState { get; }
+        public EndState EndState => (EndState)native.end_state;
 
         /// <summary>The end against the direction, a point on the axis.</summary>
-        public Vector Start { get; }
+        public Vector Start => native.start;
 
         /// <summary>The end along the direction, a point on the axis.</summary>
-        public Vector End { get; }
+        public Vector End => native.end;
 
         /// <summary>The middle of the ends.</summary>
-        public Vector Center { get; }
+        public Vector Center => native.center;
 
         /// <summary>The distance of the ends.</summary>
-        public double Length { get; }
+        public double Length => native.length;
 
         /// <summary>Standard deviation of the position of the start along the axis, for a model without error; NaN for
         /// an extreme position. Of a start that is not Seen it is that of the visible piece: the cylinder may well go
         /// on.</summary>
-        public double StartDeviation { get; }
+        public double StartDeviation => native.start_deviation;
 
         /// <summary>The same for the end.</summary>
-        public double EndDeviation { get; }
+        public double EndDeviation => native.end_deviation;
 
         /// <summary>Standard deviation of the length together with the uncertainty of the fit, of the visible piece.
         /// This and what follows is NaN for a model that was given, for extreme positions and when the fit has no
         /// uncertainty.</summary>
-        public double LengthDeviation { get; }
+        public double LengthDeviation => native.length_deviation;
 
         /// <summary>Covariance of <see cref="Start"/>, 3 x 3, symmetric, unit of length squared.</summary>
         public double[,] StartCovariance { get; }
@@ -44,20 +46,12 @@ namespace Cylfuse
         /// <summary>Covariance of <see cref="Center"/>.</summary>
         public double[,] CenterCovariance { get; }
 
-        internal unsafe Extent(NativeExtent* native)
+        internal unsafe Extent(NativeExtent native)
         {
-            StartState = (EndState)native->start_state;
-            EndState = (EndState)native->end_state;
-            Start = new Vector(native->start);
-            End = new Vector(native->end);
-            Center = new Vector(native->center);
-            Length = native->length;
-            StartDeviation = native->start_deviation;
-            EndDeviation = native->end_deviation;
-            LengthDeviation = native->length_deviation;
-            StartCovariance = Native.Square(native->start_covariance, 3);
-            EndCovariance = Native.Square(native->end_covariance, 3);
-            CenterCovariance = Native.Square(native->center_covariance, 3);
+            this.native = native;
+            StartCovariance = Native.Square(native.start_covariance, 3);
+            EndCovariance = Native.Square(native.end_covariance, 3);
+            CenterCovariance = Native.Square(native.center_covariance, 3);
         }
     }
 }

@@ -27,14 +27,15 @@ namespace Cylfuse
         private int busy;
 
         /// <summary>A fitter with default options and no data.</summary>
-        /// <exception cref="DllNotFoundException">The native library was not found.</exception>
+        /// <exception cref="DllNotFoundException">The native library was not found or cannot be loaded.</exception>
+        /// <exception cref="EntryPointNotFoundException">The native library is older than this package.</exception>
         /// <exception cref="CylfuseException">The native library has another binary interface (AbiMismatch).</exception>
         public unsafe Fitter()
         {
             // Fields, because the library keeps these functions and the garbage collector does not know that.
             nativeProgress = OnProgress;
             nativeLog = OnLog;
-            handle = FitterHandle.Create();
+            handle = new FitterHandle();
         }
 
         /// <summary>Destroys the fitter and frees what it holds. May be called more than once.</summary>
@@ -46,21 +47,15 @@ namespace Cylfuse
         {
             get
             {
-                NativeOptions native = default(NativeOptions);
-                native.struct_size = (uint)NativeFunctions.SizeOf<NativeOptions>();
-                Enter();
-                try { Check(NativeFunctions.FitterGetOptions(handle, &native)); }
-                finally { Leave(); }
-                return new FitOptions(&native);
+                var native = new NativeOptions { struct_size = (uint)sizeof(NativeOptions) };
+                using (Enter()) Check(Native.Functions.FitterGetOptions(Pointer, &native));
+                return new FitOptions(native);
             }
             set
             {
                 if (value == null) throw new ArgumentNullException(nameof(value));
-                NativeOptions native;
-                value.Write(&native);
-                Enter();
-                try { Check(NativeFunctions.FitterSetOptions(handle, &native)); }
-                finally { Leave(); }
+                NativeOptions native = value.ToNative();
+                using (Enter()) Check(Native.Functions.FitterSetOptions(Pointer, &native));
             }
         }
 
@@ -76,13 +71,11 @@ namespace Cylfuse
                 if (value == null) throw new ArgumentNullException(nameof(value));
                 NativeIntrinsics native;
                 value.Write(&native);
-                Enter();
-                try
+                using (Enter())
                 {
-                    Check(NativeFunctions.FitterSetIntrinsics(handle, &native));
+                    Check(Native.Functions.FitterSetIntrinsics(Pointer, &native));
                     intrinsics = value;
                 }
-                finally { Leave(); }
             }
         }
 
@@ -92,9 +85,7 @@ namespace Cylfuse
         public unsafe void SetStartModel(Cylinder model)
         {
             NativeCylinder native;
-            Enter();
-            try { Check(NativeFunctions.FitterSetStartModel(handle, Model(model, &native))); }
-            finally { Leave(); }
+            using (Enter()) Check(Native.Functions.FitterSetStartModel(Pointer, Cylinder.Write(model, &native)));
         }
 
         /// <summary>Sets or takes away the function that hears of every linear solve of a fit, on the thread of the
@@ -103,13 +94,11 @@ namespace Cylfuse
         /// <param name="handler">null for none.</param>
         public void SetProgress(Func<Progress, bool> handler)
         {
-            Enter();
-            try
+            using (Enter())
             {
                 progress = handler;
                 InstallProgress();
             }
-            finally { Leave(); }
         }
 
         /// <summary>Sets or takes away the function that takes log lines, on the thread of the call. An exception that it
@@ -118,14 +107,12 @@ namespace Cylfuse
         /// <param name="handler">null for none.</param>
         public unsafe void SetLog(LogLevel maxLevel, Action<LogLevel, string> handler)
         {
-            Enter();
-            try
+            using (Enter())
             {
-                Check(NativeFunctions.FitterSetLog(handle, (int)maxLevel, handler == null ? null : nativeLog,
+                Check(Native.Functions.FitterSetLog(Pointer, (int)maxLevel, handler == null ? null : nativeLog,
                     IntPtr.Zero));
                 log = handler;
             }
-            finally { Leave(); }
         }
 
         /// <summary>Makes room, so that pushing that many more points and segments needs no memory.</summary>
@@ -135,23 +122,24 @@ namespace Cylfuse
             if (points < 0 || segments < 0)
                 throw new ArgumentOutOfRangeException(nameof(points),
                     $"Room for {points} points and {segments} segments cannot be made: neither number may be negative.");
-            Enter();
-            try { Check(NativeFunctions.FitterReserve(handle, (UIntPtr)points, (UIntPtr)segments)); }
-            finally { Leave(); }
+            using (Enter()) Check(Native.Functions.FitterReserve(Pointer, (UIntPtr)points, (UIntPtr)segments));
         }
 
         /// <summary>Forgets data, result and a pending request to cancel; keeps options, camera, start model, callbacks and
         /// memory: the way from one frame to the next.</summary>
         public void Clear()
         {
-            Enter();
-            try { Check(NativeFunctions.FitterClear(handle)); }
-            finally { Leave(); }
+            using (Enter()) Check(Native.Functions.FitterClear(Pointer));
         }
 
         /// <summary>Asks the running fit to stop: it throws with <see cref="Status.Cancelled"/>. When no fit is running,
         /// the next one stops at once, unless <see cref="Clear"/> comes before it. From any thread, at any time.</summary>
-        public void Cancel() => NativeFunctions.Check(NativeFunctions.FitterCancel(handle));
+        public void Cancel()
+        {
+            IntPtr fitter = handle.Acquire();
+            try { Native.Check(Native.Functions.FitterCancel(fitter)); }
+            finally { handle.DangerousRelease(); }
+        }
 
         /// <summary>Adds points, in the camera frame when edges, the near-wall rule, completion or extent matter, else in
         /// any frame. Points with a coordinate that is not finite, a weight of 0 or outside the mask are left out and
@@ -168,10 +156,8 @@ namespace Cylfuse
                 NativePointsView view;
                 points.Write(&view, pins);
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                Enter();
-                try { Check(NativeFunctions.FitterPushPoints(handle, &view, regionOrNull)); }
-                finally { Leave(); }
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                using (Enter()) Check(Native.Functions.FitterPushPoints(Pointer, &view, regionOrNull));
             }
         }
 
@@ -190,10 +176,8 @@ namespace Cylfuse
                 NativeDepthView view;
                 depth.Write(&view, pins);
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                Enter();
-                try { Check(NativeFunctions.FitterPushDepth(handle, &view, regionOrNull)); }
-                finally { Leave(); }
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                using (Enter()) Check(Native.Functions.FitterPushDepth(Pointer, &view, regionOrNull));
             }
         }
 
@@ -208,9 +192,7 @@ namespace Cylfuse
             {
                 NativeImageView view;
                 image.Write(&view, pins);
-                Enter();
-                try { Check(NativeFunctions.FitterPushImage(handle, &view)); }
-                finally { Leave(); }
+                using (Enter()) Check(Native.Functions.FitterPushImage(Pointer, &view));
             }
         }
 
@@ -224,9 +206,7 @@ namespace Cylfuse
             {
                 NativeSegmentsView view;
                 segments.Write(&view, pins);
-                Enter();
-                try { Check(NativeFunctions.FitterPushEdges(handle, &view)); }
-                finally { Leave(); }
+                using (Enter()) Check(Native.Functions.FitterPushEdges(Pointer, &view));
             }
         }
 
@@ -237,12 +217,9 @@ namespace Cylfuse
         /// reason.</summary>
         public unsafe Counts Counts()
         {
-            NativeCounts native = default(NativeCounts);
-            native.struct_size = (uint)NativeFunctions.SizeOf<NativeCounts>();
-            Enter();
-            try { Check(NativeFunctions.FitterCounts(handle, &native)); }
-            finally { Leave(); }
-            return new Counts(&native);
+            var native = new NativeCounts { struct_size = (uint)sizeof(NativeCounts) };
+            using (Enter()) Check(Native.Functions.FitterCounts(Pointer, &native));
+            return new Counts(native);
         }
 
         /// <summary>Estimates the cylinder from everything that was pushed. No convergence and other doubts are not errors
@@ -254,24 +231,17 @@ namespace Cylfuse
         public unsafe FitResult Fit(CancellationToken cancellation = default(CancellationToken))
         {
             cancellation.ThrowIfCancellationRequested();
-            NativeResult native = default(NativeResult);
-            native.struct_size = (uint)NativeFunctions.SizeOf<NativeResult>();
-            Enter();
-            try
+            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
+            using (Enter())
             {
                 token = cancellation;
                 if (cancellation.CanBeCanceled) InstallProgress();
-                int status = NativeFunctions.FitterFit(handle, &native);
+                int status = Native.Functions.FitterFit(Pointer, &native);
                 if (status == (int)Status.Cancelled && callbackFailure == null)
                     cancellation.ThrowIfCancellationRequested();
                 Check(status);
             }
-            finally
-            {
-                token = CancellationToken.None;
-                Leave();
-            }
-            return new FitResult(&native);
+            return new FitResult(native);
         }
 
         /// <summary>Says what a fit would report for a given model, without iterating. The last result stays.</summary>
@@ -280,87 +250,94 @@ namespace Cylfuse
         {
             if (model == null) throw new ArgumentNullException(nameof(model));
             NativeCylinder cylinder;
-            NativeResult native = default(NativeResult);
-            native.struct_size = (uint)NativeFunctions.SizeOf<NativeResult>();
-            Enter();
-            try { Check(NativeFunctions.FitterEvaluate(handle, Model(model, &cylinder), &native)); }
-            finally { Leave(); }
-            return new FitResult(&native);
+            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
+            using (Enter()) Check(Native.Functions.FitterEvaluate(Pointer, Cylinder.Write(model, &cylinder), &native));
+            return new FitResult(native);
         }
 
         /// <summary>The result of the last fit that succeeded.</summary>
         /// <exception cref="CylfuseException">There is none (BadState).</exception>
         public unsafe FitResult Result()
         {
-            NativeResult native = default(NativeResult);
-            native.struct_size = (uint)NativeFunctions.SizeOf<NativeResult>();
-            Enter();
-            try { Check(NativeFunctions.FitterGetResult(handle, &native)); }
-            finally { Leave(); }
-            return new FitResult(&native);
+            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
+            using (Enter()) Check(Native.Functions.FitterGetResult(Pointer, &native));
+            return new FitResult(native);
         }
 
-        private static unsafe NativeCylinder* Model(Cylinder model, NativeCylinder* native)
-        {
-            if (model == null) return null;
-            model.Write(native);
-            return native;
-        }
-
-        private static unsafe NativeMaskView* Region(Mask mask, NativeMaskView* native, Pins pins)
-        {
-            if (mask == null) return null;
-            mask.Write(native, pins);
-            return native;
-        }
-
-        private unsafe void InstallProgress()
+        private void InstallProgress()
         {
             if (progressInstalled) return;
-            Check(NativeFunctions.FitterSetProgress(handle, nativeProgress, IntPtr.Zero));
+            Check(Native.Functions.FitterSetProgress(Pointer, nativeProgress, IntPtr.Zero));
             progressInstalled = true;
         }
 
         private unsafe int OnProgress(NativeProgress* native, IntPtr userData)
         {
-            // No exception may pass through the library.
-            try
-            {
-                if (token.IsCancellationRequested) return 1;
-                return progress == null || progress(new Progress(native)) ? 0 : 1;
-            }
+            bool goesOn = false;
+            Guard(() => goesOn = !token.IsCancellationRequested &&
+                (progress == null || progress(new Progress(*native))));
+            return goesOn ? 0 : 1;
+        }
+
+        private void OnLog(int level, IntPtr message, IntPtr userData) =>
+            Guard(() => log?.Invoke((LogLevel)level, Library.Text(message)));
+
+        /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An abortion
+        /// of the thread would by itself.</summary>
+        private void Guard(Action callback)
+        {
+            try { callback(); }
             catch (Exception failure)
             {
-                callbackFailure = ExceptionDispatchInfo.Capture(failure);
-                return 1;
+                if (failure is ThreadAbortException) Thread.ResetAbort();
+                callbackFailure = callbackFailure ?? ExceptionDispatchInfo.Capture(failure);
             }
         }
 
-        private void OnLog(int level, IntPtr message, IntPtr userData)
-        {
-            try { log?.Invoke((LogLevel)level, Library.Text(message)); }
-            catch (Exception failure) { callbackFailure = callbackFailure ?? ExceptionDispatchInfo.Capture(failure); }
-        }
+        /// <summary>The native fitter, during a call.</summary>
+        private IntPtr Pointer => handle.DangerousGetHandle();
 
-        /// <summary>Takes the fitter for one call, so that its message is read before another call replaces it.</summary>
-        private void Enter()
+        /// <summary>Takes the fitter for one call: it is not destroyed before the end, and its message is read before
+        /// another call replaces it.</summary>
+        private Call Enter()
         {
-            if (handle.IsClosed) throw new ObjectDisposedException(nameof(Fitter));
+            handle.Acquire();
             if (Interlocked.CompareExchange(ref busy, 1, 0) != 0)
+            {
+                handle.DangerousRelease();
                 throw CylfuseException.For(Status.Busy, Library.StatusText(Status.Busy));
+            }
             callbackFailure = null;
+            token = CancellationToken.None;
+            return new Call(this);
         }
-
-        private void Leave() => Volatile.Write(ref busy, 0);
 
         /// <summary>Throws what a callback threw, or the failure of the call with its message.</summary>
         private void Check(int status)
         {
+            if (callbackFailure?.SourceException is ThreadAbortException) Thread.CurrentThread.Abort();
             callbackFailure?.Throw();
             if (status == 0) return;
-            string message = Library.Text(NativeFunctions.FitterLastError(handle));
+            string message = Library.Text(Native.Functions.FitterLastError(Pointer));
             if (string.IsNullOrEmpty(message)) message = Library.StatusText((Status)status);
             throw CylfuseException.For((Status)status, message);
+        }
+
+        /// <summary>A call that is running; disposing it ends it.</summary>
+        private struct Call : IDisposable
+        {
+            private readonly Fitter fitter;
+
+            internal Call(Fitter fitter)
+            {
+                this.fitter = fitter;
+            }
+
+            public void Dispose()
+            {
+                Volatile.Write(ref fitter.busy, 0);
+                fitter.handle.DangerousRelease();
+            }
         }
     }
 }

@@ -15,21 +15,19 @@ namespace Cylfuse
         public unsafe double[] Residuals(ResidualKind kind, Cylinder model = null)
         {
             NativeCylinder cylinder;
-            Enter();
-            try
+            using (Enter())
             {
-                NativeCylinder* modelOrNull = Model(model, &cylinder);
-                int status = NativeFunctions.FitterResiduals(handle, modelOrNull, (int)kind, null, UIntPtr.Zero,
+                NativeCylinder* modelOrNull = Cylinder.Write(model, &cylinder);
+                int status = Native.Functions.FitterResiduals(Pointer, modelOrNull, (int)kind, null, UIntPtr.Zero,
                     out UIntPtr count);
                 if (status != (int)Status.BufferTooSmall) Check(status);
                 var residuals = new double[(long)count];
                 fixed (double* buffer = residuals)
                 {
-                    Check(NativeFunctions.FitterResiduals(handle, modelOrNull, (int)kind, buffer, count, out count));
+                    Check(Native.Functions.FitterResiduals(Pointer, modelOrNull, (int)kind, buffer, count, out count));
                 }
                 return residuals;
             }
-            finally { Leave(); }
         }
 
         /// <summary>Lists what the last fit saw of the limbs in the grey image, piece by piece, used and refused; all samples
@@ -37,21 +35,17 @@ namespace Cylfuse
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe LimbSample[] LimbSamples()
         {
-            Enter();
-            try
+            using (Enter())
             {
-                int status = NativeFunctions.FitterLimbSamples(handle, null, UIntPtr.Zero, out UIntPtr count);
+                int status = Native.Functions.FitterLimbSamples(Pointer, null, UIntPtr.Zero, out UIntPtr count);
                 if (status != (int)Status.BufferTooSmall) Check(status);
                 var native = new NativeLimbSample[(long)count];
-                var samples = new LimbSample[native.Length];
                 fixed (NativeLimbSample* buffer = native)
                 {
-                    Check(NativeFunctions.FitterLimbSamples(handle, buffer, count, out count));
-                    for (int k = 0; k < samples.Length; k++) samples[k] = new LimbSample(buffer + k);
+                    Check(Native.Functions.FitterLimbSamples(Pointer, buffer, count, out count));
                 }
-                return samples;
+                return Array.ConvertAll(native, sample => new LimbSample(sample));
             }
-            finally { Leave(); }
         }
 
         /// <summary>Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more
@@ -62,12 +56,9 @@ namespace Cylfuse
         public unsafe Diagnosis Diagnose(Cylinder model = null)
         {
             NativeCylinder cylinder;
-            NativeDiagnosis native = default(NativeDiagnosis);
-            native.struct_size = (uint)NativeFunctions.SizeOf<NativeDiagnosis>();
-            Enter();
-            try { Check(NativeFunctions.FitterDiagnose(handle, Model(model, &cylinder), &native)); }
-            finally { Leave(); }
-            return new Diagnosis(&native);
+            var native = new NativeDiagnosis { struct_size = (uint)sizeof(NativeDiagnosis) };
+            using (Enter()) Check(Native.Functions.FitterDiagnose(Pointer, Cylinder.Write(model, &cylinder), &native));
+            return new Diagnosis(native);
         }
 
         /// <summary>Says how many points a completion may give at most: the set pixels of the mask when packed, all pixels of
@@ -80,10 +71,8 @@ namespace Cylfuse
             using (var pins = new Pins())
             {
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                Enter();
-                try { return Bound(regionOrNull, layout); }
-                finally { Leave(); }
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                using (Enter()) return Bound(regionOrNull, layout);
             }
         }
 
@@ -130,13 +119,11 @@ namespace Cylfuse
             {
                 NativeCylinder cylinder;
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                NativeExtent native = default(NativeExtent);
-                native.struct_size = (uint)NativeFunctions.SizeOf<NativeExtent>();
-                Enter();
-                try { Check(NativeFunctions.FitterExtent(handle, Model(model, &cylinder), regionOrNull, &native)); }
-                finally { Leave(); }
-                return new Extent(&native);
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                var native = new NativeExtent { struct_size = (uint)sizeof(NativeExtent) };
+                using (Enter())
+                    Check(Native.Functions.FitterExtent(Pointer, Cylinder.Write(model, &cylinder), regionOrNull, &native));
+                return new Extent(native);
             }
         }
 
@@ -160,23 +147,21 @@ namespace Cylfuse
                 NativeSegmentsView view;
                 segments.Write(&view, pins);
                 var limbs = new byte[segments.Count];
-                Enter();
-                try
+                using (Enter())
                 {
                     fixed (byte* buffer = limbs)
                     {
-                        Check(NativeFunctions.FitterSelectEdges(
-                            handle, Model(model, &cylinder), &view, reach, buffer, (UIntPtr)limbs.Length));
+                        Check(Native.Functions.FitterSelectEdges(
+                            Pointer, Cylinder.Write(model, &cylinder), &view, reach, buffer, (UIntPtr)limbs.Length));
                     }
                 }
-                finally { Leave(); }
                 return limbs;
             }
         }
 
         private unsafe long Bound(NativeMaskView* mask, Layout layout)
         {
-            Check(NativeFunctions.FitterCompleteBound(handle, mask, (int)layout, out UIntPtr capacity));
+            Check(Native.Functions.FitterCompleteBound(Pointer, mask, (int)layout, out UIntPtr capacity));
             return (long)capacity;
         }
 
@@ -187,14 +172,11 @@ namespace Cylfuse
             {
                 NativeCylinder cylinder;
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                NativeCompletion completion = default(NativeCompletion);
-                completion.struct_size = (uint)NativeFunctions.SizeOf<NativeCompletion>();
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                var completion = new NativeCompletion { struct_size = (uint)sizeof(NativeCompletion) };
                 NativePointsOut target;
-                NativeFunctions.Check(NativeFunctions.PointsOutInit(&target,
-                    NativeFunctions.SizeOf<NativePointsOut>()));
-                Enter();
-                try
+                Native.Check(Native.Functions.PointsOutInit(&target, (UIntPtr)sizeof(NativePointsOut)));
+                using (Enter())
                 {
                     long capacity = Bound(regionOrNull, layout);
                     var coordinates = new T[3 * capacity];
@@ -202,15 +184,14 @@ namespace Cylfuse
                     target.data = pins.Add(coordinates);
                     target.capacity = (UIntPtr)capacity;
                     target.layout = (int)layout;
-                    Check(NativeFunctions.FitterComplete(handle, Model(model, &cylinder), regionOrNull, &target,
+                    Check(Native.Functions.FitterComplete(Pointer, Cylinder.Write(model, &cylinder), regionOrNull, &target,
                         &completion));
                     if (layout == Layout.Organised)
                         return new CompletedCloud<T>(coordinates, intrinsics.Width, intrinsics.Height,
-                            new Completion(&completion));
+                            new Completion(completion));
                     if ((long)completion.count < capacity) Array.Resize(ref coordinates, 3 * (int)completion.count);
-                    return new CompletedCloud<T>(coordinates, (int)completion.count, 1, new Completion(&completion));
+                    return new CompletedCloud<T>(coordinates, (int)completion.count, 1, new Completion(completion));
                 }
-                finally { Leave(); }
             }
         }
 
@@ -221,13 +202,11 @@ namespace Cylfuse
             {
                 NativeCylinder cylinder;
                 NativeMaskView region;
-                NativeMaskView* regionOrNull = Region(mask, &region, pins);
-                NativeCompletion completion = default(NativeCompletion);
-                completion.struct_size = (uint)NativeFunctions.SizeOf<NativeCompletion>();
+                NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
+                var completion = new NativeCompletion { struct_size = (uint)sizeof(NativeCompletion) };
                 NativeDepthOut target;
-                NativeFunctions.Check(NativeFunctions.DepthOutInit(&target, NativeFunctions.SizeOf<NativeDepthOut>()));
-                Enter();
-                try
+                Native.Check(Native.Functions.DepthOutInit(&target, (UIntPtr)sizeof(NativeDepthOut)));
+                using (Enter())
                 {
                     // Without a camera the image has no size; the library then says what is missing.
                     var depth = new T[intrinsics?.Height ?? 0, intrinsics?.Width ?? 0];
@@ -236,11 +215,10 @@ namespace Cylfuse
                     target.width = (uint)depth.GetLength(1);
                     target.height = (uint)depth.GetLength(0);
                     target.scale = scale;
-                    Check(NativeFunctions.FitterCompleteDepth(handle, Model(model, &cylinder), regionOrNull, &target,
-                        &completion));
-                    return new CompletedDepth<T>(depth, new Completion(&completion));
+                    Check(Native.Functions.FitterCompleteDepth(Pointer, Cylinder.Write(model, &cylinder), regionOrNull,
+                        &target, &completion));
+                    return new CompletedDepth<T>(depth, new Completion(completion));
                 }
-                finally { Leave(); }
             }
         }
     }

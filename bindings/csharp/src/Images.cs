@@ -52,8 +52,8 @@ namespace Cylfuse
 
         internal unsafe void Write(NativeDepthView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.DepthViewInit(native, NativeFunctions.SizeOf<NativeDepthView>()));
-            native->format = pixels.ElementType == typeof(ushort) ? Native.DepthFormatU16 : Native.DepthFormatF32;
+            Native.Check(Native.Functions.DepthViewInit(native, (UIntPtr)sizeof(NativeDepthView)));
+            native->format = pixels.ElementSize == 2 ? Native.DepthFormatU16 : Native.DepthFormatF32;
             native->data = pixels.Pin(pins);
             native->width = (uint)pixels.Width;
             native->height = (uint)pixels.Height;
@@ -101,14 +101,17 @@ namespace Cylfuse
             int rowStride = 0) =>
             new Mask(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
 
-        internal unsafe void Write(NativeMaskView* native, Pins pins)
+        /// <summary>Fills the struct and gives its address; null where there is no mask.</summary>
+        internal static unsafe NativeMaskView* Write(Mask mask, NativeMaskView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.MaskViewInit(native, NativeFunctions.SizeOf<NativeMaskView>()));
-            native->data = pixels.Pin(pins);
-            native->width = (uint)pixels.Width;
-            native->height = (uint)pixels.Height;
-            native->row_stride = pixels.RowStride;
-            native->pixel_stride = pixels.ItemStride;
+            if (mask == null) return null;
+            Native.Check(Native.Functions.MaskViewInit(native, (UIntPtr)sizeof(NativeMaskView)));
+            native->data = mask.pixels.Pin(pins);
+            native->width = (uint)mask.pixels.Width;
+            native->height = (uint)mask.pixels.Height;
+            native->row_stride = mask.pixels.RowStride;
+            native->pixel_stride = mask.pixels.ItemStride;
+            return native;
         }
     }
 
@@ -159,9 +162,9 @@ namespace Cylfuse
 
         internal unsafe void Write(NativeImageView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.ImageViewInit(native, NativeFunctions.SizeOf<NativeImageView>()));
-            native->format = pixels.ElementType == typeof(byte) ? Native.ImageFormatU8
-                : pixels.ElementType == typeof(ushort) ? Native.ImageFormatU16 : Native.ImageFormatF32;
+            Native.Check(Native.Functions.ImageViewInit(native, (UIntPtr)sizeof(NativeImageView)));
+            native->format = pixels.ElementSize == 1 ? Native.ImageFormatU8
+                : pixels.ElementSize == 2 ? Native.ImageFormatU16 : Native.ImageFormatF32;
             native->data = pixels.Pin(pins);
             native->width = (uint)pixels.Width;
             native->height = (uint)pixels.Height;

@@ -62,7 +62,7 @@ namespace Cylfuse
 
         internal unsafe void Write(NativeIntrinsics* native)
         {
-            NativeFunctions.Check(NativeFunctions.IntrinsicsInit(native, NativeFunctions.SizeOf<NativeIntrinsics>()));
+            Native.Check(Native.Functions.IntrinsicsInit(native, (UIntPtr)sizeof(NativeIntrinsics)));
             native->distortion_model = (int)DistortionModel;
             native->width = (uint)Width;
             native->height = (uint)Height;

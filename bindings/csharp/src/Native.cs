@@ -2,7 +2,7 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>What the conversions from and to native structs share.</summary>
+    /// <summary>The opened library, and what the conversions from and to its structs share.</summary>
     internal static class Native
     {
         internal const int DepthFormatU16 = 1;
@@ -13,7 +13,20 @@ namespace Cylfuse
         internal const int ScalarF32 = 1;
         internal const int ScalarF64 = 2;
 
-        internal static int Scalar(Type type) => type == typeof(float) ? ScalarF32 : ScalarF64;
+        // Lazy, because what fails in a static constructor comes out wrapped, without its message.
+        private static readonly Lazy<NativeFunctions> functions = new Lazy<NativeFunctions>(NativeFunctions.Open);
+
+        /// <summary>The functions of the library, which the first use opens.</summary>
+        /// <exception cref="DllNotFoundException">The library was not found or cannot be loaded.</exception>
+        /// <exception cref="EntryPointNotFoundException">The library lacks a function.</exception>
+        /// <exception cref="CylfuseException">The library has another binary interface (AbiMismatch).</exception>
+        internal static NativeFunctions Functions => functions.Value;
+
+        /// <summary>Throws for a failed call that leaves no message of its own.</summary>
+        internal static void Check(int status)
+        {
+            if (status != 0) throw CylfuseException.For((Status)status, Library.StatusText((Status)status));
+        }
 
         internal static unsafe double[] Copy(double* numbers, int count)
         {

@@ -6,15 +6,15 @@ namespace Cylfuse
     // The structs of cylfuse.h, field by field. The tests compare sizes and offsets with those of the library.
 
     [StructLayout(LayoutKind.Sequential)]
-    internal unsafe struct NativeCylinder
+    internal struct NativeCylinder
     {
-        internal fixed double point[3];
-        internal fixed double direction[3];
+        internal Vector point;
+        internal Vector direction;
         internal double radius;
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    internal unsafe struct NativeOptions
+    internal struct NativeOptions
     {
         internal uint struct_size;
         internal int method;
@@ -37,7 +37,7 @@ namespace Cylfuse
         internal int extent_rule;
         internal double radius_min;
         internal double radius_max;
-        internal fixed double axis[3];
+        internal Vector axis;
         internal double axis_max_angle;
     }
 
@@ -237,8 +237,8 @@ namespace Cylfuse
         internal uint rank;
         internal fixed double singular_values[5];
         internal double condition;
-        internal fixed double weakest_shift[3];
-        internal fixed double weakest_tilt[3];
+        internal Vector weakest_shift;
+        internal Vector weakest_tilt;
         internal double weakest_radius;
     }
 
@@ -261,9 +261,9 @@ namespace Cylfuse
         internal int start_state;
         internal int end_state;
         internal uint reserved;
-        internal fixed double start[3];
-        internal fixed double end[3];
-        internal fixed double center[3];
+        internal Vector start;
+        internal Vector end;
+        internal Vector center;
         internal double length;
         internal double start_deviation;
         internal double end_deviation;

@@ -97,8 +97,8 @@ namespace Cylfuse
 
         internal unsafe void Write(NativePointsView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.PointsViewInit(native, NativeFunctions.SizeOf<NativePointsView>()));
-            native->scalar = Native.Scalar(points.ElementType);
+            Native.Check(Native.Functions.PointsViewInit(native, (UIntPtr)sizeof(NativePointsView)));
+            native->scalar = points.ElementSize == 4 ? Native.ScalarF32 : Native.ScalarF64;
             native->data = points.Pin(pins);
             native->width = (UIntPtr)Width;
             native->height = (UIntPtr)Height;
@@ -136,7 +136,8 @@ namespace Cylfuse
         {
             if (xyz == null) throw new ArgumentNullException(nameof(xyz));
             if (xyz.Length % 3 != 0)
-                throw new ArgumentException($"{xyz.Length} numbers are not x, y, z of points: their count must be a multiple of 3.", nameof(xyz));
+                throw new ArgumentException(
+                    $"{xyz.Length} numbers are not x, y, z of points: their count must be a multiple of 3.", nameof(xyz));
             return new PointCloud(new ArrayPart("points", xyz, 3, xyz.Length / 3, 1));
         }
 
@@ -158,9 +159,12 @@ namespace Cylfuse
 
         private ArrayPart OfSameType(ArrayPart part, string what)
         {
-            if (part.ElementType != points.ElementType)
-                throw new ArgumentException($"The {what} are {part.ElementType.Name} and the coordinates {points.ElementType.Name}: both must be the same type.");
+            if (part.ElementSize != points.ElementSize)
+                throw new ArgumentException(
+                    $"The {what} are {Name(part)} and the coordinates {Name(points)}: both must be the same type.");
             return part;
         }
+
+        private static string Name(ArrayPart part) => part.ElementSize == 4 ? "float" : "double";
     }
 }

@@ -3,33 +3,31 @@ namespace Cylfuse
     /// <summary>The state of a running fit, before each linear solve.</summary>
     public sealed class Progress
     {
+        private readonly NativeProgress native;
+
         /// <summary>What the fit is doing.</summary>
-        public Phase Phase { get; }
+        public Phase Phase => (Phase)native.phase;
 
         /// <summary>Linear solves so far. Begins again at 0 with every start that is tried and every robust
         /// round.</summary>
-        public int Iteration { get; }
+        public int Iteration => (int)native.iteration;
 
         /// <summary>Most linear solves.</summary>
-        public int MaxIterations { get; }
+        public int MaxIterations => (int)native.max_iterations;
 
         /// <summary>The lowest cost so far, unit of length squared; infinite in the phase Start.</summary>
-        public double Cost { get; }
+        public double Cost => native.cost;
 
         /// <summary>The damping of the next step; 0 in the phase Start.</summary>
-        public double Lambda { get; }
+        public double Lambda => native.lambda;
 
         /// <summary>The best cylinder so far; of radius 0 in the phase Start.</summary>
         public Cylinder Model { get; }
 
-        internal unsafe Progress(NativeProgress* native)
+        internal Progress(NativeProgress native)
         {
-            Phase = (Phase)native->phase;
-            Iteration = (int)native->iteration;
-            MaxIterations = (int)native->max_iterations;
-            Cost = native->cost;
-            Lambda = native->lambda;
-            Model = new Cylinder(&native->model);
+            this.native = native;
+            Model = new Cylinder(native.model);
         }
     }
 }

@@ -53,9 +53,8 @@ namespace Cylfuse
 
         internal unsafe void Write(NativeSegmentsView* native, Pins pins)
         {
-            NativeFunctions.Check(NativeFunctions.SegmentsViewInit(native,
-                NativeFunctions.SizeOf<NativeSegmentsView>()));
-            native->scalar = Native.Scalar(segments.ElementType);
+            Native.Check(Native.Functions.SegmentsViewInit(native, (UIntPtr)sizeof(NativeSegmentsView)));
+            native->scalar = segments.ElementSize == 4 ? Native.ScalarF32 : Native.ScalarF64;
             native->data = segments.Pin(pins);
             native->count = (UIntPtr)Count;
             native->segment_stride = segments.ItemStride;

@@ -1,9 +1,12 @@
 using System;
 using System.Globalization;
+using System.Runtime.InteropServices;
 
 namespace Cylfuse
 {
     /// <summary>Three numbers: a point or a direction. Camera frame: x to the right, y down, z forward.</summary>
+    // Three numbers in this order: it stands in the structs of the library.
+    [StructLayout(LayoutKind.Sequential)]
     public struct Vector : IEquatable<Vector>
     {
         /// <summary>The x coordinate.</summary>
@@ -21,15 +24,6 @@ namespace Cylfuse
             X = x;
             Y = y;
             Z = z;
-        }
-
-        internal unsafe Vector(double* numbers) : this(numbers[0], numbers[1], numbers[2]) { }
-
-        internal unsafe void CopyTo(double* numbers)
-        {
-            numbers[0] = X;
-            numbers[1] = Y;
-            numbers[2] = Z;
         }
 
         /// <inheritdoc/>

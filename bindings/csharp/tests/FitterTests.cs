@@ -56,6 +56,47 @@ namespace Cylfuse.Tests
             Check.Near(0.5, Radius(PointCloud.From(single)), 1e-6, "float");
         }
 
+        /// <summary>.NET lets an array of signed numbers pass for one of unsigned ones.</summary>
+        public static void SignedArraysAreReadAsUnsigned()
+        {
+            using (Fitter expected = Scene.Loaded())
+            using (var fitter = new Fitter { Intrinsics = Scene.Camera })
+            {
+                var depth = new short[Scene.Height, Scene.Width];
+                Buffer.BlockCopy(Scene.Depth(), 0, depth, 0, 2 * depth.Length);
+                fitter.PushDepth(DepthImage.From((ushort[,])(object)depth, 1e-4), Mask.From(Scene.Mask()));
+                fitter.PushEdges(Scene.Edges());
+                fitter.PushImage(GreyImage.From((byte[,])(object)new sbyte[Scene.Height, Scene.Width]));
+                expected.PushImage(GreyImage.From(new byte[Scene.Height, Scene.Width]));
+                Check.Near(expected.Fit().Cost, fitter.Fit().Cost, 0, "cost");
+            }
+        }
+
+        public static void ArraysBeyondTwoGigabytesAreTaken()
+        {
+            using (var fitter = new Fitter())
+            {
+                // Never touched, so that it takes no memory.
+                fitter.PushPoints(PointCloud.From(new double[270000000], 10, 1, 269999970));
+                Check.Equal(10L, fitter.Counts().PointsGiven);
+            }
+        }
+
+        public static void EmptyArraysAreNothing()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            {
+                long given = fitter.Counts().PointsGiven;
+                fitter.PushPoints(PointCloud.From(new double[0, 3]));
+                fitter.PushPoints(PointCloud.From(new float[0]));
+                fitter.PushEdges(new double[0, 4]);
+                Check.Equal(given, fitter.Counts().PointsGiven);
+                Check.Equal(0, fitter.SelectEdges(Segments.From(new double[0, 4]), Scene.Truth).Length);
+                Check.Equal(0, Scene.Truth.Distances(PointCloud.From(new double[0, 3])).Length);
+                Check.Fails(Status.SizeMismatch, () => fitter.PushImage(GreyImage.From(new byte[0, 0])), "0 x 0");
+            }
+        }
+
         private static double Radius(PointCloud points)
         {
             using (var fitter = new Fitter())
@@ -264,6 +305,10 @@ namespace Cylfuse.Tests
                 Check.Fails(Status.Cancelled, () => fitter.Fit());
                 fitter.SetProgress(progress => { Throw(); return true; });
                 Check.Throws<FormatException>(() => fitter.Fit(), "from the callback");
+                fitter.SetProgress(null);
+                fitter.SetLog(LogLevel.Debug, (level, line) => Throw());
+                Check.Throws<FormatException>(() => fitter.Fit(), "from the callback");
+                fitter.SetLog(LogLevel.Off, null);
                 fitter.SetProgress(progress => { fitter.Clear(); return true; });
                 Check.Fails(Status.Busy, () => fitter.Fit(), "BUSY");
                 fitter.SetProgress(null);

@@ -24,7 +24,7 @@ namespace Cylfuse.Tests
                 string[] words = line.Split(new[] { ' ' }, StringSplitOptions.RemoveEmptyEntries);
                 if (!line.StartsWith(" "))
                 {
-                    string name = "Cylfuse.Native" + string.Concat(words[0].Substring("cylfuse_".Length).Split('_').Select(w => char.ToUpper(w[0]) + w.Substring(1)));
+                    string name = "Cylfuse.Native" + string.Concat(words[0].Substring("cylfuse_".Length).Split('_').Select(w => char.ToUpperInvariant(w[0]) + w.Substring(1)));
                     type = typeof(Fitter).Assembly.GetType(name);
                     Check.That(type != null, $"{name} is missing");
                     Check.Equal(int.Parse(words[1]), Marshal.SizeOf(type), words[0]);
@@ -54,7 +54,7 @@ namespace Cylfuse.Tests
         public static void EveryFunctionOfTheHeaderIsBound()
         {
             int delegates = typeof(Fitter).Assembly.GetType("Cylfuse.NativeFunctions")
-                .GetFields(BindingFlags.NonPublic | BindingFlags.Static).Count(field =>
+                .GetFields(BindingFlags.NonPublic | BindingFlags.Instance).Count(field =>
                     typeof(Delegate).IsAssignableFrom(field.FieldType));
             Check.Equal(File.ReadAllLines(Path.Combine(Data, "symbols.txt")).Length, delegates);
         }

@@ -18,7 +18,54 @@ namespace Cylfuse.Tests
             fitter.Dispose();
             fitter.Dispose();
             Check.Throws<ObjectDisposedException>(() => fitter.Fit(), "Fitter");
-            Check.Throws<ObjectDisposedException>(() => fitter.Cancel(), "");
+            Check.Throws<ObjectDisposedException>(() => fitter.Cancel(), "Fitter");
+        }
+
+        public static void DisposeInsideACallLeavesItsFailure()
+        {
+            Fitter fitter = Scene.Loaded();
+            fitter.SetProgress(progress => { fitter.Dispose(); return false; });
+            Check.Fails(Status.Cancelled, () => fitter.Fit(), "cancelled by the caller");
+            Check.Throws<ObjectDisposedException>(() => fitter.Fit(), "Fitter");
+        }
+
+        public static void AnotherThreadCancelsAFit()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            {
+                var inside = new ManualResetEventSlim();
+                var cancelled = new ManualResetEventSlim();
+                fitter.SetProgress(progress => { inside.Set(); cancelled.Wait(); return true; });
+                Task fit = Task.Factory.StartNew(() => Check.Fails(Status.Cancelled, () => fitter.Fit()),
+                    TaskCreationOptions.LongRunning);
+                inside.Wait();
+                fitter.Cancel();
+                cancelled.Set();
+                fit.Wait();
+            }
+        }
+
+        /// <summary>The abortion must not jump over the frames of the library.</summary>
+        public static void AnAbortedThreadLeavesTheFitterUsable()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            {
+                var inside = new ManualResetEventSlim();
+                fitter.SetProgress(progress => { inside.Set(); Thread.Sleep(Timeout.Infinite); return true; });
+                Exception seen = null;
+                var thread = new Thread(() =>
+                {
+                    try { fitter.Fit(); }
+                    catch (ThreadAbortException failure) { seen = failure; Thread.ResetAbort(); }
+                });
+                thread.Start();
+                inside.Wait();
+                thread.Abort();
+                thread.Join();
+                Check.That(seen != null, "the abortion did not come out of the fit");
+                fitter.SetProgress(null);
+                Check.Near(Scene.Truth.Radius, fitter.Fit().Model.Radius, 1e-3, "radius");
+            }
         }
 
         public static void DisposeInsideACallWaitsForIt()
@@ -55,6 +102,9 @@ namespace Cylfuse.Tests
             for (int k = 0; k < count; k++)
             {
                 var fitter = new Fitter { Options = options };
+                // Callbacks that know their fitter do not keep it alive.
+                fitter.SetProgress(progress => fitter != null);
+                fitter.SetLog(LogLevel.Debug, (level, line) => fitter.GetHashCode());
                 fitter.PushPoints(PointCloud.From(points));
                 fitter.Fit();
                 if (dispose) fitter.Dispose();

@@ -12,8 +12,9 @@ namespace Cylfuse.Tests
     /// for Mono that works without the whole of Mono.</summary>
     internal static class Program
     {
-        private static int Main()
+        private static int Main(string[] arguments)
         {
+            if (arguments.Length > 0) return LoadingTests.Open();
             int passed = 0, failed = 0;
             var tests = Assembly.GetExecutingAssembly().GetTypes()
                 .Where(type => type.GetCustomAttribute<TestsAttribute>() != null)

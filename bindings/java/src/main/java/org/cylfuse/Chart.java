@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** The coordinates in which the iteration steps. All reach the same optima. */
-public enum Chart {
+public enum Chart implements NativeNumber {
     /** ORTHONORMAL for the paper's objective where a camera stands outside the cylinder, else LOCAL. */
     AUTO(0),
     /** Shift and tilt of the axis at the data: regular wherever the axis runs. */
@@ -23,16 +23,8 @@ public enum Chart {
      *
      * @return the number of {@code CYLFUSE_CHART_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static Chart of(int value) {
-        for (Chart candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave Chart " + value + ", which this package does not know");
     }
 }

@@ -1,76 +1,77 @@
 package org.cylfuse;
 
 import com.sun.jna.Memory;
+import com.sun.jna.Pointer;
 import com.sun.jna.ptr.LongByReference;
+import java.util.function.ToIntFunction;
 
-/** The calls that write points or depths into native memory. */
+/** A completion, whose points or depths are written into native memory. */
 final class Completing {
-    private Completing() {}
+    private final FitterCalls calls;
+    private final NativeStructs.Cylinder model;
+    private final NativeStructs.MaskView region;
+    private final NativeCopies copies;
+    private final NativeStructs.Completion completion = new NativeStructs.Completion();
+    private Memory memory;
+
+    Completing(FitterCalls calls, Cylinder model, Mask mask, NativeCopies copies) {
+        this.calls = calls;
+        this.model = Cylinder.toNative(model);
+        this.region = Mask.toNative(mask, copies);
+        this.copies = copies;
+        completion.struct_size = completion.size();
+    }
 
     /** What a completion wrote, and its size in points or pixels. */
     record CompletedMemory(Memory memory, int width, int height, Completion pixels) {}
 
-    static CompletedMemory cloud(
-            FitterCalls calls, int scalar, Layout layout, Cylinder model, Mask mask, NativeCopies copies) {
-        NativeStructs.Cylinder n = Cylinder.toNative(model);
-        NativeStructs.MaskView region = Mask.toNative(mask, copies);
+    CompletedMemory cloud(int scalar, Layout layout) {
         NativeStructs.PointsOut target = new NativeStructs.PointsOut();
         NativeFunctions.check(NativeFunctions.cylfuse_points_out_init(target, target.size()));
-        NativeStructs.Completion completion = new NativeStructs.Completion();
-        completion.struct_size = completion.size();
-        CompletedMemory[] points = new CompletedMemory[1];
-        calls.run(fitter -> {
+        target.scalar = scalar;
+        target.layout = layout.value();
+        return run(layout == Layout.ORGANISED, fitter -> {
             LongByReference capacity = new LongByReference();
             int status = NativeFunctions.cylfuse_fitter_complete_bound(fitter, region, layout.value(), capacity);
             if (status != Status.OK.value()) {
                 return status;
             }
-            int size = scalar == Formats.SCALAR_F64 ? Double.BYTES : Float.BYTES;
-            Memory memory = copies.allocate(3 * size * capacity.getValue());
-            target.scalar = scalar;
+            memory = copies.allocate(3 * (scalar == Formats.SCALAR_F64 ? Double.BYTES : Float.BYTES) * capacity.getValue());
             target.data = memory;
             target.capacity = capacity.getValue();
-            target.layout = layout.value();
-            status = NativeFunctions.cylfuse_fitter_complete(fitter, n, region, target, completion);
-            if (status == Status.OK.value()) {
-                boolean organised = layout == Layout.ORGANISED;
-                points[0] = new CompletedMemory(
-                        memory,
-                        organised ? calls.camera().width() : Math.toIntExact(completion.count),
-                        organised ? calls.camera().height() : 1,
-                        Completion.of(completion));
-            }
-            return status;
+            return NativeFunctions.cylfuse_fitter_complete(fitter, model, region, target, completion);
         });
-        return points[0];
     }
 
-    static CompletedMemory depth(
-            FitterCalls calls, int format, double scale, Cylinder model, Mask mask, NativeCopies copies) {
-        NativeStructs.Cylinder n = Cylinder.toNative(model);
-        NativeStructs.MaskView region = Mask.toNative(mask, copies);
+    CompletedMemory depth(int format, double scale) {
         NativeStructs.DepthOut target = new NativeStructs.DepthOut();
         NativeFunctions.check(NativeFunctions.cylfuse_depth_out_init(target, target.size()));
-        NativeStructs.Completion completion = new NativeStructs.Completion();
-        completion.struct_size = completion.size();
-        CompletedMemory[] image = new CompletedMemory[1];
-        calls.run(fitter -> {
+        target.format = format;
+        target.scale = scale;
+        return run(true, fitter -> {
             // Without a camera the image has no size; the library then says what is missing.
-            int width = calls.camera() == null ? 0 : calls.camera().width();
-            int height = calls.camera() == null ? 0 : calls.camera().height();
+            target.width = calls.camera() == null ? 0 : calls.camera().width();
+            target.height = calls.camera() == null ? 0 : calls.camera().height();
             int pixelBytes = format == Formats.DEPTH_F32 ? Float.BYTES : Short.BYTES;
-            Memory memory = copies.allocate((long) pixelBytes * width * height);
-            target.format = format;
+            memory = copies.allocate((long) pixelBytes * target.width * target.height);
             target.data = memory;
-            target.width = width;
-            target.height = height;
-            target.scale = scale;
-            int status = NativeFunctions.cylfuse_fitter_complete_depth(fitter, n, region, target, completion);
+            return NativeFunctions.cylfuse_fitter_complete_depth(fitter, model, region, target, completion);
+        });
+    }
+
+    /** @param image whether an image of the camera is written, else a list */
+    private CompletedMemory run(boolean image, ToIntFunction<Pointer> call) {
+        CompletedMemory[] completed = new CompletedMemory[1];
+        calls.run(fitter -> {
+            int status = call.applyAsInt(fitter);
             if (status == Status.OK.value()) {
-                image[0] = new CompletedMemory(memory, width, height, Completion.of(completion));
+                // During the call: another one may set another camera.
+                int width = image ? calls.camera().width() : Math.toIntExact(completion.count);
+                completed[0] = new CompletedMemory(
+                        memory, width, image ? calls.camera().height() : 1, Completion.of(completion));
             }
             return status;
         });
-        return image[0];
+        return completed[0];
     }
 }

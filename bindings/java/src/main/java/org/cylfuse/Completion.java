@@ -3,7 +3,7 @@ package org.cylfuse;
 /**
  * What became of the pixels of a completion.
  *
- * @param count Points or pixels that were written; after {@link Status#BUFFER_TOO_SMALL} the capacity that is needed.
+ * @param count Points or pixels that were written.
  * @param hits Pixels of the mask whose ray meets the cylinder.
  * @param misses Pixels of the mask whose ray passes the cylinder by.
  * @param outsideCamera Pixels of the mask for which the camera model has no ray.

@@ -9,8 +9,7 @@ package org.cylfuse;
  * @param droppedZeroWeight Left out: the weight is 0.
  * @param droppedOutsideMask Left out: the mask is 0 there.
  * @param droppedNoDepth Left out: no depth was measured there.
- * @param droppedOutOfRange Left out: the depth is below {@link DepthImage#withRange} or above {@link
- *     DepthImage#withRange}.
+ * @param droppedOutOfRange Left out: the depth is outside the range of {@link DepthImage#withRange}.
  * @param droppedOutsideCamera Left out: the camera model has no ray for the pixel.
  * @param segmentsGiven Edge segments that were pushed; {@link FitResult#segmentsUsed()} says how many count.
  */

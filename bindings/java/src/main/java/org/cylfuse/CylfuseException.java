@@ -9,6 +9,7 @@ package org.cylfuse;
 public class CylfuseException extends RuntimeException {
     private static final long serialVersionUID = 1;
 
+    /** The kind of the failure. */
     private final Status status;
 
     CylfuseException(Status status, String message) {

@@ -12,7 +12,13 @@ import java.util.Objects;
  * @param radius the radius in the unit of length of the data, greater than 0
  */
 public record Cylinder(Vector point, Vector direction, double radius) {
-    /** Refuses null. */
+    /**
+     * Refuses null.
+     *
+     * @param point a point on the axis
+     * @param direction the direction of the axis
+     * @param radius the radius
+     */
     public Cylinder {
         Objects.requireNonNull(point, "point");
         Objects.requireNonNull(direction, "direction");
@@ -31,7 +37,7 @@ public record Cylinder(Vector point, Vector direction, double radius) {
      */
     public double[] distances(PointCloud points) {
         try (NativeCopies copies = new NativeCopies()) {
-            NativeStructs.PointsView view = points.toNative(copies);
+            NativeStructs.PointsView view = Objects.requireNonNull(points, "points").toNative(copies);
             double[] distances = new double[Math.toIntExact(points.count())];
             NativeFunctions.check(NativeFunctions.cylfuse_cylinder_distances(toNative(), view, distances, distances.length));
             return distances;
@@ -48,6 +54,7 @@ public record Cylinder(Vector point, Vector direction, double radius) {
      *     INVALID_ARGUMENT, INVALID_INTRINSICS
      */
     public double[][] project(Intrinsics intrinsics) {
+        Objects.requireNonNull(intrinsics, "intrinsics");
         double[] lines = new double[6];
         NativeFunctions.check(NativeFunctions.cylfuse_cylinder_project(toNative(), intrinsics.toNative(), lines));
         return new double[][] {{lines[0], lines[1], lines[2]}, {lines[3], lines[4], lines[5]}};
@@ -61,6 +68,7 @@ public record Cylinder(Vector point, Vector direction, double radius) {
      * @throws CylfuseException INVALID_ARGUMENT when one of the two is no cylinder
      */
     public CylinderDifference compare(Cylinder other) {
+        Objects.requireNonNull(other, "other");
         DoubleByReference angle = new DoubleByReference();
         DoubleByReference axisDistance = new DoubleByReference();
         DoubleByReference radiusRelative = new DoubleByReference();

@@ -8,10 +8,9 @@ package org.cylfuse;
  * @param singularValues Singular values, the largest first.
  * @param condition Largest over smallest singular value; may be infinite.
  * @param weakestShift The step along which the residuals change least: how it moves the axis at the middle of the
- *     points, in the unit of length,
- * @param weakestTilt how it tilts the axis, in radians towards this vector,
- * @param weakestRadius and how it changes the radius, in the unit of length. Shift and radius over the size of the data
- *     and the tilt have a joint norm of 1.
+ *     points, in the unit of length. Shift and radius over the size of the data and the tilt have a joint norm of 1.
+ * @param weakestTilt How that step tilts the axis, in radians towards this vector.
+ * @param weakestRadius How that step changes the radius, in the unit of length.
  */
 public record Diagnosis(
         int rank,

@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** The distortion of the lens. What the numbers in {@link Intrinsics} mean. */
-public enum DistortionModel {
+public enum DistortionModel implements NativeNumber {
     /** A pinhole; all coefficients are 0. */
     NONE(0),
     /** Brown and Conrady: k1 k2 p1 p2 k3 k4 k5 k6 in the order of OpenCV; the missing ones of a shorter list are 0. */
@@ -23,16 +23,8 @@ public enum DistortionModel {
      *
      * @return the number of {@code CYLFUSE_DISTORTION_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static DistortionModel of(int value) {
-        for (DistortionModel candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave DistortionModel " + value + ", which this package does not know");
     }
 }

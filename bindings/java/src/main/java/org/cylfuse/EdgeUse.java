@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** What given edge segments are for the objective ROBUST. No other looks for limbs in the image. */
-public enum EdgeUse {
+public enum EdgeUse implements NativeNumber {
     /** A start: where there is a grey image, the limbs are located in it and join the fit. */
     REFINE(0),
     /** The measurement: no limbs are looked for in the image. The arcs of the ends are. */
@@ -18,16 +18,8 @@ public enum EdgeUse {
      *
      * @return the number of {@code CYLFUSE_EDGE_USE_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static EdgeUse of(int value) {
-        for (EdgeUse candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave EdgeUse " + value + ", which this package does not know");
     }
 }

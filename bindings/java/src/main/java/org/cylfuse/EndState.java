@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** What an end of the visible cylinder is. */
-public enum EndState {
+public enum EndState implements NativeNumber {
     /** No depth was measured beyond the end, or no depth image was pushed. */
     UNKNOWN(0),
     /** The surface ends there: what lies beyond is farther than the surface would be. */
@@ -22,16 +22,8 @@ public enum EndState {
      *
      * @return the number of {@code CYLFUSE_END_STATE_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static EndState of(int value) {
-        for (EndState candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave EndState " + value + ", which this package does not know");
     }
 }

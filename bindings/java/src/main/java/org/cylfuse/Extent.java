@@ -35,8 +35,8 @@ public record Extent(
         double[][] centerCovariance) {
     static Extent of(NativeStructs.Extent n) {
         return new Extent(
-                EndState.of(n.start_state),
-                EndState.of(n.end_state),
+                NativeNumber.find(EndState.class, n.start_state),
+                NativeNumber.find(EndState.class, n.end_state),
                 Vector.of(n.start),
                 Vector.of(n.end),
                 Vector.of(n.center),

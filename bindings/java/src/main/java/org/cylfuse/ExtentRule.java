@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** How the ends of the visible cylinder are found. */
-public enum ExtentRule {
+public enum ExtentRule implements NativeNumber {
     /** LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED. */
     AUTO(0),
     /** The rule of the paper: the extreme positions along the axis of the points completed over the mask. */
@@ -23,16 +23,8 @@ public enum ExtentRule {
      *
      * @return the number of {@code CYLFUSE_EXTENT_RULE_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static ExtentRule of(int value) {
-        for (ExtentRule candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave ExtentRule " + value + ", which this package does not know");
     }
 }

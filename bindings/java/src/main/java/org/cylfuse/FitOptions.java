@@ -40,67 +40,97 @@ public final class FitOptions {
         read(n);
     }
 
-    /** How the cylinder is estimated. Default FUSED. */
+    /** {@return how the cylinder is estimated. Default FUSED} */
     public Method method() {
         return method;
     }
 
-    /** Sets {@link #method()}. */
+    /**
+     * Sets {@link #method()}.
+     *
+     * @param method the setting
+     * @return these options
+     */
     public FitOptions method(Method method) {
         this.method = Objects.requireNonNull(method, "method");
         return this;
     }
 
-    /** What FUSED minimises. Default ROBUST. */
+    /** {@return what FUSED minimises. Default ROBUST} */
     public Objective objective() {
         return objective;
     }
 
-    /** Sets {@link #objective()}. */
+    /**
+     * Sets {@link #objective()}.
+     *
+     * @param objective the setting
+     * @return these options
+     */
     public FitOptions objective(Objective objective) {
         this.objective = Objects.requireNonNull(objective, "objective");
         return this;
     }
 
-    /** Where the iteration starts. Default AUTO. */
+    /** {@return where the iteration starts. Default AUTO} */
     public StartKind start() {
         return start;
     }
 
-    /** Sets {@link #start()}. */
+    /**
+     * Sets {@link #start()}.
+     *
+     * @param start the setting
+     * @return these options
+     */
     public FitOptions start(StartKind start) {
         this.start = Objects.requireNonNull(start, "start");
         return this;
     }
 
-    /** Whether the points must lie on the wall that the camera sees. Default AUTO. */
+    /** {@return whether the points must lie on the wall that the camera sees. Default AUTO} */
     public NearWall nearWall() {
         return nearWall;
     }
 
-    /** Sets {@link #nearWall()}. */
+    /**
+     * Sets {@link #nearWall()}.
+     *
+     * @param nearWall the setting
+     * @return these options
+     */
     public FitOptions nearWall(NearWall nearWall) {
         this.nearWall = Objects.requireNonNull(nearWall, "nearWall");
         return this;
     }
 
-    /** The coordinates of the iteration. Default AUTO. */
+    /** {@return the coordinates of the iteration. Default AUTO} */
     public Chart chart() {
         return chart;
     }
 
-    /** Sets {@link #chart()}. */
+    /**
+     * Sets {@link #chart()}.
+     *
+     * @param chart the setting
+     * @return these options
+     */
     public FitOptions chart(Chart chart) {
         this.chart = Objects.requireNonNull(chart, "chart");
         return this;
     }
 
-    /** Most linear solves. Default 400; 0 = default. */
+    /** {@return the most linear solves. Default 400; 0 = default} */
     public int maxIterations() {
         return maxIterations;
     }
 
-    /** Sets {@link #maxIterations()}. */
+    /**
+     * Sets {@link #maxIterations()}.
+     *
+     * @param maxIterations the setting
+     * @return these options
+     */
     public FitOptions maxIterations(int maxIterations) {
         if (maxIterations < 0) {
             throw new IllegalArgumentException("maxIterations is " + maxIterations + "; it must be 0 or greater.");
@@ -110,14 +140,19 @@ public final class FitOptions {
     }
 
     /**
-     * Most threads for the sums over the points; small clouds take one. The result has the same bits for any number.
-     * Default 0 = as many as the machine has.
+     * {@return the most threads for the sums over the points; small clouds take one. The result has the same bits for
+     * any number. Default 0 = as many as the machine has}
      */
     public int maxThreads() {
         return maxThreads;
     }
 
-    /** Sets {@link #maxThreads()}. */
+    /**
+     * Sets {@link #maxThreads()}.
+     *
+     * @param maxThreads the setting
+     * @return these options
+     */
     public FitOptions maxThreads(int maxThreads) {
         if (maxThreads < 0) {
             throw new IllegalArgumentException("maxThreads is " + maxThreads + "; it must be 0 or greater.");
@@ -126,100 +161,141 @@ public final class FitOptions {
         return this;
     }
 
-    /** The weight w of the edges in PAPER, in [0, 1]. Default 0.6. Here 0 is a weight: points only. */
+    /** {@return the weight w of the edges in PAPER, in [0, 1]. Default 0.6. Here 0 is a weight: points only} */
     public double edgeWeight() {
         return edgeWeight;
     }
 
-    /** Sets {@link #edgeWeight()}. */
+    /**
+     * Sets {@link #edgeWeight()}.
+     *
+     * @param edgeWeight the setting
+     * @return these options
+     */
     public FitOptions edgeWeight(double edgeWeight) {
         this.edgeWeight = edgeWeight;
         return this;
     }
 
-    /** Damping of the first step, greater than 0. Default 1e-3; 0 = default. */
+    /** {@return the damping of the first step, greater than 0. Default 1e-3; 0 = default} */
     public double initialLambda() {
         return initialLambda;
     }
 
-    /** Sets {@link #initialLambda()}. */
+    /**
+     * Sets {@link #initialLambda()}.
+     *
+     * @param initialLambda the setting
+     * @return these options
+     */
     public FitOptions initialLambda(double initialLambda) {
         this.initialLambda = initialLambda;
         return this;
     }
 
     /**
-     * Factor by which the damping falls after an accepted step and grows after a rejected one, greater than 1. Default
-     * 10; 0 = default.
+     * {@return the factor by which the damping falls after an accepted step and grows after a rejected one, greater
+     * than 1. Default 10; 0 = default}
      */
     public double lambdaFactor() {
         return lambdaFactor;
     }
 
-    /** Sets {@link #lambdaFactor()}. */
+    /**
+     * Sets {@link #lambdaFactor()}.
+     *
+     * @param lambdaFactor the setting
+     * @return these options
+     */
     public FitOptions lambdaFactor(double lambdaFactor) {
         this.lambdaFactor = lambdaFactor;
         return this;
     }
 
     /**
-     * Damping at which no smaller step is tried any more, at least {@link #initialLambda()}. Default 1e12; 0 = default.
+     * {@return the damping at which no smaller step is tried any more, at least {@link #initialLambda()}. Default
+     * 1e12; 0 = default}
      */
     public double maxLambda() {
         return maxLambda;
     }
 
-    /** Sets {@link #maxLambda()}. */
+    /**
+     * Sets {@link #maxLambda()}.
+     *
+     * @param maxLambda the setting
+     * @return these options
+     */
     public FitOptions maxLambda(double maxLambda) {
         this.maxLambda = maxLambda;
         return this;
     }
 
     /**
-     * Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12. Here 0 is a tolerance:
-     * iterate until nothing decreases.
+     * {@return the smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12. Here 0
+     * is a tolerance: iterate until nothing decreases}
      */
     public double costTolerance() {
         return costTolerance;
     }
 
-    /** Sets {@link #costTolerance()}. */
+    /**
+     * Sets {@link #costTolerance()}.
+     *
+     * @param costTolerance the setting
+     * @return these options
+     */
     public FitOptions costTolerance(double costTolerance) {
         this.costTolerance = costTolerance;
         return this;
     }
 
     /**
-     * Distance within which RANSAC counts a point as an inlier, in the unit of length, 0 or greater. Default 0 = from
-     * the data.
+     * {@return the distance within which RANSAC counts a point as an inlier, in the unit of length, 0 or greater.
+     * Default 0 = from the data}
      */
     public double ransacThreshold() {
         return ransacThreshold;
     }
 
-    /** Sets {@link #ransacThreshold()}. */
+    /**
+     * Sets {@link #ransacThreshold()}.
+     *
+     * @param ransacThreshold the setting
+     * @return these options
+     */
     public FitOptions ransacThreshold(double ransacThreshold) {
         this.ransacThreshold = ransacThreshold;
         return this;
     }
 
-    /** Seed of the random samples of RANSAC: the same seed gives the same result. Default 0. */
+    /** {@return the seed of the random samples of RANSAC: the same seed gives the same result. Default 0} */
     public long seed() {
         return seed;
     }
 
-    /** Sets {@link #seed()}. */
+    /**
+     * Sets {@link #seed()}.
+     *
+     * @param seed the setting
+     * @return these options
+     */
     public FitOptions seed(long seed) {
         this.seed = seed;
         return this;
     }
 
-    /** Most random samples of RANSAC. Default 1000; 0 = default. */
+    /** {@return the most random samples of RANSAC. Default 1000; 0 = default} */
     public int ransacMaxIterations() {
         return ransacMaxIterations;
     }
 
-    /** Sets {@link #ransacMaxIterations()}. */
+    /**
+     * Sets {@link #ransacMaxIterations()}.
+     *
+     * @param ransacMaxIterations the setting
+     * @return these options
+     */
     public FitOptions ransacMaxIterations(int ransacMaxIterations) {
         if (ransacMaxIterations < 0) {
             throw new IllegalArgumentException("ransacMaxIterations is " + ransacMaxIterations + "; it must be 0 or greater.");
@@ -228,78 +304,109 @@ public final class FitOptions {
         return this;
     }
 
-    /** What given edge segments are for the objective ROBUST. Default REFINE. */
+    /** {@return what given edge segments are for the objective ROBUST. Default REFINE} */
     public EdgeUse edgeUse() {
         return edgeUse;
     }
 
-    /** Sets {@link #edgeUse()}. */
+    /**
+     * Sets {@link #edgeUse()}.
+     *
+     * @param edgeUse the setting
+     * @return these options
+     */
     public FitOptions edgeUse(EdgeUse edgeUse) {
         this.edgeUse = Objects.requireNonNull(edgeUse, "edgeUse");
         return this;
     }
 
-    /** How the ends of the visible cylinder are found. Default AUTO. */
+    /** {@return how the ends of the visible cylinder are found. Default AUTO} */
     public ExtentRule extentRule() {
         return extentRule;
     }
 
-    /** Sets {@link #extentRule()}. */
+    /**
+     * Sets {@link #extentRule()}.
+     *
+     * @param extentRule the setting
+     * @return these options
+     */
     public FitOptions extentRule(ExtentRule extentRule) {
         this.extentRule = Objects.requireNonNull(extentRule, "extentRule");
         return this;
     }
 
     /**
-     * The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the start.
-     * Default 0 = no limit.
+     * {@return the smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and
+     * the start. Default 0 = no limit}
      */
     public double radiusMin() {
         return radiusMin;
     }
 
-    /** Sets {@link #radiusMin()}. */
+    /**
+     * Sets {@link #radiusMin()}.
+     *
+     * @param radiusMin the setting
+     * @return these options
+     */
     public FitOptions radiusMin(double radiusMin) {
         this.radiusMin = radiusMin;
         return this;
     }
 
     /**
-     * The largest radius, at least {@link #radiusMin()}; equal to it for a radius that is known. Default 0 = no limit.
+     * {@return the largest radius, at least {@link #radiusMin()}; equal to it for a radius that is known. Default 0 =
+     * no limit}
      */
     public double radiusMax() {
         return radiusMax;
     }
 
-    /** Sets {@link #radiusMax()}. */
+    /**
+     * Sets {@link #radiusMax()}.
+     *
+     * @param radiusMax the setting
+     * @return these options
+     */
     public FitOptions radiusMax(double radiusMax) {
         this.radiusMax = radiusMax;
         return this;
     }
 
     /**
-     * The middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} = all
-     * directions.
+     * {@return the middle of the cone of directions that the returned axis keeps, of any length. Default {0, 0, 0} =
+     * all directions}
      */
     public Vector axis() {
         return axis;
     }
 
-    /** Sets {@link #axis()}. */
+    /**
+     * Sets {@link #axis()}.
+     *
+     * @param axis the setting
+     * @return these options
+     */
     public FitOptions axis(Vector axis) {
         this.axis = Objects.requireNonNull(axis, "axis");
         return this;
     }
 
     /**
-     * The largest angle of the axis from {@link #axis()}, in radians from 0 to pi/2, whatever the signs; 0 for a
-     * direction that is known. Default 0; must be 0 without {@link #axis()}.
+     * {@return the largest angle of the axis from {@link #axis()}, in radians from 0 to pi/2, whatever the signs; 0
+     * for a direction that is known. Default 0; must be 0 without {@link #axis()}}
      */
     public double axisMaxAngle() {
         return axisMaxAngle;
     }
 
-    /** Sets {@link #axisMaxAngle()}. */
+    /**
+     * Sets {@link #axisMaxAngle()}.
+     *
+     * @param axisMaxAngle the setting
+     * @return these options
+     */
     public FitOptions axisMaxAngle(double axisMaxAngle) {
         this.axisMaxAngle = axisMaxAngle;
         return this;
@@ -333,11 +440,11 @@ public final class FitOptions {
     }
 
     private void read(NativeStructs.Options n) {
-        method = Method.of(n.method);
-        objective = Objective.of(n.objective);
-        start = StartKind.of(n.start);
-        nearWall = NearWall.of(n.near_wall);
-        chart = Chart.of(n.chart);
+        method = NativeNumber.find(Method.class, n.method);
+        objective = NativeNumber.find(Objective.class, n.objective);
+        start = NativeNumber.find(StartKind.class, n.start);
+        nearWall = NativeNumber.find(NearWall.class, n.near_wall);
+        chart = NativeNumber.find(Chart.class, n.chart);
         maxIterations = n.max_iterations;
         maxThreads = n.max_threads;
         edgeWeight = n.edge_weight;
@@ -348,8 +455,8 @@ public final class FitOptions {
         ransacThreshold = n.ransac_threshold;
         seed = n.seed;
         ransacMaxIterations = n.ransac_max_iterations;
-        edgeUse = EdgeUse.of(n.edge_use);
-        extentRule = ExtentRule.of(n.extent_rule);
+        edgeUse = NativeNumber.find(EdgeUse.class, n.edge_use);
+        extentRule = NativeNumber.find(ExtentRule.class, n.extent_rule);
         radiusMin = n.radius_min;
         radiusMax = n.radius_max;
         axis = Vector.of(n.axis);

@@ -7,7 +7,7 @@ import java.util.Set;
  *
  * @param termination Why the iteration ended.
  * @param startKind How the start was found.
- * @param flags Doubts, {@link ResultFlag} by bit; 0 when there are none.
+ * @param flags Doubts; empty when there are none.
  * @param iterations Linear solves.
  * @param rejectedSteps Solves whose step was rejected.
  * @param segmentsUsed Segments that took part.
@@ -93,8 +93,8 @@ public record FitResult(
         int limbsLocated) {
     static FitResult of(NativeStructs.Result n) {
         return new FitResult(
-                Termination.of(n.termination),
-                StartKind.of(n.start_kind),
+                NativeNumber.find(Termination.class, n.termination),
+                NativeNumber.find(StartKind.class, n.start_kind),
                 ResultFlag.setOf(n.flags),
                 n.iterations,
                 n.rejected_steps,

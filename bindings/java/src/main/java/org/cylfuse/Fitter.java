@@ -4,6 +4,7 @@ import com.sun.jna.Memory;
 import com.sun.jna.Pointer;
 import com.sun.jna.ptr.LongByReference;
 import java.lang.ref.Cleaner;
+import java.util.Objects;
 
 /**
  * Estimates one cylinder: holds options, camera, data and the last result.
@@ -29,8 +30,7 @@ public final class Fitter implements AutoCloseable {
     /**
      * A fitter with default options and no data.
      *
-     * @throws UnsatisfiedLinkError when the native library was not found
-     * @throws CylfuseException ABI_MISMATCH when the native library has another binary interface
+     * @throws UnsatisfiedLinkError when the native library was not found or is not that of this package
      */
     public Fitter() {}
 
@@ -47,7 +47,7 @@ public final class Fitter implements AutoCloseable {
      * @throws CylfuseException INVALID_ARGUMENT when a value is out of range; the old options stay
      */
     public void setOptions(FitOptions options) {
-        NativeStructs.Options n = options.toNative();
+        NativeStructs.Options n = Objects.requireNonNull(options, "options").toNative();
         calls.run(fitter -> NativeFunctions.cylfuse_fitter_set_options(fitter, n));
     }
 
@@ -160,7 +160,7 @@ public final class Fitter implements AutoCloseable {
      */
     public void pushPoints(PointCloud points, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
-            NativeStructs.PointsView view = points.toNative(copies);
+            NativeStructs.PointsView view = Objects.requireNonNull(points, "points").toNative(copies);
             NativeStructs.MaskView region = Mask.toNative(mask, copies);
             calls.run(fitter -> NativeFunctions.cylfuse_fitter_push_points(fitter, view, region));
         }
@@ -177,7 +177,7 @@ public final class Fitter implements AutoCloseable {
      */
     public void pushDepth(DepthImage depth, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
-            NativeStructs.DepthView view = depth.toNative(copies);
+            NativeStructs.DepthView view = Objects.requireNonNull(depth, "depth").toNative(copies);
             NativeStructs.MaskView region = Mask.toNative(mask, copies);
             calls.run(fitter -> NativeFunctions.cylfuse_fitter_push_depth(fitter, view, region));
         }
@@ -193,7 +193,7 @@ public final class Fitter implements AutoCloseable {
      */
     public void pushImage(GreyImage image) {
         try (NativeCopies copies = new NativeCopies()) {
-            NativeStructs.ImageView view = image.toNative(copies);
+            NativeStructs.ImageView view = Objects.requireNonNull(image, "image").toNative(copies);
             calls.run(fitter -> NativeFunctions.cylfuse_fitter_push_image(fitter, view));
         }
     }
@@ -207,7 +207,7 @@ public final class Fitter implements AutoCloseable {
      */
     public void pushEdges(Segments segments) {
         try (NativeCopies copies = new NativeCopies()) {
-            NativeStructs.SegmentsView view = segments.toNative(copies);
+            NativeStructs.SegmentsView view = Objects.requireNonNull(segments, "segments").toNative(copies);
             calls.run(fitter -> NativeFunctions.cylfuse_fitter_push_edges(fitter, view));
         }
     }
@@ -244,7 +244,7 @@ public final class Fitter implements AutoCloseable {
      * @throws CylfuseException INVALID_ARGUMENT for a bad model, else as {@link #fit()}
      */
     public FitResult evaluate(Cylinder model) {
-        NativeStructs.Cylinder n = model.toNative();
+        NativeStructs.Cylinder n = Objects.requireNonNull(model, "model").toNative();
         return result((fitter, result) -> NativeFunctions.cylfuse_fitter_evaluate(fitter, n, result));
     }
 
@@ -269,6 +269,7 @@ public final class Fitter implements AutoCloseable {
      *     the cylinder
      */
     public double[] residuals(ResidualKind kind, Cylinder model) {
+        Objects.requireNonNull(kind, "kind");
         NativeStructs.Cylinder n = Cylinder.toNative(model);
         double[][] residuals = new double[1][];
         calls.run(fitter -> {
@@ -346,7 +347,7 @@ public final class Fitter implements AutoCloseable {
     public byte[] selectEdges(Segments segments, Cylinder model, double reach) {
         try (NativeCopies copies = new NativeCopies()) {
             NativeStructs.Cylinder n = Cylinder.toNative(model);
-            NativeStructs.SegmentsView view = segments.toNative(copies);
+            NativeStructs.SegmentsView view = Objects.requireNonNull(segments, "segments").toNative(copies);
             byte[] limbs = new byte[segments.count()];
             calls.run(fitter -> NativeFunctions.cylfuse_fitter_select_edges(fitter, n, view, reach, limbs, limbs.length));
             return limbs;
@@ -392,6 +393,7 @@ public final class Fitter implements AutoCloseable {
      * @throws CylfuseException BAD_STATE without intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK
      */
     public long completeBound(Layout layout, Mask mask) {
+        Objects.requireNonNull(layout, "layout");
         try (NativeCopies copies = new NativeCopies()) {
             NativeStructs.MaskView region = Mask.toNative(mask, copies);
             LongByReference capacity = new LongByReference();
@@ -421,8 +423,9 @@ public final class Fitter implements AutoCloseable {
      * @throws CylfuseException BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT
      */
     public CompletedCloud complete(Layout layout, Cylinder model, Mask mask) {
+        Objects.requireNonNull(layout, "layout");
         try (NativeCopies copies = new NativeCopies()) {
-            Completing.CompletedMemory points = Completing.cloud(calls, Formats.SCALAR_F64, layout, model, mask, copies);
+            Completing.CompletedMemory points = new Completing(calls, model, mask, copies).cloud(Formats.SCALAR_F64, layout);
             double[] coordinates = points.memory().getDoubleArray(0, 3 * points.width() * points.height());
             return new CompletedCloud(coordinates, points.width(), points.height(), points.pixels());
         }
@@ -438,8 +441,9 @@ public final class Fitter implements AutoCloseable {
      * @throws CylfuseException as {@link #complete(Layout, Cylinder, Mask)}
      */
     public CompletedCloudSingle completeSingle(Layout layout, Cylinder model, Mask mask) {
+        Objects.requireNonNull(layout, "layout");
         try (NativeCopies copies = new NativeCopies()) {
-            Completing.CompletedMemory points = Completing.cloud(calls, Formats.SCALAR_F32, layout, model, mask, copies);
+            Completing.CompletedMemory points = new Completing(calls, model, mask, copies).cloud(Formats.SCALAR_F32, layout);
             float[] coordinates = points.memory().getFloatArray(0, 3 * points.width() * points.height());
             return new CompletedCloudSingle(coordinates, points.width(), points.height(), points.pixels());
         }
@@ -456,7 +460,7 @@ public final class Fitter implements AutoCloseable {
      */
     public CompletedDepth completeDepth(double scale, Cylinder model, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
-            Completing.CompletedMemory image = Completing.depth(calls, Formats.DEPTH_F32, scale, model, mask, copies);
+            Completing.CompletedMemory image = new Completing(calls, model, mask, copies).depth(Formats.DEPTH_F32, scale);
             float[] depth = image.memory().getFloatArray(0, image.width() * image.height());
             return new CompletedDepth(depth, image.width(), image.height(), image.pixels());
         }
@@ -473,7 +477,7 @@ public final class Fitter implements AutoCloseable {
      */
     public CompletedDepthInteger completeDepthInteger(double scale, Cylinder model, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
-            Completing.CompletedMemory image = Completing.depth(calls, Formats.DEPTH_U16, scale, model, mask, copies);
+            Completing.CompletedMemory image = new Completing(calls, model, mask, copies).depth(Formats.DEPTH_U16, scale);
             short[] depth = image.memory().getShortArray(0, image.width() * image.height());
             return new CompletedDepthInteger(depth, image.width(), image.height(), image.pixels());
         }

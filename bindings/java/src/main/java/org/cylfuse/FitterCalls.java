@@ -1,6 +1,7 @@
 package org.cylfuse;
 
 import com.sun.jna.Pointer;
+import java.util.Objects;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.ToIntFunction;
 
@@ -22,6 +23,7 @@ final class FitterCalls {
     }
 
     void setCamera(Intrinsics intrinsics) {
+        Objects.requireNonNull(intrinsics, "camera");
         NativeStructs.Intrinsics n = intrinsics.toNative();
         run(fitter -> {
             int status = NativeFunctions.cylfuse_fitter_set_intrinsics(fitter, n);
@@ -40,10 +42,10 @@ final class FitterCalls {
     }
 
     void setLogListener(LogLevel maxLevel, LogListener listener) {
+        int level = Objects.requireNonNull(maxLevel, "maxLevel").value();
         run(fitter -> {
             log = listener;
-            return NativeFunctions.cylfuse_fitter_set_log(
-                    fitter, maxLevel.value(), listener == null ? null : nativeLog, null);
+            return NativeFunctions.cylfuse_fitter_set_log(fitter, level, listener == null ? null : nativeLog, null);
         });
     }
 
@@ -57,7 +59,9 @@ final class FitterCalls {
             try {
                 listenerFailure = null;
                 int status = body.applyAsInt(fitter);
-                rethrowListenerFailure();
+                if (listenerFailure != null) {
+                    FitterCalls.<RuntimeException>rethrow(listenerFailure);
+                }
                 if (status != Status.OK.value()) {
                     String message = NativeFunctions.cylfuse_fitter_last_error(fitter);
                     Status kind = Status.of(status);
@@ -71,22 +75,19 @@ final class FitterCalls {
         }
     }
 
-    private void rethrowListenerFailure() {
-        if (listenerFailure instanceof RuntimeException failure) {
-            throw failure;
-        }
-        if (listenerFailure instanceof Error failure) {
-            throw failure;
-        }
+    /** Throws what a listener threw, which may be checked: languages other than Java do not declare what they throw. */
+    @SuppressWarnings("unchecked")
+    private static <T extends Throwable> void rethrow(Throwable failure) throws T {
+        throw (T) failure;
     }
 
-    // No exception may pass through the library. Listeners throw no checked ones.
+    // No exception may pass through the library.
     private int onProgress(Pointer address, Pointer userData) {
         try {
             NativeStructs.Progress n = new NativeStructs.Progress(address);
             n.read();
             return progress.onProgress(Progress.of(n)) ? 0 : 1;
-        } catch (RuntimeException | Error failure) {
+        } catch (Throwable failure) {
             listenerFailure = failure;
             return 1;
         }
@@ -94,8 +95,8 @@ final class FitterCalls {
 
     private void onLine(int level, String message, Pointer userData) {
         try {
-            log.onLine(LogLevel.of(level), message);
-        } catch (RuntimeException | Error failure) {
+            log.onLine(NativeNumber.find(LogLevel.class, level), message);
+        } catch (Throwable failure) {
             if (listenerFailure == null) {
                 listenerFailure = failure;
             }

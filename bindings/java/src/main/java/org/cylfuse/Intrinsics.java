@@ -1,7 +1,9 @@
 package org.cylfuse;
 
 import java.util.Arrays;
+import java.util.List;
 import java.util.Objects;
+import java.util.stream.DoubleStream;
 
 /**
  * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it checks
@@ -30,10 +32,19 @@ public record Intrinsics(
     /**
      * Checks the size and the number of coefficients.
      *
+     * @param width width of the image in pixels
+     * @param height height of the image in pixels
+     * @param fx focal length in pixel widths
+     * @param fy focal length in pixel heights
+     * @param cx principal point, to the right
+     * @param cy principal point, down
+     * @param distortionModel what the coefficients mean
+     * @param distortion at most 8 coefficients
      * @throws IllegalArgumentException for a negative size or too many coefficients
      */
     public Intrinsics {
         Objects.requireNonNull(distortionModel, "distortionModel");
+        Objects.requireNonNull(distortion, "distortion");
         if (width < 0 || height < 0) {
             throw new IllegalArgumentException("An image of " + width + " x " + height + " pixels is none: both must be at least 1.");
         }
@@ -42,6 +53,33 @@ public record Intrinsics(
                     "There are " + distortion.length + " coefficients; a distortion model has at most " + MOST_COEFFICIENTS + ".");
         }
         distortion = distortion.clone();
+    }
+
+    /** {@return a copy of the coefficients} */
+    @Override
+    public double[] distortion() {
+        return distortion.clone();
+    }
+
+    // What a record has by itself would compare the coefficients by the address of their array, and print it.
+    @Override
+    public boolean equals(Object other) {
+        return other instanceof Intrinsics camera && values().equals(camera.values());
+    }
+
+    @Override
+    public int hashCode() {
+        return values().hashCode();
+    }
+
+    private List<Object> values() {
+        return List.of(width, height, fx, fy, cx, cy, distortionModel, DoubleStream.of(distortion).boxed().toList());
+    }
+
+    @Override
+    public String toString() {
+        return "Intrinsics[width=" + width + ", height=" + height + ", fx=" + fx + ", fy=" + fy + ", cx=" + cx + ", cy=" + cy
+                + ", distortionModel=" + distortionModel + ", distortion=" + Arrays.toString(distortion) + "]";
     }
 
     /**

@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /**
- * What a short piece of a limb in the grey image says. This struct never changes.
+ * What a short piece of a limb in the grey image says.
  *
  * @param pixel Where the limb is seen, x and y in pixels of the (distorted) image.
  * @param sigma Standard deviation across the limb in ideal pixels, by the noise of the image only.

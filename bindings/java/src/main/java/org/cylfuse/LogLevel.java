@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** How much a log line matters. */
-public enum LogLevel {
+public enum LogLevel implements NativeNumber {
     /** No lines. */
     OFF(0),
     /** Calls that failed, with the text of {@link CylfuseException}. */
@@ -24,16 +24,8 @@ public enum LogLevel {
      *
      * @return the number of {@code CYLFUSE_LOG_LEVEL_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static LogLevel of(int value) {
-        for (LogLevel candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave LogLevel " + value + ", which this package does not know");
     }
 }

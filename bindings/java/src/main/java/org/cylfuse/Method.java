@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** How the cylinder is estimated. */
-public enum Method {
+public enum Method implements NativeNumber {
     /** Points and edges together, by the chosen {@link Objective}. */
     FUSED(0),
     /** Points alone by plain least squares; edges are ignored. */
@@ -22,16 +22,8 @@ public enum Method {
      *
      * @return the number of {@code CYLFUSE_METHOD_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static Method of(int value) {
-        for (Method candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave Method " + value + ", which this package does not know");
     }
 }

@@ -7,6 +7,7 @@ import com.sun.jna.Pointer;
 import com.sun.jna.ptr.DoubleByReference;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
+import java.io.IOException;
 
 /** The functions of cylfuse.h; {@code size_t} is {@code long}, as the library is opened in 64-bit processes only. */
 final class NativeFunctions {
@@ -19,20 +20,50 @@ final class NativeFunctions {
 
     private NativeFunctions() {}
 
+    /**
+     * Opens the library: the file that CYLFUSE_LIBRARY names and no other, else that of the jar, else what JNA finds.
+     */
     private static void open() {
         if (Native.POINTER_SIZE != 8) {
             throw new UnsatisfiedLinkError("cylfuse needs a 64-bit Java; this one has " + 8 * Native.POINTER_SIZE + " bits.");
         }
         String file = System.getenv("CYLFUSE_LIBRARY");
-        String name = file == null || file.isEmpty() ? "cylfuse" : file;
+        boolean named = file != null && !file.isEmpty();
+        NativeLibrary library;
         try {
-            Native.register(NativeFunctions.class, NativeLibrary.getInstance(name));
+            library = NativeLibrary.getInstance(named ? file : bundled());
         } catch (UnsatisfiedLinkError failure) {
-            UnsatisfiedLinkError clearer = new UnsatisfiedLinkError("The native library of cylfuse could not be opened as "
-                    + name + "; name its file in the environment variable CYLFUSE_LIBRARY. " + failure.getMessage());
-            clearer.initCause(failure);
-            throw clearer;
+            throw explained("The native library of cylfuse cannot be opened. "
+                    + (named
+                            ? "The environment variable CYLFUSE_LIBRARY names this file; correct or remove it. "
+                            : "Name its file in the environment variable CYLFUSE_LIBRARY. "), failure);
         }
+        try {
+            // Before the other functions are looked up: those of another interface may be others.
+            int version = library.getFunction("cylfuse_abi_version").invokeInt(new Object[0]);
+            if (version != ABI_VERSION) {
+                throw new UnsatisfiedLinkError("it has version " + version + " of the binary interface; this package needs version "
+                        + ABI_VERSION + ". Use the library that belongs to it.");
+            }
+            Native.register(NativeFunctions.class, library);
+        } catch (UnsatisfiedLinkError failure) {
+            throw explained(library.getFile() + " is not the native library of this package: ", failure);
+        }
+    }
+
+    /** The library in the jar, which goes with this package as one that the system has may not; its plain name without. */
+    private static String bundled() {
+        try {
+            return Native.extractFromResourcePath("cylfuse", NativeFunctions.class.getClassLoader()).getPath();
+        } catch (IOException notThere) {
+            return "cylfuse";
+        }
+    }
+
+    private static UnsatisfiedLinkError explained(String what, UnsatisfiedLinkError cause) {
+        UnsatisfiedLinkError failure = new UnsatisfiedLinkError(what + cause.getMessage());
+        failure.initCause(cause);
+        return failure;
     }
 
     /** Hears of every linear solve. */

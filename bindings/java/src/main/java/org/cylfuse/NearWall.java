@@ -4,7 +4,7 @@ package org.cylfuse;
  * Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a second
  * minimum with the cylinder between camera and surface; this rule refuses it.
  */
-public enum NearWall {
+public enum NearWall implements NativeNumber {
     /** On when intrinsics are set: only then is the origin known to be a camera. */
     AUTO(0),
     /** On: the origin is the observer. */
@@ -23,16 +23,8 @@ public enum NearWall {
      *
      * @return the number of {@code CYLFUSE_NEAR_WALL_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static NearWall of(int value) {
-        for (NearWall candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave NearWall " + value + ", which this package does not know");
     }
 }

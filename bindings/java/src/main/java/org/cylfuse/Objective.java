@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** What {@link Method#FUSED} minimises. */
-public enum Objective {
+public enum Objective implements NativeNumber {
     /**
      * Robust points and the distances of the segment endpoints in pixels, each weighted by its own scale. Takes any
      * number of segments, none included.
@@ -24,16 +24,8 @@ public enum Objective {
      *
      * @return the number of {@code CYLFUSE_OBJECTIVE_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static Objective of(int value) {
-        for (Objective candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave Objective " + value + ", which this package does not know");
     }
 }

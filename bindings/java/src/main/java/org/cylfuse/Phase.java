@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** What a fit is doing. */
-public enum Phase {
+public enum Phase implements NativeNumber {
     /** It is about to look for a start. */
     START(1),
     /** It iterates. */
@@ -18,16 +18,8 @@ public enum Phase {
      *
      * @return the number of {@code CYLFUSE_PHASE_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static Phase of(int value) {
-        for (Phase candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave Phase " + value + ", which this package does not know");
     }
 }

@@ -19,7 +19,7 @@ public record Progress(
         Cylinder model) {
     static Progress of(NativeStructs.Progress n) {
         return new Progress(
-                Phase.of(n.phase),
+                NativeNumber.find(Phase.class, n.phase),
                 n.iteration,
                 n.max_iterations,
                 n.cost,

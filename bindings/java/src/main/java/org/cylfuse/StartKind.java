@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** Where the iteration starts. */
-public enum StartKind {
+public enum StartKind implements NativeNumber {
     /** The candidate of the kinds below that explains the data best. Never in a result. */
     AUTO(0),
     /** From two limb segments, scaled by the points. */
@@ -24,16 +24,8 @@ public enum StartKind {
      *
      * @return the number of {@code CYLFUSE_START_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static StartKind of(int value) {
-        for (StartKind candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave StartKind " + value + ", which this package does not know");
     }
 }

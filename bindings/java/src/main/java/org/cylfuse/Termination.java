@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** Why an iteration ended. */
-public enum Termination {
+public enum Termination implements NativeNumber {
     /** There was no iteration: the method has none, or a given model was evaluated. */
     NONE(0),
     /** The cost no longer fell by more than the tolerance, or reached the rounding error of the data. */
@@ -24,16 +24,8 @@ public enum Termination {
      *
      * @return the number of {@code CYLFUSE_TERMINATION_...}
      */
+    @Override
     public int value() {
         return value;
-    }
-
-    static Termination of(int value) {
-        for (Termination candidate : values()) {
-            if (candidate.value == value) {
-                return candidate;
-            }
-        }
-        throw new IllegalStateException("the native library gave Termination " + value + ", which this package does not know");
     }
 }

@@ -2,9 +2,11 @@ package org.cylfuse;
 
 import static org.junit.Assert.assertArrayEquals;
 import static org.junit.Assert.assertEquals;
+import static org.junit.Assert.assertNotEquals;
 import static org.junit.Assert.assertThrows;
 import static org.junit.Assert.assertTrue;
 
+import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.DoubleBuffer;
@@ -13,6 +15,7 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.EnumSet;
 import java.util.List;
+import java.util.Map;
 import java.util.Set;
 import org.junit.Test;
 import org.junit.function.ThrowingRunnable;
@@ -296,6 +299,43 @@ public class FitterTest {
         }
     }
 
+    @SuppressWarnings("unchecked")
+    private static <T extends Throwable> boolean hurl(Throwable failure) throws T {
+        throw (T) failure;
+    }
+
+    @Test
+    public void nullArgumentsAreNamed() {
+        try (Fitter fitter = Scene.loaded()) {
+            Map<String, ThrowingRunnable> calls = Map.ofEntries(
+                    Map.entry("points", () -> fitter.pushPoints(null)),
+                    Map.entry("depth", () -> fitter.pushDepth(null, null)),
+                    Map.entry("image", () -> fitter.pushImage(null)),
+                    Map.entry("segments", () -> fitter.pushEdges(null)),
+                    Map.entry("options", () -> fitter.setOptions(null)),
+                    Map.entry("camera", () -> fitter.setIntrinsics(null)),
+                    Map.entry("model", () -> fitter.evaluate(null)),
+                    Map.entry("kind", () -> fitter.residuals(null, null)),
+                    Map.entry("layout", () -> fitter.complete(null, null, null)),
+                    Map.entry("maxLevel", () -> fitter.setLogListener(null, null)),
+                    Map.entry("intrinsics", () -> Scene.TRUTH.project(null)),
+                    Map.entry("other", () -> Scene.TRUTH.compare(null)));
+            calls.forEach((name, call) -> assertEquals(name, assertThrows(NullPointerException.class, call).getMessage()));
+            fitter.fit();
+        }
+    }
+
+    @Test
+    public void camerasAreComparedByTheirNumbers() {
+        Intrinsics camera = new Intrinsics(4, 3, 1, 1, 0, 0, DistortionModel.BROWN_CONRADY, 0.5, 0.25);
+        Intrinsics same = new Intrinsics(4, 3, 1, 1, 0, 0, DistortionModel.BROWN_CONRADY, 0.5, 0.25);
+        same.distortion()[0] = 7; // a copy
+        assertEquals(camera, same);
+        assertEquals(camera.hashCode(), same.hashCode());
+        assertNotEquals(camera, new Intrinsics(4, 3, 1, 1, 0, 0, DistortionModel.BROWN_CONRADY, 0.5, 0.75));
+        assertTrue(camera.toString(), camera.toString().endsWith("distortion=[0.5, 0.25]]"));
+    }
+
     @Test
     public void listenersHearAndStop() {
         try (Fitter fitter = Scene.loaded()) {
@@ -314,6 +354,13 @@ public class FitterTest {
                 throw new ArithmeticException("from the listener");
             });
             assertThrows(ArithmeticException.class, fitter::fit);
+            // A checked one, as from a language that declares none.
+            fitter.setProgressListener(progress -> FitterTest.<RuntimeException>hurl(new IOException("undeclared")));
+            assertThrows(IOException.class, fitter::fit);
+            fitter.setProgressListener(null);
+            fitter.setLogListener(LogLevel.DEBUG, (level, line) -> FitterTest.<RuntimeException>hurl(new IOException("undeclared")));
+            assertThrows(IOException.class, fitter::fit);
+            fitter.setLogListener(LogLevel.OFF, null);
             fitter.setProgressListener(progress -> {
                 fitter.clear();
                 return true;

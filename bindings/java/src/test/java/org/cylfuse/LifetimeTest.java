@@ -41,8 +41,47 @@ public class LifetimeTest {
     }
 
     @Test
+    public void closeInsideACallLeavesItsFailure() {
+        Fitter fitter = Scene.loaded();
+        fitter.setProgressListener(progress -> {
+            fitter.close();
+            return false;
+        });
+        assertEquals(Status.CANCELLED, assertThrows(CylfuseException.class, fitter::fit).status());
+        assertThrows(IllegalStateException.class, fitter::fit);
+    }
+
+    @Test
+    public void anotherThreadCancelsAFit() throws InterruptedException, ExecutionException {
+        ExecutorService thread = Executors.newSingleThreadExecutor();
+        try (Fitter fitter = Scene.loaded()) {
+            CountDownLatch inside = new CountDownLatch(1);
+            CountDownLatch cancelled = new CountDownLatch(1);
+            fitter.setProgressListener(progress -> {
+                inside.countDown();
+                await(cancelled);
+                return true;
+            });
+            Future<CylfuseException> fit = thread.submit(() -> assertThrows(CylfuseException.class, fitter::fit));
+            inside.await();
+            fitter.cancel();
+            cancelled.countDown();
+            assertEquals(Status.CANCELLED, fit.get().status());
+        }
+        thread.shutdown();
+    }
+
+    private static void await(CountDownLatch latch) {
+        try {
+            latch.await();
+        } catch (InterruptedException interruption) {
+            throw new IllegalStateException(interruption);
+        }
+    }
+
+    @Test
     public void tenThousandCyclesLeaveMemoryFlat() throws IOException {
-        // The Java heap is limited by test.sh and full after the first rounds; what grows after them is native.
+        // The Java heap is resident from the start (pom.xml); what grows after the first rounds is native.
         cycle(CYCLES, true);
         long before = residentKilobytes();
         cycle(CYCLES, true);
@@ -65,6 +104,9 @@ public class LifetimeTest {
         for (int k = 0; k < count; k++) {
             Fitter fitter = new Fitter();
             fitter.setOptions(options);
+            // Listeners that know their fitter do not keep it alive.
+            fitter.setProgressListener(progress -> fitter != null);
+            fitter.setLogListener(LogLevel.DEBUG, (level, line) -> fitter.hashCode());
             fitter.pushPoints(points);
             fitter.fit();
             if (close) {
@@ -116,11 +158,7 @@ public class LifetimeTest {
             CountDownLatch tried = new CountDownLatch(1);
             fitter.setProgressListener(progress -> {
                 inside.countDown();
-                try {
-                    tried.await();
-                } catch (InterruptedException interruption) {
-                    throw new IllegalStateException(interruption);
-                }
+                await(tried);
                 return true;
             });
             Future<FitResult> fit = thread.submit(fitter::fit);
