@@ -10,7 +10,7 @@
 #ifndef CYLFUSE_GO_BRIDGE_H
 #define CYLFUSE_GO_BRIDGE_H
 
-#include <cylfuse/cylfuse.h>
+#include "cylfuse.h"
 
 /* `mask` and what else may be NULL in the C interface may be NULL here. */
 cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_view *points, const uint8_t *data,
