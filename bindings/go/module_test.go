@@ -35,7 +35,7 @@ func run(t *testing.T, folder, commands string, environment ...string) (string, 
 // TestReadme takes the module as it is published, which CYLFUSE_GO_MODULE names: it must link the library inside.
 func TestReadme(t *testing.T) {
 	module := os.Getenv("CYLFUSE_GO_MODULE")
-	if module == "" {
+	if module == "" || testing.Short() {
 		t.Skip("CYLFUSE_GO_MODULE, the folder of the published module, is not set: test.sh lays it out")
 	}
 	programs, commands := blocks(t, "go"), blocks(t, "sh")[0]
@@ -63,6 +63,9 @@ func TestReadme(t *testing.T) {
 }
 
 func TestAnotherLibrary(t *testing.T) {
+	if testing.Short() {
+		t.Skip("builds programs")
+	}
 	symbols, err := os.ReadFile("../../tests/data/symbols.txt")
 	must(t, err)
 	here, err := os.Getwd()
