@@ -117,16 +117,16 @@ class Fitter {
 
   setProgress(callback) {
     checkCallback('progress', callback);
-    const native = callback && progressCallback;
-    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, native, this.#held.key));
+    const heard = callback && progressCallback;
+    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, heard, this.#held.key));
     this.#listener.progress = callback;
   }
 
   setLog(maxLevel, callback) {
     const level = numberOf('logLevel', 'maxLevel', maxLevel);
     checkCallback('log', callback);
-    const native = callback && logCallback;
-    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, native, this.#held.key));
+    const heard = callback && logCallback;
+    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, heard, this.#held.key));
     this.#listener.log = callback;
   }
 
@@ -188,18 +188,17 @@ class Fitter {
     const capacity = kind === 'points' ? counts.pointsUsed : 2 * counts.segmentsGiven;
     const list = (handle, out, length, count) =>
       functions.cylfuse_fitter_residuals(handle, c, number, out, length, count);
-    return this.#list(capacity, (length) => new Float64Array(length), list);
+    const { items, count } = this.#list(capacity, (length) => new Float64Array(length), list);
+    return items.subarray(0, count);
   }
 
   limbSamples() {
     const size = koffi.sizeof(native.LimbSample);
     // Far more than an image gives: one of 640 x 480 pixels some 16.
-    const buffer = this.#list(1024, (length) => Buffer.alloc(length * size), functions.cylfuse_fitter_limb_samples);
-    const samples = [];
-    for (let offset = 0; offset < buffer.length; offset += size) {
-      samples.push(convert.limbSampleFromC(koffi.decode(buffer, offset, native.LimbSample)));
-    }
-    return samples;
+    const make = (length) => Buffer.alloc(length * size);
+    const { items, count } = this.#list(1024, make, functions.cylfuse_fitter_limb_samples);
+    return Array.from({ length: count }, (_, index) =>
+      convert.limbSampleFromC(koffi.decode(items, index * size, native.LimbSample)));
   }
 
   diagnose(model = null) {
@@ -308,16 +307,15 @@ class Fitter {
    * number, which fails for the library, and so would reach the log.
    */
   #list(capacity, make, list) {
-    const count = [capacity];
-    let items;
+    const count = [0];
+    let items = make(capacity);
     this.#call((handle) => {
-      items = make(capacity);
       const status = list(handle, items, capacity, count);
       if (status !== STATUS.BUFFER_TOO_SMALL) return status;
       items = make(Number(count[0]));
       return list(handle, items, count[0], count);
     });
-    return count[0] < capacity ? items.slice(0, items.length / capacity * Number(count[0])) : items;
+    return { items, count: Number(count[0]) };
   }
 }
 

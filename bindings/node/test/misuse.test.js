@@ -169,6 +169,14 @@ for (const [name, program] of [['', FIT], [' with callbacks', HEARD]]) {
   }
 }
 
+test('a fit on the pool takes at most half the stack that koffi gives it', () => {
+  const half = require('koffi').config().async_stack_size / 2;
+  const { status, signal } = spawnSync(process.execPath, ['-e', `
+    require('koffi').config({ async_stack_size: ${half} });
+    require('./conformance.js');`], { cwd: __dirname });
+  assert.deepEqual([status, signal], [0, null]);
+});
+
 test('what a worker leaves behind is freed', () => {
   const ended = run(`
     const ends = () => new Promise((resolve) => { new Worker(__filename).on('exit', resolve); });
