@@ -4,7 +4,8 @@
 #include "_cgo_export.h"
 
 /* A copy of a mask view with its pixels; NULL stays NULL. */
-static const cylfuse_mask_view *with_pixels(cylfuse_mask_view *copy, const cylfuse_mask_view *mask, const void *data)
+static const cylfuse_mask_view *with_pixels(cylfuse_mask_view *copy, const cylfuse_mask_view *mask,
+                                            const uint8_t *data)
 {
     if (mask == NULL) return NULL;
     *copy = *mask;
@@ -12,9 +13,9 @@ static const cylfuse_mask_view *with_pixels(cylfuse_mask_view *copy, const cylfu
     return copy;
 }
 
-cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_view *points, const void *data,
-                                  const void *weights, const void *normals, const cylfuse_mask_view *mask,
-                                  const void *mask_data)
+cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_view *points, const uint8_t *data,
+                                  const uint8_t *weights, const uint8_t *normals, const cylfuse_mask_view *mask,
+                                  const uint8_t *mask_data)
 {
     cylfuse_mask_view mask_copy;
     cylfuse_points_view view = *points;
@@ -24,8 +25,8 @@ cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_v
     return cylfuse_fitter_push_points(fitter, &view, with_pixels(&mask_copy, mask, mask_data));
 }
 
-cylfuse_status bridge_push_depth(cylfuse_fitter *fitter, const cylfuse_depth_view *depth, const void *data,
-                                 const cylfuse_mask_view *mask, const void *mask_data)
+cylfuse_status bridge_push_depth(cylfuse_fitter *fitter, const cylfuse_depth_view *depth, const uint8_t *data,
+                                 const cylfuse_mask_view *mask, const uint8_t *mask_data)
 {
     cylfuse_mask_view mask_copy;
     cylfuse_depth_view view = *depth;
@@ -33,15 +34,15 @@ cylfuse_status bridge_push_depth(cylfuse_fitter *fitter, const cylfuse_depth_vie
     return cylfuse_fitter_push_depth(fitter, &view, with_pixels(&mask_copy, mask, mask_data));
 }
 
-cylfuse_status bridge_push_image(cylfuse_fitter *fitter, const cylfuse_image_view *image, const void *data)
+cylfuse_status bridge_push_image(cylfuse_fitter *fitter, const cylfuse_image_view *image, const uint8_t *data)
 {
     cylfuse_image_view view = *image;
     view.data = data;
     return cylfuse_fitter_push_image(fitter, &view);
 }
 
-cylfuse_status bridge_push_edges(cylfuse_fitter *fitter, const cylfuse_segments_view *segments, const void *data,
-                                 const void *weights)
+cylfuse_status bridge_push_edges(cylfuse_fitter *fitter, const cylfuse_segments_view *segments, const uint8_t *data,
+                                 const double *weights)
 {
     cylfuse_segments_view view = *segments;
     view.data = data;
@@ -49,7 +50,7 @@ cylfuse_status bridge_push_edges(cylfuse_fitter *fitter, const cylfuse_segments_
     return cylfuse_fitter_push_edges(fitter, &view);
 }
 
-cylfuse_status bridge_complete_bound(cylfuse_fitter *fitter, const cylfuse_mask_view *mask, const void *mask_data,
+cylfuse_status bridge_complete_bound(cylfuse_fitter *fitter, const cylfuse_mask_view *mask, const uint8_t *mask_data,
                                      cylfuse_layout layout, size_t *out_capacity)
 {
     cylfuse_mask_view mask_copy;
@@ -57,7 +58,7 @@ cylfuse_status bridge_complete_bound(cylfuse_fitter *fitter, const cylfuse_mask_
 }
 
 cylfuse_status bridge_complete(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
-                               const void *mask_data, const cylfuse_points_out *out, void *data,
+                               const uint8_t *mask_data, const cylfuse_points_out *out, uint8_t *data,
                                cylfuse_completion *out_completion)
 {
     cylfuse_mask_view mask_copy;
@@ -67,8 +68,8 @@ cylfuse_status bridge_complete(cylfuse_fitter *fitter, const cylfuse_cylinder *m
 }
 
 cylfuse_status bridge_complete_depth(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
-                                     const cylfuse_mask_view *mask, const void *mask_data,
-                                     const cylfuse_depth_out *out, void *data, cylfuse_completion *out_completion)
+                                     const cylfuse_mask_view *mask, const uint8_t *mask_data,
+                                     const cylfuse_depth_out *out, uint8_t *data, cylfuse_completion *out_completion)
 {
     cylfuse_mask_view mask_copy;
     cylfuse_depth_out image = *out;
@@ -78,13 +79,13 @@ cylfuse_status bridge_complete_depth(cylfuse_fitter *fitter, const cylfuse_cylin
 }
 
 cylfuse_status bridge_extent(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
-                             const void *mask_data, cylfuse_extent *out_extent)
+                             const uint8_t *mask_data, cylfuse_extent *out_extent)
 {
     cylfuse_mask_view mask_copy;
     return cylfuse_fitter_extent(fitter, model, with_pixels(&mask_copy, mask, mask_data), out_extent);
 }
 
-cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_points_view *points, const void *data,
+cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_points_view *points, const uint8_t *data,
                                 double *out, size_t capacity)
 {
     cylfuse_points_view view = *points;
@@ -93,8 +94,8 @@ cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_poi
 }
 
 cylfuse_status bridge_select_edges(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
-                                   const cylfuse_segments_view *segments, const void *data, double reach,
-                                   void *out_limbs, size_t capacity)
+                                   const cylfuse_segments_view *segments, const uint8_t *data, double reach,
+                                   uint8_t *out_limbs, size_t capacity)
 {
     cylfuse_segments_view view = *segments;
     view.data = data;
@@ -111,12 +112,12 @@ static void hear_log(cylfuse_log_level level, const char *message, void *user_da
     cylfuseGoLog(level, (char *)message, user_data);
 }
 
-cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on, void *user_data)
+cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on)
 {
-    return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, user_data);
+    return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, fitter);
 }
 
-cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on, void *user_data)
+cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on)
 {
-    return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, user_data);
+    return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, fitter);
 }

@@ -3,10 +3,7 @@ package cylfuse
 // #include "bridge.h"
 import "C"
 
-import (
-	"runtime/cgo"
-	"unsafe"
-)
+import "unsafe"
 
 // Phase is what a fit is doing.
 type Phase int32
@@ -52,10 +49,11 @@ const (
 
 // SetProgress sets what hears of every linear solve of a fit, in the goroutine that called Fit; nil for nothing. It
 // returns true to go on; false stops the fit, which returns StatusCancelled. Of the methods of the same fitter it may
-// only call Cancel; the others return StatusBusy.
+// only call Cancel; the others return StatusBusy. Its panic goes on in the caller of Fit. It must not end the goroutine
+// (runtime.Goexit, Fatal of a test): for the library the fit would go on for ever, and the fitter with it.
 func (fitter *Fitter) SetProgress(callback func(Progress) bool) error {
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		status := C.bridge_set_progress(handle, truth(callback != nil), unsafe.Pointer(fitter.native.slot))
+		status := C.bridge_set_progress(handle, truth(callback != nil))
 		if status == C.CYLFUSE_STATUS_OK {
 			fitter.progress = callback
 		}
@@ -67,8 +65,7 @@ func (fitter *Fitter) SetProgress(callback func(Progress) bool) error {
 // hold here too.
 func (fitter *Fitter) SetLog(maxLevel LogLevel, callback func(level LogLevel, message string)) error {
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		status := C.bridge_set_log(handle, C.cylfuse_log_level(maxLevel), truth(callback != nil),
-			unsafe.Pointer(fitter.native.slot))
+		status := C.bridge_set_log(handle, C.cylfuse_log_level(maxLevel), truth(callback != nil))
 		if status == C.CYLFUSE_STATUS_OK {
 			fitter.log = callback
 		}
@@ -77,8 +74,8 @@ func (fitter *Fitter) SetLog(maxLevel LogLevel, callback func(level LogLevel, me
 }
 
 //export cylfuseGoProgress
-func cylfuseGoProgress(c *C.cylfuse_progress, userData unsafe.Pointer) (stop C.int32_t) {
-	fitter := (*cgo.Handle)(userData).Value().(*Fitter)
+func cylfuseGoProgress(c *C.cylfuse_progress, handle unsafe.Pointer) (stop C.int32_t) {
+	fitter := caller(handle)
 	defer fitter.catch(&stop)
 	if fitter.thrown != nil {
 		return 1
@@ -97,13 +94,19 @@ func cylfuseGoProgress(c *C.cylfuse_progress, userData unsafe.Pointer) (stop C.i
 }
 
 //export cylfuseGoLog
-func cylfuseGoLog(level C.cylfuse_log_level, message *C.char, userData unsafe.Pointer) {
-	fitter := (*cgo.Handle)(userData).Value().(*Fitter)
+func cylfuseGoLog(level C.cylfuse_log_level, message *C.char, handle unsafe.Pointer) {
+	fitter := caller(handle)
 	var stop C.int32_t
 	defer fitter.catch(&stop)
 	if fitter.log != nil && fitter.thrown == nil {
 		fitter.log(LogLevel(level), C.GoString(message))
 	}
+}
+
+// caller is the fitter whose call the library is in.
+func caller(handle unsafe.Pointer) *Fitter {
+	fitter, _ := calling.Load(handle)
+	return fitter.(*Fitter)
 }
 
 // catch keeps a panic of a callback, which must not run through the library, for the call to go on with.

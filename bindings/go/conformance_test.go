@@ -71,7 +71,7 @@ type caseFile struct {
 	}
 	Cameras map[string]struct {
 		DistortionModel string `json:"distortion_model"`
-		Width, Height   uint32
+		Width, Height   int
 		FX, FY, CX, CY  number
 		Distortion      [8]number
 	}
@@ -220,7 +220,7 @@ func (file *caseFile) intrinsics(name string) Intrinsics {
 	}
 	intrinsics := Intrinsics{Width: camera.Width, Height: camera.Height, FX: float64(camera.FX), FY: float64(camera.FY),
 		CX: float64(camera.CX), CY: float64(camera.CY),
-		Model: Distortion(caseEnumeration("distortion_model", camera.DistortionModel))}
+		DistortionModel: DistortionModel(caseEnumeration("distortion_model", camera.DistortionModel))}
 	for i, coefficient := range camera.Distortion {
 		intrinsics.Distortion[i] = float64(coefficient)
 	}

@@ -18,7 +18,7 @@
 // is running. Different fitters run in parallel.
 package cylfuse
 
-// #cgo CFLAGS: -I${SRCDIR}/native/include -I${SRCDIR}/../../include
+// #cgo CFLAGS: -I${SRCDIR}/../../include/cylfuse
 // #include "bridge.h"
 import "C"
 

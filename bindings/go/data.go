@@ -117,114 +117,105 @@ type Edges interface {
 type (
 	pointsView struct {
 		view                   C.cylfuse_points_view
-		data, weights, normals unsafe.Pointer
-		count                  int
+		data, weights, normals *C.uint8_t
 	}
 	depthView struct {
 		view C.cylfuse_depth_view
-		data unsafe.Pointer
+		data *C.uint8_t
 	}
 	imageView struct {
 		view C.cylfuse_image_view
-		data unsafe.Pointer
+		data *C.uint8_t
 	}
 	maskView struct {
 		view *C.cylfuse_mask_view
-		data unsafe.Pointer
+		data *C.uint8_t
 	}
 	segmentsView struct {
-		view          C.cylfuse_segments_view
-		data, weights unsafe.Pointer
+		view    C.cylfuse_segments_view
+		data    *C.uint8_t
+		weights *C.double
 	}
 )
 
 func (points Points[T]) pointsView() (pointsView, error) {
-	var call pointsView
-	step := points.PointStride
-	if step == 0 {
-		step = 3
-	}
-	if points.Width == 0 && points.Height == 0 {
-		if step < 3 {
-			return call, shapeError("PointStride is %d: a point has 3 numbers", step)
+	width, height := points.Width, points.Height
+	switch {
+	case width == 0 && height == 0:
+		var err error
+		if width, err = items("points", "point", len(points.Data), points.PointStride, 3); err != nil {
+			return pointsView{}, err
 		}
-		// The last point needs no more than its own three numbers.
-		if over := len(points.Data) % step; over != 0 && (step == 3 || over != 3) {
-			return call, shapeError("Data has %d numbers, which is no whole number of points of %d numbers: give x, y, "+
-				"z of point after point", len(points.Data), step)
+		height = 1
+	case width == 0 && len(points.Data) > 0:
+		return pointsView{}, shapeError("points.Height is %d, but points.Width is 0: give both, or neither for all points "+
+			"of Data", height)
+	case height == 0:
+		height = 1
+	}
+	for _, part := range []struct {
+		name                    string
+		data                    []T
+		stride, rowStride, item int
+	}{
+		{"points.Data", points.Data, points.PointStride, points.RowStride, 3},
+		{"points.Weights", points.Weights, points.WeightStride, points.WeightRowStride, 1},
+		{"points.Normals", points.Normals, points.NormalStride, points.NormalRowStride, 3},
+	} {
+		if part.data == nil && part.name != "points.Data" {
+			continue
 		}
-		points.Width = (len(points.Data) + step - 1) / step
-	}
-	if points.Height == 0 {
-		points.Height = 1
-	}
-	if err := holds("Data", len(points.Data), points.Width, points.Height, points.PointStride, points.RowStride, 3); err != nil {
-		return call, err
-	}
-	if points.Weights != nil {
-		if err := holds("Weights", len(points.Weights), points.Width, points.Height, points.WeightStride, points.WeightRowStride, 1); err != nil {
-			return call, err
-		}
-	}
-	if points.Normals != nil {
-		if err := holds("Normals", len(points.Normals), points.Width, points.Height, points.NormalStride, points.NormalRowStride, 3); err != nil {
-			return call, err
+		if err := holds(part.name, len(part.data), width, height, part.stride, part.rowStride, part.item); err != nil {
+			return pointsView{}, err
 		}
 	}
+	call := pointsView{data: first(points.Data), weights: first(points.Weights), normals: first(points.Normals)}
 	C.cylfuse_points_view_init(&call.view, C.sizeof_cylfuse_points_view)
 	call.view.scalar = scalarOf[T]()
-	call.view.width = C.size_t(points.Width)
-	call.view.height = C.size_t(points.Height)
+	call.view.width = C.size_t(width)
+	call.view.height = C.size_t(height)
 	call.view.point_stride = inBytes[T](points.PointStride)
 	call.view.row_stride = inBytes[T](points.RowStride)
 	call.view.weight_stride = inBytes[T](points.WeightStride)
 	call.view.weight_row_stride = inBytes[T](points.WeightRowStride)
 	call.view.normal_stride = inBytes[T](points.NormalStride)
 	call.view.normal_row_stride = inBytes[T](points.NormalRowStride)
-	call.data = first(points.Data)
-	call.weights = first(points.Weights)
-	call.normals = first(points.Normals)
-	call.count = points.Width * points.Height
 	return call, nil
 }
 
 func (depth DepthImage[T]) depthView() (depthView, error) {
-	var call depthView
-	if err := holdsPixels(len(depth.Data), depth.Width, depth.Height, depth.PixelStride, depth.RowStride); err != nil {
-		return call, err
+	pixels, err := pixelsOf("depth", depth.Data, depth.Width, depth.Height, depth.RowStride, depth.PixelStride)
+	if err != nil {
+		return depthView{}, err
 	}
+	call := depthView{data: pixels.data}
 	C.cylfuse_depth_view_init(&call.view, C.sizeof_cylfuse_depth_view)
 	call.view.format = depthFormatOf[T]()
-	call.view.width = C.uint32_t(depth.Width)
-	call.view.height = C.uint32_t(depth.Height)
-	call.view.row_stride = inBytes[T](depth.RowStride)
-	call.view.pixel_stride = inBytes[T](depth.PixelStride)
+	call.view.width, call.view.height = pixels.width, pixels.height
+	call.view.row_stride, call.view.pixel_stride = pixels.rowStride, pixels.pixelStride
 	call.view.scale = C.double(depth.Scale)
 	call.view.min_depth = C.double(depth.MinDepth)
 	call.view.max_depth = C.double(depth.MaxDepth)
-	call.data = first(depth.Data)
 	return call, nil
 }
 
 func (image GreyImage[T]) imageView() (imageView, error) {
-	var call imageView
-	if err := holdsPixels(len(image.Data), image.Width, image.Height, image.PixelStride, image.RowStride); err != nil {
-		return call, err
+	pixels, err := pixelsOf("image", image.Data, image.Width, image.Height, image.RowStride, image.PixelStride)
+	if err != nil {
+		return imageView{}, err
 	}
+	call := imageView{data: pixels.data}
 	C.cylfuse_image_view_init(&call.view, C.sizeof_cylfuse_image_view)
-	switch any(image.Data).(type) {
-	case []uint8:
+	switch unsafe.Sizeof(*new(T)) {
+	case 1:
 		call.view.format = C.CYLFUSE_IMAGE_FORMAT_U8
-	case []uint16:
+	case 2:
 		call.view.format = C.CYLFUSE_IMAGE_FORMAT_U16
 	default:
 		call.view.format = C.CYLFUSE_IMAGE_FORMAT_F32
 	}
-	call.view.width = C.uint32_t(image.Width)
-	call.view.height = C.uint32_t(image.Height)
-	call.view.row_stride = inBytes[T](image.RowStride)
-	call.view.pixel_stride = inBytes[T](image.PixelStride)
-	call.data = first(image.Data)
+	call.view.width, call.view.height = pixels.width, pixels.height
+	call.view.row_stride, call.view.pixel_stride = pixels.rowStride, pixels.pixelStride
 	return call, nil
 }
 
@@ -233,43 +224,51 @@ func (mask *Mask) maskView() (maskView, error) {
 	if mask == nil {
 		return maskView{}, nil
 	}
-	if err := holdsPixels(len(mask.Data), mask.Width, mask.Height, mask.PixelStride, mask.RowStride); err != nil {
+	pixels, err := pixelsOf("mask", mask.Data, mask.Width, mask.Height, mask.RowStride, mask.PixelStride)
+	if err != nil {
 		return maskView{}, err
 	}
 	var view C.cylfuse_mask_view
 	C.cylfuse_mask_view_init(&view, C.sizeof_cylfuse_mask_view)
-	view.width = C.uint32_t(mask.Width)
-	view.height = C.uint32_t(mask.Height)
-	view.row_stride = C.ptrdiff_t(mask.RowStride)
-	view.pixel_stride = C.ptrdiff_t(mask.PixelStride)
-	return maskView{&view, first(mask.Data)}, nil
+	view.width, view.height = pixels.width, pixels.height
+	view.row_stride, view.pixel_stride = pixels.rowStride, pixels.pixelStride
+	return maskView{&view, pixels.data}, nil
 }
 
 func (segments Segments[T]) segmentsView() (segmentsView, error) {
-	var call segmentsView
-	step := segments.Stride
-	if step == 0 {
-		step = 4
+	count, err := items("edges", "segment", len(segments.Data), segments.Stride, 4)
+	if err != nil {
+		return segmentsView{}, err
 	}
-	if step < 4 {
-		return call, shapeError("Stride is %d: a segment has 4 numbers", step)
-	}
-	// The last segment needs no more than its own four numbers.
-	if over := len(segments.Data) % step; over != 0 && (step == 4 || over != 4) {
-		return call, shapeError("Data has %d numbers, which is no whole number of segments of %d numbers: give x1, y1, "+
-			"x2, y2 of segment after segment", len(segments.Data), step)
-	}
-	count := (len(segments.Data) + step - 1) / step
 	if segments.Weights != nil && len(segments.Weights) != count {
-		return call, shapeError("there are %d weights for %d segments: give one for each", len(segments.Weights), count)
+		return segmentsView{}, shapeError("edges.Weights has %d numbers for %d segments: give one for each",
+			len(segments.Weights), count)
 	}
+	call := segmentsView{data: first(segments.Data), weights: (*C.double)(unsafe.Pointer(first(segments.Weights)))}
 	C.cylfuse_segments_view_init(&call.view, C.sizeof_cylfuse_segments_view)
 	call.view.scalar = scalarOf[T]()
 	call.view.count = C.size_t(count)
 	call.view.segment_stride = inBytes[T](segments.Stride)
-	call.data = first(segments.Data)
-	call.weights = first(segments.Weights)
 	return call, nil
+}
+
+// pixels is what the views of all images share.
+type pixels struct {
+	data                   *C.uint8_t
+	width, height          C.uint32_t
+	rowStride, pixelStride C.ptrdiff_t
+}
+
+func pixelsOf[T uint8 | uint16 | float32](name string, data []T, width, height, rowStride, pixelStride int) (pixels, error) {
+	if err := sides(name, width, height); err != nil {
+		return pixels{}, err
+	}
+	if err := holds(name+".Data", len(data), width, height, pixelStride, rowStride, 1); err != nil {
+		return pixels{}, err
+	}
+	return pixels{
+		first(data), C.uint32_t(width), C.uint32_t(height), inBytes[T](rowStride), inBytes[T](pixelStride),
+	}, nil
 }
 
 func scalarOf[T float32 | float64]() C.cylfuse_scalar {
@@ -290,30 +289,51 @@ func depthFormatOf[T uint16 | float32]() C.cylfuse_depth_format {
 func inBytes[T any](stride int) C.ptrdiff_t { return C.ptrdiff_t(stride * int(unsafe.Sizeof(*new(T)))) }
 
 // first is the address of the first number, nil where there is none.
-func first[T any](values []T) unsafe.Pointer {
+func first[T any](values []T) *C.uint8_t {
 	if len(values) == 0 {
 		return nil
 	}
-	return unsafe.Pointer(&values[0])
+	return (*C.uint8_t)(unsafe.Pointer(&values[0]))
 }
 
-// holdsPixels is holds for an image, whose sides the C interface takes as uint32.
-func holdsPixels(length, width, height, pixelStride, rowStride int) error {
-	if int64(width) > math.MaxUint32 || int64(height) > math.MaxUint32 {
-		return shapeError("%d x %d pixels: no image is that large", width, height)
+// sides refuses the sides of an image that are none in the C interface, where they are uint32.
+func sides(name string, width, height int) error {
+	for _, side := range []int{width, height} {
+		if side < 0 || uint64(side) > math.MaxUint32 {
+			return shapeError("%s is %d x %d pixels: no image has such sides", name, width, height)
+		}
 	}
-	return holds("Data", length, width, height, pixelStride, rowStride, 1)
+	return nil
+}
+
+// maxStride keeps a stride in bytes within its type.
+const maxStride = math.MaxInt / 8
+
+// items counts the items of `size` numbers that a slice holds from its first number to its last.
+func items(name, item string, length, stride, size int) (int, error) {
+	if stride == 0 {
+		stride = size
+	}
+	if stride < size || stride > maxStride {
+		return 0, shapeError("the stride of %s is %d: a %s has %d numbers, so it is from %[4]d to %[5]d, or 0 for packed ones",
+			name, stride, item, size, maxStride)
+	}
+	// The last item needs no more than its own numbers.
+	if over := length % stride; over != 0 && over != size%stride {
+		return 0, shapeError("%s.Data has %d numbers, which is no whole number of %ss of %d numbers", name, length, item,
+			stride)
+	}
+	return (length + stride - size) / stride, nil
 }
 
 // holds refuses a slice of `length` numbers that does not hold the grid which width, height and strides describe.
 func holds(name string, length, width, height, stride, rowStride, item int) error {
 	if width < 0 || height < 0 {
-		return shapeError("%s: %d x %d is no size", name, width, height)
+		return shapeError("%s is %d x %d: sides are 0 or greater", name, width, height)
 	}
-	// The bound keeps a stride in bytes within its type.
-	if limit := math.MaxInt / 8; stride < 0 || rowStride < 0 || stride > limit || rowStride > limit {
-		return shapeError("%s: strides of %d and %d numbers; a slice starts at its first number, so they are 0 or "+
-			"greater", name, stride, rowStride)
+	if stride < 0 || rowStride < 0 || stride > maxStride || rowStride > maxStride {
+		return shapeError("%s has strides of %d and %d numbers: a slice starts at its first number, so they are from 0 "+
+			"to %d", name, stride, rowStride, maxStride)
 	}
 	if width == 0 || height == 0 {
 		return nil
@@ -321,16 +341,17 @@ func holds(name string, length, width, height, stride, rowStride, item int) erro
 	if stride == 0 {
 		stride = item
 	}
-	overflow, row := bits.Mul64(uint64(width), uint64(stride))
+	// What overflows is too much for any slice.
+	wide, row := bits.Mul64(uint64(width), uint64(stride))
 	if rowStride != 0 {
 		row = uint64(rowStride)
 	}
-	more, last := bits.Mul64(uint64(height-1), row)
-	need, carry := bits.Add64(last, uint64(width-1)*uint64(stride), 0)
-	need, again := bits.Add64(need, uint64(item), 0)
+	high, need := bits.Mul64(uint64(height-1), row)
+	need, carry := bits.Add64(need, uint64(width-1)*uint64(stride), 0)
+	need, carryItem := bits.Add64(need, uint64(item), 0)
 	// Numbers that items share (strides that are too small) do not count twice, or an output could be of any size.
-	over, items := bits.Mul64(uint64(width), uint64(height))
-	if overflow|more|carry|again|over != 0 || need > uint64(length) || items > uint64(length/item) {
+	many, count := bits.Mul64(uint64(width), uint64(height))
+	if wide|high|carry|carryItem|many != 0 || need > uint64(length) || count > uint64(length/item) {
 		return shapeError("%s has %d numbers, too few for %d x %d with strides of %d and %d numbers", name, length,
 			width, height, stride, row)
 	}

@@ -77,13 +77,13 @@ func (err *Error) Error() string { return "cylfuse: " + err.Message }
 func (err *Error) Unwrap() error { return err.Status }
 
 // ErrShape is within every error about a slice that does not hold what its description says. Nothing was called then.
-var ErrShape = errors.New("shape")
+var ErrShape = errors.New("cylfuse: wrong shape")
 
-// ErrClosed is the error of a call on a fitter that was closed.
-var ErrClosed = errors.New("cylfuse: the fitter is closed: make a new one")
+// ErrClosed is the error of a call on a fitter that was closed, or that is no work of NewFitter.
+var ErrClosed = errors.New("cylfuse: the fitter is closed, or was not made by NewFitter: make a new one")
 
 func shapeError(format string, arguments ...any) error {
-	return fmt.Errorf("cylfuse: %w: %s", ErrShape, fmt.Sprintf(format, arguments...))
+	return fmt.Errorf("%w: %s", ErrShape, fmt.Sprintf(format, arguments...))
 }
 
 // statusError is the error of a function without a fitter, which has no message of its own.

@@ -1,12 +1,10 @@
 package cylfuse
 
-// #include <stdlib.h>
 // #include "bridge.h"
 import "C"
 
 import (
 	"runtime"
-	"runtime/cgo"
 	"sync"
 	"unsafe"
 )
@@ -26,23 +24,20 @@ type Fitter struct {
 	// thrown is what a callback panicked with; the call goes on panicking when the library has returned.
 	thrown any
 
-	width, height uint32 // of the camera, 0 before SetIntrinsics
+	width, height int // of the camera, 0 before SetIntrinsics
 }
 
 // native is what the garbage collector has to free. It is apart from Fitter because a callback may well refer to its
 // fitter, and Go frees no cycle with a finalizer in it.
 type native struct {
-	handle *C.cylfuse_fitter
-	// slot is C memory that holds the Go handle of the fitter while a call runs, for the callbacks. Between calls nothing
-	// global refers to the fitter, so that one that was forgotten is collected together with its callbacks.
-	slot *cgo.Handle
+	handle *C.cylfuse_fitter // nil when it was destroyed
 }
 
-// free is for a fitter on which no call is running.
-func (native *native) free() {
-	C.cylfuse_fitter_destroy(native.handle)
-	C.free(unsafe.Pointer(native.slot))
-}
+func (native *native) free() { C.cylfuse_fitter_destroy(native.handle) }
+
+// calling has the fitters that run a call, by their handles, for the callbacks. Between calls nothing global refers to a
+// fitter, so that one that was forgotten is collected together with its callbacks.
+var calling sync.Map
 
 // NewFitter makes a fitter with default options and no data. Close frees what it holds; a forgotten one is freed by the
 // garbage collector, which does not see how much memory that is.
@@ -54,7 +49,7 @@ func NewFitter() (*Fitter, error) {
 	if err := statusError(C.cylfuse_fitter_create(C.CYLFUSE_ABI_VERSION, &handle)); err != nil {
 		return nil, err
 	}
-	owned := &native{handle, (*cgo.Handle)(C.calloc(1, C.size_t(unsafe.Sizeof(cgo.Handle(0)))))}
+	owned := &native{handle}
 	runtime.SetFinalizer(owned, (*native).free)
 	return &Fitter{native: owned}, nil
 }
@@ -68,12 +63,15 @@ func (fitter *Fitter) Close() error {
 	defer fitter.running.Unlock()
 	fitter.life.Lock()
 	defer fitter.life.Unlock()
-	if fitter.native == nil {
+	handle := fitter.handle()
+	if handle == nil {
 		return nil
 	}
+	if err := statusError(C.cylfuse_fitter_destroy(handle)); err != nil {
+		return err
+	}
 	runtime.SetFinalizer(fitter.native, nil)
-	fitter.native.free()
-	fitter.native = nil
+	fitter.native.handle = nil
 	return nil
 }
 
@@ -98,11 +96,13 @@ func (fitter *Fitter) Clear() error {
 func (fitter *Fitter) Cancel() error {
 	fitter.life.Lock()
 	defer fitter.life.Unlock()
-	if fitter.native == nil {
+	handle := fitter.handle()
+	if handle == nil {
 		return ErrClosed
 	}
+	// Without this the finalizer might free the fitter during its last call.
 	defer runtime.KeepAlive(fitter)
-	return statusError(C.cylfuse_fitter_cancel(fitter.native.handle))
+	return statusError(C.cylfuse_fitter_cancel(handle))
 }
 
 // SetOptions replaces the options.
@@ -119,12 +119,18 @@ func (fitter *Fitter) Options() (Options, error) {
 	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
 		return C.cylfuse_fitter_get_options(handle, &c)
 	})
-	return optionsFromC(&c), err
+	if err != nil {
+		return Options{}, err
+	}
+	return optionsFromC(&c), nil
 }
 
 // SetIntrinsics sets the camera, which depth images and edges need. Points that were pushed before stay as they are.
 func (fitter *Fitter) SetIntrinsics(intrinsics Intrinsics) error {
-	c := intrinsics.toC()
+	c, err := intrinsics.toC()
+	if err != nil {
+		return err
+	}
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
 		status := C.cylfuse_fitter_set_intrinsics(handle, &c)
 		if status == C.CYLFUSE_STATUS_OK {
@@ -149,12 +155,8 @@ func (fitter *Fitter) PushPoints(points PointCloud, mask *Mask) error {
 	if err != nil {
 		return err
 	}
-	selected, err := mask.maskView()
-	if err != nil {
-		return err
-	}
-	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		return C.bridge_push_points(handle, &call.view, call.data, call.weights, call.normals, selected.view, selected.data)
+	return fitter.callWithMask(mask, func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status {
+		return C.bridge_push_points(handle, &call.view, call.data, call.weights, call.normals, mask.view, mask.data)
 	})
 }
 
@@ -165,12 +167,8 @@ func (fitter *Fitter) PushDepth(depth Depth, mask *Mask) error {
 	if err != nil {
 		return err
 	}
-	selected, err := mask.maskView()
-	if err != nil {
-		return err
-	}
-	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		return C.bridge_push_depth(handle, &call.view, call.data, selected.view, selected.data)
+	return fitter.callWithMask(mask, func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status {
+		return C.bridge_push_depth(handle, &call.view, call.data, mask.view, mask.data)
 	})
 }
 
@@ -242,11 +240,22 @@ func (fitter *Fitter) Residuals(model *Cylinder, kind ResidualKind) ([]float64, 
 	c := model.optional()
 	var residuals []float64
 	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		return grow(&residuals, func(out unsafe.Pointer, capacity C.size_t, count *C.size_t) C.cylfuse_status {
+		counts := C.cylfuse_counts{struct_size: C.sizeof_cylfuse_counts}
+		if status := C.cylfuse_fitter_counts(handle, &counts); status != C.CYLFUSE_STATUS_OK {
+			return status
+		}
+		capacity := counts.points_used
+		if kind == ResidualEdges {
+			capacity = 2 * counts.segments_given
+		}
+		return list(&residuals, C.size_t(capacity), func(out *float64, capacity C.size_t, count *C.size_t) C.cylfuse_status {
 			return C.cylfuse_fitter_residuals(handle, c, C.cylfuse_residual_kind(kind), (*C.double)(out), capacity, count)
 		})
 	})
-	return residuals, err
+	if err != nil {
+		return nil, err
+	}
+	return residuals, nil
 }
 
 // LimbSamples lists what the last fit saw of the limbs in the grey image, used and refused. Empty when the image was not
@@ -254,8 +263,9 @@ func (fitter *Fitter) Residuals(model *Cylinder, kind ResidualKind) ([]float64, 
 func (fitter *Fitter) LimbSamples() ([]LimbSample, error) {
 	var raw []C.cylfuse_limb_sample
 	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		return grow(&raw, func(out unsafe.Pointer, capacity C.size_t, count *C.size_t) C.cylfuse_status {
-			return C.cylfuse_fitter_limb_samples(handle, (*C.cylfuse_limb_sample)(out), capacity, count)
+		// Far more than an image gives: one of 640 x 480 pixels some 16.
+		return list(&raw, 1024, func(out *C.cylfuse_limb_sample, capacity C.size_t, count *C.size_t) C.cylfuse_status {
+			return C.cylfuse_fitter_limb_samples(handle, out, capacity, count)
 		})
 	})
 	if err != nil {
@@ -297,16 +307,12 @@ func (fitter *Fitter) Diagnose(model *Cylinder) (Diagnosis, error) {
 // Complete casts the ray of every pixel of a mask (nil = that of the last depth image) and takes its first meeting with
 // a model (nil = that of the last fit): x, y, z of point after point in the camera frame.
 func Complete[T float32 | float64](fitter *Fitter, model *Cylinder, mask *Mask, layout Layout) ([]T, Completion, error) {
-	selected, err := mask.maskView()
-	if err != nil {
-		return nil, Completion{}, err
-	}
 	c := model.optional()
 	var points []T
 	completion := C.cylfuse_completion{struct_size: C.sizeof_cylfuse_completion}
-	err = fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+	err := fitter.callWithMask(mask, func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status {
 		var capacity C.size_t
-		status := C.bridge_complete_bound(handle, selected.view, selected.data, C.cylfuse_layout(layout), &capacity)
+		status := C.bridge_complete_bound(handle, mask.view, mask.data, C.cylfuse_layout(layout), &capacity)
 		if status != C.CYLFUSE_STATUS_OK {
 			return status
 		}
@@ -316,7 +322,7 @@ func Complete[T float32 | float64](fitter *Fitter, model *Cylinder, mask *Mask, 
 		out.scalar = scalarOf[T]()
 		out.capacity = capacity
 		out.layout = C.cylfuse_layout(layout)
-		return C.bridge_complete(handle, c, selected.view, selected.data, &out, first(points), &completion)
+		return C.bridge_complete(handle, c, mask.view, mask.data, &out, first(points), &completion)
 	})
 	if err != nil {
 		return nil, Completion{}, err
@@ -330,15 +336,11 @@ func Complete[T float32 | float64](fitter *Fitter, model *Cylinder, mask *Mask, 
 // CompleteDepth writes the z of every point of Complete into a depth image of the camera, in units of `scale` lengths,
 // and 0 where there is none.
 func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Mask, scale float64) (DepthImage[T], Completion, error) {
-	selected, err := mask.maskView()
-	if err != nil {
-		return DepthImage[T]{}, Completion{}, err
-	}
 	c := model.optional()
 	var image DepthImage[T]
 	completion := C.cylfuse_completion{struct_size: C.sizeof_cylfuse_completion}
-	err = fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		width, height := int(fitter.width), int(fitter.height)
+	err := fitter.callWithMask(mask, func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status {
+		width, height := fitter.width, fitter.height
 		image = DepthImage[T]{Data: make([]T, width*height), Width: width, Height: height, Scale: scale}
 		var out C.cylfuse_depth_out
 		C.cylfuse_depth_out_init(&out, C.sizeof_cylfuse_depth_out)
@@ -346,7 +348,7 @@ func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Ma
 		out.width = C.uint32_t(width)
 		out.height = C.uint32_t(height)
 		out.scale = C.double(scale)
-		return C.bridge_complete_depth(handle, c, selected.view, selected.data, &out, first(image.Data), &completion)
+		return C.bridge_complete_depth(handle, c, mask.view, mask.data, &out, first(image.Data), &completion)
 	})
 	if err != nil {
 		return DepthImage[T]{}, Completion{}, err
@@ -357,14 +359,10 @@ func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Ma
 // Extent finds the visible piece of a model (nil = that of the last fit) in a mask (nil = that of the last depth image)
 // and what its ends are, by Options.ExtentRule.
 func (fitter *Fitter) Extent(model *Cylinder, mask *Mask) (Extent, error) {
-	selected, err := mask.maskView()
-	if err != nil {
-		return Extent{}, err
-	}
 	c := model.optional()
 	out := C.cylfuse_extent{struct_size: C.sizeof_cylfuse_extent}
-	err = fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
-		return C.bridge_extent(handle, c, selected.view, selected.data, &out)
+	err := fitter.callWithMask(mask, func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status {
+		return C.bridge_extent(handle, c, mask.view, mask.data, &out)
 	})
 	if err != nil {
 		return Extent{}, err
@@ -410,14 +408,14 @@ func (fitter *Fitter) call(run func(handle *C.cylfuse_fitter) C.cylfuse_status) 
 		return busy()
 	}
 	defer fitter.running.Unlock()
-	if fitter.native == nil {
+	handle := fitter.handle()
+	if handle == nil {
 		return ErrClosed
 	}
-	// Without this the finalizer might free the fitter during its last call.
-	defer runtime.KeepAlive(fitter)
-	*fitter.native.slot = cgo.NewHandle(fitter)
-	defer fitter.native.slot.Delete()
-	status := run(fitter.native.handle)
+	// This also keeps the finalizer from freeing the fitter during its last call.
+	calling.Store(unsafe.Pointer(handle), fitter)
+	defer calling.Delete(unsafe.Pointer(handle))
+	status := run(handle)
 	if thrown := fitter.thrown; thrown != nil {
 		fitter.thrown = nil
 		panic(thrown)
@@ -425,18 +423,39 @@ func (fitter *Fitter) call(run func(handle *C.cylfuse_fitter) C.cylfuse_status) 
 	if status == C.CYLFUSE_STATUS_OK {
 		return nil
 	}
-	return &Error{Status(status), C.GoString(C.cylfuse_fitter_last_error(fitter.native.handle))}
+	return &Error{Status(status), C.GoString(C.cylfuse_fitter_last_error(handle))}
+}
+
+// callWithMask is call with a mask, whose shape is checked before.
+func (fitter *Fitter) callWithMask(mask *Mask, run func(handle *C.cylfuse_fitter, mask maskView) C.cylfuse_status) error {
+	view, err := mask.maskView()
+	if err != nil {
+		return err
+	}
+	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status { return run(handle, view) })
+}
+
+// handle is nil when the fitter is closed, or was not made by NewFitter.
+func (fitter *Fitter) handle() *C.cylfuse_fitter {
+	if fitter.native == nil {
+		return nil
+	}
+	return fitter.native.handle
 }
 
 func busy() error { return statusError(C.CYLFUSE_STATUS_BUSY) }
 
-// grow lists into a slice, asking for the number of items first.
-func grow[T any](items *[]T, list func(out unsafe.Pointer, capacity C.size_t, count *C.size_t) C.cylfuse_status) C.cylfuse_status {
-	var count C.size_t
-	status := list(nil, 0, &count)
-	if status != C.CYLFUSE_STATUS_BUFFER_TOO_SMALL {
-		return status
+// list makes a slice of what the library lists. A `capacity` that is large enough saves asking for the number of items,
+// which fails for the library, and so would reach the log.
+func list[T any](items *[]T, capacity C.size_t, call func(out *T, capacity C.size_t, count *C.size_t) C.cylfuse_status) C.cylfuse_status {
+	for {
+		*items = make([]T, capacity+1) // one more, for the address of the first
+		var count C.size_t
+		status := call(&(*items)[0], capacity, &count)
+		if status != C.CYLFUSE_STATUS_BUFFER_TOO_SMALL {
+			*items = (*items)[:count]
+			return status
+		}
+		capacity = count
 	}
-	*items = make([]T, int(count))
-	return list(first(*items), count, &count)
 }

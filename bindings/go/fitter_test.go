@@ -68,7 +68,7 @@ func loadFrame(t testing.TB) frame {
 	must(t, err)
 	var description struct {
 		Camera struct {
-			Width, Height  uint32
+			Width, Height  int
 			FX, FY, CX, CY float64
 			Distortion     []float64
 		}
@@ -78,9 +78,9 @@ func loadFrame(t testing.TB) frame {
 	must(t, json.Unmarshal(text, &description))
 	camera := description.Camera
 	intrinsics := Intrinsics{Width: camera.Width, Height: camera.Height, FX: camera.FX, FY: camera.FY, CX: camera.CX,
-		CY: camera.CY, Model: DistortionBrownConrady}
+		CY: camera.CY, DistortionModel: DistortionBrownConrady}
 	copy(intrinsics.Distortion[:], camera.Distortion)
-	width, height := int(camera.Width), int(camera.Height)
+	width, height := camera.Width, camera.Height
 
 	picture := func(name string) image.Image {
 		data, err := os.ReadFile(filepath.Join(folder, name))
@@ -292,36 +292,6 @@ func TestFailures(t *testing.T) {
 	}
 }
 
-func TestShapesAreCheckedBeforeTheCall(t *testing.T) {
-	fitter := newFitter(t)
-	must(t, fitter.SetIntrinsics(Intrinsics{Width: 4, Height: 2, FX: 1, FY: 1}))
-	xyz := make([]float64, 12)
-	for name, err := range map[string]error{
-		"no whole points": fitter.PushPoints(Points[float64]{Data: xyz[:11]}, nil),
-		"too few":         fitter.PushPoints(Points[float64]{Data: xyz, Width: 5}, nil),
-		"negative":        fitter.PushPoints(Points[float64]{Data: xyz, PointStride: -3}, nil),
-		"overflow":        fitter.PushPoints(Points[float64]{Data: xyz, Width: 1 << 61, PointStride: 8}, nil),
-		"rows overflow":   fitter.PushPoints(Points[float64]{Data: xyz, Width: 1, Height: 1 << 62, RowStride: 1 << 59}, nil),
-		"weights":         fitter.PushPoints(Points[float64]{Data: xyz, Weights: xyz[:3]}, nil),
-		"normals":         fitter.PushPoints(Points[float64]{Data: xyz, Normals: xyz[:3]}, nil),
-		"mask":            fitter.PushPoints(Points[float64]{Data: xyz}, &Mask{Data: nil, Width: 4, Height: 1}),
-		"depth":           fitter.PushDepth(DepthImage[float32]{Data: make([]float32, 7), Width: 4, Height: 2}, nil),
-		"image":           fitter.PushImage(GreyImage[uint8]{Data: make([]uint8, 22), Width: 4, Height: 2, PixelStride: 3, RowStride: 13}),
-		"segments":        fitter.PushEdges(Segments[float32]{Data: make([]float32, 6)}),
-		"segment weights": fitter.PushEdges(Segments[float32]{Data: make([]float32, 8), Weights: []float64{1}}),
-		"reserve":         fitter.Reserve(-1, 0),
-	} {
-		if !errors.Is(err, ErrShape) {
-			t.Errorf("%s: %v", name, err)
-		}
-	}
-	counts, err := fitter.Counts()
-	must(t, err)
-	if counts != (Counts{}) {
-		t.Errorf("something was pushed: %+v", counts)
-	}
-}
-
 func TestGeometry(t *testing.T) {
 	cylinder := Cylinder{Point: [3]float64{0, 0, 2}, Direction: [3]float64{0, 2, 0}, Radius: 0.5}
 	lines, err := cylinder.Project(Intrinsics{Width: 100, Height: 100, FX: 100, FY: 100, CX: 50, CY: 50})
@@ -398,19 +368,6 @@ func TestCallbacks(t *testing.T) {
 	}
 }
 
-func TestClosed(t *testing.T) {
-	fitter, err := NewFitter()
-	must(t, err)
-	must(t, fitter.Close())
-	must(t, fitter.Close())
-	if _, err := fitter.Fit(); err != ErrClosed {
-		t.Error(err)
-	}
-	if err := fitter.Cancel(); err != ErrClosed {
-		t.Error(err)
-	}
-}
-
 func TestEightFittersAtOnce(t *testing.T) {
 	frame := loadFrame(t)
 	var group sync.WaitGroup
@@ -438,47 +395,49 @@ func TestEightFittersAtOnce(t *testing.T) {
 	}
 }
 
-func TestOneFitterInTwoGoroutinesIsRefused(t *testing.T) {
-	fitter := newFitter(t)
-	must(t, fitter.PushPoints(Points[float64]{Data: pipe()}, nil))
-	// The first goroutine waits inside its fit until the other one was refused.
-	inside, refused := make(chan struct{}), make(chan struct{})
-	var once sync.Once
-	must(t, fitter.SetProgress(func(Progress) bool {
-		once.Do(func() { close(inside); <-refused })
-		return true
-	}))
-	done := make(chan error)
-	go func() {
-		_, err := fitter.Fit()
-		done <- err
-	}()
-	<-inside
-	_, err := fitter.Fit()
-	wantStatus(t, err, StatusBusy, "another call")
-	wantStatus(t, fitter.Close(), StatusBusy, "another call")
-	close(refused)
-	must(t, <-done)
-
-	// Whatever the order, a call works or is refused.
-	must(t, fitter.SetProgress(nil))
-	var group sync.WaitGroup
-	for k := 0; k < 8; k++ {
-		group.Add(1)
-		go func() {
-			defer group.Done()
-			for round := 0; round < 200; round++ {
-				if _, err := fitter.Fit(); err != nil && !errors.Is(err, StatusBusy) {
-					t.Error(err)
-				}
-			}
-		}()
-	}
-	group.Wait()
-}
-
 func TestLibrary(t *testing.T) {
 	if !strings.HasPrefix(BuildInfo(), "cylfuse "+Version()) && !strings.Contains(BuildInfo(), Version()) {
 		t.Errorf("%q, %q", Version(), BuildInfo())
+	}
+}
+
+func TestListingIsNoErrorForTheLog(t *testing.T) {
+	frame, fitter := loadFrame(t), newFitter(t)
+	frame.push(t, fitter)
+	_, err := fitter.Fit()
+	must(t, err)
+	must(t, fitter.SetLog(LogError, func(_ LogLevel, message string) { t.Error(message) }))
+	for _, kind := range []ResidualKind{ResidualPoints, ResidualEdges} {
+		residuals, err := fitter.Residuals(nil, kind)
+		must(t, err)
+		if len(residuals) == 0 {
+			t.Errorf("no residuals of %v", kind)
+		}
+	}
+	samples, err := fitter.LimbSamples()
+	must(t, err)
+	if len(samples) == 0 {
+		t.Errorf("%d samples", len(samples))
+	}
+}
+
+func TestNames(t *testing.T) {
+	for got, want := range map[string]string{
+		StartRANSAC.String():              "RANSAC",
+		TerminationRadiusRanAway.String(): "radius ran away",
+		EndHidden.String():                "hidden",
+		PhaseSolve.String():               "solve",
+		LogDebug.String():                 "debug",
+		ResidualEdges.String():            "edges",
+		DistortionKannalaBrandt.String():  "Kannala-Brandt",
+		Method(99).String():               "99",
+		Phase(0).String():                 "0",
+		FlagAxisAtLimit.String():          "axis at limit",
+		(FlagEdgesIgnored | FlagNotConverged | 1<<15).String(): "edges ignored, not converged, 15",
+		Flags(0).String(): "",
+	} {
+		if got != want {
+			t.Errorf("%q is not %q", got, want)
+		}
 	}
 }

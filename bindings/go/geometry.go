@@ -5,34 +5,36 @@ import "C"
 
 import "unsafe"
 
-// Distortion says what the coefficients of a camera mean.
-type Distortion int32
+// DistortionModel says what the coefficients of a camera mean.
+type DistortionModel int32
 
 const (
 	// DistortionNone is a pinhole; all coefficients are 0.
-	DistortionNone Distortion = C.CYLFUSE_DISTORTION_NONE
+	DistortionNone DistortionModel = C.CYLFUSE_DISTORTION_NONE
 	// DistortionBrownConrady has k1 k2 p1 p2 k3 k4 k5 k6 in the order of OpenCV.
-	DistortionBrownConrady Distortion = C.CYLFUSE_DISTORTION_BROWN_CONRADY
+	DistortionBrownConrady DistortionModel = C.CYLFUSE_DISTORTION_BROWN_CONRADY
 	// DistortionKannalaBrandt is the fisheye model of OpenCV: k1 k2 k3 k4. Rays less than 89 degrees from the axis.
-	DistortionKannalaBrandt Distortion = C.CYLFUSE_DISTORTION_KANNALA_BRANDT
+	DistortionKannalaBrandt DistortionModel = C.CYLFUSE_DISTORTION_KANNALA_BRANDT
 )
 
 // Intrinsics is a camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV.
 type Intrinsics struct {
 	// Width and Height of the image in pixels, at least 1, together at most 2^28 pixels.
-	Width, Height uint32
+	Width, Height int
 	// FX and FY are the focal length in pixel widths and in pixel heights, greater than 0.
 	FX, FY float64
 	// CX and CY are the principal point in pixels from the centre of the first pixel, to the right and down.
 	CX, CY float64
-	// Model says what Distortion means.
-	Model Distortion
+	// DistortionModel says what Distortion means.
+	DistortionModel DistortionModel
 	// Distortion holds the coefficients; those that the model does not have are 0.
 	Distortion [8]float64
 }
 
-func (intrinsics *Intrinsics) toC() C.cylfuse_intrinsics {
-	var c C.cylfuse_intrinsics
+func (intrinsics *Intrinsics) toC() (c C.cylfuse_intrinsics, err error) {
+	if err := sides("intrinsics", intrinsics.Width, intrinsics.Height); err != nil {
+		return c, err
+	}
 	C.cylfuse_intrinsics_init(&c, C.sizeof_cylfuse_intrinsics)
 	c.width = C.uint32_t(intrinsics.Width)
 	c.height = C.uint32_t(intrinsics.Height)
@@ -40,11 +42,11 @@ func (intrinsics *Intrinsics) toC() C.cylfuse_intrinsics {
 	c.fy = C.double(intrinsics.FY)
 	c.cx = C.double(intrinsics.CX)
 	c.cy = C.double(intrinsics.CY)
-	c.distortion_model = C.cylfuse_distortion(intrinsics.Model)
+	c.distortion_model = C.cylfuse_distortion(intrinsics.DistortionModel)
 	for i, coefficient := range intrinsics.Distortion {
 		c.distortion[i] = C.double(coefficient)
 	}
-	return c
+	return c, nil
 }
 
 // Cylinder is an infinite cylinder.
@@ -66,9 +68,9 @@ func (cylinder Cylinder) Distances(points PointCloud) ([]float64, error) {
 		return nil, err
 	}
 	model := cylinder.toC()
-	distances := make([]float64, view.count)
-	status := C.bridge_distances(&model, &view.view, view.data, (*C.double)(first(distances)), C.size_t(len(distances)))
-	if err := statusError(status); err != nil {
+	distances := make([]float64, view.view.width*view.view.height)
+	out := (*C.double)(unsafe.Pointer(first(distances)))
+	if err := statusError(C.bridge_distances(&model, &view.view, view.data, out, C.size_t(len(distances)))); err != nil {
 		return nil, err
 	}
 	return distances, nil
@@ -77,8 +79,12 @@ func (cylinder Cylinder) Distances(points PointCloud) ([]float64, error) {
 // Project gives the two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of
 // a pinhole with the same focal lengths and principal point. StatusEdgeGeometry when the camera is inside.
 func (cylinder Cylinder) Project(intrinsics Intrinsics) ([2][3]float64, error) {
-	model, camera := cylinder.toC(), intrinsics.toC()
 	var lines [2][3]float64
+	camera, err := intrinsics.toC()
+	if err != nil {
+		return lines, err
+	}
+	model := cylinder.toC()
 	status := C.cylfuse_cylinder_project(&model, &camera, (*C.double)(unsafe.Pointer(&lines)))
 	return lines, statusError(status)
 }

@@ -21,6 +21,9 @@ func residentMegabytes(t testing.TB) float64 {
 }
 
 func TestMemoryStaysFlat(t *testing.T) {
+	if testing.Short() {
+		t.Skip("the memory is measured without what -short is for")
+	}
 	xyz := pipe()
 	cycle := func() {
 		fitter, err := NewFitter()
@@ -58,6 +61,9 @@ func finalizersHaveRun() {
 }
 
 func TestForgottenFittersAreFreed(t *testing.T) {
+	if testing.Short() {
+		t.Skip("the memory is measured without what -short is for")
+	}
 	xyz := make([]float64, 0, 30*600)
 	for k := 0; k < 30; k++ {
 		xyz = append(xyz, pipe()...)

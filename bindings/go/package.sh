@@ -7,10 +7,9 @@ set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 archive=$1 folder=$2
 
-platform=$(go env GOOS)_$(go env GOARCH)
-mkdir -p "$folder/native/include/cylfuse" "$folder/native/$platform"
-cp "$here"/*.go "$here"/bridge.[ch] "$here"/go.mod "$here"/README.md "$here"/../../LICENSE-* "$folder"
+mkdir -p "$folder"
+cp "$here"/*.go "$here"/bridge.[ch] "$here"/go.mod "$here"/README.md "$here"/../../LICENSE-* \
+    "$here"/../../include/cylfuse/cylfuse.h "$folder"
 rm "$folder"/*_test.go
-cp "$here"/../../include/cylfuse/cylfuse.h "$folder/native/include/cylfuse"
 # Nobody debugs the library in a module, and the debug information is most of the archive.
-strip --strip-debug -o "$folder/native/$platform/libcylfuse.a" "$archive"
+strip --strip-debug -o "$folder/libcylfuse_$(go env GOOS)_$(go env GOARCH).a" "$archive"

@@ -3,10 +3,7 @@ package cylfuse
 // #include "bridge.h"
 import "C"
 
-import (
-	"strings"
-	"time"
-)
+import "time"
 
 // Termination is why an iteration ended.
 type Termination int32
@@ -60,40 +57,8 @@ const (
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
 )
 
-var flagNames = []struct {
-	flag Flags
-	name string
-}{
-	{FlagEdgesIgnored, "edges ignored"},
-	{FlagSegmentsUnusable, "segments unusable"},
-	{FlagEdgesCross, "edges cross"},
-	{FlagEdgesCoincide, "edges coincide"},
-	{FlagEdgesBehind, "edges behind"},
-	{FlagScaleHeld, "scale held"},
-	{FlagWeakRadius, "weak radius"},
-	{FlagResolutionLost, "resolution lost"},
-	{FlagNotConverged, "not converged"},
-	{FlagHiddenWall, "hidden wall"},
-	{FlagCameraInside, "camera inside"},
-	{FlagPointsNotFinite, "points not finite"},
-	{FlagPointsAndLimbsDisagree, "points and limbs disagree"},
-	{FlagRadiusAtLimit, "radius at limit"},
-	{FlagAxisAtLimit, "axis at limit"},
-}
-
 // Has says whether all of these doubts are there.
 func (flags Flags) Has(doubts Flags) bool { return flags&doubts == doubts }
-
-// String names the doubts, separated by commas.
-func (flags Flags) String() string {
-	var names []string
-	for _, entry := range flagNames {
-		if flags.Has(entry.flag) {
-			names = append(names, entry.name)
-		}
-	}
-	return strings.Join(names, ", ")
-}
 
 // Result is the outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
 type Result struct {

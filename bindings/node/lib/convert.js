@@ -3,7 +3,7 @@
 // the library is called.
 
 const native = require('./native.js');
-const { numberOf, nameOf, flagsOf } = require('./names.js');
+const { kindOf, numberOf, nameOf, flagsOf } = require('./names.js');
 
 const { functions, initialised } = native;
 
@@ -13,18 +13,24 @@ const IMAGE_FORMATS = new Map([[Uint8Array, 1], [Uint8ClampedArray, 1], [Uint16A
 const MASKS = new Map([[Uint8Array, 0], [Uint8ClampedArray, 0]]);
 const WEIGHTS = new Map([[Float64Array, 0]]);
 
-/** An object with none but the known keys. */
-function object(what, value, known) {
+/** The properties of an object, none but the known ones, each read once. */
+function object(what, value, known, kind = 'an object') {
   if (typeof value !== 'object' || value === null || Array.isArray(value) || ArrayBuffer.isView(value)) {
-    throw new TypeError(`${what} must be an object`);
+    throw new TypeError(`${what} must be ${kind}, not ${kindOf(value)}`);
   }
   const unknown = Object.keys(value).find((key) => !known.includes(key));
   if (unknown !== undefined) throw new TypeError(`${what} has no ${unknown}; it has ${known.join(', ')}`);
-  return value;
+  return Object.fromEntries(known.map((key) => [key, value[key]]));
+}
+
+/** The description of a typed array, which may stand for itself. */
+function described(what, value, known) {
+  if (ArrayBuffer.isView(value)) return { data: value };
+  return object(what, value, known, 'a typed array or an object with one as data');
 }
 
 function number(what, value) {
-  if (typeof value !== 'number') throw new TypeError(`${what} must be a number, not ${typeof value}`);
+  if (typeof value !== 'number') throw new TypeError(`${what} must be a number, not ${kindOf(value)}`);
   return value;
 }
 
@@ -44,18 +50,55 @@ function uint64(what, value) {
   return value;
 }
 
-/** `count` numbers out of an array of any kind. */
-function numbers(what, value, count) {
-  if (!(Array.isArray(value) || ArrayBuffer.isView(value)) || value.length !== count) {
-    throw new TypeError(`${what} must be an array of ${count} numbers`);
+/** From `least` to `most` numbers out of an array of any kind. */
+function numbers(what, value, most, least = most) {
+  const array = Array.isArray(value) || ArrayBuffer.isView(value);
+  if (!(array && value.length >= least && value.length <= most)) {
+    const count = least === most ? most : `${least} to ${most}`;
+    const given = array ? `${kindOf(value)} of ${value.length}` : kindOf(value);
+    throw new TypeError(`${what} must be an array of ${count} numbers, not ${given}`);
   }
   return Float64Array.from(value, (item, index) => number(`${what}[${index}]`, item));
 }
 
-/** The code of a typed array's type. */
+const getter = (name) => Object.getOwnPropertyDescriptor(Object.getPrototypeOf(Uint8Array.prototype), name).get;
+// A typed array may say anything of itself by properties of its own, and one of another realm (vm, Jest) has another
+// class: these ask the array itself.
+const [typeName, lengthOf] = [getter(Symbol.toStringTag), getter('length')];
+
+/** Whether the memory of an array was transferred to another thread. */
+function detached(array) {
+  try {
+    new Uint8Array(array.buffer);
+    return false;
+  } catch {
+    return true;
+  }
+}
+
+/** A typed array: the code of its type, how many numbers it has, and the bytes of each. */
 function typed(what, data, types) {
-  for (const [type, code] of types) if (data instanceof type) return code;
-  throw new TypeError(`${what} must be a ${[...types.keys()].map((type) => type.name).join(' or ')}`);
+  const name = typeName.call(data);
+  for (const [type, code] of types) {
+    if (type.name !== name) continue;
+    const length = lengthOf.call(data);
+    if (length === 0 && detached(data)) throw new TypeError(`${what} has no memory: its buffer was transferred`);
+    return { code, length, bytes: type.BYTES_PER_ELEMENT };
+  }
+  const known = [...types.keys()].map((type) => type.name).join(' or ');
+  throw new TypeError(`${what} must be a ${known}, not ${kindOf(data)}`);
+}
+
+/** How many items of `size` numbers an array holds from its first number to its last. */
+function items(what, item, length, stride, size) {
+  const over = length % stride;
+  // The last item needs no more than its own numbers.
+  if (stride < size || (over !== 0 && over !== size % stride)) {
+    throw new RangeError(
+      `${what} has ${length} numbers, which is no whole number of ${item}s of ${stride} numbers: a ${item} has ${size}`,
+    );
+  }
+  return Math.ceil(length / stride);
 }
 
 /** Refuses an array that does not hold the grid which width, height and strides (in numbers) describe. */
@@ -87,9 +130,9 @@ const OPTION_FIELDS = {
 
 /** The defaults with the given fields in place of them. */
 function optionsToC(options) {
-  object('options', options, Object.keys(OPTION_FIELDS));
+  const given = object('options', options, Object.keys(OPTION_FIELDS));
   const c = initialised(functions.cylfuse_options_init, native.Options);
-  for (const [name, value] of Object.entries(options)) {
+  for (const [name, value] of Object.entries(given)) {
     if (value === undefined) continue;
     const [field, kind] = OPTION_FIELDS[name];
     c[field] = typeof kind === 'string' ? numberOf(kind, name, value) : kind(name, value);
@@ -109,26 +152,24 @@ function optionsFromC(c) {
 const INTRINSICS = ['width', 'height', 'fx', 'fy', 'cx', 'cy', 'distortionModel', 'distortion'];
 
 function intrinsicsToC(intrinsics) {
-  object('intrinsics', intrinsics, INTRINSICS);
+  const given = object('intrinsics', intrinsics, INTRINSICS);
   const c = initialised(functions.cylfuse_intrinsics_init, native.Intrinsics);
-  c.width = uint32('width', intrinsics.width);
-  c.height = uint32('height', intrinsics.height);
-  for (const field of ['fx', 'fy', 'cx', 'cy']) c[field] = number(field, intrinsics[field]);
-  c.distortion_model = numberOf('distortionModel', 'distortionModel', intrinsics.distortionModel ?? 'none');
-  const coefficients = intrinsics.distortion ?? [];
-  if (!(coefficients.length <= 8)) throw new TypeError('distortion must be an array of at most 8 numbers');
+  c.width = uint32('width', given.width);
+  c.height = uint32('height', given.height);
+  for (const field of ['fx', 'fy', 'cx', 'cy']) c[field] = number(field, given[field]);
+  c.distortion_model = numberOf('distortionModel', 'distortionModel', given.distortionModel ?? 'none');
   c.distortion = new Float64Array(8);
-  c.distortion.set(numbers('distortion', coefficients, coefficients.length));
+  c.distortion.set(numbers('distortion', given.distortion ?? [], 8, 0));
   return c;
 }
 
 /** A cylinder for C; null for that of the last fit. */
 function cylinderToC(what, cylinder) {
-  object(what, cylinder, ['point', 'direction', 'radius']);
+  const given = object(what, cylinder, ['point', 'direction', 'radius']);
   return {
-    point: numbers(`${what}.point`, cylinder.point, 3),
-    direction: numbers(`${what}.direction`, cylinder.direction, 3),
-    radius: number(`${what}.radius`, cylinder.radius),
+    point: numbers(`${what}.point`, given.point, 3),
+    direction: numbers(`${what}.direction`, given.direction, 3),
+    radius: number(`${what}.radius`, given.radius),
   };
 }
 
@@ -145,29 +186,15 @@ const POINTS = [
 
 /** The view of a cloud, and how many points it has. */
 function pointsToC(points) {
-  const given = ArrayBuffer.isView(points) ? { data: points } : object('points', points, POINTS);
+  const given = described('points', points, POINTS);
   const { data } = given;
-  const scalar = typed('points.data', data, SCALARS);
   const strides = {};
-  for (const name of POINTS.filter((key) => key.endsWith('Stride'))) strides[name] = size(name, given[name] ?? 0);
-  const height = size('height', given.height ?? 1);
-  let { width } = given;
-  if (width === undefined) {
-    if (given.height !== undefined) throw new TypeError('points have a height but no width');
-    const step = strides.pointStride || 3;
-    const over = data.length % step;
-    // The last point needs no more than its own three numbers.
-    if (step < 3 || (over !== 0 && (step === 3 || over !== 3))) {
-      throw new RangeError(
-        `points.data has ${data.length} numbers, which is no whole number of points of ${step} numbers: give x, y, z ` +
-          'of point after point',
-      );
-    }
-    width = Math.ceil(data.length / step);
-  }
-  size('width', width);
-  holds('points.data', data.length, width, height, strides.pointStride, strides.rowStride, 3);
-  const bytes = data.BYTES_PER_ELEMENT;
+  for (const name of POINTS) if (name.endsWith('Stride')) strides[name] = size(`points.${name}`, given[name] ?? 0);
+  const { code: scalar, length, bytes } = typed('points.data', data, SCALARS);
+  const height = size('points.height', given.height ?? 1);
+  if (given.width === undefined && given.height !== undefined) throw new TypeError('points have a height but no width');
+  const width = size('points.width', given.width ?? items('points.data', 'point', length, strides.pointStride || 3, 3));
+  holds('points.data', length, width, height, strides.pointStride, strides.rowStride, 3);
   const view = initialised(functions.cylfuse_points_view_init, native.PointsView);
   Object.assign(view, {
     scalar, data, width, height, point_stride: strides.pointStride * bytes, row_stride: strides.rowStride * bytes,
@@ -175,11 +202,12 @@ function pointsToC(points) {
   for (const [name, field, item] of [['weights', 'weight', 1], ['normals', 'normal', 3]]) {
     const values = given[name];
     if (values == null) continue;
-    if (typed(`points.${name}`, values, SCALARS) !== scalar) {
-      throw new TypeError(`points.${name} must be a ${data.constructor.name} like points.data`);
+    const array = typed(`points.${name}`, values, SCALARS);
+    if (array.code !== scalar) {
+      throw new TypeError(`points.${name} must be a ${kindOf(data)} like points.data, not ${kindOf(values)}`);
     }
     const [stride, rowStride] = [strides[`${field}Stride`], strides[`${field}RowStride`]];
-    holds(`points.${name}`, values.length, width, height, stride, rowStride, item);
+    holds(`points.${name}`, array.length, width, height, stride, rowStride, item);
     view[name] = values;
     view[`${field}_stride`] = stride * bytes;
     view[`${field}_row_stride`] = rowStride * bytes;
@@ -189,32 +217,29 @@ function pointsToC(points) {
 
 const PIXELS = ['data', 'width', 'height', 'rowStride', 'pixelStride'];
 
-/** The fields that all images share. */
-function pixels(what, image, types) {
-  const format = typed(`${what}.data`, image.data, types);
-  const [width, height] = [uint32(`${what}.width`, image.width), uint32(`${what}.height`, image.height)];
-  const rowStride = size(`${what}.rowStride`, image.rowStride ?? 0);
-  const pixelStride = size(`${what}.pixelStride`, image.pixelStride ?? 0);
-  holds(`${what}.data`, image.data.length, width, height, pixelStride, rowStride, 1);
-  const bytes = image.data.BYTES_PER_ELEMENT;
-  return {
-    format,
-    fields: { data: image.data, width, height, row_stride: rowStride * bytes, pixel_stride: pixelStride * bytes },
-  };
+/** The fields that all images share, and the rest of the description. */
+function pixels(what, image, types, more = []) {
+  const { data, width, height, rowStride = 0, pixelStride = 0, ...rest } = object(what, image, [...PIXELS, ...more]);
+  const { code: format, length, bytes } = typed(`${what}.data`, data, types);
+  uint32(`${what}.width`, width);
+  uint32(`${what}.height`, height);
+  size(`${what}.rowStride`, rowStride);
+  size(`${what}.pixelStride`, pixelStride);
+  holds(`${what}.data`, length, width, height, pixelStride, rowStride, 1);
+  const strides = { row_stride: rowStride * bytes, pixel_stride: pixelStride * bytes };
+  return { format, fields: { data, width, height, ...strides }, rest };
 }
 
 function depthToC(depth) {
-  object('depth', depth, [...PIXELS, 'scale', 'minDepth', 'maxDepth']);
-  const { format, fields } = pixels('depth', depth, DEPTH_FORMATS);
+  const { format, fields, rest } = pixels('depth', depth, DEPTH_FORMATS, ['scale', 'minDepth', 'maxDepth']);
   return {
     ...initialised(functions.cylfuse_depth_view_init, native.DepthView), ...fields, format,
-    scale: number('depth.scale', depth.scale ?? 1), min_depth: number('depth.minDepth', depth.minDepth ?? 0),
-    max_depth: number('depth.maxDepth', depth.maxDepth ?? 0),
+    scale: number('depth.scale', rest.scale ?? 1), min_depth: number('depth.minDepth', rest.minDepth ?? 0),
+    max_depth: number('depth.maxDepth', rest.maxDepth ?? 0),
   };
 }
 
 function imageToC(image) {
-  object('image', image, PIXELS);
   const { format, fields } = pixels('image', image, IMAGE_FORMATS);
   return { ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format };
 }
@@ -222,34 +247,20 @@ function imageToC(image) {
 /** A mask for C; null for none. */
 function maskToC(mask) {
   if (mask == null) return null;
-  object('mask', mask, PIXELS);
   return { ...initialised(functions.cylfuse_mask_view_init, native.MaskView), ...pixels('mask', mask, MASKS).fields };
 }
 
 function segmentsToC(edges) {
-  const { data, stride = 0, weights } = ArrayBuffer.isView(edges)
-    ? { data: edges }
-    : object('edges', edges, ['data', 'stride', 'weights']);
-  const scalar = typed('edges.data', data, SCALARS);
-  const step = size('edges.stride', stride) || 4;
-  const over = data.length % step;
-  // The last segment needs no more than its own four numbers.
-  if (step < 4 || (over !== 0 && (step === 4 || over !== 4))) {
-    throw new RangeError(
-      `edges.data has ${data.length} numbers, which is no whole number of segments of ${step} numbers: give x1, y1, ` +
-        'x2, y2 of segment after segment',
-    );
-  }
-  const count = Math.ceil(data.length / step);
-  if (weights != null) {
-    typed('edges.weights', weights, WEIGHTS);
-    if (weights.length !== count) {
-      throw new RangeError(`there are ${weights.length} weights for ${count} segments: give one for each`);
-    }
+  const { data, stride, weights } = described('edges', edges, ['data', 'stride', 'weights']);
+  const step = size('edges.stride', stride ?? 0) || 4;
+  const { code: scalar, length, bytes } = typed('edges.data', data, SCALARS);
+  const count = items('edges.data', 'segment', length, step, 4);
+  if (weights != null && typed('edges.weights', weights, WEIGHTS).length !== count) {
+    throw new RangeError(`edges.weights has ${weights.length} numbers for ${count} segments: give one for each`);
   }
   return {
     ...initialised(functions.cylfuse_segments_view_init, native.SegmentsView), scalar, data, count,
-    segment_stride: stride * data.BYTES_PER_ELEMENT, weights: weights ?? null,
+    segment_stride: step * bytes, weights: weights ?? null,
   };
 }
 

@@ -1,19 +1,28 @@
 'use strict';
 
+const { isMainThread } = require('node:worker_threads');
 const native = require('./native.js');
 const convert = require('./convert.js');
-const { numberOf, nameOf, enumerations } = require('./names.js');
+const { numberOf, nameOf, kindOf, enumerations } = require('./names.js');
 const { CylfuseError, statusError } = require('./errors.js');
 const { progressCallback, logCallback, addListener, removeListener } = require('./callbacks.js');
+const { fitOnPool } = require('./pool.js');
 
 const { koffi, functions, toFill } = native;
 const { status: STATUS } = enumerations;
 
-// Frees the fitters that were forgotten.
-const registry = new FinalizationRegistry(({ handle, key }) => {
-  removeListener(key);
-  functions.cylfuse_fitter_destroy(handle);
-});
+// What the open fitters of this thread hold.
+const open = new Set();
+
+function destroy(held) {
+  open.delete(held);
+  removeListener(held.key);
+  functions.cylfuse_fitter_destroy(held.handle);
+}
+
+// Frees the fitters that were forgotten, and those that a worker leaves behind; the main thread leaves none.
+const registry = new FinalizationRegistry(destroy);
+if (!isMainThread) process.on('exit', () => open.forEach(destroy));
 
 /** The callbacks of a fitter: apart from it, because the native side must not see its methods. */
 class Listener {
@@ -21,6 +30,10 @@ class Listener {
   log = null;
   // What a callback threw, boxed because anything can be thrown; the call goes on throwing it.
   thrown = null;
+
+  get hears() {
+    return Boolean(this.progress || this.log);
+  }
 
   hearProgress(progress) {
     if (this.thrown || !this.progress) return this.thrown ? 1 : 0;
@@ -43,8 +56,7 @@ class Listener {
 }
 
 class Fitter {
-  #handle;
-  #key;
+  #held;
   #listener = new Listener();
   #running = false;
   #width = 0;
@@ -54,18 +66,17 @@ class Fitter {
     const out = [null];
     const status = functions.cylfuse_fitter_create(native.ABI_VERSION, out);
     if (status !== STATUS.OK) throw statusError(status);
-    [this.#handle] = out;
-    this.#key = addListener(this.#listener);
-    registry.register(this, { handle: this.#handle, key: this.#key }, this);
+    this.#held = { handle: out[0], key: addListener(this.#listener) };
+    open.add(this.#held);
+    registry.register(this, this.#held, this);
   }
 
   close() {
     if (this.#running) throw statusError(STATUS.BUSY);
-    if (this.#handle === null) return;
+    if (this.#held === null) return;
     registry.unregister(this);
-    removeListener(this.#key);
-    functions.cylfuse_fitter_destroy(this.#handle);
-    this.#handle = null;
+    destroy(this.#held);
+    this.#held = null;
   }
 
   reserve(points, segments = 0) {
@@ -105,17 +116,17 @@ class Fitter {
   }
 
   setProgress(callback) {
-    checkCallback(callback);
-    const native = callback ? progressCallback : null;
-    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, native, this.#key));
+    checkCallback('progress', callback);
+    const heard = callback && progressCallback;
+    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, heard, this.#held.key));
     this.#listener.progress = callback;
   }
 
   setLog(maxLevel, callback) {
-    checkCallback(callback);
     const level = numberOf('logLevel', 'maxLevel', maxLevel);
-    const native = callback ? logCallback : null;
-    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, native, this.#key));
+    checkCallback('log', callback);
+    const heard = callback && logCallback;
+    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, heard, this.#held.key));
     this.#listener.log = callback;
   }
 
@@ -148,12 +159,7 @@ class Fitter {
   async fit() {
     const handle = this.#start();
     try {
-      // koffi keeps this object and copies the result into it at the end: the memory of a typed array might be
-      // collected while the fit runs.
-      const result = toFill(native.Result);
-      const status = await new Promise((resolve, reject) => {
-        functions.cylfuse_fitter_fit.async(handle, result, (error, value) => (error ? reject(error) : resolve(value)));
-      });
+      const { status, result } = await fitOnPool(handle, this.#listener.hears);
       this.#check(status);
       return convert.resultFromC(result);
     } finally {
@@ -178,19 +184,21 @@ class Fitter {
   residuals(kind, model = null) {
     const number = numberOf('residualKind', 'kind', kind);
     const c = convert.optionalCylinder(model);
-    const list = (handle, out, capacity, count) =>
-      functions.cylfuse_fitter_residuals(handle, c, number, out, capacity, count);
-    return this.#list(list, (count) => new Float64Array(count));
+    const counts = this.counts();
+    const capacity = kind === 'points' ? counts.pointsUsed : 2 * counts.segmentsGiven;
+    const list = (handle, out, length, count) =>
+      functions.cylfuse_fitter_residuals(handle, c, number, out, length, count);
+    const { items, count } = this.#list(capacity, (length) => new Float64Array(length), list);
+    return items.subarray(0, count);
   }
 
   limbSamples() {
     const size = koffi.sizeof(native.LimbSample);
-    const buffer = this.#list(functions.cylfuse_fitter_limb_samples, (count) => Buffer.alloc(count * size));
-    const samples = [];
-    for (let offset = 0; offset < buffer.length; offset += size) {
-      samples.push(convert.limbSampleFromC(koffi.decode(buffer, offset, native.LimbSample)));
-    }
-    return samples;
+    // Far more than an image gives: one of 640 x 480 pixels some 16.
+    const make = (length) => Buffer.alloc(length * size);
+    const { items, count } = this.#list(1024, make, functions.cylfuse_fitter_limb_samples);
+    return Array.from({ length: count }, (_, index) =>
+      convert.limbSampleFromC(koffi.decode(items, index * size, native.LimbSample)));
   }
 
   diagnose(model = null) {
@@ -256,8 +264,8 @@ class Fitter {
   }
 
   #open() {
-    if (this.#handle === null) throw new Error('the fitter is closed: make a new one');
-    return this.#handle;
+    if (this.#held === null) throw new Error('the fitter is closed: make a new one');
+    return this.#held.handle;
   }
 
   /**
@@ -275,7 +283,7 @@ class Fitter {
     const { thrown } = this.#listener;
     this.#listener.thrown = null;
     if (thrown) throw thrown.error;
-    if (status !== STATUS.OK) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(this.#handle));
+    if (status !== STATUS.OK) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(this.#held.handle));
   }
 
   #call(run) {
@@ -294,25 +302,29 @@ class Fitter {
     return struct;
   }
 
-  /** Lists into an array that is made for the number of items. */
-  #list(list, make) {
+  /**
+   * Lists into an array that is made for a number of items. A `capacity` that is large enough saves asking for that
+   * number, which fails for the library, and so would reach the log.
+   */
+  #list(capacity, make, list) {
     const count = [0];
-    let items = make(0);
+    let items = make(capacity);
     this.#call((handle) => {
-      const status = list(handle, null, 0, count);
+      const status = list(handle, items, capacity, count);
       if (status !== STATUS.BUFFER_TOO_SMALL) return status;
       items = make(Number(count[0]));
       return list(handle, items, count[0], count);
     });
-    return items;
+    return { items, count: Number(count[0]) };
   }
 }
 
 // `using fitter = new Fitter()` where the language has it.
 if (Symbol.dispose) Fitter.prototype[Symbol.dispose] = Fitter.prototype.close;
 
-function checkCallback(callback) {
-  if (callback !== null && typeof callback !== 'function') throw new TypeError('a callback is a function or null');
+function checkCallback(what, callback) {
+  if (callback === null || typeof callback === 'function') return;
+  throw new TypeError(`${what} must be a function or null, not ${kindOf(callback)}`);
 }
 
 function typeCode(what, type, types) {

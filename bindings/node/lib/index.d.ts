@@ -9,7 +9,11 @@
  * its description says a RangeError, both before the library is called. A call that fails changes nothing.
  */
 
+/** x, y, z. */
 export type Vector = [number, number, number];
+
+/** Numbers in an array of any kind. */
+export type Numbers = readonly number[] | Float32Array | Float64Array;
 
 /** An infinite cylinder. */
 export interface Cylinder {
@@ -27,6 +31,12 @@ export type StatusName =
   | 'OUT_OF_MEMORY' | 'UNSUPPORTED' | 'SIZE_MISMATCH' | 'INVALID_INTRINSICS' | 'TOO_FEW_POINTS' | 'PLANAR_POINTS'
   | 'COLLINEAR_POINTS' | 'EMPTY_MASK' | 'NO_DEPTH' | 'NO_START' | 'EDGE_GEOMETRY' | 'NUMERICAL' | 'CANCELLED' | 'PANIC';
 
+declare global {
+  interface SymbolConstructor {
+    readonly dispose: unique symbol;
+  }
+}
+
 /** What the library refused: the message says what was wrong, the value, the limit and the remedy. */
 export class CylfuseError extends Error {
   /** The kind of the failure. */
@@ -35,7 +45,16 @@ export class CylfuseError extends Error {
   readonly status: number;
 }
 
+/**
+ * How a cylinder is estimated: points and edges together by an objective, points alone by plain least squares, random
+ * sample consensus over the points, or Eberly's algebraic fit by their moments.
+ */
 export type Method = 'fused' | 'points' | 'ransac' | 'eberly';
+
+/**
+ * Where an iteration starts: the best of what follows, two limb segments scaled by the points, Eberly's fit, random
+ * sample consensus, or the model of {@link Fitter.setStartModel}.
+ */
 export type Start = 'auto' | 'limbs' | 'moments' | 'ransac' | 'model';
 
 /** The settings of a fit. */
@@ -79,7 +98,7 @@ export interface Options {
   /** The largest radius, equal to radiusMin for a known one. Default 0 = no limit. */
   radiusMax?: number;
   /** The middle of the cone of directions that the returned axis keeps. Default [0, 0, 0] = all directions. */
-  axis?: ArrayLike<number>;
+  axis?: Numbers;
   /** The largest angle of the axis from `axis`, from 0 to pi/2; 0 for a known direction. */
   axisMaxAngle?: number;
 }
@@ -101,9 +120,10 @@ export interface Intrinsics {
   /** What the coefficients mean. Default none. */
   distortionModel?: 'none' | 'brown-conrady' | 'kannala-brandt';
   /** At most 8 coefficients in the order of OpenCV. Default none. */
-  distortion?: ArrayLike<number>;
+  distortion?: Numbers;
 }
 
+/** Coordinates. */
 export type Scalars = Float32Array | Float64Array;
 
 /** A cloud. */
@@ -114,24 +134,35 @@ export interface Points<T extends Scalars = Scalars> {
   width?: number;
   /** Rows of an organised cloud. Default 1. */
   height?: number;
+  /** From a point to the next one in its row. Default 3. */
   pointStride?: number;
+  /** From a row to the next one. Default width * pointStride. */
   rowStride?: number;
   /** A weight for each point, 0 or greater; 0 drops the point. */
   weights?: T | null;
+  /** From a weight to the next one in its row. Default 1. */
   weightStride?: number;
+  /** From a row of weights to the next one. Default width * weightStride. */
   weightRowStride?: number;
   /** A normal for each point, of any length and sign. Only RANSAC uses them. */
   normals?: T | null;
+  /** From a normal to the next one in its row. Default 3. */
   normalStride?: number;
+  /** From a row of normals to the next one. Default width * normalStride. */
   normalRowStride?: number;
 }
 
-interface Pixels<T> {
+/** Pixels in memory. */
+export interface Pixels<T> {
   /** The first row at the beginning. */
   data: T;
+  /** Columns; those of the intrinsics. */
   width: number;
+  /** Rows; those of the intrinsics. */
   height: number;
+  /** From a row to the next one. Default width * pixelStride. */
   rowStride?: number;
+  /** From a pixel to the next one in its row. Default 1. */
   pixelStride?: number;
 }
 
@@ -155,11 +186,13 @@ export type Mask = Pixels<Uint8Array | Uint8ClampedArray>;
 export interface Segments {
   /** x1, y1, x2, y2 of segment after segment. */
   data: Scalars;
+  /** From a segment to the next one. Default 4. */
   stride?: number;
   /** A weight for each segment, from 0 to 1e9; 0 leaves it out. */
   weights?: Float64Array | null;
 }
 
+/** A doubt about a result. */
 export type Flag =
   | 'edges-ignored' | 'segments-unusable' | 'edges-cross' | 'edges-coincide' | 'edges-behind' | 'scale-held'
   | 'weak-radius' | 'resolution-lost' | 'not-converged' | 'hidden-wall' | 'camera-inside' | 'points-not-finite'
@@ -179,10 +212,15 @@ export interface Result {
   flags: Flag[];
   /** Linear solves. */
   iterations: number;
+  /** Solves whose step was rejected. */
   rejectedSteps: number;
+  /** Segments that took part. */
   segmentsUsed: number;
+  /** Segments that were pushed. */
   segmentsGiven: number;
+  /** Points that took part. */
   pointsUsed: number;
+  /** Points that were pushed; the counts say why the others were left out. */
   pointsGiven: number;
   /** Cost of the start, unit of length squared. */
   initialCost: number;
@@ -192,6 +230,7 @@ export interface Result {
   energyPoints: number;
   /** E_L: mean squared distance of the back-projected endpoints from the limb lines. */
   energyEdges: number;
+  /** The edge weight that was used, 0 when no edges count; NaN where the objective has none. */
   edgeWeight: number;
   /** Root of E_P. */
   pointRms: number;
@@ -201,11 +240,17 @@ export interface Result {
   nearWallFraction: number;
   /** Condition number of the Jacobian, in units of the size of the data. */
   condition: number;
+  /** The last damping. */
   lambda: number;
+  /** Norm of half the gradient of the cost at the end, in units of the size of the data. */
   gradientNorm: number;
+  /** Norm of the last accepted step, in units of the size of the data. */
   stepNorm: number;
+  /** Wall-clock seconds to find the start. */
   secondsStart: number;
+  /** Wall-clock seconds to iterate. */
   secondsSolve: number;
+  /** Wall-clock seconds of the whole fit. */
   secondsTotal: number;
   /** Standard deviation of the radius by the noise of the data. */
   radiusDeviation: number;
@@ -215,9 +260,11 @@ export interface Result {
   positionDeviation: number;
   /** The radius by the curvature of the points alone. */
   radiusFromPoints: number;
+  /** Its standard deviation. */
   radiusFromPointsDeviation: number;
   /** The radius by the limbs, with distance and tilt of the axis from the points. */
   radiusFromLimbs: number;
+  /** Its standard deviation. */
   radiusFromLimbsDeviation: number;
   /** The difference of the two in standard deviations. */
   radiusZScore: number;
@@ -229,14 +276,23 @@ export interface Result {
 
 /** What was pushed, and what was left out by reason. */
 export interface Counts {
+  /** Points and pixels that were pushed. */
   pointsGiven: number;
+  /** Points that a fit uses. */
   pointsUsed: number;
+  /** A coordinate or weight is not finite. */
   droppedNotFinite: number;
+  /** The weight is 0. */
   droppedZeroWeight: number;
+  /** The mask is 0 there. */
   droppedOutsideMask: number;
+  /** No depth was measured there. */
   droppedNoDepth: number;
+  /** The depth is below minDepth or above maxDepth. */
   droppedOutOfRange: number;
+  /** The camera model has no ray for the pixel. */
   droppedOutsideCamera: number;
+  /** Edge segments that were pushed. */
   segmentsGiven: number;
 }
 
@@ -258,6 +314,7 @@ export interface Diagnosis {
   rank: number;
   /** Of the Jacobian, the largest first. */
   singularValues: number[];
+  /** The largest over the smallest singular value; may be infinite. */
   condition: number;
   /** How the step along which the residuals change least moves the axis, */
   weakestShift: Vector;
@@ -281,42 +338,61 @@ export interface Completion {
   outOfRange: number;
 }
 
+/** What an end is: not known, the end of the surface, cut off by the border of the image, or covered. */
 export type EndState = 'unknown' | 'seen' | 'cut' | 'hidden';
 
 /** The visible piece of the cylinder: end = start + length * direction. */
 export interface Extent {
+  /** What the end against the direction is. */
   startState: EndState;
+  /** What the end along the direction is. */
   endState: EndState;
+  /** The end against the direction, a point on the axis. */
   start: Vector;
+  /** The end along the direction, a point on the axis. */
   end: Vector;
+  /** The middle of the ends. */
   center: Vector;
+  /** The distance of the ends. */
   length: number;
+  /** Standard deviation of the position of the start along the axis, for a model without error. */
   startDeviation: number;
+  /** The same for the end. */
   endDeviation: number;
+  /** Standard deviation of the length together with the uncertainty of the fit; NaN for a model that was given. */
   lengthDeviation: number;
-  /** 3 x 3, as the other two. */
+  /** Covariance of the start, 3 x 3 row by row; NaN likewise, as the other two. */
   startCovariance: Float64Array;
+  /** Covariance of the end. */
   endCovariance: Float64Array;
+  /** Covariance of the center. */
   centerCovariance: Float64Array;
 }
 
 /** The state of a running fit, before each linear solve. */
 export interface Progress {
+  /** What the fit is doing: looking for a start, or iterating. */
   phase: 'start' | 'solve';
+  /** Linear solves, from 0 with every start that is tried and every robust round. */
   iteration: number;
+  /** The most linear solves. */
   maxIterations: number;
-  /** Infinite in the phase start. */
+  /** The lowest so far, unit of length squared; infinite in the phase start. */
   cost: number;
+  /** The damping of the next step; 0 in the phase start. */
   lambda: number;
-  /** Of radius 0 in the phase start. */
+  /** The best so far, of radius 0 in the phase start. */
   cylinder: Cylinder;
 }
 
+/** How much a log line matters: calls that failed, doubts, what was done, every iteration. */
 export type LogLevel = 'off' | 'error' | 'warning' | 'info' | 'debug';
 
-/** The model (none = that of the last fit) and the mask (none = that of the last depth image) of what follows a fit. */
-interface Region {
+/** A model and where it is looked at. */
+export interface Region {
+  /** Default: that of the last fit. */
   model?: Cylinder | null;
+  /** Default: that of the last depth image. */
   mask?: Mask | null;
 }
 
@@ -324,12 +400,15 @@ interface Region {
  * Estimates one cylinder: holds options, camera, data and the last result.
  *
  * It runs one call at a time: while an asynchronous fit is running, and from callbacks, every method but `cancel` throws
- * BUSY. Fitters of other workers, and other fitters, run in parallel.
+ * BUSY. Other fitters run in parallel. A fitter belongs to its thread: it cannot be handed to a worker. What is called
+ * after `close` throws an Error.
  */
 export class Fitter {
   constructor();
   /** Frees the fitter; a second time does nothing. A forgotten one is freed by the garbage collector. */
   close(): void;
+  /** The same, for `using fitter = new Fitter()`. */
+  [Symbol.dispose](): void;
   /** Makes room, so that pushing that many more points and segments needs no memory. */
   reserve(points: number, segments?: number): void;
   /** Forgets data, result and a pending request to cancel: the way from one frame to the next. */
@@ -338,14 +417,18 @@ export class Fitter {
   cancel(): void;
   /** Replaces the options: what is not given takes its default. */
   setOptions(options: Options): void;
+  /** The options as they are. */
   getOptions(): Required<Options>;
   /** Sets the camera, which depth images and edges need. */
   setIntrinsics(intrinsics: Intrinsics): void;
   /** Sets a candidate for the start auto, the start of model; null takes it away. */
   setStartModel(model: Cylinder | null): void;
-  /** Sets what hears of every linear solve; false stops the fit. What it throws, the fit throws. */
+  /**
+   * Sets what hears of every linear solve; false stops the fit. What it throws, the fit throws. A `fit` waits for the
+   * event loop to get to it.
+   */
   setProgress(callback: ((progress: Progress) => boolean | void) | null): void;
-  /** Sets what takes log lines up to a level. */
+  /** Sets what takes log lines up to a level. The rules of `setProgress` hold here too. */
   setLog(maxLevel: LogLevel, callback: ((level: LogLevel, message: string) => void) | null): void;
   /** Adds points: a typed array of x, y, z, or a description. The mask selects points of an organised cloud. */
   pushPoints(points: Scalars | Points, mask?: Mask | null): void;
@@ -355,8 +438,9 @@ export class Fitter {
   pushImage(image: Image): void;
   /** Adds edge segments: a typed array of x1, y1, x2, y2, or a description. */
   pushEdges(edges: Scalars | Segments): void;
+  /** What was pushed since the fitter was made or cleared. */
   counts(): Counts;
-  /** Estimates the cylinder on a thread of its own. */
+  /** Estimates the cylinder on a thread of the pool of Node, which has 4, or UV_THREADPOOL_SIZE. */
   fit(): Promise<Result>;
   /** Estimates the cylinder on this thread. */
   fitSync(): Result;
@@ -366,9 +450,11 @@ export class Fitter {
   result(): Result;
   /** Signed distances: of every used point from the surface, or of both endpoints of every used segment in pixels. */
   residuals(kind: 'points' | 'edges', model?: Cylinder | null): Float64Array;
+  /** What the last fit saw of the limbs in the grey image, used and refused; none when the image was not searched. */
   limbSamples(): LimbSample[];
+  /** What the data determine at a model, by an orthogonal factorisation: more precise than `condition`, and slower. */
   diagnose(model?: Cylinder | null): Diagnosis;
-  /** Casts the ray of every pixel of the mask: x, y, z of point after point; organised: one for each pixel of the image. */
+  /** Casts the ray of every pixel of the mask: x, y, z of point after point; organised: NaN for a pixel without one. */
   complete<T extends Scalars = Float64Array>(
     options?: Region & { layout?: 'packed' | 'organised'; type?: new (length: number) => T },
   ): { points: T; completion: Completion };

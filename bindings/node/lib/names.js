@@ -35,17 +35,25 @@ for (const [kind, values] of Object.entries(enumerations)) {
   names[kind] = new Map(Object.entries(values).map(([name, value]) => [value, name]));
 }
 
+/** What a value is, for messages: 'null', 'string', 'Array', 'Int32Array'. */
+function kindOf(value) {
+  if (value === null || typeof value !== 'object') return value === null ? 'null' : typeof value;
+  return Object.prototype.toString.call(value).slice('[object '.length, -1);
+}
+
 /** The number of a name; a TypeError that lists the names for anything else. */
 function numberOf(kind, what, name) {
   const values = enumerations[kind];
   if (typeof name === 'string' && Object.hasOwn(values, name)) return values[name];
-  throw new TypeError(`${what} is ${String(name)}; it must be one of ${Object.keys(values).join(', ')}`);
+  const given = ['string', 'number'].includes(typeof name) ? JSON.stringify(name) : kindOf(name);
+  throw new TypeError(`${what} is ${given}; it must be one of "${Object.keys(values).join('", "')}"`);
 }
 
 /** The name of a number; the number as text when a later library has made it up. */
 const nameOf = (kind, number) => names[kind].get(number) ?? String(number);
 
 /** The names of the bits that are set. */
-const flagsOf = (bits) => [...names.flag].filter(([bit]) => bits & bit).map(([, name]) => name);
+const flagsOf = (bits) => Array.from({ length: 32 }, (_, i) => 2 ** i).filter((bit) => bits & bit)
+  .map((bit) => nameOf('flag', bit));
 
-module.exports = { enumerations, numberOf, nameOf, flagsOf };
+module.exports = { enumerations, kindOf, numberOf, nameOf, flagsOf };

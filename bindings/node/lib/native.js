@@ -1,26 +1,12 @@
 'use strict';
 // The C interface: where the library is, its structs and its functions. include/cylfuse/cylfuse.h is the manual.
 
-const fs = require('node:fs');
 const path = require('node:path');
 const koffi = require('koffi');
 
 const ABI_VERSION = 1;
 // The oldest library that knows every field of the structs below: major * 65536 + minor * 256 + patch.
 const OLDEST_VERSION = 0x000100;
-
-/** The path of the library: CYLFUSE_LIBRARY, else the one in the package. */
-function libraryPath() {
-  if (process.env.CYLFUSE_LIBRARY) return process.env.CYLFUSE_LIBRARY;
-  const name = { darwin: 'libcylfuse.dylib', win32: 'cylfuse.dll' }[process.platform] ?? 'libcylfuse.so';
-  const bundled = path.join(__dirname, '..', 'native', `${process.platform}-${process.arch}`, name);
-  if (fs.existsSync(bundled)) return bundled;
-  throw new Error(
-    `cylfuse has no native library for ${process.platform}-${process.arch}: set CYLFUSE_LIBRARY to the path of one`,
-  );
-}
-
-const library = koffi.load(libraryPath());
 
 const pointer = koffi.pointer;
 const vector = koffi.array('double', 3);
@@ -198,19 +184,45 @@ const signatures = {
   ],
 };
 
-/** The functions by their C names. */
 const functions = {};
-for (const [name, [result, parameters]] of Object.entries(signatures)) {
-  functions[name] = library.func(name, result, parameters);
+
+/** Loads the library, at CYLFUSE_LIBRARY or in the package, and refuses one that does not know the structs above. */
+function loadLibrary() {
+  const platform = `${process.platform}-${process.arch}`;
+  const name = { darwin: 'libcylfuse.dylib', win32: 'cylfuse.dll' }[process.platform] ?? 'libcylfuse.so';
+  const named = process.env.CYLFUSE_LIBRARY;
+  const file = named || path.join(__dirname, '..', 'native', platform, name);
+  const bind = (library, symbol) => { functions[symbol] = library.func(symbol, ...signatures[symbol]); };
+  let library;
+  try {
+    library = koffi.load(file);
+    for (const symbol of ['abi_version', 'version_number', 'version_string']) bind(library, `cylfuse_${symbol}`);
+  } catch (error) {
+    const source = named ? 'which CYLFUSE_LIBRARY names' : `that of the package for ${platform}`;
+    throw new Error(
+      `cylfuse cannot load the native library ${file}, ${source}: ${error.message}. Set CYLFUSE_LIBRARY to the path ` +
+        `of ${name}`,
+      { cause: error },
+    );
+  }
+  if (functions.cylfuse_abi_version() !== ABI_VERSION || functions.cylfuse_version_number() < OLDEST_VERSION) {
+    throw new Error(
+      `the native library ${file} is version ${functions.cylfuse_version_string()} with version ` +
+        `${functions.cylfuse_abi_version()} of the binary interface, this package needs at least 0.1.0 with version ` +
+        `${ABI_VERSION}: install the library that belongs to the package`,
+    );
+  }
+  for (const symbol of Object.keys(signatures)) bind(library, symbol);
+  return library;
 }
 
-if (functions.cylfuse_abi_version() !== ABI_VERSION || functions.cylfuse_version_number() < OLDEST_VERSION) {
-  throw new Error(
-    `the library ${libraryPath()} is version ${functions.cylfuse_version_string()} with version ` +
-      `${functions.cylfuse_abi_version()} of the binary interface, this package needs at least 0.1.0 with version ` +
-      `${ABI_VERSION}: install the library that belongs to the package`,
-  );
-}
+const library = loadLibrary();
+
+/**
+ * The fit on a thread of the pool. Its result is memory of koffi.alloc: the collector does not move it, and nothing is
+ * converted when the fit ends after the JavaScript of its worker.
+ */
+const fitAsync = library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *']).async;
 
 /** A struct for the library to fill. */
 function toFill(type) {
@@ -228,7 +240,7 @@ function initialised(init, type) {
 }
 
 module.exports = {
-  ABI_VERSION, koffi, structs, functions, toFill, initialised, Cylinder, LimbSample, Intrinsics, PointsView, PointsOut,
+  ABI_VERSION, koffi, structs, functions, fitAsync, toFill, initialised, LimbSample, Intrinsics, PointsView, PointsOut,
   DepthView, DepthOut, MaskView, ImageView, SegmentsView, Options, Counts, Result, Diagnosis, Completion, Extent,
   Progress, ProgressCallback, LogCallback,
 };

@@ -1,5 +1,5 @@
 // Compiled by the tests, never run: what the types allow and what they refuse.
-import { Fitter, fitPoints, distances, CylfuseError, type Result, type Extent } from '..';
+import { Fitter, fitPoints, distances, CylfuseError, type Result, type Extent } from 'cylfuse';
 
 async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Promise<number> {
   const fitter = new Fitter();
@@ -24,9 +24,11 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   fitter.pushPoints([1, 2, 3]);
   // @ts-expect-error the size is missing
   fitter.pushDepth({ data: depth });
+  // @ts-expect-error an asynchronous callback cannot stop a fit
+  fitter.setProgress(async () => false);
   // @ts-expect-error fit is asynchronous
   fitter.fit().cylinder;
   fitter.close();
-  return extent.length + single.length + stored.length + distances(result.cylinder, xyz)[0];
+  return extent.length + single.length + stored.length + distances(result.cylinder, xyz).length;
 }
 void use;

@@ -1,0 +1,57 @@
+# What the test.sh of a language needs; it sources this file. CYLFUSE_LIBRARY names the native library, else it is
+# built.
+set -euo pipefail
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+conformance=$repository/bindings/conformance
+
+# require COMMAND PACKAGE [COMMAND PACKAGE...]: installs the packages of Debian whose commands are not there.
+require() {
+    local missing=() as_root=()
+    while [ $# -gt 0 ]; do
+        command -v "$1" >/dev/null || missing+=("$2")
+        shift 2
+    done
+    [ ${#missing[@]} -gt 0 ] || return 0
+    [ "$(id -u)" = 0 ] || as_root=(sudo)
+    "${as_root[@]}" apt-get update -q
+    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
+}
+
+if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
+    (cd "$repository" && cargo build --locked --release)
+    CYLFUSE_LIBRARY=${CARGO_TARGET_DIR:-$repository/target}/release/libcylfuse.so
+fi
+CYLFUSE_LIBRARY=$(realpath "$CYLFUSE_LIBRARY")
+export CYLFUSE_LIBRARY
+
+build=$(mktemp -d)
+trap 'rm -rf "$build"' EXIT
+failed=0
+
+# counted NAME COMMAND...: runs what prints a sum "N passed, N failed", and names and keeps that sum.
+counted() {
+    local name=$1
+    shift
+    "$@" 2>&1 | sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$name: &/" | tee -a "$build/log" || failed=1
+}
+
+# golden_cases RESULTS SOURCE...: compares the results of the golden cases with the bits of C in the same job, and checks
+# that the sources name every function of the C interface.
+golden_cases() {
+    local results=$1
+    shift
+    if [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ]; then
+        export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
+        "$conformance/test.sh" >&2
+    fi
+    counted Golden-cases python3 "$conformance/check.py" "$results" "$CYLFUSE_CONFORMANCE_RESULTS"
+    counted Functions-bound python3 "$conformance/coverage.py" "$@"
+}
+
+# Prints the sum of what was counted; a program that broke off has printed none, but failed all the same.
+finish() {
+    awk -v broken=$failed '
+        / passed, [0-9]+ failed$/ { passed += $2; failed += $4 }
+        END { if (broken && !failed) failed = 1; printf "%d passed, %d failed\n", passed, failed }' "$build/log"
+    exit $failed
+}
