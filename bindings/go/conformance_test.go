@@ -458,11 +458,7 @@ func TestConformance(t *testing.T) {
 			var failure *Error
 			if errors.As(err, &failure) {
 				status, _, _ := strings.Cut(failure.Status.Error(), ":")
-				message := failure.Message
-				if step.Call == "distances" || step.Call == "project" || step.Call == "compare" {
-					message = "" // without a fitter it is the text of the status
-				}
-				fmt.Fprintf(writer, "%s\t%d\terror\t%s\t%s\n", golden.Name, index, status, message)
+				fmt.Fprintf(writer, "%s\t%d\terror\t%s\t%s\n", golden.Name, index, status, failure.Message)
 				continue
 			}
 			if err != nil {

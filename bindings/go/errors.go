@@ -6,6 +6,7 @@ import "C"
 import (
 	"errors"
 	"fmt"
+	"runtime"
 )
 
 // Status says why a call failed. It is an error, for errors.Is(err, cylfuse.StatusTooFewPoints).
@@ -86,10 +87,21 @@ func shapeError(format string, arguments ...any) error {
 	return fmt.Errorf("%w: %s", ErrShape, fmt.Sprintf(format, arguments...))
 }
 
-// statusError is the error of a function without a fitter, which has no message of its own.
+// statusError is the error of a status without a message.
 func statusError(status C.cylfuse_status) error {
 	if status == C.CYLFUSE_STATUS_OK {
 		return nil
 	}
 	return &Error{Status(status), Status(status).Error()}
+}
+
+// withoutFitter runs a call without a fitter. Its message is kept for the thread, so the goroutine stays on it.
+func withoutFitter(run func() C.cylfuse_status) error {
+	runtime.LockOSThread()
+	defer runtime.UnlockOSThread()
+	status := run()
+	if status == C.CYLFUSE_STATUS_OK {
+		return nil
+	}
+	return &Error{Status(status), C.GoString(C.cylfuse_fitter_last_error(nil))}
 }

@@ -46,7 +46,8 @@ func NewFitter() (*Fitter, error) {
 		return nil, err
 	}
 	var handle *C.cylfuse_fitter
-	if err := statusError(C.cylfuse_fitter_create(C.CYLFUSE_ABI_VERSION, &handle)); err != nil {
+	create := func() C.cylfuse_status { return C.cylfuse_fitter_create(C.CYLFUSE_ABI_VERSION, &handle) }
+	if err := withoutFitter(create); err != nil {
 		return nil, err
 	}
 	owned := &native{handle}

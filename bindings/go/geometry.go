@@ -70,7 +70,10 @@ func (cylinder Cylinder) Distances(points PointCloud) ([]float64, error) {
 	model := cylinder.toC()
 	distances := make([]float64, view.view.width*view.view.height)
 	out := (*C.double)(unsafe.Pointer(first(distances)))
-	if err := statusError(C.bridge_distances(&model, &view.view, view.data, out, C.size_t(len(distances)))); err != nil {
+	err = withoutFitter(func() C.cylfuse_status {
+		return C.bridge_distances(&model, &view.view, view.data, out, C.size_t(len(distances)))
+	})
+	if err != nil {
 		return nil, err
 	}
 	return distances, nil
@@ -85,8 +88,10 @@ func (cylinder Cylinder) Project(intrinsics Intrinsics) ([2][3]float64, error) {
 		return lines, err
 	}
 	model := cylinder.toC()
-	status := C.cylfuse_cylinder_project(&model, &camera, (*C.double)(unsafe.Pointer(&lines)))
-	return lines, statusError(status)
+	err = withoutFitter(func() C.cylfuse_status {
+		return C.cylfuse_cylinder_project(&model, &camera, (*C.double)(unsafe.Pointer(&lines)))
+	})
+	return lines, err
 }
 
 // Comparison is how two cylinders differ.
@@ -103,8 +108,10 @@ type Comparison struct {
 func (cylinder Cylinder) Compare(other Cylinder) (Comparison, error) {
 	a, b := cylinder.toC(), other.toC()
 	var angle, distance, radius C.double
-	status := C.cylfuse_cylinder_compare(&a, &b, &angle, &distance, &radius)
-	return Comparison{float64(angle), float64(distance), float64(radius)}, statusError(status)
+	err := withoutFitter(func() C.cylfuse_status {
+		return C.cylfuse_cylinder_compare(&a, &b, &angle, &distance, &radius)
+	})
+	return Comparison{float64(angle), float64(distance), float64(radius)}, err
 }
 
 func (cylinder *Cylinder) toC() C.cylfuse_cylinder {

@@ -1629,9 +1629,9 @@ CYLFUSE_API cylfuse_status cylfuse_fitter_clear(struct cylfuse_fitter *fitter) C
  * Why the last call on the fitter failed: what was wrong, the value, the limit and the remedy, in ASCII. Empty
  * when it succeeded.
  *
- * @param fitter the fitter; NULL gives a text that says so
- * @return a text that is valid until the next call on the fitter, never NULL. While another call is running it
- *   is a fixed text that says so.
+ * @param fitter the fitter; NULL asks for the last call of this thread that had none
+ * @return a text that is valid until the next call on the fitter, or the next one without a fitter on this thread;
+ *   never NULL. While another call is running it is a fixed text that says so.
  */
 CYLFUSE_API
 const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)

@@ -54,7 +54,7 @@ public:
     {
         cylfuse_fitter *made = nullptr;
         const Status status = cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &made);
-        return detail::finish(status, Fitter(made));
+        return detail::finish(status, Fitter(made), detail::last_error(status));
     }
     /** Takes over a fitter of the C interface, which has no callbacks; NULL for one that holds nothing. */
     explicit Fitter(cylfuse_fitter *fitter) noexcept : handle_(fitter) {}
@@ -322,7 +322,7 @@ private:
     }
     const char *message(Status status) const noexcept
     {
-        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle());
+        return detail::last_error(status, handle());
     }
     Returned<void> finish(Status status) const
     {
@@ -344,7 +344,8 @@ private:
 /** Writes signed distances of points from the surface, negative inside, NaN for points that are not finite. */
 inline Returned<void> distances(const Cylinder &model, const PointsView &points, Span<double> out)
 {
-    return detail::finish(cylfuse_cylinder_distances(&model, &points, out.data(), out.size()));
+    const Status status = cylfuse_cylinder_distances(&model, &points, out.data(), out.size());
+    return detail::finish(status, detail::last_error(status));
 }
 
 /** The two limb lines of a cylinder in the image. */
@@ -352,7 +353,7 @@ inline Returned<LimbLines> project(const Cylinder &model, const cylfuse_intrinsi
 {
     LimbLines lines{};
     const Status status = cylfuse_cylinder_project(&model, &intrinsics, lines[0].data());
-    return detail::finish(status, lines);
+    return detail::finish(status, lines, detail::last_error(status));
 }
 
 /** How the second cylinder differs from the first. */
@@ -361,7 +362,7 @@ inline Returned<Difference> compare(const Cylinder &first, const Cylinder &secon
     Difference difference{};
     const Status status = cylfuse_cylinder_compare(&first, &second, &difference.angle,
                                                    &difference.axis_distance, &difference.radius_relative);
-    return detail::finish(status, difference);
+    return detail::finish(status, difference, detail::last_error(status));
 }
 
 } // inline namespace

@@ -125,6 +125,12 @@ using Returned = T;
 /** @cond internal */
 namespace detail {
 
+/** Why a call failed on a fitter, or on this thread without one. */
+inline const char *last_error(Status status, const cylfuse_fitter *fitter = nullptr) noexcept
+{
+    return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(fitter);
+}
+
 #ifdef CYLFUSE_NO_EXCEPTIONS
 
 inline Outcome<void> finish(Status status, const char *message = "")

@@ -1,4 +1,4 @@
-//! Geometry without a fitter, and so without a message: only the status says what was wrong.
+//! Geometry without a fitter: `cylfuse_fitter_last_error(NULL)` tells the thread what was wrong.
 
 use super::handle::stateless;
 use super::sized::read;

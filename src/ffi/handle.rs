@@ -5,7 +5,7 @@ use super::guard::guard;
 use super::setup::{cylfuse_log_fn, cylfuse_progress_fn};
 use super::status::{Failure, cylfuse_status};
 use crate::fitter::Fitter;
-use std::cell::UnsafeCell;
+use std::cell::{RefCell, UnsafeCell};
 use std::ffi::{c_char, c_void};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -71,13 +71,20 @@ impl Log {
 /// A NUL-terminated text of limited length, so that a message never needs memory.
 pub(super) struct Text([u8; 512]);
 
+thread_local! {
+    /// Why the last call without a fitter failed on this thread.
+    static WITHOUT_FITTER: RefCell<Text> = const { RefCell::new(Text::EMPTY) };
+}
+
 impl Default for Text {
     fn default() -> Self {
-        Self([0; 512])
+        Self::EMPTY
     }
 }
 
 impl Text {
+    const EMPTY: Self = Self([0; 512]);
+
     fn new(text: &str) -> Self {
         let mut copy = Self::default();
         let mut end = text.len().min(copy.0.len() - 1);
@@ -143,7 +150,9 @@ pub(super) unsafe fn enter(
     call: impl FnOnce(&mut Content, &AtomicBool) -> Result<(), Failure>,
 ) -> cylfuse_status {
     // SAFETY: the caller's obligation. All fields that other threads reach are atomic or inside the cell.
-    let Some(handle) = (unsafe { fitter.as_ref() }) else { return cylfuse_status::NULL_POINTER };
+    let Some(handle) = (unsafe { fitter.as_ref() }) else {
+        return stateless(|| Err(Failure::NullPointer { name: "fitter" }));
+    };
     if !handle.try_enter() {
         return cylfuse_status::BUSY;
     }
@@ -170,7 +179,10 @@ fn run(
             Err(failure) => Text::new(&failure.to_string()),
         };
         if let Err(failure) = &outcome {
-            content.log.write(cylfuse_log_level::ERROR, || failure.to_string());
+            // Without any room it was a question how much is needed.
+            let asked = matches!(failure, Failure::BufferTooSmall { capacity: 0, .. });
+            let level = if asked { cylfuse_log_level::DEBUG } else { cylfuse_log_level::ERROR };
+            content.log.write(level, || failure.to_string());
         }
         outcome.map_or_else(|failure| failure.status(), |()| cylfuse_status::OK)
     });
@@ -181,13 +193,20 @@ fn run(
     })
 }
 
-/// Runs a call without a fitter, and so without a message.
+/// Runs a call without a fitter, and keeps its message for the thread.
 pub(super) fn stateless(call: impl FnOnce() -> Result<(), Failure>) -> cylfuse_status {
-    match guard(call) {
-        Ok(Ok(())) => cylfuse_status::OK,
-        Ok(Err(failure)) => failure.status(),
-        Err(_) => cylfuse_status::PANIC,
-    }
+    let (status, message) = match guard(call) {
+        Ok(Ok(())) => (cylfuse_status::OK, Text::default()),
+        Ok(Err(failure)) => (failure.status(), Text::new(&failure.to_string())),
+        Err(panic) => (cylfuse_status::PANIC, Text::new(&format!("defect of the library: {panic}"))),
+    };
+    WITHOUT_FITTER.with(|kept| kept.replace(message));
+    status
+}
+
+/// The text of the last failure without a fitter on this thread.
+pub(super) fn last_error_without_fitter() -> *const c_char {
+    WITHOUT_FITTER.with(|kept| kept.borrow().as_ptr())
 }
 
 #[cfg(test)]

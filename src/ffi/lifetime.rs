@@ -1,8 +1,8 @@
 //! From creating a fitter to destroying it.
 
-use super::handle::{cylfuse_fitter, enter, stateless};
+use super::handle::{cylfuse_fitter, enter, last_error_without_fitter, stateless};
 use super::library::CYLFUSE_ABI_VERSION;
-use super::status::cylfuse_status;
+use super::status::{Failure, cylfuse_status};
 use super::views::Slot;
 use std::ffi::c_char;
 use std::sync::atomic::Ordering;
@@ -18,18 +18,16 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
     abi_version: u32,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    let mut mismatch = false;
-    let status = stateless(|| {
+    stateless(|| {
         // SAFETY: the contract of the header.
         let out = unsafe { Slot::new(out_fitter, "out_fitter") }?;
         out.write(std::ptr::null_mut());
-        mismatch = abi_version != CYLFUSE_ABI_VERSION;
-        if !mismatch {
-            out.write(Box::into_raw(Box::new(cylfuse_fitter::new())));
+        if abi_version != CYLFUSE_ABI_VERSION {
+            return Err(Failure::AbiMismatch { given: abi_version });
         }
+        out.write(Box::into_raw(Box::new(cylfuse_fitter::new())));
         Ok(())
-    });
-    if mismatch { cylfuse_status::ABI_MISMATCH } else { status }
+    })
 }
 
 /// Destroys a fitter and frees what it holds. No other call on it may be running or follow.
@@ -86,15 +84,15 @@ pub unsafe extern "C" fn cylfuse_fitter_clear(fitter: *mut cylfuse_fitter) -> cy
 /// Why the last call on the fitter failed: what was wrong, the value, the limit and the remedy, in ASCII. Empty
 /// when it succeeded.
 ///
-/// @param fitter the fitter; NULL gives a text that says so
-/// @return a text that is valid until the next call on the fitter, never NULL. While another call is running it
-///   is a fixed text that says so.
+/// @param fitter the fitter; NULL asks for the last call of this thread that had none
+/// @return a text that is valid until the next call on the fitter, or the next one without a fitter on this thread;
+///   never NULL. While another call is running it is a fixed text that says so.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter) -> *const c_char {
     // SAFETY: NULL or a living fitter, by the contract of the header.
     match unsafe { fitter.as_ref() } {
         Some(handle) => handle.last_error(),
-        None => c"fitter is NULL; give a fitter".as_ptr(),
+        None => last_error_without_fitter(),
     }
 }
 
@@ -108,6 +106,6 @@ pub unsafe extern "C" fn cylfuse_fitter_cancel(fitter: *mut cylfuse_fitter) -> c
     // SAFETY: NULL or a living fitter, by the contract of the header.
     match unsafe { fitter.as_ref() } {
         Some(handle) => handle.cancel(),
-        None => cylfuse_status::NULL_POINTER,
+        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
     }
 }

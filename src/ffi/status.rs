@@ -1,5 +1,6 @@
 //! The numbers that calls return, and the failures behind them.
 
+use super::library::CYLFUSE_ABI_VERSION;
 use crate::error::Error;
 use std::ffi::CStr;
 
@@ -104,6 +105,10 @@ pub(super) enum Failure {
     StructSize { name: &'static str, given: usize, requirement: String },
     #[error("{name} holds {capacity} but {needed} are needed; give a larger buffer")]
     BufferTooSmall { name: &'static str, capacity: usize, needed: usize },
+    #[error(
+        "abi_version is {given}; this library has {CYLFUSE_ABI_VERSION}; use header and library of one release"
+    )]
+    AbiMismatch { given: u32 },
 }
 
 impl Failure {
@@ -122,6 +127,7 @@ impl Failure {
             Failure::NullPointer { .. } => cylfuse_status::NULL_POINTER,
             Failure::StructSize { .. } => cylfuse_status::STRUCT_SIZE,
             Failure::BufferTooSmall { .. } => cylfuse_status::BUFFER_TOO_SMALL,
+            Failure::AbiMismatch { .. } => cylfuse_status::ABI_MISMATCH,
         }
     }
 }

@@ -309,6 +309,10 @@ void test_cylinder(void)
     other.radius = NAN;
     CHECK_STATUS(cylfuse_cylinder_compare(&base, &other, &angle, &axis_distance, &relative), INVALID_ARGUMENT);
     CHECK(angle == 7.0);
+    CHECK(strstr(cylfuse_fitter_last_error(NULL), "radius is NaN") != NULL);
+    other.radius = 1.5;
+    CHECK_OK(cylfuse_cylinder_compare(&base, &other, &angle, &axis_distance, &relative));
+    CHECK(cylfuse_fitter_last_error(NULL)[0] == '\0');
 }
 
 void test_memory(void)

@@ -153,9 +153,16 @@ static void logs_are_told(void)
     CHECK(kept.lines[CYLFUSE_LOG_LEVEL_INFO] == 1 && strstr(kept.last, "1200 of 1200 points") != NULL);
     fit(fitter);
     CHECK(kept.lines[CYLFUSE_LOG_LEVEL_INFO] == 3 && kept.lines[CYLFUSE_LOG_LEVEL_DEBUG] > 1);
+    size_t needed = 0;
+    double one;
+    CHECK_STATUS(cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, NULL, 0, &needed),
+                 BUFFER_TOO_SMALL);
     CHECK(kept.lines[CYLFUSE_LOG_LEVEL_WARNING] == 0 && kept.lines[CYLFUSE_LOG_LEVEL_ERROR] == 0);
-    CHECK_STATUS(cylfuse_fitter_push_points(fitter, NULL, NULL), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_residuals(fitter, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, &one, 1, &needed),
+                 BUFFER_TOO_SMALL);
     CHECK(kept.lines[CYLFUSE_LOG_LEVEL_ERROR] == 1);
+    CHECK_STATUS(cylfuse_fitter_push_points(fitter, NULL, NULL), NULL_POINTER);
+    CHECK(kept.lines[CYLFUSE_LOG_LEVEL_ERROR] == 2);
     CHECK(strcmp(kept.last, cylfuse_fitter_last_error(fitter)) == 0);
 
     /* Twice the same limb: a doubt. */

@@ -24,7 +24,7 @@ static void without_a_fitter(void)
     CHECK_STATUS(cylfuse_fitter_reserve(NULL, 1, 1), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_clear(NULL), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_cancel(NULL), NULL_POINTER);
-    CHECK(strcmp(cylfuse_fitter_last_error(NULL), "fitter is NULL; give a fitter") == 0);
+    CHECK(strcmp(cylfuse_fitter_last_error(NULL), "fitter is NULL; give a pointer") == 0);
     CHECK_STATUS(cylfuse_fitter_set_options(NULL, &options), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_get_options(NULL, &options), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_set_intrinsics(NULL, &the_scene.intrinsics), NULL_POINTER);

@@ -25,7 +25,7 @@ void print_number(const run *r, const char *field, double value)
 }
 
 
-int succeeded(const run *r, cylfuse_status status, int has_message)
+int succeeded(const run *r, cylfuse_status status, const cylfuse_fitter *fitter)
 {
     if (status == CYLFUSE_STATUS_OK) {
         printf("%s\t%d\tok\n", r->name, r->index);
@@ -33,7 +33,7 @@ int succeeded(const run *r, cylfuse_status status, int has_message)
     }
     const char *text = cylfuse_status_string(status), *colon = strchr(text, ':');
     printf("%s\t%d\terror\t%.*s\t%s\n", r->name, r->index, colon ? (int)(colon - text) : 0, text,
-           has_message ? cylfuse_fitter_last_error(r->fitter) : "");
+           cylfuse_fitter_last_error(fitter));
     return 0;
 }
 

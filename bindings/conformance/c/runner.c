@@ -58,7 +58,7 @@ static void select_edges(const run *r)
     cylfuse_status status = cylfuse_fitter_select_edges(r->fitter, read_model(r, "model", &model), &segments,
                                                         number_or(r->step, "reach", 0.0), selected, segments.count);
     for (size_t k = 0; k < segments.count; k++) values[k] = selected[k];
-    if (succeeded(r, status, 1)) print_numbers(r, "selected", values, segments.count);
+    if (succeeded(r, status, r->fitter)) print_numbers(r, "selected", values, segments.count);
     free(selected);
     free(values);
 }
@@ -66,7 +66,7 @@ static void select_edges(const run *r)
 static void counts(const run *r)
 {
     cylfuse_counts counts = {.struct_size = sizeof counts};
-    if (!succeeded(r, cylfuse_fitter_counts(r->fitter, &counts), 1)) return;
+    if (!succeeded(r, cylfuse_fitter_counts(r->fitter, &counts), r->fitter)) return;
     PRINT(r, counts, points_given);
     PRINT(r, counts, points_used);
     PRINT(r, counts, dropped_not_finite);
@@ -90,7 +90,7 @@ static void residuals(const run *r)
     if (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
         status = cylfuse_fitter_residuals(r->fitter, given, kind, values, count, &count);
     }
-    if (succeeded(r, status, 1)) print_numbers(r, "residuals", values, count);
+    if (succeeded(r, status, r->fitter)) print_numbers(r, "residuals", values, count);
     free(values);
 }
 
@@ -102,7 +102,7 @@ static void limb_samples(const run *r)
     if (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
         status = cylfuse_fitter_limb_samples(r->fitter, samples, count, &count);
     }
-    if (succeeded(r, status, 1)) {
+    if (succeeded(r, status, r->fitter)) {
         double *values = allocate(2 * count * sizeof *values);
         for (size_t k = 0; k < 2 * count; k++) values[k] = samples[k / 2].pixel[k % 2];
         print_numbers(r, "pixel", values, 2 * count);
@@ -121,7 +121,7 @@ static void diagnose(const run *r)
 {
     cylfuse_cylinder model;
     cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
-    if (!succeeded(r, cylfuse_fitter_diagnose(r->fitter, read_model(r, "model", &model), &diagnosis), 1)) return;
+    if (!succeeded(r, cylfuse_fitter_diagnose(r->fitter, read_model(r, "model", &model), &diagnosis), r->fitter)) return;
     PRINT(r, diagnosis, rank);
     PRINT_LIST(r, diagnosis, singular_values);
     PRINT(r, diagnosis, condition);
@@ -148,7 +148,7 @@ static void complete(const run *r)
         out.data = bytes;
         status = cylfuse_fitter_complete(r->fitter, given, region, &out, &completion);
     }
-    if (succeeded(r, status, 1)) {
+    if (succeeded(r, status, r->fitter)) {
         size_t count = (size_t)completion.count * 3;
         double *values = allocate(count * sizeof *values);
         for (size_t k = 0; k < count; k++) {
@@ -181,7 +181,7 @@ static void complete_depth(const run *r)
     size_t count = (size_t)out.width * out.height;
     unsigned char *bytes = allocate(count * sizeof(float));
     out.data = bytes;
-    if (succeeded(r, cylfuse_fitter_complete_depth(r->fitter, given, region, &out, &completion), 1)) {
+    if (succeeded(r, cylfuse_fitter_complete_depth(r->fitter, given, region, &out, &completion), r->fitter)) {
         double *values = allocate(count * sizeof *values);
         for (size_t k = 0; k < count; k++) {
             if (out.format == CYLFUSE_DEPTH_FORMAT_U16) {
@@ -207,7 +207,7 @@ static void extent(const run *r)
     cylfuse_mask_view mask;
     cylfuse_extent extent = {.struct_size = sizeof extent};
     const cylfuse_cylinder *given = read_model(r, "model", &model);
-    if (!succeeded(r, cylfuse_fitter_extent(r->fitter, given, read_mask(r, &mask), &extent), 1)) return;
+    if (!succeeded(r, cylfuse_fitter_extent(r->fitter, given, read_mask(r, &mask), &extent), r->fitter)) return;
     PRINT(r, extent, start_state);
     PRINT(r, extent, end_state);
     PRINT_LIST(r, extent, start);
@@ -229,7 +229,7 @@ static void distances(const run *r)
     size_t count = points.width * points.height;
     double *values = allocate(count * sizeof *values);
     cylfuse_status status = cylfuse_cylinder_distances(read_model(r, "model", &model), &points, values, count);
-    if (succeeded(r, status, 0)) print_numbers(r, "distances", values, count);
+    if (succeeded(r, status, NULL)) print_numbers(r, "distances", values, count);
     free(values);
 }
 
@@ -238,7 +238,7 @@ static void project(const run *r)
     cylfuse_cylinder model;
     cylfuse_intrinsics camera = read_camera(r);
     double lines[6];
-    if (succeeded(r, cylfuse_cylinder_project(read_model(r, "model", &model), &camera, lines), 0)) {
+    if (succeeded(r, cylfuse_cylinder_project(read_model(r, "model", &model), &camera, lines), NULL)) {
         print_numbers(r, "lines", lines, 6);
     }
 }
@@ -249,7 +249,7 @@ static void compare(const run *r)
     double angle, axis_distance, radius_relative;
     cylfuse_status status = cylfuse_cylinder_compare(read_model(r, "a", &a), read_model(r, "b", &b), &angle,
                                                      &axis_distance, &radius_relative);
-    if (!succeeded(r, status, 0)) return;
+    if (!succeeded(r, status, NULL)) return;
     print_number(r, "angle", angle);
     print_number(r, "axis_distance", axis_distance);
     print_number(r, "radius_relative", radius_relative);
@@ -258,13 +258,13 @@ static void compare(const run *r)
 static void set_options(const run *r)
 {
     cylfuse_options options = read_options(need(r->step, "options"));
-    succeeded(r, cylfuse_fitter_set_options(r->fitter, &options), 1);
+    succeeded(r, cylfuse_fitter_set_options(r->fitter, &options), r->fitter);
 }
 
 static void get_options(const run *r)
 {
     cylfuse_options options = {.struct_size = sizeof options};
-    if (succeeded(r, cylfuse_fitter_get_options(r->fitter, &options), 1)) print_options(r, &options);
+    if (succeeded(r, cylfuse_fitter_get_options(r->fitter, &options), r->fitter)) print_options(r, &options);
 }
 
 static void run_step(const run *r)
@@ -275,39 +275,39 @@ static void run_step(const run *r)
 #define CALL(name) else if (strcmp(call, #name) == 0)
     if (strcmp(call, "set_intrinsics") == 0) {
         cylfuse_intrinsics camera = read_camera(r);
-        succeeded(r, cylfuse_fitter_set_intrinsics(r->fitter, &camera), 1);
+        succeeded(r, cylfuse_fitter_set_intrinsics(r->fitter, &camera), r->fitter);
     }
     CALL(set_options) set_options(r);
     CALL(get_options) get_options(r);
     CALL(set_start_model)
     {
-        succeeded(r, cylfuse_fitter_set_start_model(r->fitter, read_model(r, "model", &model)), 1);
+        succeeded(r, cylfuse_fitter_set_start_model(r->fitter, read_model(r, "model", &model)), r->fitter);
     }
     CALL(reserve)
     {
         size_t points = (size_t)number(need(r->step, "points")), segments = (size_t)number(need(r->step, "segments"));
-        succeeded(r, cylfuse_fitter_reserve(r->fitter, points, segments), 1);
+        succeeded(r, cylfuse_fitter_reserve(r->fitter, points, segments), r->fitter);
     }
-    CALL(clear) succeeded(r, cylfuse_fitter_clear(r->fitter), 1);
-    CALL(cancel) succeeded(r, cylfuse_fitter_cancel(r->fitter), 1);
-    CALL(push_points) succeeded(r, push_points(r), 1);
-    CALL(push_depth) succeeded(r, push_depth(r), 1);
-    CALL(push_image) succeeded(r, push_image(r), 1);
-    CALL(push_edges) succeeded(r, push_edges(r), 1);
+    CALL(clear) succeeded(r, cylfuse_fitter_clear(r->fitter), r->fitter);
+    CALL(cancel) succeeded(r, cylfuse_fitter_cancel(r->fitter), r->fitter);
+    CALL(push_points) succeeded(r, push_points(r), r->fitter);
+    CALL(push_depth) succeeded(r, push_depth(r), r->fitter);
+    CALL(push_image) succeeded(r, push_image(r), r->fitter);
+    CALL(push_edges) succeeded(r, push_edges(r), r->fitter);
     CALL(select_edges) select_edges(r);
     CALL(counts) counts(r);
     CALL(fit)
     {
-        if (succeeded(r, cylfuse_fitter_fit(r->fitter, &result), 1)) print_result(r, &result);
+        if (succeeded(r, cylfuse_fitter_fit(r->fitter, &result), r->fitter)) print_result(r, &result);
     }
     CALL(get_result)
     {
-        if (succeeded(r, cylfuse_fitter_get_result(r->fitter, &result), 1)) print_result(r, &result);
+        if (succeeded(r, cylfuse_fitter_get_result(r->fitter, &result), r->fitter)) print_result(r, &result);
     }
     CALL(evaluate)
     {
         cylfuse_status status = cylfuse_fitter_evaluate(r->fitter, read_model(r, "model", &model), &result);
-        if (succeeded(r, status, 1)) print_result(r, &result);
+        if (succeeded(r, status, r->fitter)) print_result(r, &result);
     }
     CALL(residuals) residuals(r);
     CALL(limb_samples) limb_samples(r);

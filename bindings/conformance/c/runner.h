@@ -49,8 +49,8 @@ void print_number(const run *r, const char *field, double value);
 #define PRINT(r, s, field) print_number(r, #field, (double)(s).field)
 #define PRINT_LIST(r, s, field) print_numbers(r, #field, (s).field, sizeof (s).field / sizeof (s).field[0])
 
-/* Prints the outcome of a call; returns whether it succeeded. */
-int succeeded(const run *r, cylfuse_status status, int has_message);
+/* Prints the outcome of a call on a fitter, or without one; returns whether it succeeded. */
+int succeeded(const run *r, cylfuse_status status, const cylfuse_fitter *fitter);
 void print_result(const run *r, const cylfuse_result *result);
 void print_options(const run *r, const cylfuse_options *options);
 void print_completion(const run *r, const cylfuse_completion *completion);

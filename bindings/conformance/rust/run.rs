@@ -46,11 +46,7 @@ impl<'a> Runner<'a> {
     /// Runs the next step.
     pub fn step(&mut self, step: &Value) -> Outcome {
         let call = step["call"].as_str().unwrap();
-        let without_fitter = ["distances", "project", "compare"].contains(&call);
-        self.run(call, step).map_err(|error| {
-            let message = if without_fitter { String::new() } else { error.to_string() };
-            (error.name().into(), message)
-        })
+        self.run(call, step).map_err(|error| (error.name().into(), error.to_string()))
     }
 
     fn run(&mut self, call: &str, step: &Value) -> Result<Fields> {

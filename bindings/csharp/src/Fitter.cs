@@ -137,7 +137,12 @@ namespace Cylfuse
         public void Cancel()
         {
             IntPtr fitter = handle.Acquire();
-            try { Native.Check(Native.Functions.FitterCancel(fitter)); }
+            try
+            {
+                var status = (Status)Native.Functions.FitterCancel(fitter);
+                // The fitter may be running: its message is that of another call.
+                if (status != Status.Ok) throw CylfuseException.For(status, Library.StatusText(status));
+            }
             finally { handle.DangerousRelease(); }
         }
 
@@ -317,10 +322,7 @@ namespace Cylfuse
         {
             if (callbackFailure?.SourceException is ThreadAbortException) Thread.CurrentThread.Abort();
             callbackFailure?.Throw();
-            if (status == 0) return;
-            string message = Library.Text(Native.Functions.FitterLastError(Pointer));
-            if (string.IsNullOrEmpty(message)) message = Library.StatusText((Status)status);
-            throw CylfuseException.For((Status)status, message);
+            Native.Check(status, Pointer);
         }
 
         /// <summary>A call that is running; disposing it ends it.</summary>

@@ -22,10 +22,13 @@ namespace Cylfuse
         /// <exception cref="CylfuseException">The library has another binary interface (AbiMismatch).</exception>
         internal static NativeFunctions Functions => functions.Value;
 
-        /// <summary>Throws for a failed call that leaves no message of its own.</summary>
-        internal static void Check(int status)
+        /// <summary>Throws for a failed call without a fitter.</summary>
+        internal static void Check(int status) => Check(status, IntPtr.Zero);
+
+        /// <summary>Throws for a failed call on a fitter, or without one, with its message.</summary>
+        internal static void Check(int status, IntPtr fitter)
         {
-            if (status != 0) throw CylfuseException.For((Status)status, Library.StatusText((Status)status));
+            if (status != 0) throw CylfuseException.For((Status)status, Library.Text(Functions.FitterLastError(fitter)));
         }
 
         internal static unsafe double[] Copy(double* numbers, int count)

@@ -12,7 +12,12 @@ class CylfuseError extends Error {
   }
 }
 
-/** The error of a function without a fitter, which has no message of its own. */
+/** The error of a status without a message. */
 const statusError = (status) => new CylfuseError(status, functions.cylfuse_status_string(status));
 
-module.exports = { CylfuseError, statusError };
+/** Throws for a failed call on a fitter, or without one (null). */
+function check(status, handle = null) {
+  if (status !== 0) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(handle));
+}
+
+module.exports = { CylfuseError, check, statusError };

@@ -4,7 +4,7 @@ const { isMainThread } = require('node:worker_threads');
 const native = require('./native.js');
 const convert = require('./convert.js');
 const { numberOf, nameOf, kindOf, enumerations } = require('./names.js');
-const { CylfuseError, statusError } = require('./errors.js');
+const { check, statusError } = require('./errors.js');
 const { progressCallback, logCallback, addListener, removeListener } = require('./callbacks.js');
 const { fitOnPool } = require('./pool.js');
 
@@ -64,8 +64,7 @@ class Fitter {
 
   constructor() {
     const out = [null];
-    const status = functions.cylfuse_fitter_create(native.ABI_VERSION, out);
-    if (status !== STATUS.OK) throw statusError(status);
+    check(functions.cylfuse_fitter_create(native.ABI_VERSION, out));
     this.#held = { handle: out[0], key: addListener(this.#listener) };
     open.add(this.#held);
     registry.register(this, this.#held, this);
@@ -283,7 +282,7 @@ class Fitter {
     const { thrown } = this.#listener;
     this.#listener.thrown = null;
     if (thrown) throw thrown.error;
-    if (status !== STATUS.OK) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(this.#held.handle));
+    check(status, this.#held.handle);
   }
 
   #call(run) {

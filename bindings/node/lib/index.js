@@ -3,7 +3,7 @@
 const { functions } = require('./native.js');
 const convert = require('./convert.js');
 const { enumerations } = require('./names.js');
-const { CylfuseError, statusError } = require('./errors.js');
+const { CylfuseError, check } = require('./errors.js');
 const { Fitter } = require('./fitter.js');
 
 async function fitPoints(points) {
@@ -14,10 +14,6 @@ async function fitPoints(points) {
   } finally {
     fitter.close();
   }
-}
-
-function check(status) {
-  if (status !== enumerations.status.OK) throw statusError(status);
 }
 
 function distances(cylinder, points) {

@@ -152,8 +152,7 @@ async function main() {
         for (const [field, list] of Object.entries(outputs(value ?? {}))) line(field, Array.from(list, bits).join(' '));
       } catch (error) {
         if (!(error instanceof cylfuse.CylfuseError)) throw error;
-        // Without a fitter the message is the text of the status.
-        line('error', error.code, ['distances', 'project', 'compare'].includes(step.call) ? '' : error.message);
+        line('error', error.code, error.message);
       }
     }
     fitter.close();

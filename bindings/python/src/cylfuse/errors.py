@@ -173,5 +173,5 @@ def fail(status: int, fitter: object) -> NoReturn:
 
 
 def fail_without_fitter(status: int) -> NoReturn:
-    """Raises what a call without a fitter failed with: only its status tells."""
-    raise from_status(status, status_text(status).split(": ", 1)[-1])
+    """Raises what the last call of this thread without a fitter failed with."""
+    fail(status, None)

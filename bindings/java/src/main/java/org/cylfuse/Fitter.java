@@ -134,7 +134,11 @@ public final class Fitter implements AutoCloseable {
     public void cancel() {
         Pointer fitter = calls.handle.acquire();
         try {
-            NativeFunctions.check(NativeFunctions.cylfuse_fitter_cancel(fitter));
+            int status = NativeFunctions.cylfuse_fitter_cancel(fitter);
+            // The fitter may be running: its message is that of another call.
+            if (status != 0) {
+                throw CylfuseException.of(Status.of(status), NativeFunctions.cylfuse_status_string(status));
+            }
         } finally {
             calls.handle.release();
         }

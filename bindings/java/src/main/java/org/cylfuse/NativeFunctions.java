@@ -192,10 +192,10 @@ final class NativeFunctions {
             DoubleByReference axisDistance,
             DoubleByReference radiusRelative);
 
-    /** Throws for a failed call that leaves no message of its own. */
+    /** Throws for a failed call without a fitter. */
     static void check(int status) {
         if (status != 0) {
-            throw CylfuseException.of(Status.of(status), cylfuse_status_string(status));
+            throw CylfuseException.of(Status.of(status), cylfuse_fitter_last_error(null));
         }
     }
 
