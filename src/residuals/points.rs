@@ -48,6 +48,9 @@ const LARGEST_LEVERAGE: f64 = 0.5;
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
+/// Points that are converted to f64 in one go.
+const BLOCK: usize = 64;
+
 /// Partial sums that run side by side, so that the compiler can use vector instructions.
 const LANES: usize = 8;
 
@@ -190,36 +193,35 @@ impl Kernel {
         range: std::ops::Range<usize>,
         loss: impl Loss,
     ) -> [f64; SUMS] {
-        let [xs, ys, zs] = axes.each_ref().map(|axis| &axis[range.clone()]);
-        let weights = weights.map(|weights| &weights[range]);
         let mut lanes = [[0.0; LANES]; SUMS];
-        let whole = xs.len() - xs.len() % LANES;
-        let mut block = [[0.0; LANES]; 4];
-        for start in (0..whole).step_by(LANES) {
-            for lane in 0..LANES {
-                block[0][lane] = xs[start + lane].into();
-                block[1][lane] = ys[start + lane].into();
-                block[2][lane] = zs[start + lane].into();
-                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[start + lane]));
+        // x, y, z and weight in f64; the last block is filled up with points of weight 0.
+        let mut block = [[0.0; BLOCK]; 4];
+        for start in range.clone().step_by(BLOCK) {
+            let count = BLOCK.min(range.end - start);
+            for (values, axis) in block.iter_mut().zip(axes) {
+                for (value, x) in values.iter_mut().zip(&axis[start..start + count]) {
+                    *value = (*x).into();
+                }
             }
-            self.add_block(&block, &mut lanes, loss);
-        }
-        if whole < xs.len() {
-            // The rest, filled up with points of weight 0.
-            block = [[0.0; LANES]; 4];
-            for (lane, index) in (whole..xs.len()).enumerate() {
-                block[0][lane] = xs[index].into();
-                block[1][lane] = ys[index].into();
-                block[2][lane] = zs[index].into();
-                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[index]));
+            match weights {
+                None => block[3][..count].fill(1.0),
+                Some(weights) => {
+                    for (value, weight) in block[3].iter_mut().zip(&weights[start..start + count]) {
+                        *value = f64::from(*weight);
+                    }
+                }
             }
-            self.add_block(&block, &mut lanes, loss);
+            block[3][count..].fill(0.0);
+            let [x, y, z, w] = block.each_ref().map(|values| values.as_chunks::<LANES>().0);
+            for (((x, y), z), w) in x.iter().zip(y).zip(z).zip(w).take(count.div_ceil(LANES)) {
+                self.add_block([x, y, z, w], &mut lanes, loss);
+            }
         }
         lanes.map(|sums| sums.iter().sum())
     }
 
     #[inline(always)]
-    fn add_block(&self, block: &[[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
+    fn add_block(&self, block: [&[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
         let [px, py, pz, weights] = block;
         let r = &self.rotation;
         for lane in 0..LANES {
