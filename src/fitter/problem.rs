@@ -155,7 +155,7 @@ impl<'a> Problem<'a> {
 
     /// Gives the edges up when no candidate has limbs that they could belong to.
     pub fn ignore_edges_without_limbs(&mut self, candidates: &[Candidate]) {
-        if !candidates.iter().any(|candidate| self.linearise(&candidate.cylinder).is_some()) {
+        if !candidates.iter().any(|candidate| self.edges_are_finite(&candidate.cylinder)) {
             let inside = candidates.iter().all(|candidate| candidate.cylinder.contains_origin());
             self.ignore_edges(if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND });
         }

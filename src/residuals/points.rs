@@ -91,6 +91,16 @@ impl<'a> PointTerm<'a> {
         equations
     }
 
+    /// The signed distances of the points from the surface, in units of the frame.
+    #[must_use]
+    pub fn distances(&self, frame: &LocalFrame) -> Vec<f64> {
+        let kernel = Kernel::new(self.cloud.origin(), frame);
+        match self.cloud.offsets() {
+            Offsets::F32(axes) => kernel.distances(axes),
+            Offsets::F64(axes) => kernel.distances(axes),
+        }
+    }
+
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
     ///
     /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
@@ -184,6 +194,17 @@ impl Kernel {
         let shift = rotation * (origin - frame.cylinder.axis.point);
         let observer = -(rotation * frame.cylinder.axis.point).xy();
         Self { rotation, shift, radius: frame.cylinder.radius / frame.unit, observer }
+    }
+
+    fn distances<T: Copy + Into<f64>>(&self, [xs, ys, zs]: &[Vec<T>; 3]) -> Vec<f64> {
+        let r = &self.rotation;
+        let distance = |((x, y), z): ((&T, &T), &T)| {
+            let (px, py, pz) = ((*x).into(), (*y).into(), (*z).into());
+            let x: f64 = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
+            let y: f64 = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
+            (x * x + y * y).sqrt() - self.radius
+        };
+        xs.iter().zip(ys).zip(zs).map(distance).collect()
     }
 
     fn chunk<T: Copy + Into<f64>>(
