@@ -7,6 +7,7 @@ use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
 use nalgebra::{Matrix3, Vector2, Vector3};
+use pulp::Arch;
 
 /// How a residual counts.
 pub trait Loss: Copy + Sync {
@@ -207,7 +208,20 @@ impl Kernel {
         xs.iter().zip(ys).zip(zs).map(distance).collect()
     }
 
+    /// The sums over some points, with the widest vector instructions of the machine. They all round alike, so the bits
+    /// do not depend on them.
     fn chunk<T: Copy + Into<f64>>(
+        &self,
+        axes: &[Vec<T>; 3],
+        weights: Option<&[f32]>,
+        range: std::ops::Range<usize>,
+        loss: impl Loss,
+    ) -> [f64; SUMS] {
+        Arch::new().dispatch(|| self.plain_chunk(axes, weights, range, loss))
+    }
+
+    #[inline(always)]
+    fn plain_chunk<T: Copy + Into<f64>>(
         &self,
         axes: &[Vec<T>; 3],
         weights: Option<&[f32]>,
