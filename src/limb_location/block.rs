@@ -97,17 +97,11 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
     (0..count.div_ceil(BLOCK_RUNS)).map(move |k| k * BLOCK_RUNS..((k + 1) * BLOCK_RUNS).min(count))
 }
 
-/// The pixels of some runs between `OUTSIDE` and `INSIDE` of a line.
-fn pixels_about<'a>(
-    strip: &'a Strip,
-    line: &StripLine,
-    runs: Range<usize>,
-) -> impl Iterator<Item = &'a StripPixel> {
-    runs.flat_map(move |k| {
-        let run = strip.run(k);
-        let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE);
-        run[first..].iter().take_while(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)
-    })
+/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line.
+fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> &'a [StripPixel] {
+    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE);
+    let run = &run[first..];
+    &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)]
 }
 
 /// The pixels of a block, and its two levels.
@@ -127,13 +121,15 @@ impl BlockPixels {
         let mut rows = Vec::with_capacity(128);
         let mut sum_s = 0.0;
         let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for pixel in pixels_about(strip, line, runs) {
-            let row = profile.at(pixel.u - line.at(pixel.s))?;
-            let f = Vector2::new(row.functions[0], row.inside);
-            normal += f * f.transpose();
-            right += f * pixel.value;
-            rows.push((row, pixel.value));
-            sum_s += pixel.s;
+        for run in runs.map(|k| strip.run(k)) {
+            for pixel in pixels_about(run, line) {
+                let row = profile.at(pixel.u - line.at(pixel.s))?;
+                let f = Vector2::new(row.functions[0], row.inside);
+                normal += f * f.transpose();
+                right += f * pixel.value;
+                rows.push((row, pixel.value));
+                sum_s += pixel.s;
+            }
         }
         if rows.len() < LEAST_PIXELS {
             return None;
@@ -197,12 +193,14 @@ impl BlockSums {
     ) -> Option<Self> {
         let mut sums =
             Self { count: 0.0, functions: Matrix4::zeros(), right: Vector4::zeros(), squares: 0.0 };
-        for pixel in pixels_about(strip, window, runs) {
-            let f = profile.at(pixel.u - line.at(pixel.s))?;
-            sums.count += 1.0;
-            sums.functions += f * f.transpose();
-            sums.right += f * pixel.value;
-            sums.squares += pixel.value * pixel.value;
+        for run in runs.map(|k| strip.run(k)) {
+            for pixel in pixels_about(run, window) {
+                let f = profile.at(pixel.u - line.at(pixel.s))?;
+                sums.count += 1.0;
+                sums.functions += f * f.transpose();
+                sums.right += f * pixel.value;
+                sums.squares += pixel.value * pixel.value;
+            }
         }
         (sums.count >= LEAST_PIXELS as f64).then_some(sums)
     }

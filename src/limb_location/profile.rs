@@ -130,9 +130,9 @@ impl<Row> Table<Row> {
     fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
         let x = (u - self.first) / STEP;
         // Rounds towards zero: a negative x is off by its sign alone.
-        let k = x as usize;
-        let [below, above] = self.rows.get(k..k + 2)? else { return None };
-        (x >= 0.0).then_some((below, above, x - k as f64))
+        let k = x as u32;
+        let [below, above] = self.rows.get(k as usize..k as usize + 2)? else { return None };
+        (x >= 0.0).then_some((below, above, x - f64::from(k)))
     }
 }
 
