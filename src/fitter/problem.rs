@@ -53,6 +53,8 @@ pub(super) struct Problem<'a> {
     pub passing: bool,
     /// The last cylinder whose scales were asked for, and these.
     pub last_scales: Cell<Option<(Cylinder, RobustScales)>>,
+    /// Linear solves so far.
+    pub solves: Cell<usize>,
 }
 
 impl<'a> Problem<'a> {
@@ -129,6 +131,7 @@ impl<'a> Problem<'a> {
             edge_weight,
             passing: false,
             last_scales: Cell::new(None),
+            solves: Cell::new(0),
         })
     }
 

@@ -28,6 +28,12 @@ const PASSING_COST_TOLERANCE: f64 = 1e-5;
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
+/// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
+/// flat, take half as many; without the limit a hundred guides that contradict the points would each be followed to
+/// the end.
+const MANY_SOLVES: usize = 2000;
+const ORDINARY_SOLVES: usize = 40;
+
 /// A residual correlation below this is taken as the end of the correlated range, and one below so many of its own
 /// standard deviations, 1/√N when there is none: what chance gives few points must not count as correlation.
 const UNCORRELATED: f64 = 0.1;
@@ -112,7 +118,10 @@ impl Problem<'_> {
 
     /// Iterates from a start. The near-wall rule is not applied.
     pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
-        let most_solves = self.options.limits.max_iterations;
+        let most_solves = match self.options.limits.max_iterations {
+            most if self.solves.get() > MANY_SOLVES => most.min(ORDINARY_SOLVES),
+            most => most,
+        };
         if self.is_paper() {
             let objective = self.paper_objective(start);
             let mut convergence = self.run(&objective, start, self.chart(start), most_solves, report)?;
@@ -194,7 +203,9 @@ impl Problem<'_> {
         }
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
-        minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)
+        let convergence = minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)?;
+        self.solves.set(self.solves.get() + convergence.iterations);
+        Ok(convergence)
     }
 
     /// Scale of the point residuals of a cylinder.
