@@ -270,7 +270,8 @@ struct Window {
 
 impl Window {
     fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
-        let place = |edge: f64| (edge / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize;
+        // Rounded; the conversion holds what is below 0 at 0.
+        let place = |edge: f64| (edge / SAMPLE_PIXELS + profile.zero + 0.5) as u32 as usize;
         let last = place(edge + WINDOW_PIXELS).min(profile.samples.len() - 1);
         let first = place(edge - WINDOW_PIXELS).min(last);
         let has_cap = profile.cap < WINDOW_PIXELS;
