@@ -119,9 +119,10 @@ impl<'a> PointTerm<'a> {
         let leverages = factor.inverse() * copies;
         let (mut weights, mut slopes, mut squared_slopes) = (0.0, 0.0, 0.0);
         let mut covariance = TangentMap::zeros();
+        let rows = PointRows::new(frame);
         for (index, point) in self.cloud.points().enumerate() {
             let part = self.cloud.weight(index) / self.total_weight;
-            let (residual, jacobian, facing) = point_row(frame, &point);
+            let (residual, jacobian, facing) = rows.row(&point);
             let weight = part * loss.loss_and_weight(residual, facing).1;
             let slope = loss.influence_slope(residual, facing);
             weights += weight;
@@ -129,7 +130,8 @@ impl<'a> PointTerm<'a> {
             squared_slopes += part * slope * slope;
             let leverage = weight * jacobian.dot(&(leverages * jacobian));
             let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
-            covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
+            let influence = jacobian * (weight * noise);
+            covariance += influence * influence.transpose();
         }
         // Huber's correction for few points (1981, section 7.6): slopes that differ from point to point make the
         // estimate less certain than their mean says.
@@ -316,15 +318,34 @@ fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
     NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian }
 }
 
-/// One residual and its Jacobian, by the formula and without the sums: for the stacked system and for tests.
-/// The third number tells the side of the surface, as in [`Loss::loss_and_weight`].
-pub(super) fn point_row(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Tangent, f64) {
-    let q = frame.rotation() * (point - frame.cylinder.axis.point) / frame.unit;
-    let rho = q.x.hypot(q.y);
-    let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
-    let residual = rho - frame.cylinder.radius / frame.unit;
-    let facing = q.xy().dot(&(frame.rotation() * point / frame.unit).xy());
-    (residual, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
+/// Residuals and their Jacobians one by one, by the formula and without the sums: for the covariance, the stacked system
+/// and tests.
+pub(super) struct PointRows {
+    /// Into the frame and its unit.
+    rotation: Matrix3<f64>,
+    axis_point: Vector3<f64>,
+    /// The axis point across the axis.
+    axis_across: Vector2<f64>,
+    radius: f64,
+}
+
+impl PointRows {
+    pub fn new(frame: &LocalFrame) -> Self {
+        let rotation = frame.rotation() / frame.unit;
+        let axis_point = frame.cylinder.axis.point;
+        let axis_across = (rotation * axis_point).xy();
+        Self { rotation, axis_point, axis_across, radius: frame.cylinder.radius / frame.unit }
+    }
+
+    /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::loss_and_weight`].
+    #[inline]
+    pub fn row(&self, point: &Vector3<f64>) -> (f64, Tangent, f64) {
+        let q = self.rotation * (point - self.axis_point);
+        let rho = q.xy().norm();
+        let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
+        let facing = q.xy().dot(&(q.xy() + self.axis_across));
+        (rho - self.radius, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
+    }
 }
 
 #[cfg(test)]
@@ -351,7 +372,7 @@ mod tests {
         let h = 1e-6;
         for point in points {
             let point = Vector3::from(point);
-            let (residual, jacobian, _) = point_row(&frame, &point);
+            let (residual, jacobian, _) = PointRows::new(&frame).row(&point);
             assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
             for k in 0..5 {
                 let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
@@ -368,7 +389,7 @@ mod tests {
         cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
         let mut expected = NormalEquations::zero();
         for point in &points {
-            let (residual, jacobian, _) = point_row(&frame, &Vector3::from(*point));
+            let (residual, jacobian, _) = PointRows::new(&frame).row(&Vector3::from(*point));
             expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
         }
         let one = PointTerm::new(&cloud, 1).linearise(&frame, Squared);

@@ -7,7 +7,7 @@
 
 use super::arcs::ArcTerm;
 use super::pixels::PixelTerm;
-use super::points::{Loss, PointTerm, point_row};
+use super::points::{Loss, PointRows, PointTerm};
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
@@ -143,8 +143,9 @@ impl Objective for RobustObjective<'_> {
         let loss = self.loss(frame);
         let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
         let mut rows = Vec::with_capacity(cloud.len());
+        let of_points = PointRows::new(frame);
         for (index, point) in cloud.points().enumerate() {
-            let (residual, jacobian, facing) = point_row(frame, &point);
+            let (residual, jacobian, facing) = of_points.row(&point);
             let root = (cloud.weight(index) / total * loss.loss_and_weight(residual, facing).1).sqrt();
             rows.push((residual * root, jacobian * root));
         }
