@@ -12,6 +12,17 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The upper median of the absolute values of numbers, 0 for none.
+pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
+    // Numbers without sign are ordered as their bits are, which are quicker to compare.
+    let mut sizes: Vec<u64> = numbers.map(|number| number.abs().to_bits()).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let middle = sizes.len() / 2;
+    f64::from_bits(*sizes.select_nth_unstable(middle).1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -21,5 +32,13 @@ mod tests {
         assert_eq!(median(&mut [3.0, -1.0, 7.0]), 3.0);
         assert_eq!(median(&mut [3.0, -1.0, 7.0, 4.0]), 4.0);
         assert_eq!(median(&mut []), 0.0);
+    }
+
+    #[test]
+    fn the_median_size_has_no_sign() {
+        let numbers = [3.0, -1.0, 7.0, -4.0, 1e-300, -0.0, 5.0, f64::INFINITY];
+        let mut sizes = numbers.map(f64::abs);
+        assert_eq!(median_size(numbers.into_iter()), median(&mut sizes));
+        assert_eq!(median_size(std::iter::empty()), 0.0);
     }
 }

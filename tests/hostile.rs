@@ -255,11 +255,8 @@ fn whatever_is_pushed_gives_finite_numbers_or_an_error() {
     assert!(fitted > 30, "{fitted}");
 }
 
-/// Everything that a caller does with one view; the error of what was refused.
-fn round(seed: u64) -> Result<(), Error> {
-    let mut dice = Dice::new(seed * 7919);
-    let dice = &mut dice;
-    let mut view = View::new(dice);
+/// A fitter with some of a view, of lines and of limits.
+fn fitter_of(view: &mut View, dice: &mut Dice) -> Result<Fitter, Error> {
     if !dice.one_in(3) {
         view.spoil(dice);
     }
@@ -318,6 +315,25 @@ fn round(seed: u64) -> Result<(), Error> {
             f.push_image(&ImageView::from_f32(&vec![3.0; 33 * 17], (33, 17)).unwrap()).unwrap();
         }
     }
+    Ok(f)
+}
+
+#[test]
+fn a_fit_ends_however_many_guides_contradict_the_points() {
+    // A hundred minima in flat valleys: more than 5,000 solves without a limit.
+    let mut dice = Dice::new(3592 * 7919);
+    let mut view = View::new(&mut dice);
+    let count = reports(&mut fitter_of(&mut view, &mut dice).unwrap());
+    assert!(count < 4000, "{count}");
+}
+
+/// Everything that a caller does with one view; the error of what was refused.
+fn round(seed: u64) -> Result<(), Error> {
+    let mut dice = Dice::new(seed * 7919);
+    let dice = &mut dice;
+    let mut view = View::new(dice);
+    let mut f = fitter_of(&mut view, dice)?;
+    let mask = MaskView::from_u8(&view.mask, view.size).unwrap();
     let what = format!("seed {seed}");
     let fit = f.fit()?;
     assert_finite(&fit, &what);

@@ -286,7 +286,7 @@ func TestFailures(t *testing.T) {
 	_, _, err = CompleteDepth[float32](fitter, nil, nil, 1)
 	wantStatus(t, err, StatusBadState, "")
 	_, err = Cylinder{}.Compare(Cylinder{})
-	wantStatus(t, err, StatusInvalidArgument, "INVALID_ARGUMENT: ")
+	wantStatus(t, err, StatusInvalidArgument, "axis direction is ")
 	if StatusNoDepth.Error()[:9] != "NO_DEPTH:" {
 		t.Error(StatusNoDepth)
 	}

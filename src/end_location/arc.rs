@@ -87,8 +87,11 @@ struct Profile {
     across: f64,
     /// Width of the cap beyond the arc in pixels across the arc; infinite where none is seen.
     cap: f64,
-    /// Brightness every `SAMPLE_PIXELS` outward; the sample `zero` lies on the rough end.
+    /// Brightness every `SAMPLE_PIXELS` outward, less the mean against cancellation; the sample `zero` lies on the
+    /// rough end.
     samples: Vec<f64>,
+    /// Sums of the samples and of their squares before each sample, and of all.
+    sums: Vec<(f64, f64)>,
     zero: f64,
 }
 
@@ -198,7 +201,7 @@ fn sample(
             .collect();
         let Some(samples) = samples else { continue };
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
-        profiles.push(Profile { angle, across: crossing.across, cap, samples, zero: reach as f64 });
+        profiles.push(Profile::new(angle, crossing.across, cap, samples, reach as f64));
     }
     profiles
 }
@@ -253,7 +256,6 @@ fn noise(profiles: &[Profile]) -> f64 {
 }
 
 /// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
-#[derive(Default, Clone, Copy)]
 struct Window {
     n: f64,
     /// Sums of the products of the three parts of the template and the samples: surface, cap, background.
@@ -272,34 +274,53 @@ struct Window {
 
 impl Window {
     fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
-        let mut sums = Self::default();
-        let first = ((edge - WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize;
-        let last = (((edge + WINDOW_PIXELS) / SAMPLE_PIXELS + profile.zero).round().max(0.0) as usize)
-            .min(profile.samples.len() - 1);
+        // Rounded; the conversion holds what is below 0 at 0.
+        let place = |edge: f64| (edge / SAMPLE_PIXELS + profile.zero + 0.5) as u32 as usize;
+        let last = place(edge + WINDOW_PIXELS).min(profile.samples.len() - 1);
+        let first = place(edge - WINDOW_PIXELS).min(last);
         let has_cap = profile.cap < WINDOW_PIXELS + RIM_BLURS * blur;
-        // Brightness relative to one sample, against cancellation.
-        let origin = profile.samples[first.min(last)];
-        let sharpness = 1.0 / blur;
-        for k in first..=last {
-            let at = (k as f64 - profile.zero) * SAMPLE_PIXELS - edge;
-            let y = profile.samples[k] - origin;
-            let beyond = smooth_step.at(at * sharpness);
-            let b = if has_cap { smooth_step.at((at - profile.cap) * sharpness) } else { beyond };
-            let (s, c) = (1.0 - beyond, beyond - b);
-            sums.n += 1.0;
-            sums.ss += s * s;
-            sums.sc += s * c;
-            sums.cc += c * c;
-            sums.cb += c * b;
-            sums.bb += b * b;
-            sums.sb += s * b;
-            sums.sy += s * y;
-            sums.cy += c * y;
-            sums.by += b * y;
-            sums.y += y;
-            sums.yy += y * y;
+        // In units of the blur.
+        let step = SAMPLE_PIXELS / blur;
+        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS - edge) / blur;
+        let cap = profile.cap / blur;
+        // Of what lies beyond the surface (p), and beyond the cap (q).
+        let (mut p, mut pp, mut py) = (0.0, 0.0, 0.0);
+        let (mut q, mut qq, mut qy, mut pq) = (0.0, 0.0, 0.0, 0.0);
+        for (y, k) in profile.samples[first..=last].iter().zip(0_u32..) {
+            let at = origin + f64::from(k) * step;
+            let beyond = smooth_step.at(at);
+            p += beyond;
+            pp += beyond * beyond;
+            py += beyond * y;
+            if has_cap {
+                let beyond_cap = smooth_step.at(at - cap);
+                q += beyond_cap;
+                qq += beyond_cap * beyond_cap;
+                qy += beyond_cap * y;
+                pq += beyond * beyond_cap;
+            }
         }
-        sums
+        if !has_cap {
+            (q, qq, qy, pq) = (p, pp, py, pp);
+        }
+        let n = (last + 1 - first) as f64;
+        let (before, through) = (profile.sums[first], profile.sums[last + 1]);
+        let (y, yy) = (through.0 - before.0, through.1 - before.1);
+        // The parts are 1 − p, p − q and q.
+        Self {
+            n,
+            ss: n - 2.0 * p + pp,
+            sc: p - q - pp + pq,
+            cc: pp - 2.0 * pq + qq,
+            cb: pq - qq,
+            bb: qq,
+            sb: q - pq,
+            sy: y - py,
+            cy: py - qy,
+            by: qy,
+            y,
+            yy,
+        }
     }
 
     /// Sum of squares about the mean.
@@ -333,6 +354,19 @@ fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64, smooth_step: &S
 }
 
 impl Profile {
+    fn new(angle: f64, across: f64, cap: f64, mut samples: Vec<f64>, zero: f64) -> Self {
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let mut sums = Vec::with_capacity(samples.len() + 1);
+        let mut sum = (0.0, 0.0);
+        sums.push(sum);
+        for sample in &mut samples {
+            *sample -= mean;
+            sum = (sum.0 + *sample, sum.1 + *sample * *sample);
+            sums.push(sum);
+        }
+        Self { angle, across, cap, samples, sums, zero }
+    }
+
     /// The same for one profile and a step at `edge`, in pixels across the arc.
     fn gain(&self, edge: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
         let window = Window::new(self, edge, blur, smooth_step);
@@ -385,6 +419,6 @@ impl SmoothStep {
     fn at(&self, x: f64) -> f64 {
         let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;
         // The conversion holds what is below the table at its first entry.
-        self.0[(place as usize).min(TABLE)]
+        self.0[(place as u32 as usize).min(TABLE)]
     }
 }

@@ -142,14 +142,12 @@ fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundi
 fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Option<(f64, f64)> {
     let (mask, axis) = (search.mask, cylinder.axis);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for row in (0..mask.height()).step_by(stride) {
-        for column in (0..mask.width()).step_by(stride).filter(|&column| mask.contains(column, row)) {
-            let ray = search.camera.unproject(&Vector2::new(column as f64, row as f64));
-            if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
-                let position = (point - axis.point).dot(&axis.direction);
-                low = low.min(position);
-                high = high.max(position);
-            }
+    for (column, row) in mask.set_pixels_of_grid(stride) {
+        let ray = search.camera.unproject(&Vector2::new(column as f64, row as f64));
+        if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
+            let position = (point - axis.point).dot(&axis.direction);
+            low = low.min(position);
+            high = high.max(position);
         }
     }
     low.is_finite().then_some((low, high))

@@ -53,6 +53,8 @@ pub(super) struct Problem<'a> {
     pub passing: bool,
     /// The last cylinder whose scales were asked for, and these.
     pub last_scales: Cell<Option<(Cylinder, RobustScales)>>,
+    /// Linear solves so far.
+    pub solves: Cell<usize>,
 }
 
 impl<'a> Problem<'a> {
@@ -129,6 +131,7 @@ impl<'a> Problem<'a> {
             edge_weight,
             passing: false,
             last_scales: Cell::new(None),
+            solves: Cell::new(0),
         })
     }
 
@@ -155,7 +158,7 @@ impl<'a> Problem<'a> {
 
     /// Gives the edges up when no candidate has limbs that they could belong to.
     pub fn ignore_edges_without_limbs(&mut self, candidates: &[Candidate]) {
-        if !candidates.iter().any(|candidate| self.linearise(&candidate.cylinder).is_some()) {
+        if !candidates.iter().any(|candidate| self.edges_are_finite(&candidate.cylinder)) {
             let inside = candidates.iter().all(|candidate| candidate.cylinder.contains_origin());
             self.ignore_edges(if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND });
         }

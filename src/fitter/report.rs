@@ -153,13 +153,12 @@ impl Fitter {
             let sum: f64 = distances.iter().flatten().map(|d| d * d).sum();
             (sum / (2 * distances.len()) as f64).sqrt()
         });
-        let canonical = problem.canonical(cylinder);
-        let (uncertainty, radii) = problem.uncertainty(&canonical);
+        let (uncertainty, radii) = problem.uncertainty(cylinder);
         if radii.is_some_and(|radii| radii.disagree()) {
             flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
         }
         Ok(FitResult {
-            cylinder: canonical,
+            cylinder: problem.canonical(cylinder),
             uncertainty,
             radii,
             start: start.cylinder,

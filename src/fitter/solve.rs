@@ -8,7 +8,7 @@ use crate::residuals::{
     NormalEquations, Objective, PaperObjective, RobustObjective, RobustScales, Sandwich, TUKEY_EFFICIENT,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use std::ops::ControlFlow;
 
 /// Hears of every linear solve and may stop the fit.
@@ -27,6 +27,12 @@ const PASSING_COST_TOLERANCE: f64 = 1e-5;
 
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
+
+/// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
+/// flat, take half as many; without the limit a hundred guides that contradict the points would each be followed to
+/// the end.
+const MANY_SOLVES: usize = 2000;
+const ORDINARY_SOLVES: usize = 40;
 
 /// A residual correlation below this is taken as the end of the correlated range, and one below so many of its own
 /// standard deviations, 1/√N when there is none: what chance gives few points must not count as correlation.
@@ -79,9 +85,19 @@ impl Problem<'_> {
         self.with_objective(cylinder, |objective| objective.linearise(&frame))
     }
 
-    /// What the covariance of a minimum at the cylinder of a frame follows from; `None` where there is none.
-    pub fn sandwich(&self, frame: &LocalFrame) -> Option<Sandwich> {
-        let cylinder = &frame.cylinder;
+    /// Whether the edges have a finite cost at a cylinder. The points always have.
+    pub fn edges_are_finite(&self, cylinder: &Cylinder) -> bool {
+        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
+        if self.is_paper() {
+            let limbs = self.limbs.filter(|_| self.edge_weight > 0.0);
+            return limbs.is_none_or(|limbs| limbs.linearise(&frame).is_some());
+        }
+        self.pixels.as_ref().is_none_or(|pixels| pixels.linearise(&frame).is_some())
+    }
+
+    /// What the covariance of a minimum at a cylinder follows from, in the tangent of a frame there; `None` where there
+    /// is none.
+    pub fn sandwich(&self, cylinder: &Cylinder, frame: &LocalFrame) -> Option<Sandwich> {
         let minimises = matches!(self.options.method, Method::Fused | Method::Points);
         if self.cloud.is_empty() || !minimises {
             return None;
@@ -102,7 +118,10 @@ impl Problem<'_> {
 
     /// Iterates from a start. The near-wall rule is not applied.
     pub fn minimise(&self, start: &Cylinder, report: Report<'_>) -> Result<Convergence> {
-        let most_solves = self.options.limits.max_iterations;
+        let most_solves = match self.options.limits.max_iterations {
+            most if self.solves.get() > MANY_SOLVES => most.min(ORDINARY_SOLVES),
+            most => most,
+        };
         if self.is_paper() {
             let objective = self.paper_objective(start);
             let mut convergence = self.run(&objective, start, self.chart(start), most_solves, report)?;
@@ -184,7 +203,9 @@ impl Problem<'_> {
         }
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
-        minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)
+        let convergence = minimise(objective, &kept.nearest(start, &self.center), &domain, &limits, report)?;
+        self.solves.set(self.solves.get() + convergence.iterations);
+        Ok(convergence)
     }
 
     /// Scale of the point residuals of a cylinder.
@@ -208,11 +229,10 @@ impl Problem<'_> {
     }
 
     fn new_scales(&self, cylinder: &Cylinder) -> RobustScales {
-        let residuals: Vec<f64> = self.cloud.points().map(|p| cylinder.distance(&p)).collect();
-        let mut sizes: Vec<f64> = residuals.iter().map(|e| e.abs()).collect();
+        let residuals = self.points.distances(&LocalFrame::new(cylinder, &self.center, 1.0));
         // Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
         let floor = 64.0 * f64::EPSILON * self.center.amax().max(self.unit);
-        let point = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(floor);
+        let point = (DEVIATION_OF_MEDIAN * median_size(residuals.iter().copied())).max(floor);
         let range = correlated_range(&residuals, TUKEY_EFFICIENT * point);
         // A row of the image repeats the correlation of a column.
         let independent_points = (residuals.len() as f64 / (range * range)).max(1.0);
@@ -225,21 +245,37 @@ impl Problem<'_> {
 fn correlated_range(residuals: &[f64], cutoff: f64) -> f64 {
     let clipped = |e: &f64| if e.abs() <= cutoff { *e } else { 0.0 };
     let values: Vec<f64> = residuals.iter().map(clipped).collect();
-    let variance: f64 = values.iter().map(|e| e * e).sum();
+    let variance = dot(&values, &values);
     if variance == 0.0 {
         return 1.0;
     }
     let limit = UNCORRELATED.max(UNCORRELATED_DEVIATIONS / (values.len() as f64).sqrt());
     let mut range = 1.0;
     for lag in 1..=LONGEST_CORRELATION.min(values.len() / 4) {
-        let covariance: f64 = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum();
-        let correlation = covariance / variance;
+        let correlation = dot(&values, &values[lag..]) / variance;
         if correlation < limit {
             break;
         }
         range += 2.0 * correlation;
     }
     range
+}
+
+/// The sum of the products of two sequences as far as both go, in partial sums side by side, so that one addition need
+/// not wait for another.
+fn dot(first: &[f64], second: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let count = first.len().min(second.len());
+    let ((first, first_rest), (second, second_rest)) =
+        (first[..count].as_chunks::<LANES>(), second[..count].as_chunks::<LANES>());
+    let mut lanes = [0.0; LANES];
+    for (a, b) in first.iter().zip(second) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a * b;
+        }
+    }
+    let rest = first_rest.iter().zip(second_rest).map(|(a, b)| a * b);
+    lanes.into_iter().chain(rest).sum()
 }
 
 #[cfg(test)]

@@ -24,11 +24,11 @@ pub(super) const DISAGREEMENT: f64 = 4.0;
 const LEAST_SHARE: f64 = 1e-3;
 
 impl Problem<'_> {
-    /// The uncertainty of a minimum, which has the direction that a result shows, and its radius by points and limbs,
-    /// where limbs take part.
+    /// The uncertainty of a minimum, for the direction that a result shows, and its radius by points and limbs, where
+    /// limbs take part.
     pub fn uncertainty(&self, cylinder: &Cylinder) -> (Option<Uncertainty>, Option<RadiusComparison>) {
-        let frame = LocalFrame::new(cylinder, &self.center, self.unit);
-        let Some(sandwich) = self.sandwich(&frame) else { return (None, None) };
+        let frame = LocalFrame::new(&self.canonical(cylinder), &self.center, self.unit);
+        let Some(sandwich) = self.sandwich(cylinder, &frame) else { return (None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich

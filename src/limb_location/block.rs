@@ -1,9 +1,9 @@
 //! What one short block of a limb says about its line.
 
 use super::consensus::BLOCK_RUNS;
-use super::profile::{Profile, ProfileRow};
-use super::strip::Strip;
-use nalgebra::{Matrix2, Matrix4, SMatrix, Vector2, Vector4};
+use super::profile::{Functions, ShadedRow, Table};
+use super::strip::{Strip, StripPixel};
+use nalgebra::{Matrix2, Matrix4, Matrix4x2, SMatrix, Vector2, Vector4};
 use std::ops::Range;
 
 /// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
@@ -68,31 +68,27 @@ impl Block {
     }
 }
 
-/// The blocks of a limb in some state, from the pixels between `OUTSIDE` and `INSIDE` of `window`: the costs of
-/// different states can be compared over the same window only. `noise` is the standard deviation of a pixel.
+/// The blocks of a limb with a given line, from the pixels between `OUTSIDE` and `INSIDE` of it. `noise` is the standard
+/// deviation of a pixel.
 pub(super) fn fit_blocks(
     strip: &Strip,
     noise: f64,
-    profile: &Profile,
-    state: &LimbState,
-    window: &StripLine,
+    profile: &Table<ShadedRow>,
+    line: &StripLine,
 ) -> Vec<Block> {
-    let pixels = blocks(strip).filter_map(|runs| BlockPixels::new(strip, profile, state, window, runs));
-    pixels.map(|pixels| pixels.fit(noise, &state.shading)).collect()
+    let pixels = blocks(strip).filter_map(|runs| BlockPixels::new(strip, profile, line, runs));
+    pixels.map(|pixels| pixels.fit(noise)).collect()
 }
 
-/// Count and sum of squared residuals of each of these blocks.
-pub(super) fn squares(
+/// What the blocks say about levels and shading with a given line, from the pixels between `OUTSIDE` and `INSIDE` of
+/// `window`: the costs of different lines can be compared over the same window only.
+pub(super) fn sums_of_blocks(
     strip: &Strip,
-    profile: &Profile,
-    state: &LimbState,
+    profile: &Table<Functions>,
+    line: &StripLine,
     window: &StripLine,
-) -> Vec<(f64, f64)> {
-    let squares = |pixels: BlockPixels| (pixels.rows.len() as f64, pixels.residuals().map(|e| e * e).sum());
-    blocks(strip)
-        .filter_map(|runs| BlockPixels::new(strip, profile, state, window, runs))
-        .map(squares)
-        .collect()
+) -> Vec<BlockSums> {
+    blocks(strip).filter_map(|runs| BlockSums::new(strip, profile, line, window, runs)).collect()
 }
 
 /// The runs of each block.
@@ -101,10 +97,17 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
     (0..count.div_ceil(BLOCK_RUNS)).map(move |k| k * BLOCK_RUNS..((k + 1) * BLOCK_RUNS).min(count))
 }
 
+/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line.
+fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> &'a [StripPixel] {
+    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE);
+    let run = &run[first..];
+    &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)]
+}
+
 /// The pixels of a block, and its two levels.
 struct BlockPixels {
-    /// What the profile says at each pixel, its brightness inside with the shading, and the value of the pixel.
-    rows: Vec<(ProfileRow, f64, f64)>,
+    /// What the profile says at each pixel, and the value of the pixel.
+    rows: Vec<(ShadedRow, f64)>,
     /// Mean position along the strip.
     s: f64,
     /// Inverse of the normal matrix of the levels.
@@ -114,26 +117,17 @@ struct BlockPixels {
 }
 
 impl BlockPixels {
-    fn new(
-        strip: &Strip,
-        profile: &Profile,
-        state: &LimbState,
-        window: &StripLine,
-        runs: Range<usize>,
-    ) -> Option<Self> {
-        let LimbState { line, shading } = state;
+    fn new(strip: &Strip, profile: &Table<ShadedRow>, line: &StripLine, runs: Range<usize>) -> Option<Self> {
         let mut rows = Vec::with_capacity(128);
         let mut sum_s = 0.0;
         let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for pixel in runs.flat_map(|k| strip.run(k)) {
-            if (-OUTSIDE..=INSIDE).contains(&(pixel.u - window.at(pixel.s))) {
+        for run in runs.map(|k| strip.run(k)) {
+            for pixel in pixels_about(run, line) {
                 let row = profile.at(pixel.u - line.at(pixel.s))?;
-                let [outer, inner, sine, lean] = row.values;
-                let inside = inner + shading[0] * sine + shading[1] * lean;
-                let f = Vector2::new(outer, inside);
+                let f = Vector2::new(row.functions[0], row.inside);
                 normal += f * f.transpose();
                 right += f * pixel.value;
-                rows.push((row, inside, pixel.value));
+                rows.push((row, pixel.value));
                 sum_s += pixel.s;
             }
         }
@@ -144,28 +138,21 @@ impl BlockPixels {
         Some(Self { s: sum_s / rows.len() as f64, rows, inverse, levels: inverse * right })
     }
 
-    fn residuals(&self) -> impl Iterator<Item = f64> {
-        let levels = self.levels;
-        self.rows
-            .iter()
-            .map(move |(row, inside, value)| value - row.values[0] * levels[0] - inside * levels[1])
-    }
-
-    fn fit(&self, noise: f64, shading: &Vector2<f64>) -> Block {
+    fn fit(&self, noise: f64) -> Block {
         let Self { rows, inverse, levels, .. } = self;
         let count = rows.len() as f64;
-        let coefficients = Vector4::new(levels[0], levels[1], levels[1] * shading[0], levels[1] * shading[1]);
         let mut cross = SMatrix::<f64, 2, 4>::zeros();
         let (mut square, mut gradient, mut squares) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-        for ((row, inside, _), residual) in rows.iter().zip(self.residuals()) {
-            let [outer, _, sine, lean] = row.values;
+        for (row, value) in rows {
+            let f = Vector2::new(row.functions[0], row.inside);
+            let residual = value - f.dot(levels);
             let j = Vector4::new(
-                -coefficients.dot(&Vector4::from(row.slopes)),
-                coefficients.dot(&Vector4::from(row.blur_slopes)),
-                levels[1] * sine,
-                levels[1] * lean,
+                -row.slopes.dot(levels),
+                row.blur_slopes.dot(levels),
+                levels[1] * row.functions[2],
+                levels[1] * row.functions[3],
             );
-            cross += Vector2::new(outer, *inside) * j.transpose();
+            cross += f * j.transpose();
             square += j * j.transpose();
             gradient += j * residual;
             squares += residual * residual;
@@ -182,5 +169,64 @@ impl BlockPixels {
             information,
             gradient,
         }
+    }
+}
+
+/// Sums over the pixels of a block, which tell everything about levels and shading.
+pub(super) struct BlockSums {
+    /// How many pixels there are.
+    pub count: f64,
+    /// Sums of the products of the functions with each other, of the functions with the values, and of the squared
+    /// values.
+    functions: Matrix4<f64>,
+    right: Vector4<f64>,
+    squares: f64,
+}
+
+impl BlockSums {
+    fn new(
+        strip: &Strip,
+        profile: &Table<Functions>,
+        line: &StripLine,
+        window: &StripLine,
+        runs: Range<usize>,
+    ) -> Option<Self> {
+        let mut sums =
+            Self { count: 0.0, functions: Matrix4::zeros(), right: Vector4::zeros(), squares: 0.0 };
+        for run in runs.map(|k| strip.run(k)) {
+            for pixel in pixels_about(run, window) {
+                let f = profile.at(pixel.u - line.at(pixel.s))?;
+                sums.count += 1.0;
+                sums.functions += f * f.transpose();
+                sums.right += f * pixel.value;
+                sums.squares += pixel.value * pixel.value;
+            }
+        }
+        (sums.count >= LEAST_PIXELS as f64).then_some(sums)
+    }
+
+    /// Sum of squared residuals with the best levels for a shading; `None` where the levels are not determined.
+    pub fn squared_residuals(&self, shading: &Vector2<f64>) -> Option<f64> {
+        // Outside and inside as combinations of the functions.
+        let parts = Matrix4x2::new(1.0, 0.0, 0.0, 1.0, 0.0, shading[0], 0.0, shading[1]);
+        let right = parts.tr_mul(&self.right);
+        let levels = parts.tr_mul(&(self.functions * parts)).try_inverse()? * right;
+        Some((self.squares - right.dot(&levels)).max(0.0))
+    }
+
+    /// `JᵀJ` and `Jᵀr` over the variance of a pixel in the shading, at no shading, levels eliminated; `None` where the
+    /// levels are not determined. `noise` is the standard deviation of a pixel.
+    pub fn of_shading(&self, noise: f64) -> Option<(Matrix2<f64>, Vector2<f64>)> {
+        let block = |row: usize, column: usize| -> Matrix2<f64> {
+            self.functions.fixed_view::<2, 2>(row, column).into_owned()
+        };
+        let inverse = block(0, 0).try_inverse()?;
+        let levels = inverse * self.right.fixed_rows::<2>(0);
+        let squares = self.squares - self.right.fixed_rows::<2>(0).dot(&levels);
+        let variance = (squares / (self.count - 4.0)).max(noise * noise);
+        let cross = block(2, 0);
+        let information = block(2, 2) - cross * inverse * cross.transpose();
+        let gradient = self.right.fixed_rows::<2>(2) - cross * levels;
+        Some((information * (levels[1] * levels[1] / variance), gradient * (levels[1] / variance)))
     }
 }

@@ -61,12 +61,11 @@ impl Response {
     fn at(&self, u: f64) -> f64 {
         let x = (u - self.first_u) / self.step;
         // Rounds towards zero: a negative x is off by its sign alone.
-        let k = x as usize;
-        if x.is_sign_negative() || k + 1 >= self.values.len() {
-            return 0.0;
-        }
-        let part = x - k as f64;
-        self.values[k] * (1.0 - part) + self.values[k + 1] * part
+        let k = x as u32;
+        let beside = self.values.get(k as usize..k as usize + 2);
+        let Some([below, above]) = beside.filter(|_| x.is_sign_positive()) else { return 0.0 };
+        let part = x - f64::from(k);
+        below * (1.0 - part) + above * part
     }
 }
 

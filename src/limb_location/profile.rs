@@ -10,6 +10,7 @@
 use super::block::{INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
+use nalgebra::{Vector2, Vector4};
 
 /// Spacing of the tables in pixels.
 const STEP: f64 = 0.1;
@@ -17,32 +18,34 @@ const STEP: f64 = 0.1;
 /// How far the Gaussian is followed, in units of its standard deviation.
 const TAIL: f64 = 4.0;
 
-/// Functions per profile: 1 outside; the expected brightness, sin θ and 1 − cos θ inside.
-pub(super) const FUNCTIONS: usize = 4;
+/// The functions of a profile at one u: 1 outside; the expected brightness, sin θ and 1 − cos θ inside.
+pub(super) type Functions = Vector4<f64>;
 
-/// The functions of the profile for one blur and one radius, tabulated over u.
-#[derive(Debug, Clone)]
-pub(super) struct Profile {
-    first: f64,
-    values: Vec<[f64; FUNCTIONS]>,
-    slopes: Vec<[f64; FUNCTIONS]>,
-    blur_slopes: Vec<[f64; FUNCTIONS]>,
-}
-
-/// The functions, their derivatives in u and in the blur, at one u.
+/// The profile of a given shading at one u.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ProfileRow {
-    pub values: [f64; FUNCTIONS],
-    pub slopes: [f64; FUNCTIONS],
-    pub blur_slopes: [f64; FUNCTIONS],
+pub(super) struct ShadedRow {
+    pub functions: Functions,
+    /// The brightness inside, with the shading.
+    pub inside: f64,
+    /// Derivatives in u of the parts outside and inside.
+    pub slopes: Vector2<f64>,
+    /// The same in the blur.
+    pub blur_slopes: Vector2<f64>,
 }
 
-/// The functions of one limb without blur.
+/// What a profile is made of, tabulated over u.
+#[derive(Debug, Clone)]
+pub(super) struct Table<Row> {
+    first: f64,
+    rows: Vec<Row>,
+}
+
+/// The functions of one limb without blur, on the inner side: 1, the expected brightness, sin θ and 1 − cos θ. On the
+/// outer side they are 0, and the function of the background is 1 less the first one everywhere.
 #[derive(Debug, Clone)]
 pub(super) struct SharpProfile {
-    /// Index of the first cell; cell k is about u = k · `STEP`.
-    first: i32,
-    cells: Vec<[f64; FUNCTIONS]>,
+    /// Cell k is about u = k · `STEP`.
+    cells: Vec<Vector4<f64>>,
 }
 
 impl SharpProfile {
@@ -50,42 +53,70 @@ impl SharpProfile {
     /// widened by `margin` pixels on both sides later.
     pub fn new(radius: f64, shading: &LimbShading, margin: f64) -> Self {
         let taps = (TAIL * MOST_BLUR / STEP).ceil() as i32;
-        let (first, last) = window(margin);
-        let cells = (first - taps..=last + taps).map(|k| sharp(k, radius, shading)).collect();
-        Self { first: first - taps, cells }
+        let (_, last) = window(margin);
+        Self { cells: (0..=last + taps).map(|k| sharp(k, radius, shading)).collect() }
     }
 
-    /// Tables over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
-    pub fn blurred(&self, blur: f64, margin: f64) -> Profile {
-        let taps = (TAIL * blur / STEP).ceil() as i32;
-        let (first_index, last_index) = window(margin);
-        let sharp = &self.cells[(first_index - taps - self.first).max(0) as usize..];
-        // g, g′ and ∂g/∂σ, each normalised by the sum of g so that constants stay constants.
-        let kernel: Vec<[f64; 3]> = (-taps..=taps)
-            .map(|k| {
-                let x = f64::from(k) * STEP / blur;
-                let g = (-x * x / 2.0).exp();
-                [g, -x / blur * g, (x * x - 1.0) / blur * g]
-            })
-            .collect();
-        let sum: f64 = kernel.iter().map(|k| k[0]).sum();
-        let drift: f64 = kernel.iter().map(|k| k[2]).sum::<f64>() / sum;
-        let kernel: Vec<[f64; 3]> =
-            kernel.iter().map(|k| [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum]).collect();
-        let count = (last_index - first_index + 1) as usize;
-        let mut tables = [(); 3].map(|()| vec![[0.0; FUNCTIONS]; count]);
-        for index in 0..count {
-            for (weights, values) in kernel.iter().rev().zip(&sharp[index..]) {
-                for (table, weight) in tables.iter_mut().zip(weights) {
-                    for (out, value) in table[index].iter_mut().zip(values) {
-                        *out += weight * value;
-                    }
-                }
-            }
-        }
-        let [values, slopes, blur_slopes] = tables;
-        Profile { first: f64::from(first_index) * STEP, values, slopes, blur_slopes }
+    /// The functions over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
+    pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
+        let kernel: Vec<[f64; 1]> = kernel(blur).iter().map(|&[g, ..]| [g]).collect();
+        self.table(&kernel, margin, |[values]| Vector4::new(1.0 - values[0], values[1], values[2], values[3]))
     }
+
+    /// The profile over the window, for a blur and a shading.
+    pub fn shaded(&self, blur: f64, shading: &Vector2<f64>) -> Table<ShadedRow> {
+        let mix = |sums: &Vector4<f64>| sums[1] + shading[0] * sums[2] + shading[1] * sums[3];
+        self.table(&kernel(blur), 0.0, |[values, slopes, blur_slopes]| ShadedRow {
+            functions: Vector4::new(1.0 - values[0], values[1], values[2], values[3]),
+            inside: mix(&values),
+            slopes: Vector2::new(-slopes[0], mix(&slopes)),
+            blur_slopes: Vector2::new(-blur_slopes[0], mix(&blur_slopes)),
+        })
+    }
+
+    /// A table over the window widened by `margin`: `row` of the sums of the cells by each column of a kernel.
+    fn table<const N: usize, Row>(
+        &self,
+        kernel: &[[f64; N]],
+        margin: f64,
+        row: impl Fn([Vector4<f64>; N]) -> Row,
+    ) -> Table<Row> {
+        let taps = (kernel.len() / 2) as i32;
+        let (first_index, last_index) = window(margin);
+        let rows = (first_index..=last_index).map(|index| {
+            // The kernel reaches from the first to the last of these cells, as far as there are any.
+            let (first, last) = (index - taps, index + taps);
+            let weights = &kernel[(-first).clamp(0, 2 * taps + 1) as usize..];
+            let cells = &self.cells[first.max(0) as usize..(last + 1).max(0) as usize];
+            row(weighted_sums(weights, cells))
+        });
+        Table { first: f64::from(first_index) * STEP, rows: rows.collect() }
+    }
+}
+
+/// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.
+fn kernel(blur: f64) -> Vec<[f64; 3]> {
+    let taps = (TAIL * blur / STEP).ceil() as i32;
+    let kernel: Vec<[f64; 3]> = (-taps..=taps)
+        .map(|k| {
+            let x = f64::from(k) * STEP / blur;
+            let g = (-x * x / 2.0).exp();
+            [g, x / blur * g, (x * x - 1.0) / blur * g]
+        })
+        .collect();
+    let sum: f64 = kernel.iter().map(|k| k[0]).sum();
+    let drift: f64 = kernel.iter().map(|k| k[2]).sum::<f64>() / sum;
+    kernel.iter().map(|k| [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum]).collect()
+}
+
+fn weighted_sums<const N: usize>(weights: &[[f64; N]], cells: &[Vector4<f64>]) -> [Vector4<f64>; N] {
+    let mut sums = [Vector4::zeros(); N];
+    for (weights, cell) in weights.iter().zip(cells) {
+        for (sum, weight) in sums.iter_mut().zip(weights) {
+            *sum += cell * *weight;
+        }
+    }
+    sums
 }
 
 /// First and last cell of the window.
@@ -93,37 +124,47 @@ fn window(margin: f64) -> (i32, i32) {
     (-((OUTSIDE + margin) / STEP).ceil() as i32 - 1, ((INSIDE + margin) / STEP).ceil() as i32 + 1)
 }
 
-impl Profile {
-    /// The functions at u; `None` outside the tables.
-    pub fn at(&self, u: f64) -> Option<ProfileRow> {
+impl<Row> Table<Row> {
+    /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
+    #[inline]
+    fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
         let x = (u - self.first) / STEP;
-        if !(x >= 0.0 && x < (self.values.len() - 1) as f64) {
-            return None;
-        }
-        let k = x as usize;
-        let part = x - k as f64;
-        let mix = |table: &[[f64; FUNCTIONS]]| {
-            let mut out = table[k];
-            for (a, b) in out.iter_mut().zip(&table[k + 1]) {
-                *a += part * (b - *a);
-            }
-            out
-        };
-        Some(ProfileRow {
-            values: mix(&self.values),
-            slopes: mix(&self.slopes),
-            blur_slopes: mix(&self.blur_slopes),
+        // Rounds towards zero: a negative x is off by its sign alone.
+        let k = x as u32;
+        let [below, above] = self.rows.get(k as usize..k as usize + 2)? else { return None };
+        (x >= 0.0).then_some((below, above, x - f64::from(k)))
+    }
+}
+
+impl Table<Functions> {
+    /// The functions at u; `None` outside the table.
+    #[inline]
+    pub fn at(&self, u: f64) -> Option<Functions> {
+        let (below, above, part) = self.beside(u)?;
+        Some(below + (above - below) * part)
+    }
+}
+
+impl Table<ShadedRow> {
+    /// The profile at u; `None` outside the table.
+    #[inline]
+    pub fn at(&self, u: f64) -> Option<ShadedRow> {
+        let (below, above, part) = self.beside(u)?;
+        Some(ShadedRow {
+            functions: below.functions + (above.functions - below.functions) * part,
+            inside: below.inside + (above.inside - below.inside) * part,
+            slopes: below.slopes + (above.slopes - below.slopes) * part,
+            blur_slopes: below.blur_slopes + (above.blur_slopes - below.blur_slopes) * part,
         })
     }
 }
 
 /// The functions without blur, averaged over the cell of index k: θ has an infinite slope at the limb.
-fn sharp(k: i32, radius: f64, shading: &LimbShading) -> [f64; FUNCTIONS] {
+fn sharp(k: i32, radius: f64, shading: &LimbShading) -> Vector4<f64> {
     let u = f64::from(k) * STEP;
     // The part of the cell on the inner side.
     let (low, high) = ((u - STEP / 2.0).max(0.0), (u + STEP / 2.0).max(0.0));
     let inner = (high - low) / STEP;
-    let outer = 1.0 - inner;
     // sin θ = √(1 − (1 − w)²) with w = u / ρ has the integral ρ/2 (θ − sin θ cos θ).
     let integral = |u: f64| {
         let cos = 1.0 - (u / radius).min(1.0);
@@ -143,5 +184,5 @@ fn sharp(k: i32, radius: f64, shading: &LimbShading) -> [f64; FUNCTIONS] {
     } else {
         0.0
     };
-    [outer, expected, sine - mean_sine * inner, lean - mean_lean * inner]
+    Vector4::new(inner, expected, sine - mean_sine * inner, lean - mean_lean * inner)
 }

@@ -5,9 +5,9 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{Block, LimbState, StripLine, fit_blocks, squares};
+use super::block::{Block, BlockSums, LimbState, StripLine, fit_blocks, sums_of_blocks};
 use super::consensus::RoughLine;
-use super::profile::{Profile, SharpProfile};
+use super::profile::SharpProfile;
 use super::shading::LimbShading;
 use super::strip::Strip;
 use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
@@ -123,9 +123,9 @@ impl<'a> Limb<'a> {
             .map(|k| {
                 let mut limb = self.state;
                 limb.line.offset += f64::from(k) * SCAN_STEP;
-                limb.shading = Vector2::zeros();
-                limb.shading = self.best_shading(&limb, &self.fit_blocks(profile, &limb, &self.state.line));
-                (self.cost(profile, &limb, &self.state.line), limb)
+                let blocks = sums_of_blocks(self.strip, profile, &limb.line, &self.state.line);
+                limb.shading = self.best_shading(&blocks);
+                (self.cost(&blocks, &limb), limb)
             })
             .collect();
         let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
@@ -139,29 +139,28 @@ impl<'a> Limb<'a> {
         [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
     }
 
-    /// Twice the negative log-likelihood of the pixels about `window`, and of what is expected of line and shading.
-    fn cost(&self, profile: &Profile, state: &LimbState, window: &StripLine) -> f64 {
+    /// Twice the negative log-likelihood of the pixels of the blocks, and of what is expected of line and shading.
+    fn cost(&self, blocks: &[BlockSums], state: &LimbState) -> f64 {
         let floor = self.noise * self.noise;
-        let cost = |(count, squares): (f64, f64)| count * (squares / count + floor).ln();
-        let blocks: f64 = squares(self.strip, profile, state, window).into_iter().map(cost).sum();
+        let cost = |block: &BlockSums| {
+            let squares = block.squared_residuals(&state.shading)?;
+            Some(block.count * (squares / block.count + floor).ln())
+        };
+        let blocks: f64 = blocks.iter().filter_map(cost).sum();
         let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
         let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
         blocks + far + state.shading.norm_squared() / self.shading_deviation.powi(2)
     }
 
-    /// The shading that suits the blocks best at a given line.
-    fn best_shading(&self, state: &LimbState, blocks: &[Block]) -> Vector2<f64> {
+    /// The shading that suits the blocks best.
+    fn best_shading(&self, blocks: &[BlockSums]) -> Vector2<f64> {
         let mut normal = Matrix2::identity() * self.shading_deviation.powi(-2);
         let mut right = Vector2::zeros();
-        for block in blocks {
-            normal += block.information.fixed_view::<2, 2>(2, 2);
-            right += block.gradient.fixed_rows::<2>(2);
+        for (information, gradient) in blocks.iter().filter_map(|block| block.of_shading(self.noise)) {
+            normal += information;
+            right += gradient;
         }
-        normal.try_inverse().map_or(state.shading, |inverse| state.shading + inverse * right)
-    }
-
-    fn fit_blocks(&self, profile: &Profile, state: &LimbState, window: &StripLine) -> Vec<Block> {
-        fit_blocks(self.strip, self.noise, profile, state, window)
+        normal.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * right)
     }
 
     /// Tukey weights about the line through the shifts of the blocks.
@@ -284,7 +283,8 @@ pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
             continue;
         }
         let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
-            limb.cost(&limb.sharp.blurred(blur, SCAN_REACH), &limb.state, window)
+            let profile = limb.sharp.blurred(blur, SCAN_REACH);
+            limb.cost(&sums_of_blocks(limb.strip, &profile, &limb.state.line, window), &limb.state)
         };
         let cost = limbs.iter().zip(&windows).map(cost).sum();
         modes.push(Mode { cost, limbs: limbs.to_vec(), blur });
@@ -334,8 +334,8 @@ fn iterate(limbs: &mut [Limb<'_>]) -> f64 {
             normal[(k, k)] = 1.0;
         }
         for (index, limb) in limbs.iter_mut().enumerate() {
-            let profile = limb.sharp.blurred(blur, 0.0);
-            limb.blocks = limb.fit_blocks(&profile, &limb.state, &limb.state.line);
+            let profile = limb.sharp.shaded(blur, &limb.state.shading);
+            limb.blocks = fit_blocks(limb.strip, limb.noise, &profile, &limb.state.line);
             limb.weigh();
             limb.add_to(&mut normal, &mut right, 4 * index);
         }

@@ -234,8 +234,9 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     for _ in 0..REWEIGHTINGS {
         let (mut normal, mut right) = (prior, Vector5::zeros());
         for ((f, value), weight) in scaled.iter().zip(&weights) {
-            normal += f * f.transpose() * *weight;
-            right += f * (weight * value);
+            let weighted = f * *weight;
+            normal += weighted * f.transpose();
+            right += weighted * *value;
         }
         covariance = normal.try_inverse()?;
         coefficients = covariance * right;

@@ -6,7 +6,7 @@
 
 use crate::camera::Camera;
 use crate::observations::GreyImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use nalgebra::Vector2;
 
 /// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
@@ -199,12 +199,10 @@ impl Strip {
     /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
     /// that edges do not count), and not below a thousandth of the range of the values: images are quantised.
     pub fn noise(&self) -> f64 {
-        let mut differences: Vec<f64> = self
-            .runs()
-            .flat_map(|run| run.windows(3).map(|w| (w[0].value - 2.0 * w[1].value + w[2].value).abs()))
-            .collect();
+        let differences =
+            self.runs().flat_map(|run| run.windows(3).map(|w| w[0].value - 2.0 * w[1].value + w[2].value));
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
-        (DEVIATION_OF_MEDIAN * median(&mut differences) / 6.0_f64.sqrt()).max(floor)
+        (DEVIATION_OF_MEDIAN * median_size(differences) / 6.0_f64.sqrt()).max(floor)
     }
 
     /// Range of the values.

@@ -3,6 +3,7 @@
 use super::size::check_same_size;
 use super::views::MaskView;
 use crate::error::{Error, Result};
+use std::ops::Range;
 
 /// The pixels of the image that belong to the visible lateral surface. Its boundary is a hint, never a
 /// measurement of the limbs.
@@ -11,6 +12,9 @@ pub struct Mask {
     width: usize,
     height: usize,
     pixels: Vec<bool>,
+    /// The columns and rows beyond which no pixel is set: most of most masks is empty.
+    columns: Range<usize>,
+    rows: Range<usize>,
 }
 
 impl Mask {
@@ -26,10 +30,17 @@ impl Mask {
         for row in 0..height {
             pixels.extend((0..width).map(|column| view.contains(column, row)));
         }
-        if !pixels.contains(&true) {
+        let (mut columns, mut rows) = (width..0, height..0);
+        for (row, pixels) in pixels.chunks_exact(width).enumerate() {
+            let Some(first) = pixels.iter().position(|&set| set) else { continue };
+            let last = pixels.iter().rposition(|&set| set).unwrap_or(first);
+            columns = columns.start.min(first)..columns.end.max(last + 1);
+            rows = rows.start.min(row)..row + 1;
+        }
+        if rows.is_empty() {
             return Err(Error::EmptyMask { width, height });
         }
-        Ok(Self { width, height, pixels })
+        Ok(Self { width, height, pixels, columns, rows })
     }
 
     /// Columns.
@@ -58,10 +69,16 @@ impl Mask {
 
     /// The set pixels as (column, row), row by row.
     pub fn set_pixels(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        // Most rows of most masks are empty.
-        let rows = self.pixels.chunks(self.width).enumerate().filter(|(_, pixels)| pixels.contains(&true));
-        rows.flat_map(|(row, pixels)| {
-            pixels.iter().enumerate().filter_map(move |(column, &set)| set.then_some((column, row)))
+        self.set_pixels_of_grid(1)
+    }
+
+    /// The set pixels in every `stride`-th row and column, row by row.
+    pub fn set_pixels_of_grid(&self, stride: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let first = |range: &Range<usize>| range.start.next_multiple_of(stride);
+        let columns = first(&self.columns)..self.columns.end;
+        (first(&self.rows)..self.rows.end).step_by(stride).flat_map(move |row| {
+            let pixels = &self.pixels[row * self.width..(row + 1) * self.width];
+            columns.clone().step_by(stride).filter(|&column| pixels[column]).map(move |column| (column, row))
         })
     }
 
@@ -83,6 +100,7 @@ mod tests {
         let memory = [0, 7, 0, 255, 0, 1];
         let mask = Mask::copy(&MaskView::from_u8(&memory, (3, 2)).unwrap()).unwrap();
         assert_eq!(mask.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
+        assert_eq!(mask.set_pixels_of_grid(2).collect::<Vec<_>>(), []);
         assert_eq!(mask.count(), 3);
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();

@@ -1,7 +1,7 @@
 //! The objective of the paper: F = (1 − w_L) E_P + w_L E_L (15), with the stacked weights (28).
 
 use super::limbs::LimbTerm;
-use super::points::{PointTerm, Squared, point_row};
+use super::points::{PointRows, PointTerm, Squared};
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
@@ -94,9 +94,10 @@ impl Objective for PaperObjective<'_> {
         let mut rows = Vec::with_capacity(cloud.len() + 4);
         if edge_weight < 1.0 {
             let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
+            let of_points = PointRows::new(frame);
             for (index, point) in cloud.points().enumerate() {
                 let root = ((1.0 - edge_weight) * cloud.weight(index) / total).sqrt();
-                let (residual, jacobian, _) = point_row(frame, &point);
+                let (residual, jacobian, _) = of_points.row(&point);
                 rows.push((residual * root, jacobian * root));
             }
         }

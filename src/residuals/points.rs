@@ -7,6 +7,7 @@ use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
 use nalgebra::{Matrix3, Vector2, Vector3};
+use pulp::Arch;
 
 /// How a residual counts.
 pub trait Loss: Copy + Sync {
@@ -48,6 +49,9 @@ const LARGEST_LEVERAGE: f64 = 0.5;
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
+/// Points that are converted to f64 in one go.
+const BLOCK: usize = 64;
+
 /// Partial sums that run side by side, so that the compiler can use vector instructions.
 const LANES: usize = 8;
 
@@ -88,6 +92,16 @@ impl<'a> PointTerm<'a> {
         equations
     }
 
+    /// The signed distances of the points from the surface, in units of the frame.
+    #[must_use]
+    pub fn distances(&self, frame: &LocalFrame) -> Vec<f64> {
+        let kernel = Kernel::new(self.cloud.origin(), frame);
+        match self.cloud.offsets() {
+            Offsets::F32(axes) => kernel.distances(axes),
+            Offsets::F64(axes) => kernel.distances(axes),
+        }
+    }
+
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
     ///
     /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
@@ -105,9 +119,10 @@ impl<'a> PointTerm<'a> {
         let leverages = factor.inverse() * copies;
         let (mut weights, mut slopes, mut squared_slopes) = (0.0, 0.0, 0.0);
         let mut covariance = TangentMap::zeros();
+        let rows = PointRows::new(frame);
         for (index, point) in self.cloud.points().enumerate() {
             let part = self.cloud.weight(index) / self.total_weight;
-            let (residual, jacobian, facing) = point_row(frame, &point);
+            let (residual, jacobian, facing) = rows.row(&point);
             let weight = part * loss.loss_and_weight(residual, facing).1;
             let slope = loss.influence_slope(residual, facing);
             weights += weight;
@@ -115,7 +130,8 @@ impl<'a> PointTerm<'a> {
             squared_slopes += part * slope * slope;
             let leverage = weight * jacobian.dot(&(leverages * jacobian));
             let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
-            covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
+            let influence = jacobian * (weight * noise);
+            covariance += influence * influence.transpose();
         }
         // Huber's correction for few points (1981, section 7.6): slopes that differ from point to point make the
         // estimate less certain than their mean says.
@@ -183,6 +199,19 @@ impl Kernel {
         Self { rotation, shift, radius: frame.cylinder.radius / frame.unit, observer }
     }
 
+    fn distances<T: Copy + Into<f64>>(&self, [xs, ys, zs]: &[Vec<T>; 3]) -> Vec<f64> {
+        let r = &self.rotation;
+        let distance = |((x, y), z): ((&T, &T), &T)| {
+            let (px, py, pz) = ((*x).into(), (*y).into(), (*z).into());
+            let x: f64 = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
+            let y: f64 = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
+            (x * x + y * y).sqrt() - self.radius
+        };
+        xs.iter().zip(ys).zip(zs).map(distance).collect()
+    }
+
+    /// The sums over some points, with the widest vector instructions of the machine. They all round alike, so the bits
+    /// do not depend on them.
     fn chunk<T: Copy + Into<f64>>(
         &self,
         axes: &[Vec<T>; 3],
@@ -190,36 +219,46 @@ impl Kernel {
         range: std::ops::Range<usize>,
         loss: impl Loss,
     ) -> [f64; SUMS] {
-        let [xs, ys, zs] = axes.each_ref().map(|axis| &axis[range.clone()]);
-        let weights = weights.map(|weights| &weights[range]);
+        Arch::new().dispatch(|| self.plain_chunk(axes, weights, range, loss))
+    }
+
+    #[inline(always)]
+    fn plain_chunk<T: Copy + Into<f64>>(
+        &self,
+        axes: &[Vec<T>; 3],
+        weights: Option<&[f32]>,
+        range: std::ops::Range<usize>,
+        loss: impl Loss,
+    ) -> [f64; SUMS] {
         let mut lanes = [[0.0; LANES]; SUMS];
-        let whole = xs.len() - xs.len() % LANES;
-        let mut block = [[0.0; LANES]; 4];
-        for start in (0..whole).step_by(LANES) {
-            for lane in 0..LANES {
-                block[0][lane] = xs[start + lane].into();
-                block[1][lane] = ys[start + lane].into();
-                block[2][lane] = zs[start + lane].into();
-                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[start + lane]));
+        // x, y, z and weight in f64; the last block is filled up with points of weight 0.
+        let mut block = [[0.0; BLOCK]; 4];
+        for start in range.clone().step_by(BLOCK) {
+            let count = BLOCK.min(range.end - start);
+            for (values, axis) in block.iter_mut().zip(axes) {
+                for (value, x) in values.iter_mut().zip(&axis[start..start + count]) {
+                    *value = (*x).into();
+                }
             }
-            self.add_block(&block, &mut lanes, loss);
-        }
-        if whole < xs.len() {
-            // The rest, filled up with points of weight 0.
-            block = [[0.0; LANES]; 4];
-            for (lane, index) in (whole..xs.len()).enumerate() {
-                block[0][lane] = xs[index].into();
-                block[1][lane] = ys[index].into();
-                block[2][lane] = zs[index].into();
-                block[3][lane] = weights.map_or(1.0, |weights| f64::from(weights[index]));
+            match weights {
+                None => block[3][..count].fill(1.0),
+                Some(weights) => {
+                    for (value, weight) in block[3].iter_mut().zip(&weights[start..start + count]) {
+                        *value = f64::from(*weight);
+                    }
+                }
             }
-            self.add_block(&block, &mut lanes, loss);
+            block[3][count..].fill(0.0);
+            let [x, y, z, w] = block.each_ref().map(|values| values.as_chunks::<LANES>().0);
+            for (((x, y), z), w) in x.iter().zip(y).zip(z).zip(w).take(count.div_ceil(LANES)) {
+                self.add_block([x, y, z, w], &mut lanes, loss);
+            }
         }
         lanes.map(|sums| sums.iter().sum())
     }
 
     #[inline(always)]
-    fn add_block(&self, block: &[[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
+    fn add_block(&self, block: [&[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
         let [px, py, pz, weights] = block;
         let r = &self.rotation;
         for lane in 0..LANES {
@@ -279,15 +318,34 @@ fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
     NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian }
 }
 
-/// One residual and its Jacobian, by the formula and without the sums: for the stacked system and for tests.
-/// The third number tells the side of the surface, as in [`Loss::loss_and_weight`].
-pub(super) fn point_row(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Tangent, f64) {
-    let q = frame.rotation() * (point - frame.cylinder.axis.point) / frame.unit;
-    let rho = q.x.hypot(q.y);
-    let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
-    let residual = rho - frame.cylinder.radius / frame.unit;
-    let facing = q.xy().dot(&(frame.rotation() * point / frame.unit).xy());
-    (residual, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
+/// Residuals and their Jacobians one by one, by the formula and without the sums: for the covariance, the stacked system
+/// and tests.
+pub(super) struct PointRows {
+    /// Into the frame and its unit.
+    rotation: Matrix3<f64>,
+    axis_point: Vector3<f64>,
+    /// The axis point across the axis.
+    axis_across: Vector2<f64>,
+    radius: f64,
+}
+
+impl PointRows {
+    pub fn new(frame: &LocalFrame) -> Self {
+        let rotation = frame.rotation() / frame.unit;
+        let axis_point = frame.cylinder.axis.point;
+        let axis_across = (rotation * axis_point).xy();
+        Self { rotation, axis_point, axis_across, radius: frame.cylinder.radius / frame.unit }
+    }
+
+    /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::loss_and_weight`].
+    #[inline]
+    pub fn row(&self, point: &Vector3<f64>) -> (f64, Tangent, f64) {
+        let q = self.rotation * (point - self.axis_point);
+        let rho = q.xy().norm();
+        let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
+        let facing = q.xy().dot(&(q.xy() + self.axis_across));
+        (rho - self.radius, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
+    }
 }
 
 #[cfg(test)]
@@ -314,7 +372,7 @@ mod tests {
         let h = 1e-6;
         for point in points {
             let point = Vector3::from(point);
-            let (residual, jacobian, _) = point_row(&frame, &point);
+            let (residual, jacobian, _) = PointRows::new(&frame).row(&point);
             assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
             for k in 0..5 {
                 let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
@@ -331,7 +389,7 @@ mod tests {
         cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
         let mut expected = NormalEquations::zero();
         for point in &points {
-            let (residual, jacobian, _) = point_row(&frame, &Vector3::from(*point));
+            let (residual, jacobian, _) = PointRows::new(&frame).row(&Vector3::from(*point));
             expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
         }
         let one = PointTerm::new(&cloud, 1).linearise(&frame, Squared);

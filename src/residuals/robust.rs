@@ -7,7 +7,7 @@
 
 use super::arcs::ArcTerm;
 use super::pixels::PixelTerm;
-use super::points::{Loss, PointTerm, point_row};
+use super::points::{Loss, PointRows, PointTerm};
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
@@ -106,17 +106,25 @@ impl<'a> RobustObjective<'a> {
     #[must_use]
     pub fn sandwich(&self, frame: &LocalFrame) -> Option<Sandwich> {
         let RobustScales { point, independent_points, .. } = self.scales;
-        let loss = self.loss(frame);
-        let (total, points) = (self.linearise(frame)?, self.points.linearise(frame, loss));
-        // Every other residual is weighed by its own variance, so that F is their negative log-likelihood times
+        let edges = self.edges(frame)?;
+        // Every residual of the edges is weighed by its own variance, so that F is their negative log-likelihood times
         // 2 σ² / N_eff, and the covariance of its gradient is its second derivative times σ² / N_eff.
-        let rest = total.hessian - points.hessian;
         let edges = SandwichPart {
-            gradient: total.gradient - points.gradient,
-            derivative: rest,
-            covariance: rest * ((point / frame.unit).powi(2) / independent_points),
+            gradient: edges.gradient,
+            derivative: edges.hessian,
+            covariance: edges.hessian * ((point / frame.unit).powi(2) / independent_points),
         };
-        Some(Sandwich { points: self.points.sandwich(frame, loss, independent_points), edges })
+        Some(Sandwich { points: self.points.sandwich(frame, self.loss(frame), independent_points), edges })
+    }
+
+    /// What the pixels and the arcs add; `None` where their cost is infinite.
+    fn edges(&self, frame: &LocalFrame) -> Option<NormalEquations> {
+        let mut equations = NormalEquations::zero();
+        if let Some(pixels) = self.pixels {
+            equations.add_scaled(self.pixel_factor(frame), &pixels.linearise(frame)?);
+        }
+        equations.add_scaled(self.pixel_factor(frame), &self.arcs.linearise(frame));
+        Some(equations)
     }
 }
 
@@ -126,12 +134,8 @@ impl Objective for RobustObjective<'_> {
         if !(radius > 0.0 && radius.is_finite()) {
             return None;
         }
-        let loss = self.loss(frame);
-        let mut equations = self.points.linearise(frame, loss);
-        if let Some(pixels) = self.pixels {
-            equations.add_scaled(self.pixel_factor(frame), &pixels.linearise(frame)?);
-        }
-        equations.add_scaled(self.pixel_factor(frame), &self.arcs.linearise(frame));
+        let mut equations = self.edges(frame)?;
+        equations.add_scaled(1.0, &self.points.linearise(frame, self.loss(frame)));
         equations.cost.is_finite().then_some(equations)
     }
 
@@ -139,8 +143,9 @@ impl Objective for RobustObjective<'_> {
         let loss = self.loss(frame);
         let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
         let mut rows = Vec::with_capacity(cloud.len());
+        let of_points = PointRows::new(frame);
         for (index, point) in cloud.points().enumerate() {
-            let (residual, jacobian, facing) = point_row(frame, &point);
+            let (residual, jacobian, facing) = of_points.row(&point);
             let root = (cloud.weight(index) / total * loss.loss_and_weight(residual, facing).1).sqrt();
             rows.push((residual * root, jacobian * root));
         }

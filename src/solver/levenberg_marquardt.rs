@@ -109,9 +109,9 @@ impl Convergence {
 /// iteration of the paper creeps for thousands of steps.
 const GAUSS_NEWTON_ITERATIONS: usize = 40;
 
-/// Step of the differences of gradients for the second derivative, in units of the frame: the cube root of the
-/// rounding error balances it against the truncation error.
-const DIFFERENCE_STEP: f64 = 1e-5;
+/// Step of the differences of gradients for the second derivative, in units of the frame: some times the root of the
+/// rounding error, which balances it against the truncation error. A matrix that steps are found with need not be better.
+const DIFFERENCE_STEP: f64 = 1e-7;
 
 /// The radius, in units of the size of the data, at which the iteration is given up.
 const LARGEST_RADIUS: f64 = 1e4;
@@ -187,7 +187,7 @@ pub fn minimise(
         iterations += 1;
         let creeping = chart == Chart::Local && iterations > GAUSS_NEWTON_ITERATIONS;
         if creeping && second_derivative.is_none() {
-            second_derivative = differentiate_gradient(&frame, linearise);
+            second_derivative = differentiate_gradient(&frame, &equations.gradient, linearise);
         }
         let hessian = second_derivative.unwrap_or(equations.hessian);
         let step = match chart {
@@ -240,18 +240,17 @@ pub fn minimise(
     })
 }
 
-/// Half the second derivative of the cost in the tangent of a frame, by central differences of the gradient;
-/// `None` next to where the cost is infinite.
+/// Half the second derivative of the cost in the tangent of a frame, by differences to the gradient there; `None` next
+/// to where the cost is infinite.
 fn differentiate_gradient(
     frame: &LocalFrame,
+    gradient: &Tangent,
     linearise: impl Fn(&Cylinder) -> Option<(LocalFrame, NormalEquations)>,
 ) -> Option<TangentMap> {
     let mut derivative = TangentMap::zeros();
     for k in 0..5 {
-        let step = Tangent::ith(k, DIFFERENCE_STEP);
-        let (_, ahead) = linearise(&frame.retract(&step))?;
-        let (_, behind) = linearise(&frame.retract(&-step))?;
-        derivative.set_column(k, &((ahead.gradient - behind.gradient) / (2.0 * DIFFERENCE_STEP)));
+        let (_, ahead) = linearise(&frame.retract(&Tangent::ith(k, DIFFERENCE_STEP)))?;
+        derivative.set_column(k, &((ahead.gradient - gradient) / DIFFERENCE_STEP));
     }
     Some((derivative + derivative.transpose()) * 0.5)
 }

@@ -261,7 +261,7 @@ impl<'a> Runner<'a> {
 fn project(model: &Cylinder, intrinsics: Intrinsics) -> Result<Fields> {
     let camera = Camera::new(intrinsics)?;
     let limbs = LimbFrame::new(model).ok_or(Error::EdgeGeometry {
-        reason: "the camera is inside the cylinder".into(),
+        reason: "the camera is inside the cylinder or a limb line lies at infinity".into(),
         remedy: "give a cylinder in front of the camera",
     })?;
     let mut lines = Vec::new();
