@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Callable, Iterable, Mapping, Optional
 
-from distributed import Client
+from distributed import Client, wait
 
 from .fit import fit
 from .options import Options
@@ -22,8 +22,12 @@ def fit_row(frame: Any, load: Callable[[Any], Mapping[str, Any]], options: Optio
     try:
         row = fit(**{"options": options, **load(frame)}).row()
     except Exception as error:
-        return {"frame": frame, "error": f"{type(error).__name__}: {error}"}
+        return _failed(frame, error)
     return {"frame": frame, "error": None, **row}
+
+
+def _failed(frame: Any, error: Any) -> dict[str, Any]:
+    return {"frame": frame, "error": f"{type(error).__name__}: {error}"}
 
 
 def fit_frames(
@@ -44,6 +48,13 @@ def fit_frames(
     """
     single = dataclasses.replace(options or Options(), max_threads=1)
     # Not pure: two equal frames are two rows.
-    futures = client.map(fit_row, list(frames), load=load, options=single, pure=False)
-    rows: list[dict[str, Any]] = client.gather(futures)  # type: ignore[no-untyped-call]
-    return rows
+    named = list(frames)
+    futures = client.map(fit_row, named, load=load, options=single, pure=False)
+    wait(futures)
+    rows: Any = client.gather([future for future in futures if future.status == "finished"])
+    rows = iter(rows)
+    # A frame that killed its workers has no row of its own.
+    return [
+        next(rows) if future.status == "finished" else _failed(frame, future.exception())
+        for frame, future in zip(named, futures)
+    ]

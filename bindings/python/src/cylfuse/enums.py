@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional, TypeVar
+
+_C = TypeVar("_C", bound="_Choice")
 
 __all__ = [
     "Chart",
@@ -25,6 +27,10 @@ __all__ = [
 
 
 class _Choice(IntEnum):
+    if TYPE_CHECKING:
+
+        def __new__(cls: type[_C], value: int | str) -> _C: ...
+
     @classmethod
     def _missing_(cls, value: Any) -> Optional[_Choice]:
         if isinstance(value, str):
@@ -36,6 +42,9 @@ class _Choice(IntEnum):
 
     def __str__(self) -> str:
         return self.name.lower()
+
+    def __format__(self, spec: str) -> str:
+        return format(str(self), spec)
 
 
 class Method(_Choice):

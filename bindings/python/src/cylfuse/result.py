@@ -7,16 +7,18 @@ import math
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, Optional
 
 import numpy as np
+import numpy.typing as npt
 
-from ._arrays import numbers
+from ._arrays import Array, Floats, numbers
 from .enums import EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
+from .errors import CylfuseError, StateError
 from .geometry import Cylinder
 
 if TYPE_CHECKING:
     from .fitter import Fitter
 
 
-def _square(values: Any) -> Any:
+def _square(values: Any) -> Floats:
     entries = numbers(values)
     return entries.reshape(math.isqrt(entries.size), -1)
 
@@ -32,19 +34,22 @@ class _Record:
     def __init__(self, struct: Any) -> None:
         self._struct = struct
 
-    def __getattr__(self, name: str) -> Any:
-        field = self._renamed.get(name, name)
-        if name.startswith("_") or field in ("struct_size", "reserved") or not hasattr(self._struct, field):
-            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
-        value = getattr(self._struct, field)
-        if field in self._convert:
-            value = self._convert[field](value)
-        self.__dict__[name] = value
-        return value
+    # Not for checkers of types: they know the fields, and see a misspelt one.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            field = self._renamed.get(name, name)
+            if name.startswith("_") or field in ("struct_size", "reserved") or not hasattr(self._struct, field):
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            value = getattr(self._struct, field)
+            if field in self._convert:
+                value = self._convert[field](value)
+            self.__dict__[name] = value
+            return value
 
     def _names(self) -> Iterator[str]:
         back = {field: name for name, field in self._renamed.items()}
-        for field, *_ in self._struct._fields_:
+        for field in (str(entry[0]) for entry in self._struct._fields_):
             if field not in ("struct_size", "reserved"):
                 yield back.get(field, field)
 
@@ -92,18 +97,18 @@ class Extent(_Record):
     start_state: EndState
     end_state: EndState
     #: The ends and their middle, points on the axis, shape (3,).
-    start: Any
-    end: Any
-    center: Any
+    start: Floats
+    end: Floats
+    center: Floats
     #: The distance of the ends.
     length: float
     start_deviation: float
     end_deviation: float
     length_deviation: float
     #: Shape (3, 3), unit of length squared.
-    start_covariance: Any
-    end_covariance: Any
-    center_covariance: Any
+    start_covariance: Floats
+    end_covariance: Floats
+    center_covariance: Floats
 
 
 class Diagnosis(_Record):
@@ -114,18 +119,18 @@ class Diagnosis(_Record):
     #: 5 when everything is determined.
     rank: int
     #: Largest first, shape (5,).
-    singular_values: Any
+    singular_values: Floats
     condition: float
     #: The step along which the residuals change least: shift and tilt of the axis, change of the radius.
-    weakest_shift: Any
-    weakest_tilt: Any
+    weakest_shift: Floats
+    weakest_tilt: Floats
     weakest_radius: float
 
 
 class Completion(_Record):
     """A completed cloud or depth image, and what became of the pixels."""
 
-    def __init__(self, struct: Any, array: Any) -> None:
+    def __init__(self, struct: Any, array: Array) -> None:
         super().__init__(struct)
         #: Points of shape (N, 3) or (rows, columns, 3), or depth of shape (rows, columns).
         self.array = array
@@ -205,18 +210,22 @@ class Result(_Record):
     radius_from_limbs_deviation: float
     radius_z_score: float
     #: Covariance of (point, direction, radius), shape (7, 7), rank 5.
-    covariance: Any
+    covariance: Floats
     limbs_located: int
 
     def __init__(self, struct: Any, fitter: Optional[Fitter], revision: int) -> None:
         super().__init__(struct)
         self._fitter, self._revision = fitter, revision
+        self._extent: Optional[Extent] = None
+        self._diagnostics: Optional[Diagnosis] = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Copies and what is pickled are the numbers, and the extent and the diagnostics where they were asked for."""
+        return {**self.__dict__, "_fitter": None}
 
     def _source(self) -> Fitter:
-        from .errors import StateError
-
         if self._fitter is None:
-            raise StateError("this result is of a given model; ask the fitter, with the model")
+            raise StateError("this result has no fitter, being that of a given model or a copy; ask a fitter itself")
         if self._fitter._revision != self._revision:
             raise StateError("the fitter of this result was given something else since; ask before that")
         return self._fitter
@@ -229,30 +238,37 @@ class Result(_Record):
     @property
     def extent(self) -> Extent:
         """The visible piece; needs intrinsics and a mask."""
-        if "_extent" not in self.__dict__:
-            self.__dict__["_extent"] = self._source().extent()
-        return self.__dict__["_extent"]  # type: ignore[no-any-return]
+        if self._extent is None:
+            self._extent = self._source().extent()
+        return self._extent
 
     @property
     def diagnostics(self) -> Diagnosis:
         """What the data determine at the cylinder."""
-        if "_diagnostics" not in self.__dict__:
-            self.__dict__["_diagnostics"] = self._source().diagnose()
-        return self.__dict__["_diagnostics"]  # type: ignore[no-any-return]
+        if self._diagnostics is None:
+            self._diagnostics = self._source().diagnose()
+        return self._diagnostics
 
-    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS) -> Any:
+    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS) -> Floats:
         """Signed distances of the used points, or of the ends of the used edges in pixels."""
         return self._source().residuals(kind)
 
-    def complete(self, layout: Layout | str = Layout.PACKED, dtype: Any = np.float64, mask: Any = None) -> Any:
+    def complete(
+        self,
+        layout: Layout | str = Layout.PACKED,
+        dtype: npt.DTypeLike = np.float64,
+        mask: Optional[Array] = None,
+    ) -> Array:
         """The completed points: shape (N, 3), or (rows, columns, 3) when organised."""
         return self._source().complete(layout, dtype, mask=mask).array
 
-    def complete_depth(self, dtype: Any = np.float32, scale: float = 1.0, mask: Any = None) -> Any:
+    def complete_depth(
+        self, dtype: npt.DTypeLike = np.float32, scale: float = 1.0, mask: Optional[Array] = None
+    ) -> Array:
         """The completed depth image: shape (rows, columns)."""
         return self._source().complete_depth(dtype, scale, mask=mask).array
 
-    def plot(self, image: Any = None, ax: Any = None) -> Any:
+    def plot(self, image: Optional[Array] = None, ax: Any = None) -> Any:
         """Draws limbs, ends and axis over an image with matplotlib; returns the axes."""
         from .plot import plot
 
@@ -272,8 +288,6 @@ class Result(_Record):
 
     def row(self) -> dict[str, Any]:
         """Cylinder, uncertainty, extent (where there is one) and doubts as plain numbers, for a table."""
-        from .errors import CylfuseError
-
         row: dict[str, Any] = {}
         for name, values in (("point", self.model.point), ("direction", self.model.direction)):
             row.update({f"{name}_{axis}": float(x) for axis, x in zip("xyz", values)})
