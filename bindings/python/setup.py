@@ -28,7 +28,10 @@ NAME = {"win32": "cylfuse.dll", "darwin": "libcylfuse.dylib"}.get(sys.platform, 
 def native_library() -> pathlib.Path:
     given = os.environ.get("CYLFUSE_LIBRARY")
     if given:
-        return pathlib.Path(given)
+        library = pathlib.Path(given)
+        if not library.is_absolute() or not library.is_file():
+            raise SystemExit(f"CYLFUSE_LIBRARY is {given}; it must be the absolute path of the shared library")
+        return library
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", CRATE / "target"))
     subprocess.run(["cargo", "build", "--release", "--locked", "--lib"], cwd=CRATE, check=True)
     return target / "release" / NAME

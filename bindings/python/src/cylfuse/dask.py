@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Callable, Iterable, Mapping, Optional
 
-from distributed import Client, wait
+from distributed import Client
 
 from .fit import fit
 from .options import Options
@@ -47,14 +47,11 @@ def fit_frames(
         :meth:`Result.row`
     """
     single = dataclasses.replace(options or Options(), max_threads=1)
-    # Not pure: two equal frames are two rows.
     named = list(frames)
+    # Not pure: two equal frames are two rows.
     futures = client.map(fit_row, named, load=load, options=single, pure=False)
-    wait(futures)
-    rows: Any = client.gather([future for future in futures if future.status == "finished"])
-    rows = iter(rows)
+    rows: Any = client.gather(dict(enumerate(futures)), errors="skip")
     # A frame that killed its workers has no row of its own.
     return [
-        next(rows) if future.status == "finished" else _failed(frame, future.exception())
-        for frame, future in zip(named, futures)
+        rows.get(number) or _failed(frame, futures[number].exception()) for number, frame in enumerate(named)
     ]

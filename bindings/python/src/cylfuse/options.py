@@ -26,14 +26,18 @@ _ENUMS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Options:
-    """The settings of a fit. Choices may be given by name: ``Options(objective="paper")``. Ranges are checked by the
-    library, when the options are set."""
+    """The settings of a fit. Choices may be given by name, ``Options(objective="paper")``, and are members of their
+    enumerations afterwards. Ranges are checked by the library, when the options are set."""
 
+    #: How the cylinder is estimated.
     method: Method | str = Method.FUSED
     #: What FUSED minimises.
     objective: Objective | str = Objective.ROBUST
+    #: Where the iteration starts.
     start: Start | str = Start.AUTO
+    #: Whether the points must lie on the wall that the camera sees.
     near_wall: NearWall | str = NearWall.AUTO
+    #: The coordinates of the iteration.
     chart: Chart | str = Chart.AUTO
     #: Most linear solves.
     max_iterations: int = 400
@@ -55,7 +59,9 @@ class Options:
     seed: int = 0
     #: Most random samples of RANSAC.
     ransac_max_iterations: int = 1000
+    #: What given edges are for the objective ROBUST.
     edge_use: EdgeUse | str = EdgeUse.REFINE
+    #: How the ends of the visible cylinder are found.
     extent_rule: ExtentRule | str = ExtentRule.AUTO
     #: The smallest radius that the cylinder keeps.
     radius_min: float = 0.0

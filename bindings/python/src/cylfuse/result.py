@@ -67,14 +67,23 @@ class _Record:
 class Counts(_Record):
     """What was pushed, and what was left out by reason."""
 
+    #: Points and pixels that were pushed.
     points_given: int
+    #: Points that a fit uses.
     points_used: int
+    #: Left out: a coordinate or weight is not finite.
     dropped_not_finite: int
+    #: Left out: the weight is 0.
     dropped_zero_weight: int
+    #: Left out: the mask is 0 there.
     dropped_outside_mask: int
+    #: Left out: no depth was measured there.
     dropped_no_depth: int
+    #: Left out: the depth is below ``min_depth`` or above ``max_depth``.
     dropped_out_of_range: int
+    #: Left out: the camera model has no ray for the pixel.
     dropped_outside_camera: int
+    #: Edge segments that were pushed; ``segments_used`` of a result says how many count.
     segments_given: int
 
 
@@ -93,8 +102,9 @@ class Extent(_Record):
         "center_covariance": _square,
     }
 
-    #: What the ends are.
+    #: What the end against the direction is.
     start_state: EndState
+    #: What the end along the direction is.
     end_state: EndState
     #: The ends and their middle, points on the axis, shape (3,).
     start: Floats
@@ -102,8 +112,10 @@ class Extent(_Record):
     center: Floats
     #: The distance of the ends.
     length: float
+    #: Standard deviation of the position of each end along the axis, for a model without error.
     start_deviation: float
     end_deviation: float
+    #: Standard deviation of the length together with the uncertainty of the fit.
     length_deviation: float
     #: Shape (3, 3), unit of length squared.
     start_covariance: Floats
@@ -120,6 +132,7 @@ class Diagnosis(_Record):
     rank: int
     #: Largest first, shape (5,).
     singular_values: Floats
+    #: Largest over smallest singular value; may be infinite.
     condition: float
     #: The step along which the residuals change least: shift and tilt of the axis, change of the radius.
     weakest_shift: Floats
@@ -135,10 +148,15 @@ class Completion(_Record):
         #: Points of shape (N, 3) or (rows, columns, 3), or depth of shape (rows, columns).
         self.array = array
 
+    #: Points or pixels that were written.
     count: int
+    #: Pixels of the mask whose ray meets the cylinder.
     hits: int
+    #: Pixels of the mask whose ray passes the cylinder by.
     misses: int
+    #: Pixels of the mask for which the camera model has no ray.
     outside_camera: int
+    #: Hits whose depth does not fit the type of the pixels: written as 0 and not in ``count``.
     out_of_range: int
 
 
@@ -147,11 +165,17 @@ class Progress(_Record):
 
     _convert = {"phase": Phase, "model": Cylinder._from_struct}
 
+    #: What the fit is doing.
     phase: Phase
+    #: Linear solves so far; from 0 again with every start that is tried and every robust round.
     iteration: int
+    #: Most linear solves.
     max_iterations: int
+    #: The lowest cost so far, unit of length squared; infinite in the phase START.
     cost: float
+    #: The damping of the next step; 0 in the phase START.
     damping: float
+    #: The best cylinder so far; of radius 0 in the phase START.
     model: Cylinder
 
 
@@ -174,43 +198,66 @@ class Result(_Record):
 
     #: Why the iteration ended.
     termination: Termination
+    #: How the start was found.
     start_kind: Start
-    #: Doubts; 0 when there are none.
+    #: Doubts.
     flags: ResultFlags
+    #: Linear solves.
     iterations: int
+    #: Solves whose step was rejected.
     rejected_steps: int
+    #: Segments that took part, of those that were pushed.
     segments_used: int
     segments_given: int
+    #: Points that took part, of those that were pushed.
     points_used: int
     points_given: int
     #: The cylinder; ``cylinder`` is the same.
     model: Cylinder
+    #: The model that the iteration started from, moved into the limits.
     start_model: Cylinder
+    #: Cost of the start and of the cylinder, unit of length squared.
     initial_cost: float
     cost: float
+    #: Mean squared distance of the points from the surface, unit of length squared.
     energy_points: float
+    #: Mean squared distance of the back-projected ends of the edges from the limb lines, unit of length squared; NaN
+    #: without exactly two usable segments.
     energy_edges: float
+    #: The edge weight that was used; NaN where the objective has none.
     edge_weight: float
+    #: Root of ``energy_points``, unit of length.
     point_rms: float
+    #: Root mean square distance of the ends of the edges from the limb lines in ideal pixels.
     edge_rms_pixels: float
+    #: The part of the points on the wall that the camera sees.
     near_wall_fraction: float
+    #: Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
     condition: float
+    #: The last damping.
     damping: float
+    #: Norm of half the gradient of the cost at the end and of the last step, in units of the size of the data.
     gradient_norm: float
     step_norm: float
+    #: Wall-clock seconds to find the start, to iterate, and of the whole fit.
     seconds_start: float
     seconds_solve: float
     seconds_total: float
+    #: Standard deviations of the radius (unit of length), of the direction (radians) and of the position of the axis
+    #: across itself (unit of length): those of the noise of the data, not of errors that all data share.
     radius_deviation: float
     direction_deviation: float
     position_deviation: float
+    #: The radius by the curvature of the points alone, and by the limbs, each with its standard deviation.
     radius_from_points: float
     radius_from_points_deviation: float
     radius_from_limbs: float
     radius_from_limbs_deviation: float
+    #: Their difference in standard deviations; beyond 4 the flag POINTS_AND_LIMBS_DISAGREE is set.
     radius_z_score: float
     #: Covariance of (point, direction, radius), shape (7, 7), rank 5.
     covariance: Floats
+    #: Limb lines that were located in the grey image and took part, 0 to 2.
     limbs_located: int
 
     def __init__(self, struct: Any, fitter: Optional[Fitter], revision: int) -> None:
