@@ -107,6 +107,40 @@ def test_ctrl_c_comes_out_of_a_call_with_callbacks(kind: str) -> None:
         assert fitter.fit().model.radius == pytest.approx(0.5, rel=0.1)
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers that signal")
+def test_signals_at_any_moment_leave_the_fitter_usable() -> None:
+    class Tick(Exception):
+        pass
+
+    armed, points = False, pipe()
+
+    def tick(*_: Any) -> None:
+        nonlocal armed
+        if armed:
+            armed = False
+            raise Tick
+
+    before = signal.signal(signal.SIGALRM, tick)
+    signal.setitimer(signal.ITIMER_REAL, 0.001, 0.0003)
+    try:
+        with cylfuse.Fitter() as fitter:
+            for _ in range(3000):
+                try:
+                    armed = True
+                    fitter.clear()
+                    fitter.push_points(points)
+                    fitter.fit()
+                    armed = False
+                except Tick:
+                    pass
+            fitter.clear()
+            fitter.push_points(points)
+            assert fitter.fit().model.radius == pytest.approx(0.5)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 def test_a_daemon_thread_in_a_fit_does_not_abort_the_end() -> None:
     code = """
 import threading, numpy, cylfuse

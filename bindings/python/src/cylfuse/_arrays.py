@@ -49,7 +49,8 @@ def _apart(array: Array, axes: int, size: int) -> Array:
 
 
 def _not_masked(name: str, given: Any, fill: str) -> None:
-    if isinstance(given, np.ma.MaskedArray):
+    # numpy.ma is loaded when it is named first.
+    if type(given) not in (np.ndarray, list) and isinstance(given, np.ma.MaskedArray):
         raise TypeError(f"{name} is a masked array, whose mask would not count; {name}.filled({fill}) makes a plain one")
 
 

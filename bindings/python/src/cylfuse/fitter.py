@@ -88,22 +88,20 @@ class Fitter:
     def __reduce__(self) -> Any:
         raise TypeError("a Fitter cannot be copied or pickled: make one where it is used")
 
-    def _lock(self) -> None:
-        if not self._running.acquire(blocking=False):
+    def _calling(self) -> threading.Lock:
+        """What a call holds, in ``with``: Ctrl-C finds no gap between taking it and giving it back."""
+        if self._running.locked():
             raise BusyError(
                 "another call on this fitter is running; take one fitter for each thread, and of a callback call "
                 "nothing but cancel"
             )
+        return self._running
 
     def close(self) -> None:
         """Frees everything. A second time it does nothing; any other call afterwards raises StateError."""
-        self._lock()
-        try:
-            with self._alive:
-                self._handle = None
-                self._finalizer()
-        finally:
-            self._running.release()
+        with self._calling(), self._alive:
+            self._handle = None
+            self._finalizer()
 
     @property
     def closed(self) -> bool:
@@ -111,11 +109,8 @@ class Fitter:
         return self._handle is None
 
     def _call(self, function: Any, *arguments: Any, changes: bool = False) -> None:
-        self._lock()
-        try:
+        with self._calling():
             self._checked(function, *arguments, changes=changes)
-        finally:
-            self._running.release()
 
     def _checked(self, function: Any, *arguments: Any, changes: bool = False) -> None:
         handle = self._handle
@@ -232,12 +227,9 @@ class Fitter:
 
     def _result(self, function: Any, changes: bool = False) -> Result:
         struct = make_output(_structs.Result)
-        self._lock()
-        try:
+        with self._calling():
             self._checked(function, byref(struct), changes=changes)
             return Result(struct, self, self._revision)
-        finally:
-            self._running.release()
 
     def cancel(self) -> None:
         """Asks the running fit, or the next one, to stop with CancelledError. The one call for other threads."""
@@ -288,8 +280,7 @@ class Fitter:
     def _list(self, function: Any, arguments: Any, dtype: Any, capacity: int) -> Any:
         """An output whose length the library tells."""
         count = c_size_t()
-        self._lock()
-        try:
+        with self._calling():
             while True:
                 out = np.empty(capacity, dtype)
                 try:
@@ -299,8 +290,6 @@ class Fitter:
                     if error.status != _BUFFER_TOO_SMALL:
                         raise
                     capacity = count.value
-        finally:
-            self._running.release()
 
     def select_edges(
         self, segments: npt.ArrayLike, reach: float = 0.0, model: Optional[Cylinder] = None
@@ -346,8 +335,7 @@ class Fitter:
         region, capacity = _arrays.mask_view(mask), c_size_t()
         struct, out = make_output(_structs.Completion), make(_structs.PointsOut)
         out.layout, out.scalar = layout, _arrays.SCALARS[dtype]
-        self._lock()
-        try:
+        with self._calling():
             self._checked(lib.cylfuse_fitter_complete_bound, _mask(region), layout, byref(capacity))
             points: Array = np.empty((capacity.value, 3), dtype)
             out.data, out.capacity = _arrays.address(points), capacity.value
@@ -355,8 +343,6 @@ class Fitter:
                 lib.cylfuse_fitter_complete, _cylinder(model), _mask(region), byref(out), byref(struct)
             )
             camera = self._intrinsics
-        finally:
-            self._running.release()
         if layout == Layout.PACKED:
             points = points[: struct.count]
         elif camera is not None:
