@@ -247,6 +247,29 @@ def test_a_callback_may_be_an_empty_list_that_can_be_called() -> None:
     assert states
 
 
+def test_a_callback_that_was_set_in_an_interrupted_call_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    states: list[cylfuse.Progress] = []
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe())
+        original = fitter._call
+
+        def interrupted(*arguments: Any) -> None:
+            original(*arguments)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(fitter, "_call", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            fitter.on_progress(lambda state: states.append(state))
+        monkeypatch.undo()
+        gc.collect()
+        fitter.fit()
+        assert states
+        fitter.on_progress(None)
+        count = len(states)
+        fitter.fit()
+        assert len(states) == count
+
+
 def test_what_a_log_callback_ends_has_changed_the_data() -> None:
     with cylfuse.Fitter() as fitter:
         fitter.push_points(pipe())

@@ -21,8 +21,7 @@ class Callbacks:
 
     def __init__(self) -> None:
         # What the library may call must live as long as it may.
-        # What the library may call must live as long as it may; by its type.
-        self._functions: dict[Any, Any] = {}
+        self._functions: list[Any] = []
         self._raised: Optional[BaseException] = None
 
     def progress(self, callback: Optional[Callable[[Progress], Any]]) -> Any:
@@ -59,10 +58,14 @@ class Callbacks:
         return _structs.LogFunction(forward)
 
     def keep(self, function: Any) -> None:
-        """Keeps a C function in place of the last one of its type; NULL forgets that."""
-        self._functions.pop(type(function), None)
+        """Keeps a C function beside the one that it is to replace: nobody knows which an interrupted call left."""
+        self._functions.append(function)
+
+    def forget_others(self, function: Any) -> None:
+        """Forgets those that the library has a C function in place of, and this one too when it is NULL."""
+        self._functions = [other for other in self._functions if type(other) is not type(function)]
         if function:
-            self._functions[type(function)] = function
+            self._functions.append(function)
 
     def around(self, function: Any, *arguments: Any) -> int:
         """Calls the library; raises what a callback raised meanwhile."""

@@ -164,9 +164,10 @@ class Fitter:
         self._set_callback(self._callbacks.log(callback), lib.cylfuse_fitter_set_log, LogLevel(level))
 
     def _set_callback(self, callback: Any, function: Any, *arguments: Any) -> None:
-        self._call(function, *arguments, callback, None)
-        self._callbacks.keep(callback)
         _WITH_CALLBACKS.add(self)
+        self._callbacks.keep(callback)
+        self._call(function, *arguments, callback, None)
+        self._callbacks.forget_others(callback)
 
     # Data
 
