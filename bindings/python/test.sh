@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Builds the wheel, installs it in a virtual environment and runs every test; ends with `N passed, N failed`.
+# Builds the source distribution and the wheel from it, installs that in a virtual environment and runs every test; ends
+# with `N passed, N failed`.
 # CYLFUSE_LIBRARY: the shared library for the wheel; CYLFUSE_CONFORMANCE_RESULTS: what the C runner printed.
 set -euo pipefail
+[ -z "${CYLFUSE_LIBRARY:-}" ] || CYLFUSE_LIBRARY=$(realpath "$CYLFUSE_LIBRARY")
 cd "$(dirname "$0")"
 root=$(cd ../.. && pwd)
 : "${CYLFUSE_LIBRARY:=$root/target/release/libcylfuse.so}"
@@ -18,11 +20,11 @@ fi
 [ -e "$CYLFUSE_CONFORMANCE_RESULTS" ] || ../conformance/test.sh
 
 build=$(mktemp -d)
-rm -rf build # what an earlier wheel left
 trap 'rm -rf "$build"' EXIT
 python3 -m venv "$build/environment"
 python=$build/environment/bin/python
-"$python" -m pip wheel -q --no-deps -w "$build" .
+"$python" -m pip install -q build
+"$python" -m build -o "$build" . >"$build/log" || { cat "$build/log"; exit 1; }
 "$python" -m pip install -q "$(echo "$build"/cylfuse-*-py3-none-*.whl)[test]"
 # From here on the library inside the wheel.
 unset CYLFUSE_LIBRARY

@@ -69,17 +69,58 @@ def test_a_transposed_cloud_is_filled_in_columns() -> None:
     assert model(cylfuse.fit_points(rows.T)) == model(cylfuse.fit_points(pipe()))
 
 
+def test_arrays_whose_elements_share_memory(frame: dict[str, Any]) -> None:
+    # Of numpy.broadcast_to strides are 0, which for the library stands for packed elements.
+    rows = np.broadcast_to(np.ones(640, bool), (480, 640))
+    columns = np.broadcast_to(np.ones((480, 1), np.uint8), (480, 640))
+    of_all = [model(cylfuse.fit(**{**frame, "mask": mask})) for mask in (rows, columns, np.ones((480, 640), bool))]
+    assert of_all[0] == of_all[1] == of_all[2]
+    points, up = pipe(), np.broadcast_to([0.0, 0.0, 1.0], (200, 3))
+    weights = np.broadcast_to(1.0, 200)
+    assert model(cylfuse.fit_points(points, weights)) == model(cylfuse.fit_points(points, np.ones(200)))
+    for dtype in (np.float32, np.float64):
+        of_both = [cylfuse.fit_points(points.astype(dtype), None, normals) for normals in (up, up.copy())]
+        assert model(of_both[0]) == model(of_both[1])
+    cylinder, numbers = cylfuse.Cylinder([0, 0, 2], [0, 1, 0], 0.5), np.arange(9.0)
+    for shared in (up, np.lib.stride_tricks.sliding_window_view(numbers, 3)):
+        assert (cylinder.distances(shared) == cylinder.distances(shared.copy())).all()
+    edges = np.broadcast_to(np.array(frame["edges"]).reshape(-1, 4)[0], (3, 4))
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_edges(edges)
+        fitter.push_points(points)
+        assert fitter.fit().segments_given == 3
+
+
+def test_foreign_arrays(frame: dict[str, Any]) -> None:
+    class Foreign:
+        def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+            return pipe()
+
+    expected = model(cylfuse.fit_points(pipe()))
+    for points in (Foreign(), pipe().astype(">f8"), pipe().astype(np.longdouble)):
+        assert model(cylfuse.fit_points(points)) == expected
+    read_only = frame["depth"].view()
+    read_only.flags.writeable = False
+    assert model(cylfuse.fit(**{**frame, "depth": read_only})) == model(cylfuse.fit(**frame))
+
+
 @pytest.mark.parametrize(("name", "value", "error", "text"), [
     ("depth", np.zeros((4, 5)), TypeError, "depth has the type float64; it must be uint16 or float32"),
-    ("depth", [[1, 2]], TypeError, "depth is a list"),
+    ("depth", [[1, 2]], TypeError, "depth is of the type list"),
     ("depth", np.zeros((4, 5, 1), np.uint16), ValueError, "rows x columns"),
     ("depth", np.zeros((4, 5), ">u2"), TypeError, "uint16"),
     ("mask", np.zeros((480, 640), int), TypeError, "mask != 0 converts it"),
     ("image", np.zeros((480, 640, 3), np.uint8), ValueError, "take one channel, image[..., 1]"),
     ("edges", np.zeros((2, 3)), ValueError, "N x 4"),
-    ("edges", [["a", "b", "c", "d"]], TypeError, "edges has the type"),
+    ("edges", [["a", "b", "c", "d"]], TypeError, "edges have the type"),
+    ("edges", {}, TypeError, "edges have the type dict"),
     ("intrinsics", np.eye(4), ValueError, "it must be (3, 3)"),
-    ("depth_scale", "x", TypeError, ""),
+    ("intrinsics", np.array([[9, 0, 0], [0, 9, 0], [5, 4, 1]]), ValueError, "has 5 in row 2, column 0; it must be 0"),
+    ("depth_scale", "x", TypeError, "the scale of the depth is 'x'; it must be a number"),
+    ("min_depth", None, TypeError, "min_depth is None; it must be a number"),
+    ("depth", np.ma.masked_equal(np.ones((4, 5), np.uint16), 0), TypeError, "depth.filled(0) makes a plain one"),
+    ("mask", np.broadcast_to(np.uint8(1), (2**20, 2**20)), ValueError, "it must have at most 2^28"),
+    ("options", {}, TypeError, "options is of the type dict; it must be of the type cylfuse.Options"),
 ])  # fmt: skip
 def test_wrong_types_and_shapes(
     frame: dict[str, Any], name: str, value: Any, error: type[Exception], text: str
@@ -91,8 +132,8 @@ def test_wrong_types_and_shapes(
 
 
 @pytest.mark.parametrize(("arguments", "text"), [
-    ((np.zeros((5, 2)),), "points has the shape (5, 2)"),
-    ((np.zeros(3),), "points has the shape (3,)"),
+    ((np.zeros((5, 2)),), "points have the shape (5, 2)"),
+    ((np.zeros(3),), "points have the shape (3,)"),
     ((pipe(), np.ones(3)), "weights have the shape (3,); it must be (200,)"),
     ((pipe(), None, np.ones((3, 3))), "normals have the shape (3, 3)"),
 ])  # fmt: skip
@@ -101,8 +142,57 @@ def test_wrong_clouds(arguments: Any, text: str) -> None:
         cylfuse.fit_points(*arguments)
 
 
+def test_a_masked_cloud_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"points\.filled\(numpy\.nan\) makes a plain one"):
+        cylfuse.fit_points(np.ma.masked_less(pipe(), 0.2))
+
+
+@pytest.mark.parametrize(("call", "text"), [
+    (lambda: cylfuse.Fitter(np.eye(3)), "intrinsics is of the type ndarray; it must be of the type cylfuse.Intrinsics"),
+    (lambda: cylfuse.Fitter(options=cylfuse.Options), "options is the class Options"),
+    (lambda: cylfuse.Fitter().set_start_model([1, 2, 3]), "model is of the type list"),
+    (lambda: cylfuse.Fitter().evaluate(None), "model is of the type NoneType"),
+    (lambda: cylfuse.Fitter().reserve(1.5), "points is 1.5; it must be a whole number"),
+    (lambda: cylfuse.Fitter().select_edges([[1, 2, 3, 4]], "far"), "reach is 'far'; it must be a number"),
+    (lambda: cylfuse.Fitter().on_progress(5), "callback is 5; it must be a function, or None"),
+    (lambda: cylfuse.Fitter().on_log("print"), "callback is 'print'"),
+    (lambda: cylfuse.Fitter().push_edges([[1, 2, 3, 4]], "a"), "weights have the type"),
+    (lambda: cylfuse.Options(max_iterations=5.5), "max_iterations is 5.5; it must be a whole number"),
+    (lambda: cylfuse.Options(radius_min="a"), "radius_min is 'a'; it must be a number"),
+    (lambda: cylfuse.Options(axis=None), "axis is None; it must be 3 numbers"),
+    (lambda: cylfuse.Intrinsics(640.0, 480, 1, 1, 1, 1), "width is 640.0; it must be a whole number"),
+    (lambda: cylfuse.Intrinsics(640, 480, None, 1, 1, 1), "fx is None; it must be a number"),
+    (lambda: cylfuse.Intrinsics(640, 480, 1, 1, 1, 1, "none", None), "distortion is None"),
+    (lambda: cylfuse.Cylinder("abc", [0, 0, 1], 1), "point is 'abc'; it must be 3 numbers"),
+    (lambda: cylfuse.Cylinder([0, 0, 1], [0, 0, 1], 1).compare([1]), "other is of the type list"),
+    (lambda: cylfuse.Cylinder([0, 0, 1], [0, 0, 1], 1).project(np.eye(3)), "intrinsics is of the type ndarray"),
+    (lambda: cylfuse.fit_points(None), "points have the type NoneType"),
+    (lambda: cylfuse.fit_many([], threads=1.5), "threads is 1.5; it must be a whole number"),
+    (lambda: cylfuse.fit_many(None), "not iterable"),
+])  # fmt: skip
+def test_wrong_objects_are_named_before_the_call(call: Any, text: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert text in str(caught.value)
+
+
+def test_numbers_of_numpy_will_do() -> None:
+    camera = cylfuse.Intrinsics(*np.array([640, 480]), *np.array([570, 570, 319.5, 239.5], np.float32))
+    options = cylfuse.Options(max_iterations=np.int32(7), seed=np.uint64(2**63), radius_max=np.float32(0.5))
+    with cylfuse.Fitter(camera, options) as fitter:
+        assert fitter.options == options and type(fitter.options.max_iterations) is int
+        fitter.reserve(np.int64(10), np.uint8(2))
+    assert camera == cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5)
+
+
 def test_an_unknown_choice_names_the_known_ones() -> None:
     with pytest.raises(ValueError, match="Objective is 'best'; it must be one of robust, paper"):
         cylfuse.Options(objective="best")
     with pytest.raises(ValueError, match="seed is -1"):
         cylfuse.Options(seed=-1)
+    with pytest.raises(ValueError, match=r"threads is 0; it must lie in \[1, 2\^16\)"):
+        cylfuse.fit_many([], threads=0)
+
+
+def test_choices_in_texts() -> None:
+    assert f"{cylfuse.EndState.SEEN} {cylfuse.Termination.COST!s:>6}" == "seen   cost"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pathlib
 from typing import Any
 
@@ -53,6 +54,8 @@ def test_open3d(result: cylfuse.Result) -> None:
 
 
 def load_or_fail(name: str) -> dict[str, Any]:
+    if name == "deadly":
+        os._exit(1)
     frame = load(FRAMES / name.removeprefix("dark "))
     if name.startswith("dark "):
         frame["depth"] = np.zeros_like(frame["depth"])
@@ -66,14 +69,16 @@ def test_dask_on_two_workers() -> None:
     from cylfuse.dask import fit_frames
 
     names = sorted(path.name for path in FRAMES.iterdir())
-    frames = [*names, "nowhere", *names, f"dark {names[0]}"]
+    frames = [*names, "nowhere", *names, f"dark {names[0]}", "deadly"]
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         rows = fit_frames(client, frames, load_or_fail)
         busy = client.run(lambda: None)
     assert len(busy) == 2
     assert [row["frame"] for row in rows] == frames
     assert "FileNotFoundError" in rows[len(names)]["error"]
-    assert rows[-1]["error"].startswith("NoDepthError: none of the ")
+    assert rows[-2]["error"].startswith("NoDepthError: none of the ")
+    # The workers that it takes with it are replaced.
+    assert rows[-1]["error"].startswith("KilledWorker: ")
     for name, row in zip(names, rows):
         expected = cylfuse.fit(**load(FRAMES / name)).row()
         assert row.pop("error") is None and row.pop("frame") == name

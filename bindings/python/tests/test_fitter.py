@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import pickle
 import weakref
@@ -136,6 +137,21 @@ def test_a_forgotten_fitter_is_closed() -> None:
     assert gone() is None and not finalizer.alive
 
 
+def test_a_forgotten_fitter_with_callbacks_is_closed_at_once() -> None:
+    gc.disable()
+    try:
+        fitter = cylfuse.Fitter()
+        fitter.on_progress(lambda state: None)
+        fitter.on_log(lambda level, text: None)
+        fitter.push_points(pipe())
+        fitter.fit()
+        finalizer = fitter._finalizer
+        del fitter
+        assert not finalizer.alive
+    finally:
+        gc.enable()
+
+
 def test_a_result_keeps_its_fitter_alive() -> None:
     result = cylfuse.fit_points(pipe())
     gc.collect()
@@ -149,6 +165,21 @@ def test_fitters_cannot_be_pickled() -> None:
     assert pickle.loads(pickle.dumps(camera)) == camera
     options = cylfuse.Options(objective="paper", axis=[0, 0, 1])
     assert pickle.loads(pickle.dumps(options)) == options
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
+def test_a_copied_result_has_the_numbers(frame: dict[str, Any], copied: Any) -> None:
+    result = cylfuse.fit(**frame)
+    assert result.extent.length > 0
+    again = copied(result)
+    assert repr(again) == repr(result) and again.row() == result.row()
+    assert (again.covariance == result.covariance).all() and again.extent.length == result.extent.length
+    with pytest.raises(cylfuse.StateError, match="or a copy"):
+        again.residuals()
+    assert len(result.residuals()) == result.points_used
+    for value in (result.model, result.diagnostics, result._fitter.counts, cylfuse.PlanarPointsError("flat")):
+        assert repr(copied(value)) == repr(value)
+    assert copied(cylfuse.PlanarPointsError("flat")).status == -21
 
 
 def test_options_come_back() -> None:
@@ -197,8 +228,64 @@ def test_progress(frame: dict[str, Any]) -> None:
         fitter.on_progress(lambda state: fitter.cancel())
         with pytest.raises(cylfuse.CancelledError):
             fitter.fit()
+        fitter.on_progress(lambda state: np.float64(state.iteration) < 0)
+        with pytest.raises(cylfuse.CancelledError):
+            fitter.fit()
         fitter.on_progress(None)
         assert fitter.fit().model.radius == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_callback_may_be_an_empty_list_that_can_be_called() -> None:
+    class Recorder(list):  # type: ignore[type-arg]
+        __call__ = list.append
+
+    states = Recorder()
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe())
+        fitter.on_progress(states)
+        fitter.fit()
+    assert states
+
+
+def test_a_callback_that_was_set_in_an_interrupted_call_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    states: list[cylfuse.Progress] = []
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe())
+        original = fitter._call
+
+        def interrupted(*arguments: Any) -> None:
+            original(*arguments)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(fitter, "_call", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            fitter.on_progress(lambda state: states.append(state))
+        monkeypatch.undo()
+        gc.collect()
+        fitter.fit()
+        assert states
+        fitter.on_progress(None)
+        count = len(states)
+        fitter.fit()
+        assert len(states) == count
+
+
+def test_what_a_log_callback_ends_has_changed_the_data() -> None:
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(pipe())
+        result = fitter.fit()
+        fitter.on_log(lambda level, text: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            fitter.push_points(pipe())
+        fitter.on_log(None)
+        assert fitter.counts.points_given == 400
+        with pytest.raises(cylfuse.StateError, match="something else"):
+            result.residuals()
+        # A call that failed has changed nothing.
+        result = fitter.fit()
+        with pytest.raises(cylfuse.InvalidArgumentError):
+            fitter.push_edges([[1, 2, 3, np.nan]])
+        assert len(result.residuals()) == 400
 
 
 def test_log() -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+import importlib.metadata
+import inspect
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -86,16 +89,81 @@ def test_version() -> None:
     assert cylfuse.version() in cylfuse.build_info()
 
 
-def test_a_library_that_is_not_there_is_said() -> None:
-    code = "import cylfuse"
-    environment = {**os.environ, "CYLFUSE_LIBRARY": "/nowhere/libcylfuse.so"}
-    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
-    assert run.returncode != 0 and "/nowhere/libcylfuse.so" in run.stderr
+def import_with(library: pathlib.Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "CYLFUSE_LIBRARY": str(library)}
+    command = [sys.executable, "-c", "import cylfuse; print(cylfuse.version())"]
+    return subprocess.run(command, env=environment, capture_output=True, text=True)
 
 
-def test_the_types_hold() -> None:
+def test_a_library_that_cannot_be_used_is_said(tmp_path: pathlib.Path) -> None:
+    text = tmp_path / "text.so"
+    text.write_text("no library")
+    cases = {
+        tmp_path / "nowhere.so": "nowhere.so could not be loaded as the library of cylfuse",
+        text: "set it to the path of the shared library",
+    }
+    if shutil.which("cc"):
+        versions = {"other": (0, "other.so could not be loaded as the library of cylfuse"),
+                    "later": (7, "later.so has version 7 of the binary interface but this package needs 1"),
+                    "older": (1, "older.so has no function cylfuse_version_number: it is older than")}  # fmt: skip
+        for name, (version, expected) in versions.items():
+            source, library = tmp_path / f"{name}.c", tmp_path / f"{name}.so"
+            source.write_text(f"unsigned {'cylfuse_abi_version' if version else 'other'}(void) {{ return {version}; }}\n")
+            subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
+            cases[library] = expected
+    for library, expected in cases.items():
+        run = import_with(library)
+        assert run.returncode != 0 and "ImportError: " in run.stderr and expected in run.stderr, run.stderr
+
+
+def test_a_library_in_a_folder_with_any_name(tmp_path: pathlib.Path) -> None:
+    library = tmp_path / "a folder, größer" / "the library.so"
+    library.parent.mkdir()
+    shutil.copy(_native.library_path(), library)
+    run = import_with(library)
+    assert run.stdout.strip() == cylfuse.version(), run.stderr
+
+
+def test_no_warning_in_a_whole_program() -> None:
+    readme = (ROOT / "bindings/python/README.md").read_text()
+    code = readme.split("```python\n")[1].split("```")[0]
+    run = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True)
+    assert run.returncode == 0 and run.stdout == "radius 0.500000\n" and run.stderr == "", run.stderr
+
+
+@pytest.mark.parametrize("options", [[], ["--strict"]], ids=["package", "program"])
+def test_the_types_hold(options: list[str]) -> None:
     pytest.importorskip("mypy")
-    folder = ROOT / "bindings/python"
-    command = [sys.executable, "-m", "mypy", "--cache-dir", os.devnull]
-    checked = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    command = [sys.executable, "-m", "mypy", "--cache-dir", os.devnull, *options]
+    if options:
+        command += ["--config-file", os.devnull, pathlib.Path(__file__).with_name("typed_program.py")]
+    checked = subprocess.run(command, cwd=ROOT / "bindings/python", capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout
+
+
+def test_everything_public_is_documented() -> None:
+    for name in cylfuse.__all__:
+        item = getattr(cylfuse, name)
+        assert inspect.getdoc(item), name
+        if inspect.isclass(item) and not issubclass(item, tuple):
+            for part, value in vars(item).items():
+                if not part.startswith("_") and (inspect.isroutine(value) or isinstance(value, property)):
+                    assert inspect.getdoc(value), f"{name}.{part}"
+
+
+def test_results_have_the_fields_of_their_structs() -> None:
+    for kind in (cylfuse.Counts, cylfuse.Extent, cylfuse.Diagnosis, cylfuse.Completion, cylfuse.Progress, cylfuse.Result):
+        fields = [name for name, *_ in getattr(_structs, kind.__name__)._fields_]
+        declared = ["lambda" if name == "damping" else name for name in kind.__annotations__ if name[0] != "_"]
+        assert declared == [name for name in fields if name not in ("struct_size", "reserved")]
+
+
+def test_the_package_holds_what_it_should() -> None:
+    files = {str(file) for file in importlib.metadata.files("cylfuse") or []}
+    if not any(file.endswith("_native.py") for file in files):
+        pytest.skip("the package is installed from its folder")
+    assert "cylfuse/py.typed" in files
+    for name in ("LICENSE-APACHE", "LICENSE-MIT"):
+        assert any(file.endswith(name) for file in files), name
+    wheel = importlib.metadata.distribution("cylfuse").read_text("WHEEL") or ""
+    assert "Root-Is-Purelib: false" in wheel and re.search(r"^Tag: py3-none-(?!any)", wheel, re.MULTILINE), wheel

@@ -5,6 +5,12 @@ from __future__ import annotations
 import ctypes
 import functools
 import gc
+import itertools
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -75,6 +81,117 @@ def test_the_gil_is_free_during_calls() -> None:
     assert type(_native.lib) is ctypes.CDLL
 
 
+@pytest.mark.parametrize("kind", ["progress", "log"])
+def test_ctrl_c_comes_out_of_a_call_with_callbacks(kind: str) -> None:
+    begun, points = threading.Event(), pipe() + 1e-3 * np.sin(np.arange(600)).reshape(-1, 3)
+
+    def interrupt() -> None:
+        begun.wait(60)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    hook = sys.unraisablehook
+    with cylfuse.Fitter() as fitter:
+        fitter.push_points(points)
+        if kind == "progress":
+            fitter.on_progress(lambda state: begun.set())
+        else:
+            fitter.on_log(lambda level, text: begun.set(), "debug")
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        # Python notices the signal when the next callback begins; a fit has many.
+        with pytest.raises(KeyboardInterrupt):
+            for _ in range(2000):
+                fitter.fit()
+        thread.join()
+        assert sys.unraisablehook is hook
+        assert fitter.fit().model.radius == pytest.approx(0.5, rel=0.1)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers that signal")
+def test_signals_at_any_moment_leave_the_fitter_usable() -> None:
+    class Tick(Exception):
+        pass
+
+    armed, points = False, pipe()
+
+    def tick(*_: Any) -> None:
+        nonlocal armed
+        if armed:
+            armed = False
+            raise Tick
+
+    before = signal.signal(signal.SIGALRM, tick)
+    signal.setitimer(signal.ITIMER_REAL, 0.001, 0.0003)
+    try:
+        with cylfuse.Fitter() as fitter:
+            for _ in range(3000):
+                try:
+                    armed = True
+                    fitter.clear()
+                    fitter.push_points(points)
+                    fitter.fit()
+                    armed = False
+                except Tick:
+                    pass
+            fitter.clear()
+            fitter.push_points(points)
+            assert fitter.fit().model.radius == pytest.approx(0.5)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_a_daemon_thread_in_a_fit_does_not_abort_the_end() -> None:
+    code = """
+import threading, numpy, cylfuse
+k = numpy.arange(30000)
+angle = 1.6 * k / 30000
+points = numpy.c_[0.5 * numpy.cos(angle), 0.1 * (k % 7), 2 - 0.5 * numpy.sin(angle)]
+fitter, begun = cylfuse.Fitter(), threading.Event()
+fitter.push_points(points + 1e-3 * numpy.sin(numpy.arange(90000) * 1.7).reshape(-1, 3))
+fitter.on_progress(lambda state: begun.set())
+def loop():
+    while True:
+        fitter.fit()
+threading.Thread(target=loop, daemon=True).start()
+begun.wait()
+print("end", flush=True)
+"""
+    for _ in range(5):
+        run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        assert run.returncode == 0 and run.stdout == "end\n", run.stderr
+
+
+def radius(count: int) -> float:
+    return float(cylfuse.fit_points(pipe(count)).model.radius)
+
+
+@pytest.mark.parametrize("method", [m for m in ("fork", "spawn") if m in multiprocessing.get_all_start_methods()])
+def test_processes(method: str) -> None:
+    expected = [radius(count) for count in (50, 100)]
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        assert pool.map(radius, [50, 100]) == expected
+        results = pool.map(cylfuse.fit_points, [pipe(50), pipe(100)])
+    assert [result.model.radius for result in results] == expected
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_fitter_after_a_fork() -> None:
+    fitter = cylfuse.Fitter()
+    fitter.push_points(pipe(100_000))
+    expected = fitter.fit().model.radius
+    child = os.fork()
+    if child == 0:
+        try:
+            same = fitter.fit().model.radius == expected and len(fitter.residuals()) == 100_000
+            fitter.close()
+            os._exit(0 if same else 1)
+        finally:
+            os._exit(2)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert fitter.fit().model.radius == expected
+
+
 def resident() -> int:
     """Bytes of memory in use, and what Python can give back is given back."""
     gc.collect()
@@ -130,6 +247,22 @@ def test_many_frames_are_taken_as_they_are_needed(frame: dict[str, Any]) -> None
 def test_a_loader_that_fails_is_not_hidden() -> None:
     with pytest.raises(ZeroDivisionError):
         list(cylfuse.fit_many([lambda: 1 / 0]))
+
+
+def test_what_the_frames_raise_comes_after_the_outcomes_before_it(frame: dict[str, Any]) -> None:
+    def frames() -> Any:
+        yield from [frame] * 3
+        raise RuntimeError("the camera is gone")
+
+    outcomes = cylfuse.fit_many(frames(), threads=2)
+    assert [type(outcome) for outcome in itertools.islice(outcomes, 3)] == [cylfuse.Result] * 3
+    with pytest.raises(RuntimeError, match="the camera is gone"):
+        next(outcomes)
+
+
+def test_a_failed_frame_keeps_no_data(frame: dict[str, Any]) -> None:
+    (failed,) = cylfuse.fit_many([{**frame, "depth": np.zeros((480, 640), np.uint16)}])
+    assert isinstance(failed, cylfuse.NoDepthError) and failed.__traceback__ is None
 
 
 def test_the_bar_counts_the_frames(capsys: pytest.CaptureFixture[str], frame: dict[str, Any]) -> None:

@@ -17,7 +17,8 @@ from .result import Completion, Counts, Diagnosis, Extent, Progress, Result
 __version__ = version()
 
 __all__ = [
-    *enums.__all__, *errors.__all__, "Comparison", "Completion", "Counts", "Cylinder", "Diagnosis", "Extent",
-    "Fitter", "Intrinsics", "LimbSamples", "Options", "Progress", "Result", "build_info", "fit", "fit_many",
-    "fit_points", "version", "version_number",
+    "Comparison", "Completion", "Counts", "Cylinder", "Diagnosis", "Extent", "Fitter", "Intrinsics", "LimbSamples",
+    "Options", "Progress", "Result", "build_info", "fit", "fit_many", "fit_points", "version", "version_number",
 ]  # fmt: skip
+__all__ += enums.__all__
+__all__ += errors.__all__

@@ -32,7 +32,20 @@ def library_path() -> str:
 
 
 def _load() -> Any:
-    library = ctypes.CDLL(library_path())  # releases the GIL during every call
+    path = library_path()
+    try:
+        library = ctypes.CDLL(path)  # releases the GIL during every call
+        found = library.cylfuse_abi_version()
+    except (OSError, AttributeError) as error:
+        raise ImportError(
+            f"{path} could not be loaded as the library of cylfuse: {error}; leave CYLFUSE_LIBRARY unset, or set it to "
+            "the path of the shared library"
+        ) from error
+    if found != ABI_VERSION:
+        raise ImportError(
+            f"{path} has version {found} of the binary interface but this package needs {ABI_VERSION}; install package "
+            "and library of one release"
+        )
     fitter, status, size = c_void_p, c_int32, c_size_t
     cylinder = POINTER(structs.Cylinder)
     mask = POINTER(structs.MaskView)
@@ -94,41 +107,50 @@ def _load() -> Any:
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
     }
     for name, (restype, argtypes) in signatures.items():
-        function = getattr(library, name)
+        try:
+            function = getattr(library, name)
+        except AttributeError:
+            raise ImportError(
+                f"{path} has no function {name}: it is older than this package; install package and library of one "
+                "release"
+            ) from None
         function.restype = restype
         function.argtypes = argtypes
-    found = library.cylfuse_abi_version()
-    if found != ABI_VERSION:
-        raise ImportError(
-            f"{library_path()} has version {found} of the binary interface but this package needs {ABI_VERSION}; "
-            "install package and library of one release"
-        )
     return library
 
 
 #: The loaded library.
 lib: Any = _load()
 
-_INIT: dict[Any, Any] = {
-    structs.Options: lib.cylfuse_options_init,
-    structs.Intrinsics: lib.cylfuse_intrinsics_init,
-    structs.PointsView: lib.cylfuse_points_view_init,
-    structs.DepthView: lib.cylfuse_depth_view_init,
-    structs.MaskView: lib.cylfuse_mask_view_init,
-    structs.ImageView: lib.cylfuse_image_view_init,
-    structs.SegmentsView: lib.cylfuse_segments_view_init,
-    structs.PointsOut: lib.cylfuse_points_out_init,
-    structs.DepthOut: lib.cylfuse_depth_out_init,
-}
-
 _S = TypeVar("_S", bound=ctypes.Structure)
+
+
+def _defaults(kind: Type[_S], init: Any) -> _S:
+    struct = kind()
+    init(byref(struct), sizeof(struct))  # fails for a wrong size only, which the version rules out
+    return struct
+
+
+#: The structs that are filled here, with the defaults of the library.
+_DEFAULTS: dict[Any, Any] = {
+    kind: _defaults(kind, init)
+    for kind, init in [
+        (structs.Options, lib.cylfuse_options_init),
+        (structs.Intrinsics, lib.cylfuse_intrinsics_init),
+        (structs.PointsView, lib.cylfuse_points_view_init),
+        (structs.DepthView, lib.cylfuse_depth_view_init),
+        (structs.MaskView, lib.cylfuse_mask_view_init),
+        (structs.ImageView, lib.cylfuse_image_view_init),
+        (structs.SegmentsView, lib.cylfuse_segments_view_init),
+        (structs.PointsOut, lib.cylfuse_points_out_init),
+        (structs.DepthOut, lib.cylfuse_depth_out_init),
+    ]
+}
 
 
 def make(kind: Type[_S]) -> _S:
     """A struct to be filled here, with the defaults of the library."""
-    struct = kind()
-    _INIT[kind](byref(struct), sizeof(struct))  # fails for a wrong size only, which the version rules out
-    return struct
+    return kind.from_buffer_copy(_DEFAULTS[kind])
 
 
 def make_output(kind: Type[_S]) -> _S:

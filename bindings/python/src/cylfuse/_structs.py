@@ -13,6 +13,13 @@ from ctypes import (
     c_uint64,
     c_void_p,
 )
+from typing import Any
+
+
+class _View(Structure):
+    """A description of memory; it keeps the arrays whose memory that is."""
+
+    array: Any
 
 
 class Cylinder(Structure):
@@ -75,7 +82,7 @@ class Intrinsics(Structure):
     ]
 
 
-class PointsView(Structure):
+class PointsView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
         ("scalar", c_int32),
@@ -93,7 +100,7 @@ class PointsView(Structure):
     ]
 
 
-class DepthView(Structure):
+class DepthView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
         ("format", c_int32),
@@ -108,7 +115,7 @@ class DepthView(Structure):
     ]
 
 
-class MaskView(Structure):
+class MaskView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
         ("reserved", c_uint32),
@@ -120,7 +127,7 @@ class MaskView(Structure):
     ]
 
 
-class ImageView(Structure):
+class ImageView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
         ("format", c_int32),
@@ -132,7 +139,7 @@ class ImageView(Structure):
     ]
 
 
-class SegmentsView(Structure):
+class SegmentsView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
         ("scalar", c_int32),

@@ -6,15 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .geometry import across
+
 if TYPE_CHECKING:
     from .result import Result
-
-
-def _from_z(direction: Any) -> Any:
-    """A rotation that takes the z axis to a direction of length 1."""
-    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    across /= np.linalg.norm(across)
-    return np.column_stack([across, np.cross(direction, across), direction])
 
 
 def to_trimesh(result: Result) -> Any:
@@ -33,5 +28,6 @@ def to_open3d(result: Result) -> Any:
     extent = result.extent
     mesh = open3d.geometry.TriangleMesh.create_cylinder(result.cylinder.radius, extent.length)
     transform = np.eye(4)
-    transform[:3, :3], transform[:3, 3] = _from_z(result.cylinder.direction), extent.center
+    transform[:3, :2], transform[:3, 2] = across(result.cylinder.direction).T, result.cylinder.direction
+    transform[:3, 3] = extent.center
     return mesh.transform(transform)

@@ -22,8 +22,12 @@ def fit_row(frame: Any, load: Callable[[Any], Mapping[str, Any]], options: Optio
     try:
         row = fit(**{"options": options, **load(frame)}).row()
     except Exception as error:
-        return {"frame": frame, "error": f"{type(error).__name__}: {error}"}
+        return _failed(frame, error)
     return {"frame": frame, "error": None, **row}
+
+
+def _failed(frame: Any, error: Any) -> dict[str, Any]:
+    return {"frame": frame, "error": f"{type(error).__name__}: {error}"}
 
 
 def fit_frames(
@@ -43,7 +47,11 @@ def fit_frames(
         :meth:`Result.row`
     """
     single = dataclasses.replace(options or Options(), max_threads=1)
+    named = list(frames)
     # Not pure: two equal frames are two rows.
-    futures = client.map(fit_row, list(frames), load=load, options=single, pure=False)
-    rows: list[dict[str, Any]] = client.gather(futures)  # type: ignore[no-untyped-call]
-    return rows
+    futures = client.map(fit_row, named, load=load, options=single, pure=False)
+    rows: Any = client.gather(dict(enumerate(futures)), errors="skip")
+    # A frame that killed its workers has no row of its own.
+    return [
+        rows.get(number) or _failed(frame, futures[number].exception()) for number, frame in enumerate(named)
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
 __all__ = [
     "Chart",
@@ -23,8 +23,14 @@ __all__ = [
     "Termination",
 ]
 
+_C = TypeVar("_C", bound="_Choice")
+
 
 class _Choice(IntEnum):
+    if TYPE_CHECKING:
+        # A name will do, as _missing_ says.
+        def __new__(cls: type[_C], value: int | str) -> _C: ...
+
     @classmethod
     def _missing_(cls, value: Any) -> Optional[_Choice]:
         if isinstance(value, str):
@@ -41,136 +47,197 @@ class _Choice(IntEnum):
 class Method(_Choice):
     """How the cylinder is estimated."""
 
+    #: Points and edges together, by the chosen :class:`Objective`.
     FUSED = 0
+    #: Points alone by plain least squares; edges are ignored.
     POINTS = 1
+    #: Random sample consensus over the points, without a final iteration.
     RANSAC = 2
+    #: Eberly's algebraic fit by the moments of the points, without a final iteration.
     EBERLY = 3
 
 
 class Objective(_Choice):
     """What the method FUSED minimises."""
 
+    #: Robust points and distances of the endpoints of edges in pixels, each weighted by its own scale.
     ROBUST = 0
+    #: F = (1 - w) E_P + w E_L of Zhang, Liu and Wang, exactly, with w = ``edge_weight``; exactly two edges, or w = 0.
     PAPER = 1
 
 
 class Start(_Choice):
     """Where the iteration starts."""
 
+    #: The candidate of the kinds below that explains the data best. Never in a result.
     AUTO = 0
+    #: From two limb segments, scaled by the points.
     LIMBS = 1
+    #: Eberly's algebraic fit by the moments of the points.
     MOMENTS = 2
+    #: Random sample consensus over the points.
     RANSAC = 3
+    #: The model of :meth:`Fitter.set_start_model`.
     MODEL = 4
 
 
 class NearWall(_Choice):
     """Whether the points must lie on the wall that a camera at the origin sees."""
 
+    #: On when intrinsics are set: only then is the origin known to be a camera.
     AUTO = 0
+    #: The origin is the observer.
     ON = 1
+    #: The minimum nearest to the start stays.
     OFF = 2
 
 
 class Chart(_Choice):
     """The coordinates in which the iteration steps."""
 
+    #: ORTHONORMAL for the paper's objective where a camera stands outside the cylinder, else LOCAL.
     AUTO = 0
+    #: Shift and tilt of the axis at the data: regular wherever the axis runs.
     LOCAL = 1
+    #: The orthonormal representation about the origin: singular for an axis through the origin.
     ORTHONORMAL = 2
 
 
 class EdgeUse(_Choice):
     """What given edges are for the objective ROBUST: a start for limbs in the image, or the measurement."""
 
+    #: A start: where there is a grey image, the limbs are located in it and join the fit.
     REFINE = 0
+    #: The measurement: no limbs are looked for in the image.
     AS_GIVEN = 1
 
 
 class ExtentRule(_Choice):
     """How the ends of the visible cylinder are found."""
 
+    #: LOCATED for the objective ROBUST, EXTREMES for all else.
     AUTO = 0
+    #: The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     EXTREMES = 1
+    #: From all lines along the surface together, in the mask and, when there is one, in the grey image.
     LOCATED = 2
 
 
 class Distortion(_Choice):
     """What the coefficients of a lens mean, in the order of OpenCV."""
 
+    #: A pinhole.
     NONE = 0
+    #: k1 k2 p1 p2 k3 k4 k5 k6.
     BROWN_CONRADY = 1
+    #: The fisheye model of OpenCV: k1 k2 k3 k4.
     KANNALA_BRANDT = 2
 
 
 class Layout(_Choice):
     """Completed points: only those that exist, or one a pixel with NaN where there is none."""
 
+    #: Only the points that exist, row by row of the image.
     PACKED = 0
+    #: One point for each pixel of the image, NaN where there is none.
     ORGANISED = 1
 
 
 class ResidualKind(_Choice):
     """Which residuals to list."""
 
+    #: Signed distance of every used point from the surface, negative inside.
     POINTS = 1
+    #: Signed distance of both ends of every used edge from its limb line, in ideal pixels.
     EDGES = 2
 
 
 class Termination(_Choice):
     """Why an iteration ended."""
 
+    #: There was no iteration.
     NONE = 0
+    #: The cost no longer fell by more than the tolerance.
     COST = 1
+    #: No step down to the largest damping lowered the cost: a minimum to rounding.
     STALLED = 2
+    #: The limit of iterations was reached; the flag NOT_CONVERGED is set too.
     MAX_ITERATIONS = 3
+    #: The radius left all proportion to the data: they are flat.
     RADIUS_RAN_AWAY = 4
 
 
 class EndState(_Choice):
     """What an end of the visible cylinder is."""
 
+    #: No depth was measured beyond the end, or no depth image was pushed.
     UNKNOWN = 0
+    #: The surface ends there: what lies beyond is farther than the surface would be.
     SEEN = 1
+    #: The border of the image cuts the cylinder off.
     CUT = 2
+    #: Something nearer than the surface covers what lies beyond.
     HIDDEN = 3
 
 
 class Phase(_Choice):
     """What a fit is doing."""
 
+    #: It is about to look for a start.
     START = 1
+    #: It iterates.
     SOLVE = 2
 
 
 class LogLevel(_Choice):
     """How much a log line matters."""
 
+    #: No lines.
     OFF = 0
+    #: Calls that failed, with their message.
     ERROR = 1
+    #: Doubts about a result, such as ignored edges.
     WARNING = 2
+    #: What was pushed, which start was taken, how a fit ended.
     INFO = 3
+    #: Every iteration.
     DEBUG = 4
 
 
 class ResultFlags(IntFlag):
-    """Doubts about a result; cylfuse.h explains each."""
+    """Doubts about a result. None of them is an error."""
 
+    #: No doubts.
     NONE = 0
+    #: Segments were given but none of them counts; the other flags and the counts say why.
     EDGES_IGNORED = 1
+    #: Some segments have no length or lie outside the field of the camera model.
     SEGMENTS_UNUSABLE = 2
+    #: Two segments cross each other: they cannot be the two limbs.
     EDGES_CROSS = 4
+    #: Two segments lie on one line to within 2 pixels: they are the same limb.
     EDGES_COINCIDE = 8
+    #: The rays of the endpoints do not meet the plane of the limbs in front of the camera.
     EDGES_BEHIND = 16
+    #: The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.
     SCALE_HELD = 32
+    #: The data hardly determine the radius: see ``condition``.
     WEAK_RADIUS = 64
+    #: The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     RESOLUTION_LOST = 128
+    #: The limit of iterations came before convergence.
     NOT_CONVERGED = 256
+    #: Most points lie on the wall that the camera cannot see.
     HIDDEN_WALL = 512
+    #: The camera is inside the cylinder: there are no limbs.
     CAMERA_INSIDE = 1024
+    #: Points with coordinates that are not finite were left out.
     POINTS_NOT_FINITE = 2048
+    #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations.
     POINTS_AND_LIMBS_DISAGREE = 4096
+    #: A limit of the radius holds it: the data want another one.
     RADIUS_AT_LIMIT = 8192
+    #: The axis is on the border of its cone: the data want another one.
     AXIS_AT_LIMIT = 16384
 
     @property

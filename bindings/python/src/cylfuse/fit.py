@@ -9,6 +9,10 @@ import os
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, Callable, Deque, Iterable, Iterator, Mapping, Optional, Sized, Union
 
+import numpy.typing as npt
+
+from ._arrays import Array, depth_pixels
+from ._check import instance, whole
 from .errors import CylfuseError
 from .fitter import Fitter
 from .geometry import Intrinsics
@@ -18,11 +22,11 @@ from .result import Result
 
 def fit(
     *,
-    depth: Any,
-    intrinsics: Any,
-    mask: Any = None,
-    image: Any = None,
-    edges: Any = None,
+    depth: Array,
+    intrinsics: Intrinsics | npt.ArrayLike,
+    mask: Optional[Array] = None,
+    image: Optional[Array] = None,
+    edges: Optional[npt.ArrayLike] = None,
     depth_scale: float = 1.0,
     min_depth: float = 0.0,
     max_depth: Optional[float] = None,
@@ -42,7 +46,8 @@ def fit(
     :raises DataError: the data do not determine a cylinder
     """
     if not isinstance(intrinsics, Intrinsics):
-        intrinsics = Intrinsics.from_matrix(intrinsics, *reversed(getattr(depth, "shape", ())[:2]))
+        height, width = depth_pixels(depth).shape
+        intrinsics = Intrinsics.from_matrix(intrinsics, width, height)
     fitter = Fitter(intrinsics, options)
     fitter.push_depth(depth, mask, depth_scale, min_depth, max_depth)
     if image is not None:
@@ -53,12 +58,12 @@ def fit(
 
 
 def fit_points(
-    points: Any,
-    weights: Any = None,
-    normals: Any = None,
+    points: npt.ArrayLike,
+    weights: Optional[npt.ArrayLike] = None,
+    normals: Optional[npt.ArrayLike] = None,
     *,
-    mask: Any = None,
-    edges: Any = None,
+    mask: Optional[Array] = None,
+    edges: Optional[npt.ArrayLike] = None,
     intrinsics: Optional[Intrinsics] = None,
     options: Optional[Options] = None,
 ) -> Result:
@@ -70,14 +75,21 @@ def fit_points(
     return fitter.fit()
 
 
+#: The arguments of :func:`fit` for a frame, or a function that returns them.
+Frame = Union[Mapping[str, Any], Callable[[], Mapping[str, Any]]]
+Outcome = Union[Result, CylfuseError]
+
+
 def fit_many(
-    frames: Iterable[Union[Mapping[str, Any], Callable[[], Mapping[str, Any]]]],
+    frames: Iterable[Frame],
     *,
     options: Optional[Options] = None,
     threads: Optional[int] = None,
     progress: bool = False,
-) -> Iterator[Union[Result, CylfuseError]]:
-    """Fits frames in threads and yields their outcomes in order: a result, or the error that :func:`fit` raised.
+) -> Iterator[Outcome]:
+    """Fits frames in threads and yields their outcomes in order: a result, or the :class:`CylfuseError` that
+    :func:`fit` raised. Any other exception, of ``frames`` or of a frame, comes out once the outcomes before it are
+    out.
 
     Only a few frames per thread are held at a time, so an endless iterable works; each result holds the data of its
     frame until it is dropped.
@@ -88,8 +100,9 @@ def fit_many(
     :param threads: fits at once, by default one a processor; each fit itself takes one thread
     :param progress: shows a bar; needs the package tqdm
     """
-    single = dataclasses.replace(options or Options(), max_threads=1)
-    outcomes = _in_order(frames, single, threads or os.cpu_count() or 1)
+    single = dataclasses.replace(instance("options", options or Options(), Options), max_threads=1)
+    count = os.cpu_count() or 1 if threads is None else whole("threads", threads, 1, 2**16)
+    outcomes = _in_order(iter(frames), single, count)
     if progress:
         from tqdm.auto import tqdm
 
@@ -98,24 +111,31 @@ def fit_many(
     return outcomes
 
 
-def _outcome(frame: Any, options: Options) -> Union[Result, CylfuseError]:
+def _outcome(frame: Frame, options: Options) -> Outcome:
     try:
         return fit(**{"options": options, **(frame() if callable(frame) else frame)})
     except CylfuseError as error:
-        return error
+        # The traceback would keep the data of the frame.
+        return error.with_traceback(None)
 
 
-def _in_order(frames: Iterable[Any], options: Options, threads: int) -> Iterator[Union[Result, CylfuseError]]:
-    remaining = iter(frames)
-    waiting: Deque[Future[Union[Result, CylfuseError]]] = collections.deque()
+def _in_order(frames: Iterator[Frame], options: Options, threads: int) -> Iterator[Outcome]:
+    waiting: Deque[Future[Outcome]] = collections.deque()
+    failure: Optional[Exception] = None
     with ThreadPoolExecutor(threads, thread_name_prefix="cylfuse") as pool:
         try:
             while True:
-                for frame in itertools.islice(remaining, 2 * threads - len(waiting)):
-                    waiting.append(pool.submit(_outcome, frame, options))
-                if not waiting:
+                try:
+                    for frame in itertools.islice(frames, 2 * threads - len(waiting)):
+                        waiting.append(pool.submit(_outcome, frame, options))
+                except Exception as error:
+                    frames, failure = iter(()), error
+                if waiting:
+                    yield waiting.popleft().result()
+                elif failure is not None:
+                    raise failure
+                else:
                     return
-                yield waiting.popleft().result()
         finally:
             for future in waiting:
                 future.cancel()

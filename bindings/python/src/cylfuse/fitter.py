@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import atexit
 import threading
 import weakref
 from ctypes import byref, c_size_t, c_void_p
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
+import numpy.typing as npt
 
-from . import _arrays, _structs
+from . import _arrays, _check, _structs
+from ._arrays import Array, Floats
+from ._callbacks import Callbacks
 from ._native import ABI_VERSION, lib, make, make_output
 from .enums import Layout, LogLevel, ResidualKind
-from .errors import BusyError, CylfuseError, InvalidArgumentError, StateError, fail, from_status
+from .errors import BusyError, CylfuseError, StateError, fail, fail_without_fitter, from_status
 from .geometry import Cylinder, Intrinsics
 from .options import Options
 from .result import Completion, Counts, Diagnosis, Extent, Progress, Result
@@ -24,13 +28,13 @@ class LimbSamples(NamedTuple):
     """What was seen of the limbs in the grey image, piece by piece."""
 
     #: Places in pixels, shape (N, 2).
-    pixel: Any
+    pixel: Floats
     #: Standard deviations across the limb in ideal pixels, shape (N,).
-    sigma: Any
+    sigma: Floats
     #: What each counted, from 1 down to 0 for a refused one, shape (N,).
-    weight: Any
+    weight: Floats
     #: The limb, 0 or 1, shape (N,).
-    limb: Any
+    limb: npt.NDArray[np.uint32]
 
 
 def _destroy(handle: c_void_p) -> None:
@@ -38,7 +42,7 @@ def _destroy(handle: c_void_p) -> None:
 
 
 def _cylinder(model: Optional[Cylinder]) -> Any:
-    return None if model is None else byref(model._struct())
+    return None if model is None else byref(_check.instance("model", model, Cylinder)._struct())
 
 
 def _mask(view: Any) -> Any:
@@ -56,20 +60,20 @@ class Fitter:
         handle = c_void_p()
         status = lib.cylfuse_fitter_create(ABI_VERSION, byref(handle))
         if status:
-            fail(status, None)
+            fail_without_fitter(status)
         self._handle: Optional[c_void_p] = handle
         # Held during a call, so that another thread finds the fitter busy and cannot close it meanwhile.
         self._running = threading.Lock()
-        # Held where the handle is used without the lock above: by cancel, against close.
-        self._alive = threading.Lock()
+        # Held where the handle is used without the lock above: by cancel, against close. A handler of a signal may
+        # cancel in the midst of either.
+        self._alive = threading.RLock()
         self._finalizer = weakref.finalize(self, _destroy, handle)
         # The process ends with its memory; a thread may still be in a call.
         self._finalizer.atexit = False
         #: Counts what changes the answers about the last result.
         self._revision = 0
         self._intrinsics: Optional[Intrinsics] = None
-        self._callbacks: dict[str, Any] = {}
-        self._raised: Optional[BaseException] = None
+        self._callbacks = Callbacks()
         if options is not None:
             self.options = options
         if intrinsics is not None:
@@ -84,19 +88,20 @@ class Fitter:
     def __reduce__(self) -> Any:
         raise TypeError("a Fitter cannot be copied or pickled: make one where it is used")
 
-    def _lock(self) -> None:
-        if not self._running.acquire(blocking=False):
-            raise BusyError("another call on this fitter is running; take one fitter for each thread")
+    def _calling(self) -> threading.Lock:
+        """What a call holds, in ``with``: Ctrl-C finds no gap between taking it and giving it back."""
+        if self._running.locked():
+            raise BusyError(
+                "another call on this fitter is running; take one fitter for each thread, and of a callback call "
+                "nothing but cancel"
+            )
+        return self._running
 
     def close(self) -> None:
         """Frees everything. A second time it does nothing; any other call afterwards raises StateError."""
-        self._lock()
-        try:
-            with self._alive:
-                self._handle = None
-                self._finalizer()
-        finally:
-            self._running.release()
+        with self._calling(), self._alive:
+            self._handle = None
+            self._finalizer()
 
     @property
     def closed(self) -> bool:
@@ -104,22 +109,18 @@ class Fitter:
         return self._handle is None
 
     def _call(self, function: Any, *arguments: Any, changes: bool = False) -> None:
-        self._lock()
-        try:
-            self._checked(function, *arguments)
-            self._revision += changes
-        finally:
-            self._running.release()
+        with self._calling():
+            self._checked(function, *arguments, changes=changes)
 
-    def _checked(self, function: Any, *arguments: Any) -> None:
+    def _checked(self, function: Any, *arguments: Any, changes: bool = False) -> None:
         handle = self._handle
         if handle is None:
             raise StateError("the fitter is closed; make a new one")
-        status = function(handle, *arguments)
-        if self._raised is not None:
-            raised, self._raised = self._raised, None
-            raise raised
+        # Before the call: when a callback or Ctrl-C ends it with an exception, it may have changed something.
+        self._revision += changes
+        status = self._callbacks.around(function, handle, *arguments)
         if status:
+            self._revision -= changes
             fail(status, handle)
 
     # Settings
@@ -133,7 +134,8 @@ class Fitter:
 
     @options.setter
     def options(self, options: Options) -> None:
-        self._call(lib.cylfuse_fitter_set_options, byref(options._struct()), changes=True)
+        struct = _check.instance("options", options, Options)._struct()
+        self._call(lib.cylfuse_fitter_set_options, byref(struct), changes=True)
 
     @property
     def intrinsics(self) -> Optional[Intrinsics]:
@@ -142,7 +144,8 @@ class Fitter:
 
     @intrinsics.setter
     def intrinsics(self, intrinsics: Intrinsics) -> None:
-        self._call(lib.cylfuse_fitter_set_intrinsics, byref(intrinsics._struct()), changes=True)
+        struct = _check.instance("intrinsics", intrinsics, Intrinsics)._struct()
+        self._call(lib.cylfuse_fitter_set_intrinsics, byref(struct), changes=True)
         self._intrinsics = intrinsics
 
     def set_start_model(self, model: Optional[Cylinder]) -> None:
@@ -152,58 +155,38 @@ class Fitter:
     def on_progress(self, callback: Optional[Callable[[Progress], Any]]) -> None:
         """Sets what hears of every linear solve, on the thread of the fit; None for none. When it returns False the
         fit stops with CancelledError; what it raises ends the fit and comes out of it."""
-
-        def forward(progress: Any, _: object) -> int:
-            try:
-                # A copy: the memory is the library's.
-                state = _structs.Progress.from_buffer_copy(progress.contents)
-                return int(callback(Progress(state)) is False) if callback else 0
-            except BaseException as error:
-                self._raised = error
-                return 1
-
-        self._set_callback(
-            "progress", callback, _structs.ProgressFunction, forward, lib.cylfuse_fitter_set_progress
-        )
+        self._set_callback(self._callbacks.progress(callback), lib.cylfuse_fitter_set_progress)
 
     def on_log(
         self, callback: Optional[Callable[[LogLevel, str], Any]], level: LogLevel | str = LogLevel.INFO
     ) -> None:
         """Sets what takes log lines up to a level; None for none. What it raises comes out of the call."""
+        self._set_callback(self._callbacks.log(callback), lib.cylfuse_fitter_set_log, LogLevel(level))
 
-        def forward(level: int, message: bytes, _: object) -> None:
-            try:
-                if callback:
-                    callback(LogLevel(level), message.decode("utf-8", "replace"))
-            except BaseException as error:
-                self._raised = error
-
-        self._set_callback(
-            "log", callback, _structs.LogFunction, forward, lib.cylfuse_fitter_set_log, LogLevel(level)  # type: ignore[arg-type]
-        )
-
-    def _set_callback(
-        self, name: str, callback: Any, kind: Any, forward: Any, function: Any, *arguments: Any
-    ) -> None:
-        native = kind(forward) if callback else kind()
-        self._call(function, *arguments, native, None)
-        # What the library may call must live as long as it may; the old one until it was replaced.
-        self._callbacks[name] = native
+    def _set_callback(self, callback: Any, function: Any, *arguments: Any) -> None:
+        _WITH_CALLBACKS.add(self)
+        self._callbacks.keep(callback)
+        self._call(function, *arguments, callback, None)
+        self._callbacks.forget_others(callback)
 
     # Data
 
-    def push_points(self, points: Any, weights: Any = None, normals: Any = None, mask: Any = None) -> None:
+    def push_points(
+        self,
+        points: npt.ArrayLike,
+        weights: Optional[npt.ArrayLike] = None,
+        normals: Optional[npt.ArrayLike] = None,
+        mask: Optional[Array] = None,
+    ) -> None:
         """Adds points, N x 3 or rows x columns x 3, of float32 or float64, with any strides between points; in the
         camera frame when edges or extent matter. ``mask`` selects from an organised cloud."""
-        view, kept = _arrays.points_view(points, weights, normals)
-        mask_view = _arrays.mask_view(mask)
+        view, mask_view = _arrays.points_view(points, weights, normals), _arrays.mask_view(mask)
         self._call(lib.cylfuse_fitter_push_points, byref(view), _mask(mask_view), changes=True)
-        del kept
 
     def push_depth(
         self,
-        depth: Any,
-        mask: Any = None,
+        depth: Array,
+        mask: Optional[Array] = None,
         scale: float = 1.0,
         min_depth: float = 0.0,
         max_depth: Optional[float] = None,
@@ -213,23 +196,18 @@ class Fitter:
         view, mask_view = _arrays.depth_view(depth, scale, min_depth, max_depth), _arrays.mask_view(mask)
         self._call(lib.cylfuse_fitter_push_depth, byref(view), _mask(mask_view), changes=True)
 
-    def push_image(self, image: Any) -> None:
+    def push_image(self, image: Array) -> None:
         """Takes the grey image of the camera (uint8, uint16 or float32): the limbs are located in it."""
-        view = _arrays.image_view(image)
-        self._call(lib.cylfuse_fitter_push_image, byref(view), changes=True)
+        self._call(lib.cylfuse_fitter_push_image, byref(_arrays.image_view(image)), changes=True)
 
-    def push_edges(self, edges: Any, weights: Any = None) -> None:
+    def push_edges(self, edges: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None) -> None:
         """Adds edge segments x1, y1, x2, y2 in pixels, N x 4 or N x 2 x 2, on either limb."""
-        view, kept = _arrays.segments_view(edges, weights)
-        self._call(lib.cylfuse_fitter_push_edges, byref(view), changes=True)
-        del kept
+        self._call(lib.cylfuse_fitter_push_edges, byref(_arrays.segments_view(edges, weights)), changes=True)
 
     def reserve(self, points: int, segments: int = 0) -> None:
         """Makes room, so that pushing that many more needs no memory."""
-        for name, count in (("points", points), ("segments", segments)):
-            if not 0 <= count < 2**63:
-                raise InvalidArgumentError(f"{name} is {count}; it must lie in [0, 2^63)")
-        self._call(lib.cylfuse_fitter_reserve, points, segments)
+        counts = (_check.whole(name, n, 0, 2**63) for name, n in (("points", points), ("segments", segments)))
+        self._call(lib.cylfuse_fitter_reserve, *counts)
 
     def clear(self) -> None:
         """Forgets data, result and a request to cancel; keeps options, camera, start model, callbacks, memory."""
@@ -246,14 +224,13 @@ class Fitter:
 
     def fit(self) -> Result:
         """Estimates the cylinder from everything that was pushed."""
+        return self._result(lib.cylfuse_fitter_fit, changes=True)
+
+    def _result(self, function: Any, changes: bool = False) -> Result:
         struct = make_output(_structs.Result)
-        self._lock()
-        try:
-            self._checked(lib.cylfuse_fitter_fit, byref(struct))
-            self._revision += 1
+        with self._calling():
+            self._checked(function, byref(struct), changes=changes)
             return Result(struct, self, self._revision)
-        finally:
-            self._running.release()
 
     def cancel(self) -> None:
         """Asks the running fit, or the next one, to stop with CancelledError. The one call for other threads."""
@@ -267,32 +244,28 @@ class Fitter:
     def evaluate(self, model: Cylinder) -> Result:
         """What a fit would report for a given model, without iterating."""
         struct = make_output(_structs.Result)
-        self._call(lib.cylfuse_fitter_evaluate, _cylinder(model), byref(struct))
+        given = _check.instance("model", model, Cylinder)._struct()
+        self._call(lib.cylfuse_fitter_evaluate, byref(given), byref(struct))
         return Result(struct, None, 0)
 
     @property
     def result(self) -> Result:
         """The result of the last fit that succeeded."""
-        struct = make_output(_structs.Result)
-        self._lock()
-        try:
-            self._checked(lib.cylfuse_fitter_get_result, byref(struct))
-            return Result(struct, self, self._revision)
-        finally:
-            self._running.release()
+        return self._result(lib.cylfuse_fitter_get_result)
 
     # What can be asked about a model; None is that of the last fit, with its uncertainty.
 
-    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS, model: Optional[Cylinder] = None) -> Any:
+    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS, model: Optional[Cylinder] = None) -> Floats:
         """Signed distances of the used points from the surface in the order of pushing, or of both ends of every
         used edge from its limb in ideal pixels."""
-        given, which, counts = _cylinder(model), ResidualKind(kind), self.counts  # type: ignore[arg-type]
+        given, which, counts = _cylinder(model), ResidualKind(kind), self.counts
         capacity = counts.points_used if which == ResidualKind.POINTS else 2 * counts.segments_given
 
         def arguments(out: Any, count: Any) -> tuple[Any, ...]:
             return given, which, _arrays.address(out), out.size, count
 
-        return self._list(lib.cylfuse_fitter_residuals, arguments, np.float64, capacity)
+        residuals: Floats = self._list(lib.cylfuse_fitter_residuals, arguments, np.float64, capacity)
+        return residuals
 
     def limb_samples(self) -> LimbSamples:
         """What the last fit saw of the limbs in the grey image; empty when it was not searched."""
@@ -308,8 +281,7 @@ class Fitter:
     def _list(self, function: Any, arguments: Any, dtype: Any, capacity: int) -> Any:
         """An output whose length the library tells."""
         count = c_size_t()
-        self._lock()
-        try:
+        with self._calling():
             while True:
                 out = np.empty(capacity, dtype)
                 try:
@@ -319,21 +291,22 @@ class Fitter:
                     if error.status != _BUFFER_TOO_SMALL:
                         raise
                     capacity = count.value
-        finally:
-            self._running.release()
 
-    def select_edges(self, segments: Any, reach: float = 0.0, model: Optional[Cylinder] = None) -> Any:
+    def select_edges(
+        self, segments: npt.ArrayLike, reach: float = 0.0, model: Optional[Cylinder] = None
+    ) -> npt.NDArray[np.uint8]:
         """Selects, of edges that a line detector found, those on the limbs of a rough cylinder: for each 1 or 2 for
         the limb that it lies on, 0 for none, shape (N,). ``segments[selected > 0]`` is for :meth:`push_edges`.
 
         :param reach: how far a limb may be from that of the model in pixels; 0 = 15 % of the distance of the limbs
         :param model: the rough cylinder; None = that of the last fit
         """
-        view, kept = _arrays.segments_view(segments)
+        view = _arrays.segments_view(segments)
         out = np.empty(view.count, np.uint8)
-        arguments = (_cylinder(model), byref(view), reach, _arrays.address(out), out.size)
-        self._call(lib.cylfuse_fitter_select_edges, *arguments)
-        del kept
+        self._call(
+            lib.cylfuse_fitter_select_edges, _cylinder(model), byref(view), _check.real("reach", reach),
+            _arrays.address(out), out.size,
+        )  # fmt: skip
         return out
 
     def diagnose(self, model: Optional[Cylinder] = None) -> Diagnosis:
@@ -342,7 +315,7 @@ class Fitter:
         self._call(lib.cylfuse_fitter_diagnose, _cylinder(model), byref(struct))
         return Diagnosis(struct)
 
-    def extent(self, model: Optional[Cylinder] = None, mask: Any = None) -> Extent:
+    def extent(self, model: Optional[Cylinder] = None, mask: Optional[Array] = None) -> Extent:
         """The visible piece of the cylinder; without ``mask`` that of the last depth image."""
         struct = make_output(_structs.Extent)
         view = _arrays.mask_view(mask)
@@ -352,28 +325,25 @@ class Fitter:
     def complete(
         self,
         layout: Layout | str = Layout.PACKED,
-        dtype: Any = np.float64,
+        dtype: npt.DTypeLike = np.float64,
         model: Optional[Cylinder] = None,
-        mask: Any = None,
+        mask: Optional[Array] = None,
     ) -> Completion:
         """Casts the ray of every pixel of a mask onto the cylinder: points in the camera frame."""
-        dtype, layout = np.dtype(dtype), Layout(layout)  # type: ignore[arg-type]
-        if dtype not in _arrays._SCALARS:
+        dtype, layout = np.dtype(dtype), Layout(layout)
+        if dtype not in _arrays.SCALARS:
             raise TypeError(f"dtype is {dtype}; it must be float32 or float64")
         region, capacity = _arrays.mask_view(mask), c_size_t()
         struct, out = make_output(_structs.Completion), make(_structs.PointsOut)
-        out.layout, out.scalar = layout, _arrays._SCALARS[dtype]
-        self._lock()
-        try:
+        out.layout, out.scalar = layout, _arrays.SCALARS[dtype]
+        with self._calling():
             self._checked(lib.cylfuse_fitter_complete_bound, _mask(region), layout, byref(capacity))
-            points = np.empty((capacity.value, 3), dtype)
+            points: Array = np.empty((capacity.value, 3), dtype)
             out.data, out.capacity = _arrays.address(points), capacity.value
             self._checked(
                 lib.cylfuse_fitter_complete, _cylinder(model), _mask(region), byref(out), byref(struct)
             )
             camera = self._intrinsics
-        finally:
-            self._running.release()
         if layout == Layout.PACKED:
             points = points[: struct.count]
         elif camera is not None:
@@ -381,19 +351,38 @@ class Fitter:
         return Completion(struct, points)
 
     def complete_depth(
-        self, dtype: Any = np.float32, scale: float = 1.0, model: Optional[Cylinder] = None, mask: Any = None
+        self,
+        dtype: npt.DTypeLike = np.float32,
+        scale: float = 1.0,
+        model: Optional[Cylinder] = None,
+        mask: Optional[Array] = None,
     ) -> Completion:
         """The depth image of uint16 or float32 with value * ``scale`` = z of the completed points, 0 elsewhere."""
         dtype = np.dtype(dtype)
-        if dtype not in _arrays._DEPTHS:
+        if dtype not in _arrays.DEPTHS:
             raise TypeError(f"dtype is {dtype}; it must be uint16 or float32")
         region = _arrays.mask_view(mask)
         struct, out = make_output(_structs.Completion), make(_structs.DepthOut)
         camera = self._intrinsics
         depth = np.empty((camera.height, camera.width) if camera else (0, 0), dtype)
-        out.format, out.scale, out.data = _arrays._DEPTHS[dtype], scale, _arrays.address(depth)
+        out.format, out.scale, out.data = _arrays.DEPTHS[dtype], _check.real("scale", scale), _arrays.address(depth)
         out.height, out.width = depth.shape
         self._call(
             lib.cylfuse_fitter_complete_depth, _cylinder(model), _mask(region), byref(out), byref(struct)
         )
         return Completion(struct, depth)
+
+
+#: The fitters that call back.
+_WITH_CALLBACKS: weakref.WeakSet[Fitter] = weakref.WeakSet()
+
+
+@atexit.register
+def _end_calls() -> None:
+    """Once the process ends, Python takes a daemon thread that enters it from a callback out of the midst of the
+    library, which aborts the process: running fits end before that, and no other begins."""
+    for fitter in list(_WITH_CALLBACKS):
+        if not fitter.closed:
+            fitter.cancel()
+            # A callback that waits for ever must not keep the process.
+            fitter._running.acquire(timeout=2.0)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from ctypes import byref, c_double
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _structs
-from ._arrays import address, c_vector, numbers, points_view, vector
+from ._arrays import Floats, address, c_vector, numbers, points_view, vector
+from ._check import instance, real, whole
 from ._native import lib, make
 from .enums import Distortion
 from .errors import fail_without_fitter
@@ -27,21 +29,21 @@ class Comparison(NamedTuple):
     radius_relative: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Cylinder:
     """An infinite cylinder in the unit of length and the frame of the data."""
 
     #: A point on the axis, shape (3,).
-    point: Any
-    #: The direction of the axis, shape (3,), of length 1 in results.
-    direction: Any
+    point: Floats
+    #: The direction of the axis, shape (3,): of length 1 in results, of any length but 0 where it is given.
+    direction: Floats
     #: The radius.
     radius: float
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "point", vector("point", self.point, 3))
-        object.__setattr__(self, "direction", vector("direction", self.direction, 3))
-        object.__setattr__(self, "radius", float(self.radius))
+    def __init__(self, point: npt.ArrayLike, direction: npt.ArrayLike, radius: float) -> None:
+        self.__dict__.update(
+            point=vector("point", point, 3), direction=vector("direction", direction, 3), radius=real("radius", radius)
+        )
 
     @classmethod
     def _from_struct(cls, struct: _structs.Cylinder) -> Cylinder:
@@ -51,25 +53,23 @@ class Cylinder:
         return cylinder
 
     def _struct(self) -> _structs.Cylinder:
-        return _structs.Cylinder(
-            c_vector("point", self.point, 3), c_vector("direction", self.direction, 3), self.radius
-        )
+        return _structs.Cylinder(c_vector(self.point), c_vector(self.direction), self.radius)
 
-    def distances(self, points: Any) -> Any:
+    def distances(self, points: npt.ArrayLike) -> Floats:
         """Signed distances of points (N x 3, or rows x columns x 3) from the surface, negative inside; NaN for a
         point that is not finite."""
-        view, kept = points_view(points)
-        out = np.empty(kept[0].shape[:-1])
+        view = points_view(points)
+        out = np.empty(view.array[0].shape[:-1])
         status = lib.cylfuse_cylinder_distances(byref(self._struct()), byref(view), address(out), out.size)
         if status:
             fail_without_fitter(status)
         return out
 
-    def project(self, intrinsics: Intrinsics) -> Any:
+    def project(self, intrinsics: Intrinsics) -> Floats:
         """The two limb lines a u + b v + c = 0 in ideal pixels, those of a pinhole with the same focal lengths and
         principal point, as rows (a, b, c) with a^2 + b^2 = 1: shape (2, 3)."""
         out = np.empty((2, 3))
-        camera = intrinsics._struct()
+        camera = instance("intrinsics", intrinsics, Intrinsics)._struct()
         pointer = out.ctypes.data_as(lib.cylfuse_cylinder_project.argtypes[2])
         status = lib.cylfuse_cylinder_project(byref(self._struct()), byref(camera), pointer)
         if status:
@@ -79,8 +79,9 @@ class Cylinder:
     def compare(self, other: Cylinder) -> Comparison:
         """How another cylinder differs from this one, such as the truth."""
         angle, distance, radius = c_double(), c_double(), c_double()
+        model = instance("other", other, Cylinder)._struct()
         status = lib.cylfuse_cylinder_compare(
-            byref(self._struct()), byref(other._struct()), byref(angle), byref(distance), byref(radius)
+            byref(self._struct()), byref(model), byref(angle), byref(distance), byref(radius)
         )
         if status:
             fail_without_fitter(status)
@@ -92,41 +93,61 @@ class Cylinder:
         return f"Cylinder(point=[{point}], direction=[{direction}], radius={self.radius:.6g})"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Intrinsics:
-    """A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV."""
+    """A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. Ranges are checked
+    by the library, when the camera is used."""
 
+    #: The size of the image in pixels.
     width: int
     height: int
+    #: The focal lengths in pixels.
     fx: float
     fy: float
+    #: The principal point in pixels.
     cx: float
     cy: float
-    distortion_model: Distortion = Distortion.NONE
+    #: What the coefficients mean; its name will do.
+    distortion_model: Distortion
     #: Up to 8 coefficients in the order of OpenCV; missing ones are 0.
-    distortion: Any = field(default=())
+    distortion: tuple[float, ...]
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "distortion_model", Distortion(self.distortion_model))
-        distortion = tuple(float(x) for x in self.distortion)
-        if len(distortion) > 8:
-            raise ValueError(f"distortion has {len(distortion)} coefficients; it must have at most 8")
-        object.__setattr__(self, "distortion", distortion)
-        for name in ("width", "height"):
-            size = getattr(self, name)
-            if not 0 <= size < 2**32:
-                raise ValueError(f"{name} is {size}; it must lie in [1, 2^28]")
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        fx: float,
+        fy: float,
+        cx: float,
+        cy: float,
+        distortion_model: Distortion | str = Distortion.NONE,
+        distortion: npt.ArrayLike = (),
+    ) -> None:
+        coefficients = tuple(vector("distortion", distortion).tolist())
+        if len(coefficients) > 8:
+            raise ValueError(f"distortion has {len(coefficients)} coefficients; it must have at most 8")
+        self.__dict__.update(
+            width=whole("width", width, 0, 2**32), height=whole("height", height, 0, 2**32),
+            fx=real("fx", fx), fy=real("fy", fy), cx=real("cx", cx), cy=real("cy", cy),
+            distortion_model=Distortion(distortion_model), distortion=coefficients,
+        )  # fmt: skip
 
     @classmethod
-    def from_matrix(cls, matrix: Any, width: int, height: int, distortion: Any = ()) -> Intrinsics:
+    def from_matrix(
+        cls, matrix: npt.ArrayLike, width: int, height: int, distortion: npt.ArrayLike = ()
+    ) -> Intrinsics:
         """From the 3 x 3 camera matrix of OpenCV and, when there are any, its Brown-Conrady coefficients."""
-        k = np.asarray(matrix, dtype=np.float64)
-        if k.shape != (3, 3):
-            raise ValueError(f"the camera matrix has the shape {k.shape}; it must be (3, 3)")
-        if k[0, 1] != 0.0:
-            raise ValueError(f"the camera matrix has the skew {k[0, 1]}; it must be 0")
-        coefficients = tuple(float(x) for x in np.ravel(distortion))
-        model = Distortion.BROWN_CONRADY if any(coefficients) else Distortion.NONE
+        if np.shape(matrix) != (3, 3):
+            raise ValueError(f"the camera matrix has the shape {np.shape(matrix)}; it must be (3, 3)")
+        k = vector("the camera matrix", matrix).reshape(3, 3)
+        for row, column, value in ((0, 1, 0.0), (1, 0, 0.0), (2, 0, 0.0), (2, 1, 0.0), (2, 2, 1.0)):
+            if k[row, column] != value:
+                raise ValueError(
+                    f"the camera matrix has {k[row, column]:g} in row {row}, column {column}; it must be {value:g}, "
+                    "for the matrix is fx 0 cx, 0 fy cy, 0 0 1"
+                )
+        coefficients = vector("distortion", distortion)
+        model = Distortion.BROWN_CONRADY if coefficients.any() else Distortion.NONE
         return cls(width, height, k[0, 0], k[1, 1], k[0, 2], k[1, 2], model, coefficients)
 
     def _struct(self) -> _structs.Intrinsics:
@@ -137,7 +158,7 @@ class Intrinsics:
         struct.distortion[: len(self.distortion)] = self.distortion
         return struct
 
-    def pixels(self, points: Any) -> Any:
+    def pixels(self, points: npt.ArrayLike) -> Floats:
         """Pixels of points (N x 3) in the camera frame, through the lens; for drawing. Shape (N, 2)."""
         x, y, z = np.asarray(points, dtype=np.float64).T
         x, y = x / z, y / z
@@ -159,7 +180,15 @@ class Intrinsics:
         return np.stack([self.fx * x + self.cx, self.fy * y + self.cy], axis=-1)
 
 
-def limb_points(cylinder: Cylinder, start: Any, end: Any) -> list[Any]:
+def across(direction: Any) -> Any:
+    """Two vectors of length 1 that are perpendicular to a direction of length 1 and to each other, as rows; with it
+    as the third they are right-handed."""
+    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first)])
+
+
+def limb_points(cylinder: Cylinder, start: Floats, end: Floats) -> list[Floats]:
     """The ends of both limbs, two arrays of shape (2, 3): where the rays of a camera at the origin touch the
     surface. Empty from inside the cylinder."""
     direction = cylinder.direction

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any
 
+import numpy.typing as npt
+
 from . import _structs
-from ._arrays import c_vector
+from ._arrays import c_vector, vector
+from ._check import real, whole
 from ._native import make
 from .enums import Chart, EdgeUse, ExtentRule, Method, NearWall, Objective, Start
 
@@ -23,15 +26,19 @@ _ENUMS: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Options:
-    """The settings of a fit. Choices may be given by name: ``Options(objective="paper")``. Ranges are checked by the
-    library, when the options are set."""
+    """The settings of a fit. Choices may be given by name, ``Options(objective="paper")``, and are members of their
+    enumerations afterwards. Ranges are checked by the library, when the options are set."""
 
-    method: Method = Method.FUSED
+    #: How the cylinder is estimated.
+    method: Method | str = Method.FUSED
     #: What FUSED minimises.
-    objective: Objective = Objective.ROBUST
-    start: Start = Start.AUTO
-    near_wall: NearWall = NearWall.AUTO
-    chart: Chart = Chart.AUTO
+    objective: Objective | str = Objective.ROBUST
+    #: Where the iteration starts.
+    start: Start | str = Start.AUTO
+    #: Whether the points must lie on the wall that the camera sees.
+    near_wall: NearWall | str = NearWall.AUTO
+    #: The coordinates of the iteration.
+    chart: Chart | str = Chart.AUTO
     #: Most linear solves.
     max_iterations: int = 400
     #: Most threads of one fit; 0 = as many as the machine has. The result has the same bits for any number.
@@ -52,40 +59,43 @@ class Options:
     seed: int = 0
     #: Most random samples of RANSAC.
     ransac_max_iterations: int = 1000
-    edge_use: EdgeUse = EdgeUse.REFINE
-    extent_rule: ExtentRule = ExtentRule.AUTO
+    #: What given edges are for the objective ROBUST.
+    edge_use: EdgeUse | str = EdgeUse.REFINE
+    #: How the ends of the visible cylinder are found.
+    extent_rule: ExtentRule | str = ExtentRule.AUTO
     #: The smallest radius that the cylinder keeps.
     radius_min: float = 0.0
     #: The largest radius, equal to the smallest for a known one; 0 = no limit.
     radius_max: float = 0.0
     #: The middle of the cone of directions that the axis keeps; (0, 0, 0) = all directions.
-    axis: Any = (0.0, 0.0, 0.0)
+    axis: npt.ArrayLike = (0.0, 0.0, 0.0)
     #: The largest angle from ``axis`` in radians; 0 for a known direction.
     axis_max_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, kind in _ENUMS.items():
-            object.__setattr__(self, name, kind(getattr(self, name)))
-        object.__setattr__(self, "axis", tuple(float(x) for x in self.axis))
-        for name, bits in _WHOLE.items():
-            value = getattr(self, name)
-            if not 0 <= value < 2**bits:
-                raise ValueError(f"{name} is {value}; it must lie in [0, 2^{bits})")
+        for name in _NAMES:
+            object.__setattr__(self, name, _normal(name, getattr(self, name)))
 
     def _struct(self) -> _structs.Options:
         struct = make(_structs.Options)
         for name in _NAMES:
-            if name != "axis":
-                setattr(struct, name, getattr(self, name))
-        struct.axis = c_vector("axis", self.axis, 3)
+            value = getattr(self, name)
+            setattr(struct, name, c_vector(value) if name == "axis" else value)
         return struct
 
     @classmethod
     def _from_struct(cls, struct: _structs.Options) -> Options:
-        values = {name: getattr(struct, name) for name in _NAMES}
-        values["axis"] = tuple(struct.axis)
-        return cls(**values)
+        return cls(**{name: getattr(struct, name) for name in _NAMES})
 
 
 _NAMES = [field.name for field in fields(Options)]
-_WHOLE = {"max_iterations": 32, "max_threads": 32, "ransac_max_iterations": 32, "seed": 64}
+_WHOLE = {"max_iterations": 2**32, "max_threads": 2**32, "ransac_max_iterations": 2**32, "seed": 2**64}
+
+
+def _normal(name: str, value: Any) -> Any:
+    """The value of an option in the one type that it has."""
+    if name in _ENUMS:
+        return _ENUMS[name](value)
+    if name in _WHOLE:
+        return whole(name, value, 0, _WHOLE[name])
+    return tuple(vector(name, value, 3).tolist()) if name == "axis" else real(name, value)

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
+from ._arrays import Array, Floats
 from .errors import StateError
-from .geometry import limb_points
+from .geometry import Cylinder, across, limb_points
 
 if TYPE_CHECKING:
     from .result import Result
 
 
-def circle(cylinder: Any, centre: Any, count: int = 90) -> Any:
+def circle(cylinder: Cylinder, centre: Floats, count: int = 90) -> Any:
     """Points on the circle of the surface around a point of the axis, shape (count, 3), the first one again last."""
-    direction = cylinder.direction
-    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    across /= np.linalg.norm(across)
-    angle = np.linspace(0.0, 2.0 * np.pi, count)[:, None]
-    return centre + cylinder.radius * (np.cos(angle) * across + np.sin(angle) * np.cross(direction, across))
+    angle = np.linspace(0.0, 2.0 * np.pi, count)
+    return centre + cylinder.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1) @ across(cylinder.direction)
 
 
-def plot(result: Result, image: Any = None, ax: Any = None) -> Any:
+def plot(result: Result, image: Optional[Array] = None, ax: Any = None) -> Any:
     """Draws the limbs, the ends and the axis of a fit in the pixels of its camera, through the distortion of the
     lens.
 
@@ -42,7 +40,7 @@ def plot(result: Result, image: Any = None, ax: Any = None) -> Any:
     if image is not None:
         ax.imshow(image, cmap="gray" if np.ndim(image) == 2 else None)
 
-    def line(points: Any, style: str, label: str) -> None:
+    def line(points: Floats, style: str, label: str) -> None:
         # Behind the camera there is no pixel.
         pixels = camera.pixels(points[points[:, 2] > 0.0])
         ax.plot(pixels[:, 0], pixels[:, 1], style, linewidth=1.2, label=label)

@@ -7,16 +7,18 @@ import math
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, Optional
 
 import numpy as np
+import numpy.typing as npt
 
-from ._arrays import numbers
+from ._arrays import Array, Floats, numbers
 from .enums import EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
+from .errors import CylfuseError, StateError
 from .geometry import Cylinder
 
 if TYPE_CHECKING:
     from .fitter import Fitter
 
 
-def _square(values: Any) -> Any:
+def _square(values: Any) -> Floats:
     entries = numbers(values)
     return entries.reshape(math.isqrt(entries.size), -1)
 
@@ -32,19 +34,22 @@ class _Record:
     def __init__(self, struct: Any) -> None:
         self._struct = struct
 
-    def __getattr__(self, name: str) -> Any:
-        field = self._renamed.get(name, name)
-        if name.startswith("_") or field in ("struct_size", "reserved") or not hasattr(self._struct, field):
-            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
-        value = getattr(self._struct, field)
-        if field in self._convert:
-            value = self._convert[field](value)
-        self.__dict__[name] = value
-        return value
+    # Not for checkers of types: they know the fields, and see a misspelt one.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name):
+            field = self._renamed.get(name, name)
+            if name.startswith("_") or field in ("struct_size", "reserved") or not hasattr(self._struct, field):
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            value = getattr(self._struct, field)
+            if field in self._convert:
+                value = self._convert[field](value)
+            self.__dict__[name] = value
+            return value
 
     def _names(self) -> Iterator[str]:
         back = {field: name for name, field in self._renamed.items()}
-        for field, *_ in self._struct._fields_:
+        for field in (str(entry[0]) for entry in self._struct._fields_):
             if field not in ("struct_size", "reserved"):
                 yield back.get(field, field)
 
@@ -62,14 +67,23 @@ class _Record:
 class Counts(_Record):
     """What was pushed, and what was left out by reason."""
 
+    #: Points and pixels that were pushed.
     points_given: int
+    #: Points that a fit uses.
     points_used: int
+    #: Left out: a coordinate or weight is not finite.
     dropped_not_finite: int
+    #: Left out: the weight is 0.
     dropped_zero_weight: int
+    #: Left out: the mask is 0 there.
     dropped_outside_mask: int
+    #: Left out: no depth was measured there.
     dropped_no_depth: int
+    #: Left out: the depth is below ``min_depth`` or above ``max_depth``.
     dropped_out_of_range: int
+    #: Left out: the camera model has no ray for the pixel.
     dropped_outside_camera: int
+    #: Edge segments that were pushed; ``segments_used`` of a result says how many count.
     segments_given: int
 
 
@@ -88,22 +102,25 @@ class Extent(_Record):
         "center_covariance": _square,
     }
 
-    #: What the ends are.
+    #: What the end against the direction is.
     start_state: EndState
+    #: What the end along the direction is.
     end_state: EndState
     #: The ends and their middle, points on the axis, shape (3,).
-    start: Any
-    end: Any
-    center: Any
+    start: Floats
+    end: Floats
+    center: Floats
     #: The distance of the ends.
     length: float
+    #: Standard deviation of the position of each end along the axis, for a model without error.
     start_deviation: float
     end_deviation: float
+    #: Standard deviation of the length together with the uncertainty of the fit.
     length_deviation: float
     #: Shape (3, 3), unit of length squared.
-    start_covariance: Any
-    end_covariance: Any
-    center_covariance: Any
+    start_covariance: Floats
+    end_covariance: Floats
+    center_covariance: Floats
 
 
 class Diagnosis(_Record):
@@ -114,26 +131,32 @@ class Diagnosis(_Record):
     #: 5 when everything is determined.
     rank: int
     #: Largest first, shape (5,).
-    singular_values: Any
+    singular_values: Floats
+    #: Largest over smallest singular value; may be infinite.
     condition: float
     #: The step along which the residuals change least: shift and tilt of the axis, change of the radius.
-    weakest_shift: Any
-    weakest_tilt: Any
+    weakest_shift: Floats
+    weakest_tilt: Floats
     weakest_radius: float
 
 
 class Completion(_Record):
     """A completed cloud or depth image, and what became of the pixels."""
 
-    def __init__(self, struct: Any, array: Any) -> None:
+    def __init__(self, struct: Any, array: Array) -> None:
         super().__init__(struct)
         #: Points of shape (N, 3) or (rows, columns, 3), or depth of shape (rows, columns).
         self.array = array
 
+    #: Points or pixels that were written.
     count: int
+    #: Pixels of the mask whose ray meets the cylinder.
     hits: int
+    #: Pixels of the mask whose ray passes the cylinder by.
     misses: int
+    #: Pixels of the mask for which the camera model has no ray.
     outside_camera: int
+    #: Hits whose depth does not fit the type of the pixels: written as 0 and not in ``count``.
     out_of_range: int
 
 
@@ -142,11 +165,17 @@ class Progress(_Record):
 
     _convert = {"phase": Phase, "model": Cylinder._from_struct}
 
+    #: What the fit is doing.
     phase: Phase
+    #: Linear solves so far; from 0 again with every start that is tried and every robust round.
     iteration: int
+    #: Most linear solves.
     max_iterations: int
+    #: The lowest cost so far, unit of length squared; infinite in the phase START.
     cost: float
+    #: The damping of the next step; 0 in the phase START.
     damping: float
+    #: The best cylinder so far; of radius 0 in the phase START.
     model: Cylinder
 
 
@@ -169,54 +198,81 @@ class Result(_Record):
 
     #: Why the iteration ended.
     termination: Termination
+    #: How the start was found.
     start_kind: Start
-    #: Doubts; 0 when there are none.
+    #: Doubts.
     flags: ResultFlags
+    #: Linear solves.
     iterations: int
+    #: Solves whose step was rejected.
     rejected_steps: int
+    #: Segments that took part, of those that were pushed.
     segments_used: int
     segments_given: int
+    #: Points that took part, of those that were pushed.
     points_used: int
     points_given: int
     #: The cylinder; ``cylinder`` is the same.
     model: Cylinder
+    #: The model that the iteration started from, moved into the limits.
     start_model: Cylinder
+    #: Cost of the start and of the cylinder, unit of length squared.
     initial_cost: float
     cost: float
+    #: Mean squared distance of the points from the surface, unit of length squared.
     energy_points: float
+    #: Mean squared distance of the back-projected ends of the edges from the limb lines, unit of length squared; NaN
+    #: without exactly two usable segments.
     energy_edges: float
+    #: The edge weight that was used; NaN where the objective has none.
     edge_weight: float
+    #: Root of ``energy_points``, unit of length.
     point_rms: float
+    #: Root mean square distance of the ends of the edges from the limb lines in ideal pixels.
     edge_rms_pixels: float
+    #: The part of the points on the wall that the camera sees.
     near_wall_fraction: float
+    #: Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
     condition: float
+    #: The last damping.
     damping: float
+    #: Norm of half the gradient of the cost at the end and of the last step, in units of the size of the data.
     gradient_norm: float
     step_norm: float
+    #: Wall-clock seconds to find the start, to iterate, and of the whole fit.
     seconds_start: float
     seconds_solve: float
     seconds_total: float
+    #: Standard deviations of the radius (unit of length), of the direction (radians) and of the position of the axis
+    #: across itself (unit of length): those of the noise of the data, not of errors that all data share.
     radius_deviation: float
     direction_deviation: float
     position_deviation: float
+    #: The radius by the curvature of the points alone, and by the limbs, each with its standard deviation.
     radius_from_points: float
     radius_from_points_deviation: float
     radius_from_limbs: float
     radius_from_limbs_deviation: float
+    #: Their difference in standard deviations; beyond 4 the flag POINTS_AND_LIMBS_DISAGREE is set.
     radius_z_score: float
     #: Covariance of (point, direction, radius), shape (7, 7), rank 5.
-    covariance: Any
+    covariance: Floats
+    #: Limb lines that were located in the grey image and took part, 0 to 2.
     limbs_located: int
 
     def __init__(self, struct: Any, fitter: Optional[Fitter], revision: int) -> None:
         super().__init__(struct)
         self._fitter, self._revision = fitter, revision
+        self._extent: Optional[Extent] = None
+        self._diagnostics: Optional[Diagnosis] = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Copies and what is pickled are the numbers, and the extent and the diagnostics where they were asked for."""
+        return {**self.__dict__, "_fitter": None}
 
     def _source(self) -> Fitter:
-        from .errors import StateError
-
         if self._fitter is None:
-            raise StateError("this result is of a given model; ask the fitter, with the model")
+            raise StateError("this result has no fitter, being that of a given model or a copy; ask a fitter itself")
         if self._fitter._revision != self._revision:
             raise StateError("the fitter of this result was given something else since; ask before that")
         return self._fitter
@@ -229,30 +285,37 @@ class Result(_Record):
     @property
     def extent(self) -> Extent:
         """The visible piece; needs intrinsics and a mask."""
-        if "_extent" not in self.__dict__:
-            self.__dict__["_extent"] = self._source().extent()
-        return self.__dict__["_extent"]  # type: ignore[no-any-return]
+        if self._extent is None:
+            self._extent = self._source().extent()
+        return self._extent
 
     @property
     def diagnostics(self) -> Diagnosis:
         """What the data determine at the cylinder."""
-        if "_diagnostics" not in self.__dict__:
-            self.__dict__["_diagnostics"] = self._source().diagnose()
-        return self.__dict__["_diagnostics"]  # type: ignore[no-any-return]
+        if self._diagnostics is None:
+            self._diagnostics = self._source().diagnose()
+        return self._diagnostics
 
-    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS) -> Any:
+    def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS) -> Floats:
         """Signed distances of the used points, or of the ends of the used edges in pixels."""
         return self._source().residuals(kind)
 
-    def complete(self, layout: Layout | str = Layout.PACKED, dtype: Any = np.float64, mask: Any = None) -> Any:
+    def complete(
+        self,
+        layout: Layout | str = Layout.PACKED,
+        dtype: npt.DTypeLike = np.float64,
+        mask: Optional[Array] = None,
+    ) -> Array:
         """The completed points: shape (N, 3), or (rows, columns, 3) when organised."""
         return self._source().complete(layout, dtype, mask=mask).array
 
-    def complete_depth(self, dtype: Any = np.float32, scale: float = 1.0, mask: Any = None) -> Any:
+    def complete_depth(
+        self, dtype: npt.DTypeLike = np.float32, scale: float = 1.0, mask: Optional[Array] = None
+    ) -> Array:
         """The completed depth image: shape (rows, columns)."""
         return self._source().complete_depth(dtype, scale, mask=mask).array
 
-    def plot(self, image: Any = None, ax: Any = None) -> Any:
+    def plot(self, image: Optional[Array] = None, ax: Any = None) -> Any:
         """Draws limbs, ends and axis over an image with matplotlib; returns the axes."""
         from .plot import plot
 
@@ -272,8 +335,6 @@ class Result(_Record):
 
     def row(self) -> dict[str, Any]:
         """Cylinder, uncertainty, extent (where there is one) and doubts as plain numbers, for a table."""
-        from .errors import CylfuseError
-
         row: dict[str, Any] = {}
         for name, values in (("point", self.model.point), ("direction", self.model.direction)):
             row.update({f"{name}_{axis}": float(x) for axis, x in zip("xyz", values)})

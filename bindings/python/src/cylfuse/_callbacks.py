@@ -1,0 +1,106 @@
+"""Functions of Python that the library calls during a call."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from typing import Any, Callable, Optional
+
+import numpy as np
+
+from . import _structs
+from .enums import LogLevel
+from .result import Progress
+
+
+class Callbacks:
+    """The callbacks of one fitter. What they raise comes out of the call in which they ran.
+
+    It does not know its fitter, which would make a cycle that only the garbage collector ends.
+    """
+
+    def __init__(self) -> None:
+        # What the library may call must live as long as it may.
+        self._functions: list[Any] = []
+        self._raised: Optional[BaseException] = None
+
+    def progress(self, callback: Optional[Callable[[Progress], Any]]) -> Any:
+        """The C function for a callback of progress, NULL for None."""
+        if callback is None:
+            return _structs.ProgressFunction()
+        function = _callable(callback)
+
+        def forward(progress: Any, _: object) -> int:
+            try:
+                if self._raised is not None:
+                    return 1
+                # A copy: the memory is the library's.
+                answer = function(Progress(_structs.Progress.from_buffer_copy(progress.contents)))
+                return int(isinstance(answer, (bool, np.bool_)) and not answer)
+            except BaseException as error:
+                self._raised = error
+                return 1
+
+        return _structs.ProgressFunction(forward)
+
+    def log(self, callback: Optional[Callable[[LogLevel, str], Any]]) -> Any:
+        """The C function for a callback of log lines, NULL for None."""
+        if callback is None:
+            return _structs.LogFunction()
+        function = _callable(callback)
+
+        def forward(level: int, message: bytes, _: object) -> None:
+            try:
+                function(LogLevel(level), message.decode("utf-8", "replace"))
+            except BaseException as error:
+                self._raised = error
+
+        return _structs.LogFunction(forward)
+
+    def keep(self, function: Any) -> None:
+        """Keeps a C function beside the one that it is to replace: nobody knows which an interrupted call left."""
+        self._functions.append(function)
+
+    def forget_others(self, function: Any) -> None:
+        """Forgets those that the library has a C function in place of, and this one too when it is NULL."""
+        self._functions = [other for other in self._functions if type(other) is not type(function)]
+        if function:
+            self._functions.append(function)
+
+    def around(self, function: Any, *arguments: Any) -> int:
+        """Calls the library; raises what a callback raised meanwhile."""
+        if not self._functions:
+            return function(*arguments)  # type: ignore[no-any-return]
+        self._raised = None
+        if threading.current_thread() is threading.main_thread():
+            status = self._with_signals(function, *arguments)
+        else:
+            status = function(*arguments)
+        raised, self._raised = self._raised, None
+        if raised is not None:
+            raise raised
+        return status
+
+    def _with_signals(self, function: Any, *arguments: Any) -> int:
+        """In the main thread Python runs handlers of signals as soon as a callback begins, before its ``try``. What
+        they raise, as KeyboardInterrupt, ctypes would print and drop: this takes it from the hook that prints."""
+        hook = sys.unraisablehook
+
+        def take(unraisable: Any) -> None:
+            traceback = unraisable.exc_traceback
+            if traceback is not None and traceback.tb_frame.f_globals is globals():
+                self._raised = unraisable.exc_value
+            else:
+                hook(unraisable)
+
+        sys.unraisablehook = take
+        try:
+            return function(*arguments)  # type: ignore[no-any-return]
+        finally:
+            sys.unraisablehook = hook
+
+
+def _callable(callback: Any) -> Any:
+    if not callable(callback):
+        raise TypeError(f"callback is {callback!r}; it must be a function, or None")
+    return callback
