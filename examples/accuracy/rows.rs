@@ -1,6 +1,7 @@
 //! The tables, one function each. The targets are those of the project's accuracy goals.
 
 use crate::Sets;
+use crate::disturbance::Disturbance;
 use crate::frame::{Case, Edges, Errors, Frame, GIVEN, map};
 use crate::table::{Summary, Target, columns, print_head, print_row, print_targets};
 use cylfuse::fitter::{Method, ObjectiveKind, Options, StartKind};
@@ -126,6 +127,36 @@ pub fn disturbed(sets: &Sets) {
     for noise in [1.0, 3.0] {
         let all = with_noise(sets, &sets.wild, noise, &Case::default());
         print_row(&format!("frames/wild, {noise} px"), &all, &none);
+    }
+}
+
+/// Images as cameras and files deliver them.
+pub fn images(sets: &Sets) {
+    // Coded for display, an image should cost little; the others have no target.
+    let coded = [Target::NONE, Target::NONE, Target::mean(0.18), Target::NONE];
+    let rows = [
+        ("as given", Disturbance::None, coded),
+        ("sRGB", Disturbance::Srgb, coded),
+        ("to the power of 0.45", Disturbance::Power(0.45), coded),
+        ("to the power of 0.6", Disturbance::Power(0.6), coded),
+        ("to the power of 0.8", Disturbance::Power(0.8), coded),
+        ("to the power of 1.5", Disturbance::Power(1.5), coded),
+        ("JPEG, quality 80", Disturbance::Jpeg(80), [Target::NONE; 4]),
+        ("corners darker by 50 %", Disturbance::Vignetting(0.5), [Target::NONE; 4]),
+        ("exposed 2 times, white cut", Disturbance::Exposed(2.0), [Target::NONE; 4]),
+        ("Bayer pattern, noise", Disturbance::Bayer, [Target::NONE; 4]),
+        ("sharpened by 0.5", Disturbance::Sharpened(0.5), [Target::NONE; 4]),
+        ("sharpened by 1", Disturbance::Sharpened(1.0), [Target::NONE; 4]),
+        ("half the size and back", Disturbance::Halved, [Target::NONE; 4]),
+        ("sRGB, sharpened by 1, JPEG", Disturbance::Telephone, [Target::NONE; 4]),
+    ];
+    for (set, frames) in [("frames/paper", &sets.paper), ("frames/wild", &sets.wild)] {
+        print_head(&format!("{set}, images as cameras and files deliver them"));
+        for (name, disturbance, targets) in rows {
+            let case = Case { disturbance, ..Case::default() };
+            let targets = if set == "frames/paper" { targets } else { [Target::NONE; 4] };
+            print_row(name, &fit_all(sets, name, frames, &case), &targets);
+        }
     }
 }
 
