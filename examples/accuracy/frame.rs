@@ -81,6 +81,8 @@ pub struct Case {
     pub image: bool,
     /// What is done to the image.
     pub disturbance: Disturbance,
+    /// The gamma that the fit is told.
+    pub gamma: f64,
     /// Pixels by which the mask is dilated, or eroded where negative.
     pub grow: i32,
     /// Whether the fit knows the mask, or has the points of the mask only.
@@ -91,7 +93,15 @@ pub struct Case {
 impl Default for Case {
     fn default() -> Self {
         let options = Options { threads: 1, ..Options::default() };
-        Self { edges: GIVEN, image: true, disturbance: Disturbance::None, grow: 0, mask: true, options }
+        Self {
+            edges: GIVEN,
+            image: true,
+            disturbance: Disturbance::None,
+            gamma: 1.0,
+            grow: 0,
+            mask: true,
+            options,
+        }
     }
 }
 
@@ -142,8 +152,7 @@ impl Frame {
         alone.push_points(&PointsView::from_f64(&points), None)?;
         alone.push_edges(fitter.segments())?;
         if case.image {
-            let image = case.disturbance.applied(&self.inputs.image, self.inputs.size);
-            alone.push_image(&ImageView::from_u8(&image, self.inputs.size)?)?;
+            self.push_image(&mut alone, case)?;
         }
         alone.set_options(case.options)?;
         Ok((fitter, alone.fit()?.cylinder))
@@ -153,13 +162,18 @@ impl Frame {
     pub fn fitter(&self, case: &Case) -> Fitter {
         let mut inputs = self.inputs.clone();
         inputs.mask = grown(&inputs.mask, inputs.size, case.grow);
-        inputs.image = case.disturbance.applied(&inputs.image, inputs.size);
         let mut fitter = inputs.fitter();
         fitter.push_edges(&self.edges(case.edges)).unwrap();
         if case.image {
-            inputs.push_image(&mut fitter);
+            self.push_image(&mut fitter, case).unwrap();
         }
         fitter
+    }
+
+    fn push_image(&self, fitter: &mut Fitter, case: &Case) -> Result<(), Error> {
+        let Inputs { image, size, .. } = &self.inputs;
+        let image = case.disturbance.applied(image, *size);
+        fitter.push_image(&ImageView::from_u8(&image, *size)?.with_gamma(case.gamma)?)
     }
 
     /// The errors of a model; the extent is sought in the mask as given.

@@ -3,7 +3,7 @@
 use super::views::{ImageFormat, ImageView};
 use crate::error::{Error, Result};
 
-/// A grey image. Values are linear in the stored ones; their unit has no meaning.
+/// A grey image. Values are linear in light; their unit has no meaning.
 #[derive(Debug, Clone)]
 pub struct GreyImage {
     width: usize,
@@ -12,10 +12,11 @@ pub struct GreyImage {
 }
 
 impl GreyImage {
-    /// Copies an image.
+    /// Copies an image, and takes its gamma away.
     ///
     /// # Errors
-    /// `OutOfMemory`; `InvalidArgument` when a value is not finite, naming the pixel.
+    /// `OutOfMemory`; `InvalidArgument` when a value is not finite, or negative though coded with a gamma, naming the
+    /// pixel.
     pub fn copy(view: &ImageView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
         let mut values = Vec::new();
@@ -25,9 +26,15 @@ impl GreyImage {
         for row in 0..height {
             values.extend((0..width).map(|column| view.value(column, row)));
         }
-        if let (ImageFormat::F32, Some(index)) = (view.format(), values.iter().position(|v| !v.is_finite())) {
+        let coded = view.gamma() != 1.0;
+        let bad = |value: &f32| !value.is_finite() || coded && *value < 0.0;
+        if let (ImageFormat::F32, Some(index)) = (view.format(), values.iter().position(bad)) {
             let name = format!("image value at column {}, row {}", index % width, index / width);
-            return Err(Error::argument(name, values[index], "be finite"));
+            let requirement = if coded { "be finite, and not negative with a gamma" } else { "be finite" };
+            return Err(Error::argument(name, values[index], requirement));
+        }
+        if coded {
+            decode(&mut values, view);
         }
         Ok(Self { width, height, values })
     }
@@ -62,6 +69,24 @@ impl GreyImage {
     }
 }
 
+/// Makes light of coded values; the largest stays what it is.
+fn decode(values: &mut [f32], view: &ImageView<'_>) {
+    let largest = match view.format() {
+        ImageFormat::U8 => f32::from(u8::MAX),
+        ImageFormat::U16 => f32::from(u16::MAX),
+        ImageFormat::F32 => values.iter().copied().fold(f32::MIN_POSITIVE, f32::max),
+    };
+    let light = |value: f32| largest * f64::from(value / largest).powf(view.gamma()) as f32;
+    match view.format() {
+        ImageFormat::F32 => values.iter_mut().for_each(|value| *value = light(*value)),
+        // A power takes far longer than a look into a table.
+        ImageFormat::U8 | ImageFormat::U16 => {
+            let table: Vec<f32> = (0..=largest as u32).map(|value| light(value as f32)).collect();
+            values.iter_mut().for_each(|value| *value = table[*value as usize]);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,5 +99,42 @@ mod tests {
         let view = ImageView::from_f32(&[0.0, 1.0, f32::NAN, 2.0], (2, 2)).unwrap();
         let error = GreyImage::copy(&view).unwrap_err();
         assert_eq!(error.to_string(), "image value at column 0, row 1 is NaN; it must be finite");
+    }
+
+    #[test]
+    fn a_gamma_is_taken_away_in_every_format() {
+        let light = |view: Result<ImageView<'_>>| {
+            let image = GreyImage::copy(&view.unwrap().with_gamma(2.0).unwrap()).unwrap();
+            [0, 1, 2].map(|column| image.value(column, 0))
+        };
+        let near = |light: [f32; 3], white: f32| {
+            let expected = [0.0, 0.04, 1.0].map(|part| part * white);
+            for (value, expected) in light.into_iter().zip(expected) {
+                assert!((value - expected).abs() <= 1e-5 * white, "{light:?}");
+            }
+        };
+        near(light(ImageView::from_u8(&[0, 51, 255], (3, 1))), 255.0);
+        near(light(ImageView::from_u16(&[0, 13107, 65535], (3, 1))), 65535.0);
+        near(light(ImageView::from_f32(&[0.0, 0.6, 3.0], (3, 1))), 3.0);
+        let black = ImageView::from_f32(&[0.0; 3], (3, 1));
+        near(light(black), 0.0);
+    }
+
+    #[test]
+    fn a_bad_gamma_and_what_it_makes_bad_are_refused() {
+        let values = [0.5, -0.25];
+        let view = ImageView::from_f32(&values, (2, 1)).unwrap();
+        assert!(GreyImage::copy(&view).is_ok());
+        let error = GreyImage::copy(&view.with_gamma(2.2).unwrap()).unwrap_err().to_string();
+        assert!(
+            error.starts_with("image value at column 1, row 0 is -0.25; it must be finite, and not"),
+            "{error}"
+        );
+        for gamma in [0.0, -2.2, 11.0, f64::NAN, f64::INFINITY] {
+            let error = view.with_gamma(gamma).unwrap_err().to_string();
+            let expected =
+                format!("gamma of the image is {gamma}; it must lie in [0.1, 10]; 1 = linear in light");
+            assert!(error.starts_with(&expected), "{error}");
+        }
     }
 }
