@@ -214,9 +214,12 @@ function depthToC(depth) {
 }
 
 function imageToC(image) {
-  object('image', image, PIXELS);
+  object('image', image, [...PIXELS, 'gamma']);
   const { format, fields } = pixels('image', image, IMAGE_FORMATS);
-  return { ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format };
+  return {
+    ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format,
+    gamma: number('image.gamma', image.gamma ?? 1),
+  };
 }
 
 /** A mask for C; null for none. */

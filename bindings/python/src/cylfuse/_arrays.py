@@ -69,11 +69,12 @@ def mask_view(mask: Any) -> Optional[MaskView]:
     return _fill(make(MaskView), _two_dimensional("mask", mask, formats, "; mask != 0 converts it"))
 
 
-def image_view(image: Any) -> ImageView:
+def image_view(image: Any, gamma: float) -> ImageView:
     """A grey image of rows x columns."""
     _two_dimensional("image", image, _IMAGES, "; image.astype(numpy.float32) converts it")
     view = _fill(make(ImageView), image)
     view.format = _IMAGES[image.dtype]
+    view.gamma = gamma
     return view
 
 

@@ -129,6 +129,7 @@ class ImageView(Structure):
         ("height", c_uint32),
         ("row_stride", c_ssize_t),
         ("pixel_stride", c_ssize_t),
+        ("gamma", c_double),
     ]
 
 

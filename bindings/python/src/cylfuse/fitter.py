@@ -213,9 +213,10 @@ class Fitter:
         view, mask_view = _arrays.depth_view(depth, scale, min_depth, max_depth), _arrays.mask_view(mask)
         self._call(lib.cylfuse_fitter_push_depth, byref(view), _mask(mask_view), changes=True)
 
-    def push_image(self, image: Any) -> None:
-        """Takes the grey image of the camera (uint8, uint16 or float32): the limbs are located in it."""
-        view = _arrays.image_view(image)
+    def push_image(self, image: Any, gamma: float = 1.0) -> None:
+        """Takes the grey image of the camera (uint8, uint16 or float32): the limbs are located in it. Light is the
+        value to the power of ``gamma``: 2.2 for sRGB, in which cameras and image files usually come."""
+        view = _arrays.image_view(image, gamma)
         self._call(lib.cylfuse_fitter_push_image, byref(view), changes=True)
 
     def push_edges(self, edges: Any, weights: Any = None) -> None:
