@@ -126,7 +126,8 @@ impl BlockPixels {
         let mut sum_s = 0.0;
         let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
         for pixel in runs.flat_map(|k| strip.run(k)) {
-            if (-OUTSIDE..=INSIDE).contains(&(pixel.u - window.at(pixel.s))) {
+            // Where white was cut off the profile is not what the light was.
+            if !pixel.saturated && (-OUTSIDE..=INSIDE).contains(&(pixel.u - window.at(pixel.s))) {
                 let row = profile.at(pixel.u - line.at(pixel.s))?;
                 let [outer, inner, sine, lean] = row.values;
                 let inside = inner + shading[0] * sine + shading[1] * lean;

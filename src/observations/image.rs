@@ -9,6 +9,8 @@ pub struct GreyImage {
     width: usize,
     height: usize,
     values: Vec<f32>,
+    /// The value at which the sensor or the file cut brighter light off; infinity where nothing says so.
+    white: f32,
 }
 
 impl GreyImage {
@@ -33,10 +35,12 @@ impl GreyImage {
             let requirement = if coded { "be finite, and not negative with a gamma" } else { "be finite" };
             return Err(Error::argument(name, values[index], requirement));
         }
+        let cut = ends_at_white(&values, view.format());
         if coded {
             decode(&mut values, view);
         }
-        Ok(Self { width, height, values })
+        let white = if cut { largest(&values) } else { f32::INFINITY };
+        Ok(Self { width, height, values, white })
     }
 
     /// Columns.
@@ -62,6 +66,14 @@ impl GreyImage {
         self.values[row * self.width + column]
     }
 
+    /// Whether a value of the image stands for any light from there on: it is the largest that some number of bits, 8
+    /// or more, can hold. No value of a floating-point image is.
+    #[inline]
+    #[must_use]
+    pub fn is_saturated(&self, value: f32) -> bool {
+        value >= self.white
+    }
+
     /// One row.
     #[must_use]
     pub fn row(&self, row: usize) -> &[f32] {
@@ -69,19 +81,29 @@ impl GreyImage {
     }
 }
 
-/// Makes light of coded values; the largest stays what it is.
+fn largest(values: &[f32]) -> f32 {
+    values.iter().copied().fold(0.0, f32::max)
+}
+
+/// Whether the largest value is one at which numbers of 8 bits or more end: sensors of 10 or 12 bits come as 16.
+fn ends_at_white(values: &[f32], format: ImageFormat) -> bool {
+    let largest = largest(values);
+    format != ImageFormat::F32 && largest >= 255.0 && (largest as u32 + 1).is_power_of_two()
+}
+
+/// Makes light of coded values; the largest that the format can hold stays what it is.
 fn decode(values: &mut [f32], view: &ImageView<'_>) {
-    let largest = match view.format() {
+    let end = match view.format() {
         ImageFormat::U8 => f32::from(u8::MAX),
         ImageFormat::U16 => f32::from(u16::MAX),
-        ImageFormat::F32 => values.iter().copied().fold(f32::MIN_POSITIVE, f32::max),
+        ImageFormat::F32 => largest(values).max(f32::MIN_POSITIVE),
     };
-    let light = |value: f32| largest * f64::from(value / largest).powf(view.gamma()) as f32;
+    let light = |value: f32| end * f64::from(value / end).powf(view.gamma()) as f32;
     match view.format() {
         ImageFormat::F32 => values.iter_mut().for_each(|value| *value = light(*value)),
         // A power takes far longer than a look into a table.
         ImageFormat::U8 | ImageFormat::U16 => {
-            let table: Vec<f32> = (0..=largest as u32).map(|value| light(value as f32)).collect();
+            let table: Vec<f32> = (0..=end as u32).map(|value| light(value as f32)).collect();
             values.iter_mut().for_each(|value| *value = table[*value as usize]);
         }
     }
@@ -118,6 +140,22 @@ mod tests {
         near(light(ImageView::from_f32(&[0.0, 0.6, 3.0], (3, 1))), 3.0);
         let black = ImageView::from_f32(&[0.0; 3], (3, 1));
         near(light(black), 0.0);
+    }
+
+    #[test]
+    fn what_is_as_bright_as_the_bits_allow_is_saturated() {
+        let saturated = |view: Result<ImageView<'_>>, gamma: f64| {
+            let image = GreyImage::copy(&view.unwrap().with_gamma(gamma).unwrap()).unwrap();
+            [0, 1].map(|column| image.is_saturated(image.value(column, 0)))
+        };
+        for gamma in [1.0, 2.2] {
+            assert_eq!(saturated(ImageView::from_u8(&[254, 255], (2, 1)), gamma), [false, true]);
+            assert_eq!(saturated(ImageView::from_u8(&[127, 254], (2, 1)), gamma), [false; 2]);
+            assert_eq!(saturated(ImageView::from_u16(&[255, 4095], (2, 1)), gamma), [false, true]);
+            assert_eq!(saturated(ImageView::from_u16(&[4095, 4096], (2, 1)), gamma), [false; 2]);
+            assert_eq!(saturated(ImageView::from_u16(&[65535, 65534], (2, 1)), gamma), [true, false]);
+            assert_eq!(saturated(ImageView::from_f32(&[1.0, 255.0], (2, 1)), gamma), [false; 2]);
+        }
     }
 
     #[test]
