@@ -162,6 +162,17 @@ pub fn images(sets: &Sets) {
             }
         }
     }
+    if sets.real.is_empty() {
+        return;
+    }
+    println!("\n### real frames, radius error (%) by the gamma that the fit is told\n");
+    print_real_head(sets, "");
+    for (edges, name) in [(GIVEN, "image and edges"), (Edges::None, "image, no edges")] {
+        for gamma in [1.0, 2.2] {
+            let errors = radius_errors(sets, &Case { edges, gamma, ..Case::default() });
+            print_real_row(&format!("{name}, gamma {gamma}"), &errors, "");
+        }
+    }
 }
 
 /// Standard deviations of axis (degrees), centre (mm), radius (%) and length (%) over the captures of each scene,
@@ -227,21 +238,31 @@ fn radius_errors(sets: &Sets, case: &Case) -> Vec<f64> {
     })
 }
 
+/// Prints the head of a table of recorded frames, with further columns in Markdown, and gives the names of the frames.
+fn print_real_head<'a>(sets: &'a Sets, more: &str) -> Vec<&'a str> {
+    let names: Vec<&str> = sets.real.iter().map(|frame| &frame.name[..]).collect();
+    println!("| row | {} | median | worst |{more}", names.join(" | "));
+    println!("|---|{}---|---|{}", "---|".repeat(names.len()), "---|".repeat(more.matches('|').count()));
+    names
+}
+
+fn print_real_row(name: &str, errors: &[f64], more: &str) -> Summary {
+    let summary = Summary::new(errors.iter().map(|error| error.abs()).collect());
+    let texts: Vec<String> = errors.iter().map(|error| format!("{error:+.2}")).collect();
+    let Summary { median, worst, .. } = summary;
+    println!("| {name} | {} | {median:.2} | {worst:.2} |{more}", texts.join(" | "));
+    summary
+}
+
 pub fn real(sets: &Sets) {
     if sets.real.is_empty() {
         return;
     }
     println!("\n### real frames, radius error (%) against the radius in the scale of the sensor\n");
-    let names: Vec<&str> = sets.real.iter().map(|frame| &frame.name[..]).collect();
-    println!("| row | {} | median | worst | missed |", names.join(" | "));
-    println!("|---|{}---|---|---|", "---|".repeat(names.len()));
+    let names = print_real_head(sets, " missed |");
     for (mask, grow) in [("mask as given", 0), ("mask dilated 3 px", REAL_GROWTH)] {
         let print = |name: &str, errors: &[f64], missed: &str| {
-            let summary = Summary::new(errors.iter().map(|error| error.abs()).collect());
-            let texts: Vec<String> = errors.iter().map(|error| format!("{error:+.2}")).collect();
-            let Summary { median, worst, .. } = summary;
-            println!("| {mask}: {name} | {} | {median:.2} | {worst:.2} | {missed} |", texts.join(" | "));
-            summary
+            print_real_row(&format!("{mask}: {name}"), errors, &format!(" {missed} |"))
         };
         let case = Case { grow, ..Case::default() };
         let paper = radius_errors(sets, &Case { image: false, options: paper_options(), ..case });

@@ -200,7 +200,8 @@ impl Strip {
     }
 
     /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
-    /// that edges do not count; white has no noise), and not below a thousandth of the range of the values: images are quantised.
+    /// that edges do not count; saturated pixels have no noise), and not below a thousandth of the range of the
+    /// values: images are quantised.
     pub fn noise(&self) -> f64 {
         let mut differences: Vec<f64> = self
             .runs()
