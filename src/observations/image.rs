@@ -35,7 +35,8 @@ impl GreyImage {
             let requirement = if coded { "be finite, and not negative with a gamma" } else { "be finite" };
             return Err(Error::argument(name, values[index], requirement));
         }
-        let cut = ends_at_white(&values, view.format());
+        // A flat background may well be the largest value of a floating-point image.
+        let cut = view.format() != ImageFormat::F32 && ends_numbers(largest(&values));
         if coded {
             decode(&mut values, view);
         }
@@ -81,14 +82,14 @@ impl GreyImage {
     }
 }
 
+/// The largest value, at least 0.
 fn largest(values: &[f32]) -> f32 {
     values.iter().copied().fold(0.0, f32::max)
 }
 
-/// Whether the largest value is one at which numbers of 8 bits or more end: sensors of 10 or 12 bits come as 16.
-fn ends_at_white(values: &[f32], format: ImageFormat) -> bool {
-    let largest = largest(values);
-    format != ImageFormat::F32 && largest >= 255.0 && (largest as u32 + 1).is_power_of_two()
+/// Whether an integer is one at which numbers of 8 bits or more end: sensors of 10 or 12 bits come as 16.
+fn ends_numbers(value: f32) -> bool {
+    value >= 255.0 && (value as u32 + 1).is_power_of_two()
 }
 
 /// Makes light of coded values; the largest that the format can hold stays what it is.
