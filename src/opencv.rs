@@ -136,11 +136,17 @@ pub fn push_points(fitter: &mut Fitter, points: &impl MatTraitConst, mask: Optio
 }
 
 /// Pushes a grey image `CV_8UC1`, `CV_16UC1` or `CV_32FC1`, or a colour image `CV_8UC3` or `CV_8UC4` (blue first),
-/// which is made grey: see [`Fitter::push_image`].
+/// which is made grey; `gamma` is 1 for values linear in light and 2.2 for sRGB, in which cameras and image files
+/// usually come. See [`Fitter::push_image`] and [`ImageView::with_gamma`].
 ///
 /// # Errors
-/// `InvalidArgument` for an empty matrix or one of another type, and those of [`Fitter::push_image`].
-pub fn push_image(fitter: &mut Fitter, image: &(impl MatTraitConst + ToInputArray)) -> Result<()> {
+/// `InvalidArgument` for an empty matrix or one of another type, and those of [`Fitter::push_image`] and
+/// [`ImageView::with_gamma`].
+pub fn push_image(
+    fitter: &mut Fitter,
+    image: &(impl MatTraitConst + ToInputArray),
+    gamma: f64,
+) -> Result<()> {
     let types = [CV_8UC1, CV_16UC1, CV_32FC1, CV_8UC3, CV_8UC4];
     Elements::of(image, "the image", &types)?;
     let grey = grey(image)?;
@@ -150,7 +156,7 @@ pub fn push_image(fitter: &mut Fitter, image: &(impl MatTraitConst + ToInputArra
         CV_16UC1 => ImageFormat::U16,
         _ => ImageFormat::F32,
     };
-    fitter.push_image(&ImageView::new(grey.grid()?, format))
+    fitter.push_image(&ImageView::new(grey.grid()?, format).with_gamma(gamma)?)
 }
 
 /// A copy of an image in grey.

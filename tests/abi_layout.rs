@@ -48,7 +48,7 @@ fn layouts() -> Vec<Layout> {
         }
         cylfuse_depth_out { struct_size, format, data, width, height, row_stride, pixel_stride, scale }
         cylfuse_mask_view { struct_size, reserved, data, width, height, row_stride, pixel_stride }
-        cylfuse_image_view { struct_size, format, data, width, height, row_stride, pixel_stride }
+        cylfuse_image_view { struct_size, format, data, width, height, row_stride, pixel_stride, gamma }
         cylfuse_segments_view { struct_size, scalar, data, count, segment_stride, weights }
         cylfuse_options {
             struct_size, method, objective, start, near_wall, chart, max_iterations, max_threads, edge_weight,

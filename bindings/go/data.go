@@ -67,8 +67,8 @@ type Depth interface {
 	depthView() (depthView, error)
 }
 
-// GreyImage is what the camera saw, linear in the light or in its root, in memory of the caller, which is read during
-// the call only.
+// GreyImage is what the camera saw, linear in light or with a gamma, in memory of the caller, which is read during the
+// call only.
 type GreyImage[T uint8 | uint16 | float32] struct {
 	// Data holds the first row at its beginning.
 	Data []T
@@ -79,6 +79,8 @@ type GreyImage[T uint8 | uint16 | float32] struct {
 	// PixelStride is the distance of a pixel from the next one, in numbers; 0 = 1. With 3 the first channel of packed
 	// colours.
 	PixelStride int
+	// Gamma is the power of the value that is light: 2.2 for sRGB, in which cameras and image files usually come; 0 = 1.
+	Gamma float64
 }
 
 // Image is a GreyImage of uint8, uint16 or float32.
@@ -216,6 +218,7 @@ func (image GreyImage[T]) imageView() (imageView, error) {
 	}
 	call.view.width, call.view.height = pixels.width, pixels.height
 	call.view.row_stride, call.view.pixel_stride = pixels.rowStride, pixels.pixelStride
+	call.view.gamma = C.double(image.Gamma)
 	return call, nil
 }
 

@@ -1,11 +1,12 @@
 //! Frames, what is done to their inputs, and the errors of a fit to them.
 
+use crate::disturbance::Disturbance;
 use crate::frames::{Inputs, cylinder, json};
 use crate::support::Noise;
 use cylfuse::error::Error;
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{EdgeSegment, MaskView, PointsView};
+use cylfuse::observations::{EdgeSegment, ImageView, MaskView, PointsView};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -78,6 +79,10 @@ pub const GIVEN: Edges = Edges::Both { noise: 0.0, seed: 0 };
 pub struct Case {
     pub edges: Edges,
     pub image: bool,
+    /// What is done to the image.
+    pub disturbance: Disturbance,
+    /// The gamma that the fit is told.
+    pub gamma: f64,
     /// Pixels by which the mask is dilated, or eroded where negative.
     pub grow: i32,
     /// Whether the fit knows the mask, or has the points of the mask only.
@@ -88,7 +93,15 @@ pub struct Case {
 impl Default for Case {
     fn default() -> Self {
         let options = Options { threads: 1, ..Options::default() };
-        Self { edges: GIVEN, image: true, grow: 0, mask: true, options }
+        Self {
+            edges: GIVEN,
+            image: true,
+            disturbance: Disturbance::None,
+            gamma: 1.0,
+            grow: 0,
+            mask: true,
+            options,
+        }
     }
 }
 
@@ -139,7 +152,7 @@ impl Frame {
         alone.push_points(&PointsView::from_f64(&points), None)?;
         alone.push_edges(fitter.segments())?;
         if case.image {
-            self.inputs.push_image(&mut alone);
+            self.push_image(&mut alone, case)?;
         }
         alone.set_options(case.options)?;
         Ok((fitter, alone.fit()?.cylinder))
@@ -152,9 +165,15 @@ impl Frame {
         let mut fitter = inputs.fitter();
         fitter.push_edges(&self.edges(case.edges)).unwrap();
         if case.image {
-            inputs.push_image(&mut fitter);
+            self.push_image(&mut fitter, case).unwrap();
         }
         fitter
+    }
+
+    fn push_image(&self, fitter: &mut Fitter, case: &Case) -> Result<(), Error> {
+        let Inputs { image, size, .. } = &self.inputs;
+        let image = case.disturbance.applied(image, *size);
+        fitter.push_image(&ImageView::from_u8(&image, *size)?.with_gamma(case.gamma)?)
     }
 
     /// The errors of a model; the extent is sought in the mask as given.

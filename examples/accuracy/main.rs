@@ -8,6 +8,7 @@ mod frames;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 
+mod disturbance;
 mod frame;
 mod rows;
 mod table;
@@ -27,12 +28,13 @@ struct Sets {
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 9] = [
+const ROWS: [Row; 10] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
     ("no-image", rows::no_image),
     ("disturbed", rows::disturbed),
+    ("images", rows::images),
     ("repeat", rows::repeat),
     ("real", rows::real),
     ("never-worse", rows::never_worse),

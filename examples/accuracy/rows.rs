@@ -1,6 +1,7 @@
 //! The tables, one function each. The targets are those of the project's accuracy goals.
 
 use crate::Sets;
+use crate::disturbance::Disturbance;
 use crate::frame::{Case, Edges, Errors, Frame, GIVEN, map};
 use crate::table::{Summary, Target, columns, print_head, print_row, print_targets};
 use cylfuse::fitter::{Method, ObjectiveKind, Options, StartKind};
@@ -129,6 +130,51 @@ pub fn disturbed(sets: &Sets) {
     }
 }
 
+/// Images as cameras and files deliver them, and the gamma that the fit is told.
+pub fn images(sets: &Sets) {
+    let rows = [
+        ("as given", Disturbance::None, 1.0),
+        ("sRGB", Disturbance::Srgb, 2.2),
+        ("to the power of 0.45", Disturbance::Power(0.45), 1.0 / 0.45),
+        ("to the power of 0.6", Disturbance::Power(0.6), 1.0 / 0.6),
+        ("to the power of 0.8", Disturbance::Power(0.8), 1.0 / 0.8),
+        ("to the power of 1.5", Disturbance::Power(1.5), 1.0 / 1.5),
+        ("JPEG, quality 80", Disturbance::Jpeg(80), 1.0),
+        ("corners darker by 50 %", Disturbance::Vignetting(0.5), 1.0),
+        ("exposed 2 times, white cut", Disturbance::Exposed(2.0), 1.0),
+        ("Bayer pattern, noise", Disturbance::Bayer, 1.0),
+        ("sharpened by 0.5", Disturbance::Sharpened(0.5), 1.0),
+        ("sharpened by 1", Disturbance::Sharpened(1.0), 1.0),
+        ("half the size and back", Disturbance::Halved, 1.0),
+        ("sRGB, sharpened by 1, JPEG", Disturbance::Telephone, 2.2),
+    ];
+    let coded = [Target::NONE, Target::NONE, Target::mean(0.18), Target::NONE];
+    for (set, frames) in [("frames/paper", &sets.paper), ("frames/wild", &sets.wild)] {
+        print_head(&format!("{set}, images as cameras and files deliver them"));
+        for (name, disturbance, gamma) in rows {
+            let case = Case { disturbance, ..Case::default() };
+            print_row(name, &fit_all(sets, name, frames, &case), &[Target::NONE; 4]);
+            if gamma != 1.0 {
+                let name = format!("{name}, gamma told");
+                let of_curve = set == "frames/paper" && disturbance != Disturbance::Telephone;
+                let targets = if of_curve { coded } else { [Target::NONE; 4] };
+                print_row(&name, &fit_all(sets, &name, frames, &Case { gamma, ..case }), &targets);
+            }
+        }
+    }
+    if sets.real.is_empty() {
+        return;
+    }
+    println!("\n### real frames, radius error (%) by the gamma that the fit is told\n");
+    print_real_head(sets, "");
+    for (edges, name) in [(GIVEN, "image and edges"), (Edges::None, "image, no edges")] {
+        for gamma in [1.0, 2.2] {
+            let errors = radius_errors(sets, &Case { edges, gamma, ..Case::default() });
+            print_real_row(&format!("{name}, gamma {gamma}"), &errors, "");
+        }
+    }
+}
+
 /// Standard deviations of axis (degrees), centre (mm), radius (%) and length (%) over the captures of each scene,
 /// root mean square over the scenes.
 fn spread(sets: &Sets, case: &Case) -> [f64; 4] {
@@ -192,21 +238,31 @@ fn radius_errors(sets: &Sets, case: &Case) -> Vec<f64> {
     })
 }
 
+/// Prints the head of a table of recorded frames, with further columns in Markdown, and gives the names of the frames.
+fn print_real_head<'a>(sets: &'a Sets, more: &str) -> Vec<&'a str> {
+    let names: Vec<&str> = sets.real.iter().map(|frame| &frame.name[..]).collect();
+    println!("| row | {} | median | worst |{more}", names.join(" | "));
+    println!("|---|{}---|---|{}", "---|".repeat(names.len()), "---|".repeat(more.matches('|').count()));
+    names
+}
+
+fn print_real_row(name: &str, errors: &[f64], more: &str) -> Summary {
+    let summary = Summary::new(errors.iter().map(|error| error.abs()).collect());
+    let texts: Vec<String> = errors.iter().map(|error| format!("{error:+.2}")).collect();
+    let Summary { median, worst, .. } = summary;
+    println!("| {name} | {} | {median:.2} | {worst:.2} |{more}", texts.join(" | "));
+    summary
+}
+
 pub fn real(sets: &Sets) {
     if sets.real.is_empty() {
         return;
     }
     println!("\n### real frames, radius error (%) against the radius in the scale of the sensor\n");
-    let names: Vec<&str> = sets.real.iter().map(|frame| &frame.name[..]).collect();
-    println!("| row | {} | median | worst | missed |", names.join(" | "));
-    println!("|---|{}---|---|---|", "---|".repeat(names.len()));
+    let names = print_real_head(sets, " missed |");
     for (mask, grow) in [("mask as given", 0), ("mask dilated 3 px", REAL_GROWTH)] {
         let print = |name: &str, errors: &[f64], missed: &str| {
-            let summary = Summary::new(errors.iter().map(|error| error.abs()).collect());
-            let texts: Vec<String> = errors.iter().map(|error| format!("{error:+.2}")).collect();
-            let Summary { median, worst, .. } = summary;
-            println!("| {mask}: {name} | {} | {median:.2} | {worst:.2} | {missed} |", texts.join(" | "));
-            summary
+            print_real_row(&format!("{mask}: {name}"), errors, &format!(" {missed} |"))
         };
         let case = Case { grow, ..Case::default() };
         let paper = radius_errors(sets, &Case { image: false, options: paper_options(), ..case });

@@ -671,8 +671,8 @@ typedef int32_t cylfuse_image_format;
 #define CYLFUSE_IMAGE_FORMAT_F32 3
 
 /**
- * A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
- * the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+ * A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are those of the
+ * light, as they are or with a gamma, not an equalised or filtered picture.
  */
 typedef struct cylfuse_image_view {
     /**
@@ -705,6 +705,11 @@ typedef struct cylfuse_image_view {
      * colours.
      */
     ptrdiff_t pixel_stride;
+    /**
+     * Light is the value to this power, from 0.1 to 10: 1 for values linear in light, 2.2 for sRGB, in which cameras
+     * and image files usually come. With another one than 1 no value may be negative. 0 = 1.
+     */
+    double gamma;
 } cylfuse_image_view;
 
 /**
@@ -1538,7 +1543,8 @@ cylfuse_status cylfuse_mask_view_init(struct cylfuse_mask_view *mask,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Fills a view of a grey image with zeros: packed; the caller sets format, data and size.
+ * Fills a view of a grey image with zeros and a gamma of 1: packed, linear in light; the caller sets format, data
+ * and size.
  *
  * @param image what to fill
  * @param struct_size `sizeof(cylfuse_image_view)`
@@ -1767,8 +1773,8 @@ CYLFUSE_NOEXCEPT;
  *
  * @param fitter the fitter
  * @param image read during the call only
- * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or a value that is not
- *   finite, OUT_OF_MEMORY; the earlier image stays then
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or gamma, or a value that is
+ *   not finite or that the gamma forbids, OUT_OF_MEMORY; the earlier image stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_push_image(struct cylfuse_fitter *fitter,

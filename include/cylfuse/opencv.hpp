@@ -151,10 +151,16 @@ inline ImageView image_view(const cv::Mat &image)
     }
 }
 
-/** Pushes a grey image, or a colour image CV_8UC3 or CV_8UC4 (blue first), which is made grey in new memory. */
-inline void push_image(Fitter &fitter, const cv::Mat &image)
+/**
+ * Pushes a grey image, or a colour image CV_8UC3 or CV_8UC4 (blue first), which is made grey in new memory. `gamma` is
+ * 1 for values linear in light and 2.2 for sRGB, in which cameras and image files usually come.
+ */
+inline void push_image(Fitter &fitter, const cv::Mat &image, double gamma = 1.0)
 {
-    fitter.push_image(image_view(detail::grey(image)));
+    const cv::Mat grey = detail::grey(image);
+    ImageView view = image_view(grey);
+    view.gamma = gamma;
+    fitter.push_image(view);
 }
 
 /** An organised cloud CV_32FC3 or CV_64FC3, such as cv::reprojectImageTo3D() and cv::rgbd give. */

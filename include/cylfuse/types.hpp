@@ -309,7 +309,7 @@ struct MaskView : cylfuse_mask_view {
     }
 };
 
-/** A grey image in the caller's memory. */
+/** A grey image in the caller's memory. Its values are linear in light; set `gamma` where they are not. */
 struct ImageView : cylfuse_image_view {
     /** No image. */
     ImageView() noexcept { cylfuse_image_view_init(this, sizeof(cylfuse_image_view)); }

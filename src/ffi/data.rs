@@ -90,8 +90,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
 ///
 /// @param fitter the fitter
 /// @param image read during the call only
-/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or a value that is not
-///   finite, OUT_OF_MEMORY; the earlier image stays then
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or gamma, or a value that is
+///   not finite or that the gamma forbids, OUT_OF_MEMORY; the earlier image stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_push_image(
     fitter: *mut cylfuse_fitter,

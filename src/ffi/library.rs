@@ -154,7 +154,8 @@ pub unsafe extern "C" fn cylfuse_mask_view_init(
     unsafe { fill(mask, "mask", struct_size, zeroed) }
 }
 
-/// Fills a view of a grey image with zeros: packed; the caller sets format, data and size.
+/// Fills a view of a grey image with zeros and a gamma of 1: packed, linear in light; the caller sets format, data
+/// and size.
 ///
 /// @param image what to fill
 /// @param struct_size `sizeof(cylfuse_image_view)`
@@ -164,7 +165,7 @@ pub unsafe extern "C" fn cylfuse_image_view_init(
     struct_size: usize,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { fill(image, "image", struct_size, zeroed) }
+    unsafe { fill(image, "image", struct_size, || cylfuse_image_view { gamma: 1.0, ..zeroed() }) }
 }
 
 /// Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.

@@ -194,8 +194,8 @@ pub struct cylfuse_mask_view {
     pub pixel_stride: isize,
 }
 
-/// A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are linear in
-/// the light (or in its root, as of ordinary cameras), not an equalised or filtered picture.
+/// A grey image in the caller's memory, on the pixels of the camera. Its values have no unit, but are those of the
+/// light, as they are or with a gamma, not an equalised or filtered picture.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cylfuse_image_view {
@@ -215,6 +215,9 @@ pub struct cylfuse_image_view {
     /// Bytes from a pixel to the next one; 0 = the size of one. With 3 and U8 the first channel of packed
     /// colours.
     pub pixel_stride: isize,
+    /// Light is the value to this power, from 0.1 to 10: 1 for values linear in light, 2.2 for sRGB, in which cameras
+    /// and image files usually come. With another one than 1 no value may be negative. 0 = 1.
+    pub gamma: f64,
 }
 
 /// Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)

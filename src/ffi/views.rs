@@ -239,7 +239,8 @@ pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageVi
     };
     let grid = images("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
-    Ok(ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format))
+    let linear = ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format);
+    Ok(if view.gamma == 0.0 { linear } else { linear.with_gamma(view.gamma)? })
 }
 
 /// Edge segments.

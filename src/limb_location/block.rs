@@ -97,11 +97,13 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
     (0..count.div_ceil(BLOCK_RUNS)).map(move |k| k * BLOCK_RUNS..((k + 1) * BLOCK_RUNS).min(count))
 }
 
-/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line.
-fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> &'a [StripPixel] {
+/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line. Where white was cut off the profile is not what the
+/// light was.
+fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> impl Iterator<Item = &'a StripPixel> {
     let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE);
     let run = &run[first..];
-    &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)]
+    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)];
+    about.iter().filter(|pixel| !pixel.saturated)
 }
 
 /// The pixels of a block, and its two levels.

@@ -68,6 +68,8 @@ pub(super) struct StripPixel {
     pub s: f64,
     pub u: f64,
     pub value: f64,
+    /// Whether the light may be any from the value on.
+    pub saturated: bool,
 }
 
 /// The pixels within some distance of a baseline, in runs across it: pieces of image rows where the line is
@@ -162,6 +164,7 @@ impl Strip {
                 s: parabola(before.0, here.0, after.0, x),
                 u: parabola(before.1, here.1, after.1, x),
                 value: f64::from(value),
+                saturated: image.is_saturated(value),
             });
         }
         if self.pixels.len() == begin {
@@ -197,10 +200,12 @@ impl Strip {
     }
 
     /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
-    /// that edges do not count), and not below a thousandth of the range of the values: images are quantised.
+    /// that edges do not count; saturated pixels have no noise), and not below a thousandth of the range of the
+    /// values: images are quantised.
     pub fn noise(&self) -> f64 {
-        let differences =
-            self.runs().flat_map(|run| run.windows(3).map(|w| w[0].value - 2.0 * w[1].value + w[2].value));
+        let runs = self.runs().flat_map(|run| run.windows(3));
+        let seen = runs.filter(|w| w.iter().all(|pixel| !pixel.saturated));
+        let differences = seen.map(|w| w[0].value - 2.0 * w[1].value + w[2].value);
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
         (DEVIATION_OF_MEDIAN * median_size(differences) / 6.0_f64.sqrt()).max(floor)
     }

@@ -162,6 +162,11 @@ fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
 }
 
 #[test]
+fn white_that_was_cut_off_does_not_move_the_limbs() {
+    Scene { background: 600.0, ..Scene::new() }.check(0.1);
+}
+
+#[test]
 fn a_lens_does_not_bend_the_lines() {
     let lens = Distortion::brown_conrady(&[-0.25, 0.08, 0.002, -0.001]).unwrap();
     Scene { camera: camera(lens), background: 220.0, ..Scene::new() }.check(0.1);

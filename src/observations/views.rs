@@ -322,18 +322,35 @@ pub enum ImageFormat {
     F32,
 }
 
+/// The gammas that an image may have, far beyond those in use (0.45 to 2.8).
+const GAMMAS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
 /// A grey image in memory.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageView<'a> {
     pixels: Strided<'a>,
     format: ImageFormat,
+    gamma: f64,
 }
 
 impl<'a> ImageView<'a> {
-    /// A grey image at the elements of a grid.
+    /// A grey image at the elements of a grid, its values linear in light.
     #[must_use]
     pub fn new(pixels: Strided<'a>, format: ImageFormat) -> Self {
-        Self { pixels, format }
+        Self { pixels, format, gamma: 1.0 }
+    }
+
+    /// The same image with values that are coded with a gamma: light is the value to the power of `gamma`, and 0 is
+    /// black. 1 stands for values linear in light; 2.2 for sRGB, in which cameras and image files usually come.
+    ///
+    /// # Errors
+    /// `InvalidArgument` for a gamma outside 0.1 to 10.
+    pub fn with_gamma(self, gamma: f64) -> Result<Self> {
+        if !GAMMAS.contains(&gamma) {
+            let requirement = "lie in [0.1, 10]; 1 = linear in light, 2.2 = sRGB";
+            return Err(Error::argument("gamma of the image", gamma, requirement));
+        }
+        Ok(Self { gamma, ..self })
     }
 
     /// A packed 8-bit image, row by row.
@@ -378,6 +395,12 @@ impl<'a> ImageView<'a> {
     #[must_use]
     pub fn format(&self) -> ImageFormat {
         self.format
+    }
+
+    /// The power that makes light of a value.
+    #[must_use]
+    pub fn gamma(&self) -> f64 {
+        self.gamma
     }
 
     /// One value.

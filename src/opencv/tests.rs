@@ -58,7 +58,7 @@ fn all_images_pass_in_all_their_types() {
     let mut colour = Mat::default();
     imgproc::cvt_color_def(&grey, &mut colour, imgproc::COLOR_GRAY2BGR).unwrap();
     for image in [&grey, &colour] {
-        push_image(&mut fitter, image).unwrap();
+        push_image(&mut fitter, image, 1.0).unwrap();
         assert_eq!(fitter.image().unwrap().value(340, 240), f32::from(*grey.at_2d::<u8>(240, 340).unwrap()));
     }
 }
@@ -106,7 +106,7 @@ fn what_is_wrong_is_named() {
     let small = Mat::new_rows_cols_with_default(10, 20, CV_8UC1, Value::all(255.0)).unwrap();
     let error = text(push_depth(&mut fitter, &depth_image(), 1e-4, Some(&small), &range).unwrap_err());
     assert!(error.contains("20 x 10") && error.contains("640 x 480"), "{error}");
-    let error = text(push_image(&mut fitter, &small).unwrap_err());
+    let error = text(push_image(&mut fitter, &small, 1.0).unwrap_err());
     assert!(error.contains("20 x 10") && error.contains("640 x 480"), "{error}");
     let error = text(intrinsics(&small, &empty, (640, 480)).unwrap_err());
     assert!(error.contains("the camera matrix is 10 x 20 of type CV_8UC1"), "{error}");

@@ -342,6 +342,30 @@ static void images_of_any_format_and_stride(void)
     }
     free(memory);
 
+    /* Coded with a gamma. A program that was compiled before there was one has none. */
+    image = scene_image();
+    CHECK(image.gamma == 1.0);
+    float *coded = exactly(sizeof the_scene.image);
+    for (int k = 0; k < PIXELS; k++) {
+        coded[k] = (float)pow(the_scene.image[k], 1.0 / 2.2);
+    }
+    image.data = coded;
+    image.gamma = 2.2;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+    CHECK_NEAR(fit(fitter).model.radius, packed.model.radius, 1e-8);
+    image.gamma = 1.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+    cylfuse_result as_linear = fit(fitter);
+    CHECK(as_linear.model.radius != packed.model.radius);
+    image.gamma = 0.0;
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+    CHECK(fit(fitter).model.radius == as_linear.model.radius);
+    image.gamma = 2.2;
+    image.struct_size = offsetof(cylfuse_image_view, gamma);
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), OK, "");
+    CHECK(fit(fitter).model.radius == as_linear.model.radius);
+    free(coded);
+
     /* The segments as they are, by an option. */
     cylfuse_options options;
     CHECK_OK(cylfuse_options_init(&options, sizeof options));
@@ -390,6 +414,13 @@ static void images_that_are_refused(void)
         image = scene_image();
         image.row_stride = huge[k];
         CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT, "fit into memory");
+    }
+    double gammas[3] = {-1.0, 10.5, NAN};
+    for (int k = 0; k < 3; k++) {
+        image = scene_image();
+        image.gamma = gammas[k];
+        CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,
+                    "it must lie in [0.1, 10]; 1 = linear in light, 2.2 = sRGB");
     }
     image = scene_image();
     float *bad = copy_of(the_scene.image, sizeof the_scene.image);

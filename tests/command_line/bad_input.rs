@@ -77,8 +77,10 @@ fn values_that_no_camera_has_are_refused() {
         ("/camera/height", json!(4_000_000_000_u32), "INVALID_INTRINSICS", ["640 x 4000000000", "at most"]),
         ("/depth_scale", json!(0), "INVALID_ARGUMENT", ["depth scale is 0", "greater than 0"]),
         ("/depth_scale", json!(-0.001), "INVALID_ARGUMENT", ["depth scale is -0.001", "greater than 0"]),
+        ("/image_gamma", json!(22), "INVALID_ARGUMENT", ["gamma of the image is 22", "[0.1, 10]"]),
     ] {
         let mut copy = Copy::new();
+        copy.json["image_gamma"] = json!(1);
         *copy.json.pointer_mut(pointer).unwrap() = value;
         fails(&copy.write(), &[], status, &fragments);
     }

@@ -38,6 +38,23 @@ fn images_may_be_grey_or_colour_of_8_or_16_bits() {
 }
 
 #[test]
+fn an_image_may_be_coded_with_a_gamma() {
+    let mut copy = Copy::of("w022");
+    let mut grey = image::open(copy.path("image.png")).unwrap().to_luma16();
+    grey.pixels_mut().for_each(|p| p.0[0] = (65535.0 * (f64::from(p.0[0]) / 65535.0).powf(1.0 / 2.2)) as u16);
+    grey.save_with_format(copy.path("image.png"), ImageFormat::Png).unwrap();
+    let radius = |cylinder: &Value| cylinder["radius"].as_f64().unwrap();
+    let expected = radius(&fitted(&data("w022"), &[])["cylinder"]);
+    let error = |copy: &Copy| (radius(&fitted(&copy.write(), &[])["cylinder"]) / expected - 1.0).abs();
+    let without = error(&copy);
+    copy.json["image_gamma"] = json!(null);
+    assert_eq!(error(&copy), without);
+    copy.json["image_gamma"] = json!(2.2);
+    let with = error(&copy);
+    assert!(with < 1e-5 && with < 0.1 * without, "{with} {without}");
+}
+
+#[test]
 fn masks_may_have_any_colour() {
     let expected = plain();
     let copy = Copy::new();

@@ -140,6 +140,7 @@ static void bad_images_are_named()
     CHECK_ERROR(cylfuse::propose_edges(fitter, images.image), BAD_STATE, "fit first");
     CHECK_ERROR(cylfuse::push_image(fitter, images.image.rowRange(0, 7)), SIZE_MISMATCH, "160 x 7");
     CHECK_ERROR(cylfuse::push_image(fitter, cv::Mat(120, 160, CV_16UC3)), INVALID_ARGUMENT, "CV_16UC3");
+    CHECK_ERROR(cylfuse::push_image(fitter, images.image, 22.0), INVALID_ARGUMENT, "gamma of the image is 22");
     images.depth.at<float>(0, 0) = NAN;
     CHECK_ERROR(cylfuse::push_image(fitter, images.depth), INVALID_ARGUMENT, "NaN");
 }

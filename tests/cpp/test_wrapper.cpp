@@ -67,6 +67,12 @@ static void images_of_each_type_pass()
     fitter.push_image(cylfuse::ImageView(grey.data(), 160, 120));
     fitter.push_image(cylfuse::ImageView(scene.depth.data(), 160, 120));
     CHECK_ERROR(fitter.push_image(cylfuse::ImageView(grey.data(), 160, 119)), SIZE_MISMATCH, "160 x 119");
+    cylfuse::ImageView coded(grey.data(), 160, 120);
+    CHECK(coded.gamma == 1.0);
+    coded.gamma = 2.2;
+    fitter.push_image(coded);
+    coded.gamma = 22.0;
+    CHECK_ERROR(fitter.push_image(coded), INVALID_ARGUMENT, "gamma of the image is 22");
     cylfuse_limb_sample none[1];
     CHECK_ERROR(fitter.limb_samples(none), BAD_STATE, "fit first");
 }

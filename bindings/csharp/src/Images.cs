@@ -115,9 +115,9 @@ namespace Cylfuse
         }
     }
 
-    /// <summary>A grey image in an array, on the pixels of the camera. Its values have no unit, but are linear in the
-    /// light (or in its root, as of ordinary cameras), not an equalised or filtered picture. The array is not copied until
-    /// a call takes the image, and then by the library alone.</summary>
+    /// <summary>A grey image in an array, on the pixels of the camera. Its values have no unit, but are those of the light,
+    /// as they are or with a gamma, not an equalised or filtered picture. The array is not copied until a call takes the
+    /// image, and then by the library alone.</summary>
     public sealed class GreyImage
     {
         private readonly ArrayPart pixels;
@@ -126,6 +126,10 @@ namespace Cylfuse
         {
             this.pixels = pixels;
         }
+
+        /// <summary>The power of the value that is light, from 0.1 to 10: 1 for values linear in light, 2.2 for sRGB, in
+        /// which cameras and image files usually come.</summary>
+        public double Gamma { get; set; } = 1;
 
         /// <summary>Rows × columns of values.</summary>
         public static GreyImage From(byte[,] image) => new GreyImage(Grid.Of("pixels", image));
@@ -170,6 +174,7 @@ namespace Cylfuse
             native->height = (uint)pixels.Height;
             native->row_stride = pixels.RowStride;
             native->pixel_stride = pixels.ItemStride;
+            native->gamma = Gamma;
         }
     }
 

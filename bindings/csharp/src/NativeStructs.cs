@@ -110,6 +110,7 @@ namespace Cylfuse
         internal uint height;
         internal IntPtr row_stride;
         internal IntPtr pixel_stride;
+        internal double gamma;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -192,6 +192,9 @@ namespace Cylfuse.Tests
                 for (int v = 0; v < Scene.Height; v++)
                     for (int u = 0; u < Scene.Width; u++)
                         image[v, u] = mask[v, u] > 0 ? 200 : 50;
+                GreyImage coded = GreyImage.From(image);
+                coded.Gamma = 22;
+                Check.Fails(Status.InvalidArgument, () => fitter.PushImage(coded), "gamma of the image is 22");
                 fitter.PushImage(GreyImage.From(image));
                 FitResult result = fitter.Fit();
                 Check.That(fitter.LimbSamples().Length > 0, "no samples");

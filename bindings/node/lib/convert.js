@@ -240,8 +240,11 @@ function depthToC(depth) {
 }
 
 function imageToC(image) {
-  const { format, fields } = pixels('image', image, IMAGE_FORMATS);
-  return { ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format };
+  const { format, fields, rest } = pixels('image', image, IMAGE_FORMATS, ['gamma']);
+  return {
+    ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format,
+    gamma: number('image.gamma', rest.gamma ?? 1),
+  };
 }
 
 /** A mask for C; null for none. */

@@ -177,7 +177,10 @@ export interface Depth<T = Uint16Array | Float32Array> extends Pixels<T> {
 }
 
 /** A grey image of the camera. With pixelStride 3 the first channel of packed colours. */
-export type Image = Pixels<Uint8Array | Uint8ClampedArray | Uint16Array | Float32Array>;
+export interface Image extends Pixels<Uint8Array | Uint8ClampedArray | Uint16Array | Float32Array> {
+  /** The power of the value that is light: 2.2 for sRGB, in which cameras and image files usually come. Default 1. */
+  gamma?: number;
+}
 
 /** Non-zero = visible lateral surface of the cylinder. */
 export type Mask = Pixels<Uint8Array | Uint8ClampedArray>;

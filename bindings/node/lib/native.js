@@ -54,7 +54,7 @@ const MaskView = koffi.struct({
 
 const ImageView = koffi.struct({
   struct_size: 'uint32_t', format: 'int32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
-  row_stride: 'intptr_t', pixel_stride: 'intptr_t',
+  row_stride: 'intptr_t', pixel_stride: 'intptr_t', gamma: 'double',
 });
 
 const SegmentsView = koffi.struct({

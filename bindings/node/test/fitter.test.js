@@ -106,6 +106,7 @@ test('a frame of a camera, with its image', async () => {
   const fitter = new cylfuse.Fitter();
   fitter.setIntrinsics(intrinsics);
   fitter.pushDepth(depth, mask);
+  assert.throws(() => fitter.pushImage({ ...image, gamma: 22 }), /gamma of the image is 22/);
   fitter.pushImage(image);
   fitter.pushEdges(edges);
   const result = await fitter.fit();
@@ -182,6 +183,7 @@ test('types and shapes are checked before the call', () => {
     [TypeError, () => fitter.pushDepth({ data: new Float64Array(8), width: 4, height: 2 })],
     [TypeError, () => fitter.pushDepth({ data: new Float32Array(8), width: 4 })],
     [RangeError, () => fitter.pushImage({ data: new Uint8Array(22), width: 4, height: 2, pixelStride: 3, rowStride: 13 })],
+    [TypeError, () => fitter.pushImage({ data: new Uint8Array(8), width: 4, height: 2, gamma: '2.2' })],
     [RangeError, () => fitter.pushEdges(new Float32Array(6))],
     [RangeError, () => fitter.pushEdges({ data: new Float32Array(8), weights: new Float64Array(1) })],
     [TypeError, () => fitter.setOptions({ objective: 'Paper' })],

@@ -51,6 +51,8 @@ def test_a_frame(frame: dict[str, Any], result: cylfuse.Result) -> None:
 def test_evaluate_and_samples(frame: dict[str, Any]) -> None:
     with cylfuse.Fitter(frame["intrinsics"]) as fitter:
         fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        with pytest.raises(cylfuse.InvalidArgumentError, match="gamma of the image is 22"):
+            fitter.push_image(frame["image"], gamma=22)
         fitter.push_image(frame["image"])
         fitter.push_edges(frame["edges"], weights=[1.0, 1.0])
         result = fitter.fit()

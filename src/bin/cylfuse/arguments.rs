@@ -151,6 +151,8 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
   camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
+  image_gamma        optional; light is the value to this power: 1 (default) for an image linear in light, 2.2 for
+                     sRGB, in which cameras and image files usually come
   image, mask, edges optional; depth, mask and edges are on the pixels of the (distorted) image
 
 Without a mask all measured pixels are fitted, the background included, and there is no extent.";

@@ -138,7 +138,8 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     }
     if let Some(image) = &frame.image {
         let grey = image.to_luma16();
-        fitter.push_image(&ImageView::from_u16(&grey, frame.size())?)?;
+        let view = ImageView::from_u16(&grey, frame.size())?;
+        fitter.push_image(&view.with_gamma(frame.image_gamma)?)?;
     }
     let result = fitter.fit()?;
     let fitted = if frame.mask.is_some() { Fitted::Mask } else { Fitted::AllMeasuredPixels };

@@ -20,6 +20,8 @@ pub struct Frame {
     pub camera: Camera,
     /// The image, unless it is absent or not wanted.
     pub image: Option<DynamicImage>,
+    /// Light is the value of the image to this power; 1 where the file does not say.
+    pub image_gamma: f64,
     /// The depth z of each pixel, row by row; 0 = not measured.
     pub depth: Vec<u16>,
     /// Metres per unit of depth.
@@ -36,6 +38,7 @@ pub struct Frame {
 struct FrameFile {
     camera: CameraFields,
     image: Option<PathBuf>,
+    image_gamma: Option<f64>,
     depth: PathBuf,
     depth_scale: f64,
     mask: Option<PathBuf>,
@@ -99,6 +102,7 @@ impl Frame {
         };
         Ok(Self {
             image: image.map(|name| read(name, Role::Image)).transpose()?,
+            image_gamma: file.image_gamma.unwrap_or(1.0),
             depth,
             depth_scale: file.depth_scale,
             mask: mask.map(images::mask_bytes),

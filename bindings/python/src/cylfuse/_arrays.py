@@ -103,11 +103,12 @@ def mask_view(mask: Any) -> Optional[MaskView]:
     return None if mask is None else _fill(make(MaskView), pixels("mask", mask, _MASKS, "mask != 0"))
 
 
-def image_view(image: Any) -> ImageView:
+def image_view(image: Any, gamma: float) -> ImageView:
     """A grey image of rows x columns."""
     image = pixels("image", image, _IMAGES, "image.astype(numpy.float32)")
     view = _fill(make(ImageView), image)
     view.format = _IMAGES[image.dtype]
+    view.gamma = real("gamma", gamma)
     return view
 
 

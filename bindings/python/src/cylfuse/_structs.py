@@ -136,6 +136,7 @@ class ImageView(_View):
         ("height", c_uint32),
         ("row_stride", c_ssize_t),
         ("pixel_stride", c_ssize_t),
+        ("gamma", c_double),
     ]
 
 

@@ -30,6 +30,7 @@ def fit(
     depth_scale: float = 1.0,
     min_depth: float = 0.0,
     max_depth: Optional[float] = None,
+    image_gamma: float = 1.0,
     options: Optional[Options] = None,
 ) -> Result:
     """Fits the cylinder in a frame.
@@ -42,6 +43,8 @@ def fit(
     :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels
     :param min_depth: the nearest depth that counts
     :param max_depth: the farthest depth that counts
+    :param image_gamma: light is the value of the image to this power: 2.2 for sRGB, in which cameras and image files
+        usually come
     :param options: settings other than the defaults
     :raises DataError: the data do not determine a cylinder
     """
@@ -51,7 +54,7 @@ def fit(
     fitter = Fitter(intrinsics, options)
     fitter.push_depth(depth, mask, depth_scale, min_depth, max_depth)
     if image is not None:
-        fitter.push_image(image)
+        fitter.push_image(image, image_gamma)
     if edges is not None:
         fitter.push_edges(edges)
     return fitter.fit()

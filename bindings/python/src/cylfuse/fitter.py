@@ -196,9 +196,10 @@ class Fitter:
         view, mask_view = _arrays.depth_view(depth, scale, min_depth, max_depth), _arrays.mask_view(mask)
         self._call(lib.cylfuse_fitter_push_depth, byref(view), _mask(mask_view), changes=True)
 
-    def push_image(self, image: Array) -> None:
-        """Takes the grey image of the camera (uint8, uint16 or float32): the limbs are located in it."""
-        self._call(lib.cylfuse_fitter_push_image, byref(_arrays.image_view(image)), changes=True)
+    def push_image(self, image: Array, gamma: float = 1.0) -> None:
+        """Takes the grey image of the camera (uint8, uint16 or float32): the limbs are located in it. Light is the
+        value to the power of ``gamma``: 2.2 for sRGB, in which cameras and image files usually come."""
+        self._call(lib.cylfuse_fitter_push_image, byref(_arrays.image_view(image, gamma)), changes=True)
 
     def push_edges(self, edges: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None) -> None:
         """Adds edge segments x1, y1, x2, y2 in pixels, N x 4 or N x 2 x 2, on either limb."""

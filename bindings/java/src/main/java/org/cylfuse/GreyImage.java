@@ -5,15 +5,21 @@ import java.nio.FloatBuffer;
 import java.nio.ShortBuffer;
 
 /**
- * A grey image on the pixels of the camera. Its values have no unit, but are linear in the light (or in its root, as of
- * ordinary cameras), not an equalised or filtered picture. Nothing is copied until a call takes the image, and then a
- * direct buffer by the library alone.
+ * A grey image on the pixels of the camera. Its values have no unit, but are those of the light, as they are or with a
+ * gamma, not an equalised or filtered picture. Nothing is copied until a call takes the image, and then a direct buffer by
+ * the library alone.
  */
 public final class GreyImage {
     private final BufferPart pixels;
+    private final double gamma;
 
     private GreyImage(BufferPart pixels) {
+        this(pixels, 1);
+    }
+
+    private GreyImage(BufferPart pixels, double gamma) {
         this.pixels = pixels;
+        this.gamma = gamma;
     }
 
     /**
@@ -103,6 +109,17 @@ public final class GreyImage {
         return new GreyImage(new BufferPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
     }
 
+    /**
+     * The same image with values that are coded with a gamma.
+     *
+     * @param gamma the power of the value that is light, from 0.1 to 10: 1 for values linear in light, as which an image is
+     *     taken without it; 2.2 for sRGB, in which cameras and image files usually come
+     * @return another view of the same pixels
+     */
+    public GreyImage withGamma(double gamma) {
+        return new GreyImage(pixels, gamma);
+    }
+
     NativeStructs.ImageView toNative(NativeCopies copies) {
         NativeStructs.ImageView n = new NativeStructs.ImageView();
         NativeFunctions.check(NativeFunctions.cylfuse_image_view_init(n, n.size()));
@@ -112,6 +129,7 @@ public final class GreyImage {
         n.height = pixels.height;
         n.row_stride = pixels.rowStrideBytes();
         n.pixel_stride = pixels.itemStrideBytes();
+        n.gamma = gamma;
         return n;
     }
 }

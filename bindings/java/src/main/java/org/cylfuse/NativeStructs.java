@@ -105,7 +105,7 @@ final class NativeStructs {
         public long pixel_stride;
     }
 
-    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride"})
+    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "gamma"})
     public static class ImageView extends Structure {
         public int struct_size;
         public int format;
@@ -114,6 +114,7 @@ final class NativeStructs {
         public int height;
         public long row_stride;
         public long pixel_stride;
+        public double gamma;
     }
 
     @FieldOrder({"struct_size", "scalar", "data", "count", "segment_stride", "weights"})

@@ -168,7 +168,9 @@ public class FitterTest {
             for (int k = 0; k < image.length; k++) {
                 image[k] = mask[k] != 0 ? 200 : 50;
             }
-            fitter.pushImage(GreyImage.of(image, Scene.WIDTH, Scene.HEIGHT));
+            GreyImage grey = GreyImage.of(image, Scene.WIDTH, Scene.HEIGHT);
+            fails(Status.INVALID_ARGUMENT, () -> fitter.pushImage(grey.withGamma(22)), "gamma of the image is 22");
+            fitter.pushImage(grey);
             FitResult result = fitter.fit();
             LimbSample[] samples = fitter.limbSamples();
             assertTrue(samples.length > 0);
