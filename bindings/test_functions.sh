@@ -4,17 +4,22 @@ set -euo pipefail
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 conformance=$repository/bindings/conformance
 
-# require COMMAND PACKAGE [COMMAND PACKAGE...]: installs the packages of Debian whose commands are not there.
-require() {
-    local missing=() as_root=()
-    while [ $# -gt 0 ]; do
-        command -v "$1" >/dev/null || missing+=("$2")
-        shift 2
-    done
-    [ ${#missing[@]} -gt 0 ] || return 0
+# install PACKAGE...: installs packages of Debian.
+install() {
+    local as_root=()
     [ "$(id -u)" = 0 ] || as_root=(sudo)
     "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
+    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "$@"
+}
+
+# require NAME PACKAGE [NAME PACKAGE...]: installs the packages of Debian whose commands or files are not there.
+require() {
+    local missing=()
+    while [ $# -gt 0 ]; do
+        [ -e "$1" ] || command -v "$1" >/dev/null || missing+=("$2")
+        shift 2
+    done
+    [ ${#missing[@]} = 0 ] || install "${missing[@]}"
 }
 
 if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
@@ -35,15 +40,19 @@ counted() {
     "$@" 2>&1 | sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$name: &/" | tee -a "$build/log" || failed=1
 }
 
+# Lets C run the golden cases, unless CYLFUSE_CONFORMANCE_RESULTS names its results already.
+results_of_c() {
+    [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ] || return 0
+    export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
+    "$conformance/test.sh" >&2
+}
+
 # golden_cases RESULTS SOURCE...: compares the results of the golden cases with the bits of C in the same job, and checks
 # that the sources name every function of the C interface.
 golden_cases() {
     local results=$1
     shift
-    if [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ]; then
-        export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
-        "$conformance/test.sh" >&2
-    fi
+    results_of_c
     counted Golden-cases python3 "$conformance/check.py" "$results" "$CYLFUSE_CONFORMANCE_RESULTS"
     counted Functions-bound python3 "$conformance/coverage.py" "$@"
 }

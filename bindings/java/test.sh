@@ -1,41 +1,19 @@
 #!/usr/bin/env bash
 # Builds and tests the Java binding with Maven and its plugins from Debian. Needs Debian's package manager;
 # CYLFUSE_LIBRARY names the native library, else it is built.
-set -euo pipefail
-here=$(cd "$(dirname "$0")" && pwd)
-repository=$(cd "$here/../.." && pwd)
+source "$(dirname "$0")/../test_functions.sh"
+here=$repository/bindings/java
+plugins=/usr/share/maven-repo/org/apache/maven/plugins
+require javac openjdk-17-jdk-headless javadoc openjdk-17-jdk-headless mvn maven strip binutils cc build-essential \
+    python3 python3 /usr/share/java/jna.jar libjna-java /usr/share/java/junit4.jar junit4 \
+    /usr/share/java/gson.jar libgoogle-gson-java $plugins/maven-surefire-plugin libsurefire-java \
+    $plugins/maven-resources-plugin libmaven-resources-plugin-java \
+    $plugins/maven-compiler-plugin libmaven-compiler-plugin-java \
+    $plugins/maven-jar-plugin libmaven-jar-plugin-java $plugins/maven-install-plugin libmaven-install-plugin-java
 
-missing=()
-command -v javac >/dev/null && command -v javadoc >/dev/null || missing+=(openjdk-17-jdk-headless)
-command -v mvn >/dev/null || missing+=(maven)
-for plugin in resources compiler jar install; do
-    [ -e "/usr/share/maven-repo/org/apache/maven/plugins/maven-$plugin-plugin" ] ||
-        missing+=("libmaven-$plugin-plugin-java")
-done
-[ -e /usr/share/maven-repo/org/apache/maven/plugins/maven-surefire-plugin ] || missing+=(libsurefire-java)
-[ -e /usr/share/java/jna.jar ] || missing+=(libjna-java)
-[ -e /usr/share/java/junit4.jar ] || missing+=(junit4)
-[ -e /usr/share/java/gson.jar ] || missing+=(libgoogle-gson-java)
-command -v python3 >/dev/null || missing+=(python3)
-command -v strip >/dev/null || missing+=(binutils)
-command -v cc >/dev/null || missing+=(gcc libc6-dev)
-if [ ${#missing[@]} -gt 0 ]; then
-    as_root=()
-    [ "$(id -u)" = 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
-fi
-if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
-    (cd "$repository" && cargo build --locked --release)
-    CYLFUSE_LIBRARY=${CARGO_TARGET_DIR:-$repository/target}/release/libcylfuse.so
-fi
-CYLFUSE_LIBRARY=$(realpath "$CYLFUSE_LIBRARY")
-export CYLFUSE_LIBRARY
 # Java takes the encoding of the names of files from it.
 export LC_ALL=C.UTF-8
 
-build=$(mktemp -d)
-trap 'rm -rf "$build"' EXIT
 javadoc -Xdoclint:all -Werror -quiet -encoding UTF-8 -cp /usr/share/java/jna.jar -d "$build/documentation" \
     "$here"/src/main/java/org/cylfuse/*.java
 
@@ -52,14 +30,10 @@ maven() {
     mvn --offline --batch-mode --quiet -Dmaven.repo.local="$build/packages" \
         -Djna.version=debian -Djunit.version=4.x -Dgson.version=debian "$@"
 }
-# Names what a sum of "N passed, N failed" counts, and keeps it for the whole sum.
-name() { sed -E "s/^[0-9]+ passed, [0-9]+ failed$/$1: &/" | tee -a "$build/log"; }
-failed=0
 (cd "$build" && maven install -Dcylfuse.repository="$repository" -Dmaven.test.failure.ignore)
-cat "$build"/target/surefire-reports/*.txt
-awk '/^Tests run:/ { gsub(",", ""); passed += $3 - $5 - $7 - $9; failed += $5 + $7 + $9 }
+counted Tests awk '1; /^Tests run:/ { gsub(",", ""); passed += $3 - $5 - $7 - $9; failed += $5 + $7 + $9 }
     END { printf "%d passed, %d failed\n", passed, failed; exit !passed || failed }' \
-    "$build"/target/surefire-reports/*.txt | name Tests || failed=1
+    "$build"/target/surefire-reports/*.txt
 
 # The program of the README, in an empty project that depends on the package; it finds the library in the jar.
 project="$build/an empty project é"
@@ -101,19 +75,7 @@ if [ "$printed" != "radius 0.500000, doubts []" ]; then
     failed=1
 fi
 
-# The golden cases: the bits of C in the same job.
-if [ -z "${CYLFUSE_CONFORMANCE_RESULTS:-}" ]; then
-    export CYLFUSE_CONFORMANCE_RESULTS=$build/c.txt
-    "$repository/bindings/conformance/test.sh" >&2
-fi
-conformance=$repository/bindings/conformance
 java -cp "$build/target/test-classes:$packages:/usr/share/java/gson.jar" org.cylfuse.ConformanceResults \
     "$conformance/cases.json" >"$build/results.txt" || failed=1
-python3 "$conformance/check.py" "$build/results.txt" "$CYLFUSE_CONFORMANCE_RESULTS" | name Golden-cases || failed=1
-python3 "$conformance/coverage.py" "$here"/src/main/java/org/cylfuse/*.java | name Functions-bound || failed=1
-
-# A program that broke off has printed no sum, but failed all the same.
-awk -v broken=$failed '
-    / passed, [0-9]+ failed$/ { passed += $2; failed += $4 }
-    END { if (broken && !failed) failed = 1; printf "%d passed, %d failed\n", passed, failed }' "$build/log"
-exit $failed
+golden_cases "$build/results.txt" "$here"/src/main/java/org/cylfuse/*.java
+finish
