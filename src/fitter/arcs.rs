@@ -22,8 +22,9 @@ const LEAST_SINE: f64 = 0.25;
 /// Rounds of reweighting.
 const REWEIGHTINGS: usize = 5;
 
-/// Rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says.
-const ARC_ROUNDS: usize = 2;
+/// Most rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says. Most
+/// frames settle in two, short cans in three.
+const ARC_ROUNDS: usize = 5;
 
 /// An axis that turned by less than this, in radians, leaves the arcs where they were found: at a radius of 25
 /// pixels it moves them by a tenth of a pixel.
