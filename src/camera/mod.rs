@@ -26,6 +26,7 @@ mod kannala_brandt;
 mod radial;
 
 use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, LimbFrame};
 use brown_conrady::BrownConrady;
 use kannala_brandt::KannalaBrandt;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -246,6 +247,26 @@ impl Camera {
     pub fn line_projection(&self) -> Matrix3<f64> {
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         Matrix3::new(fy, 0.0, 0.0, 0.0, fx, 0.0, -fy * cx, -fx * cy, fx * fy)
+    }
+
+    /// The two limb lines of a cylinder in ideal pixels, in the order of [`LimbFrame::limb_lines`]: each (a, b, c) with
+    /// a u + b v + c = 0 and a² + b² = 1.
+    ///
+    /// # Errors
+    /// `EdgeGeometry` when the camera is inside the cylinder or a limb line lies at infinity.
+    pub fn limb_lines(&self, cylinder: &Cylinder) -> Result<[Vector3<f64>; 2]> {
+        let lines = LimbFrame::new(cylinder).map(|limbs| {
+            limbs.limb_plane_normals().map(|normal| {
+                let line = self.line_projection() * normal;
+                line / line.x.hypot(line.y)
+            })
+        });
+        lines.filter(|lines| lines.iter().flatten().all(|x| x.is_finite())).ok_or_else(|| {
+            Error::EdgeGeometry {
+                reason: "the camera is inside the cylinder or a limb line lies at infinity".into(),
+                remedy: "give a cylinder in front of the camera",
+            }
+        })
     }
 
     /// Whether a pixel position lies in the image: −0.5 ≤ x < width − 0.5 and likewise y.

@@ -218,3 +218,19 @@ fn coefficients_are_counted() {
         }
     }
 }
+
+#[test]
+fn limb_lines_pass_through_the_pixels_of_the_limbs() {
+    let camera = Camera::new(pinhole()).unwrap();
+    let cylinder = Cylinder::new(Vector3::new(0.05, -0.02, 0.8), Vector3::new(0.3, 0.9, 0.2), 0.04).unwrap();
+    let limbs = LimbFrame::new(&cylinder).unwrap().limb_lines();
+    for (line, limb) in camera.limb_lines(&cylinder).unwrap().iter().zip(limbs) {
+        assert!((line.x.hypot(line.y) - 1.0).abs() < 1e-15);
+        for along in [-0.1, 0.0, 0.1] {
+            let pixel = camera.project(&(limb.point + limb.direction * along)).unwrap();
+            assert!(line.dot(&Vector3::new(pixel.x, pixel.y, 1.0)).abs() < 1e-9);
+        }
+    }
+    let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.0), Vector3::new(0.1, 0.0, 1.0), 0.5).unwrap();
+    assert!(matches!(camera.limb_lines(&around), Err(Error::EdgeGeometry { .. })));
+}

@@ -6,8 +6,6 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_points_view};
 use super::views::{self, Slot, cylinder};
 use crate::camera::Camera;
-use crate::error::Error;
-use crate::geometry::LimbFrame;
 
 /// Signed distances of points from the surface, negative inside.
 ///
@@ -69,19 +67,9 @@ pub unsafe extern "C" fn cylfuse_cylinder_project(
             let out = Slot::new(out_lines.cast::<[f64; 6]>(), "out_lines")?;
             let cylinder = cylinder(model, "model")?;
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let no_limbs = || Error::EdgeGeometry {
-                reason: "the camera is inside the cylinder or a limb line lies at infinity".into(),
-                remedy: "give a cylinder in front of the camera",
-            };
-            let limbs = LimbFrame::new(&cylinder).ok_or_else(no_limbs)?;
             let mut lines = [0.0; 6];
-            for (line, normal) in lines.chunks_exact_mut(3).zip(limbs.limb_plane_normals()) {
-                let projected = camera.line_projection() * normal;
-                let scaled = projected / projected.x.hypot(projected.y);
-                if !scaled.iter().all(|x| x.is_finite()) {
-                    return Err(no_limbs().into());
-                }
-                line.copy_from_slice(scaled.as_slice());
+            for (line, found) in lines.chunks_exact_mut(3).zip(camera.limb_lines(&cylinder)?) {
+                line.copy_from_slice(found.as_slice());
             }
             out.write(lines);
             Ok(())

@@ -17,7 +17,7 @@ mod write;
 use cylfuse::camera::{Camera, Intrinsics};
 use cylfuse::error::{Error, Result};
 use cylfuse::fitter::{Fitter, ResidualKind};
-use cylfuse::geometry::{Cylinder, LimbFrame};
+use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{
     DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView,
 };
@@ -115,7 +115,12 @@ impl<'a> Runner<'a> {
                 return Ok(write::extent(&self.fitter.extent(model?.as_ref(), mask.as_ref())?));
             }
             "distances" => return self.distances(step),
-            "project" => return project(&cylinder(&step["model"])?, self.camera(step)),
+            "project" => {
+                let lines = Camera::new(self.camera(step))?.limb_lines(&cylinder(&step["model"])?)?;
+                return Ok(Output::default()
+                    .list("lines", &lines.iter().flatten().copied().collect::<Vec<f64>>())
+                    .0);
+            }
             "compare" => {
                 let difference = cylinder(&step["a"])?.compare(&cylinder(&step["b"])?);
                 return Ok(Output::default()
@@ -256,20 +261,6 @@ impl<'a> Runner<'a> {
         }
         Ok(Output::default().list("distances", &distances).0)
     }
-}
-
-fn project(model: &Cylinder, intrinsics: Intrinsics) -> Result<Fields> {
-    let camera = Camera::new(intrinsics)?;
-    let limbs = LimbFrame::new(model).ok_or(Error::EdgeGeometry {
-        reason: "the camera is inside the cylinder or a limb line lies at infinity".into(),
-        remedy: "give a cylinder in front of the camera",
-    })?;
-    let mut lines = Vec::new();
-    for normal in limbs.limb_plane_normals() {
-        let projected = camera.line_projection() * normal;
-        lines.extend_from_slice((projected / projected.x.hypot(projected.y)).as_slice());
-    }
-    Ok(Output::default().list("lines", &lines).0)
 }
 
 fn mask_view(mask: &Array) -> MaskView<'_> {

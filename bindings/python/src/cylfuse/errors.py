@@ -167,11 +167,6 @@ def from_status(status: int, message: str) -> CylfuseError:
     return error
 
 
-def fail(status: int, fitter: object) -> NoReturn:
-    """Raises what the last call on a fitter failed with."""
+def fail(status: int, fitter: object = None) -> NoReturn:
+    """Raises what the last call on a fitter failed with, or without one that of this thread without a fitter."""
     raise from_status(status, lib.cylfuse_fitter_last_error(fitter).decode("ascii", "replace"))
-
-
-def fail_without_fitter(status: int) -> NoReturn:
-    """Raises what the last call of this thread without a fitter failed with."""
-    fail(status, None)

@@ -16,7 +16,7 @@ from ._arrays import Array, Floats
 from ._callbacks import Callbacks
 from ._native import ABI_VERSION, lib, make, make_output
 from .enums import Layout, LogLevel, ResidualKind
-from .errors import BusyError, CylfuseError, StateError, fail, fail_without_fitter, from_status
+from .errors import BusyError, CylfuseError, StateError, fail, from_status
 from .geometry import Cylinder, Intrinsics
 from .options import Options
 from .result import Completion, Counts, Diagnosis, Extent, Progress, Result
@@ -60,7 +60,7 @@ class Fitter:
         handle = c_void_p()
         status = lib.cylfuse_fitter_create(ABI_VERSION, byref(handle))
         if status:
-            fail_without_fitter(status)
+            fail(status)
         self._handle: Optional[c_void_p] = handle
         # Held during a call, so that another thread finds the fitter busy and cannot close it meanwhile.
         self._running = threading.Lock()

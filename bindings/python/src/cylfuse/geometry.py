@@ -15,7 +15,7 @@ from ._arrays import Floats, address, c_vector, numbers, points_view, vector
 from ._check import instance, real, whole
 from ._native import lib, make
 from .enums import Distortion
-from .errors import fail_without_fitter
+from .errors import fail
 
 
 class Comparison(NamedTuple):
@@ -62,7 +62,7 @@ class Cylinder:
         out = np.empty(view.array[0].shape[:-1])
         status = lib.cylfuse_cylinder_distances(byref(self._struct()), byref(view), address(out), out.size)
         if status:
-            fail_without_fitter(status)
+            fail(status)
         return out
 
     def project(self, intrinsics: Intrinsics) -> Floats:
@@ -73,7 +73,7 @@ class Cylinder:
         pointer = out.ctypes.data_as(lib.cylfuse_cylinder_project.argtypes[2])
         status = lib.cylfuse_cylinder_project(byref(self._struct()), byref(camera), pointer)
         if status:
-            fail_without_fitter(status)
+            fail(status)
         return out
 
     def compare(self, other: Cylinder) -> Comparison:
@@ -84,7 +84,7 @@ class Cylinder:
             byref(self._struct()), byref(model), byref(angle), byref(distance), byref(radius)
         )
         if status:
-            fail_without_fitter(status)
+            fail(status)
         return Comparison(angle.value, distance.value, radius.value)
 
     def __repr__(self) -> str:
