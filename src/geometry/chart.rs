@@ -8,6 +8,7 @@
 
 use super::cylinder::Cylinder;
 use super::line::{Line, OrthonormalLine};
+use super::motion::RigidMotion;
 use super::rotation::{any_orthogonal, rotate_direction};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -50,6 +51,18 @@ impl LocalFrame {
         let (u, v) = any_orthogonal(&cylinder.axis.direction);
         let axis = Line { point: cylinder.axis.nearest_to(data_center), ..cylinder.axis };
         Self { cylinder: Cylinder { axis, ..*cylinder }, u, v, unit }
+    }
+
+    /// The frame in other coordinates. A step moves it there as it does here, so that a residual in other coordinates
+    /// has its Jacobian in the same tangent.
+    #[must_use]
+    pub fn moved(&self, motion: &RigidMotion) -> Self {
+        Self {
+            cylinder: motion.cylinder(&self.cylinder),
+            u: motion.direction(&self.u),
+            v: motion.direction(&self.v),
+            unit: self.unit,
+        }
     }
 
     /// The cylinder at a step δ = (shift along u, shift along v, tilt towards u, tilt towards v, change of

@@ -16,6 +16,7 @@ mod cylinder;
 mod limbs;
 mod limits;
 mod line;
+mod motion;
 mod rotation;
 
 pub use chart::{Chart, LocalFrame, Tangent, TangentMap};
@@ -23,4 +24,5 @@ pub use cylinder::{Cylinder, CylinderComparison, Walls};
 pub use limbs::LimbFrame;
 pub use limits::{AxisCone, CylinderLimits};
 pub use line::{Line, OrthonormalLine, PluckerLine};
+pub use motion::RigidMotion;
 pub use rotation::{any_orthogonal, exp_so2, exp_so3, hat, rotate_direction};

@@ -28,6 +28,11 @@ pub trait Objective {
     /// The cost and its linearisation at the cylinder of a frame; `None` where the cost is infinite.
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations>;
 
+    /// The cost alone: what a trial step needs.
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        self.linearise(frame).map(|equations| equations.cost)
+    }
+
     /// The whole stacked system Ω^½ e, Ω^½ J (27), (28) row by row, points first: what the normal equations
     /// sum, without squaring the condition of the problem. `None` where the cost is infinite.
     fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>>;
