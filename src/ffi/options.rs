@@ -39,6 +39,7 @@ impl cylfuse_options {
             },
             edge_use: self.edge_use.read("options.edge_use")?,
             extent_rule: self.extent_rule.read("options.extent_rule")?,
+            ..default
         })
     }
 
@@ -128,6 +129,7 @@ mod tests {
             },
             edge_use: EdgeUse::AsGiven,
             extent_rule: ExtentRule::Located,
+            ..Options::default()
         }
     }
 

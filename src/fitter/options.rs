@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::geometry::Chart;
 use crate::geometry::CylinderLimits;
+use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
 
 /// How the cylinder is estimated.
@@ -18,6 +19,13 @@ pub enum Method {
     Ransac,
     /// Eberly's algebraic fit by moments, no final iteration.
     Eberly,
+}
+
+impl Method {
+    /// Whether the method minimises an objective, so that its result has an uncertainty.
+    pub(super) fn minimises(self) -> bool {
+        matches!(self, Method::Fused | Method::Points)
+    }
 }
 
 /// What the fused method minimises.
@@ -112,8 +120,8 @@ pub struct Options {
     pub chart: ChartChoice,
     /// The constants of the iteration.
     pub limits: IterationLimits,
-    /// Most threads for the sums over the points, 0 for as many as the machine has. Small clouds take one. The
-    /// result has the same bits for any number.
+    /// Most threads for the sums over the points; 1, the default, starts none. Small clouds take one anyway. The result
+    /// has the same bits for any number.
     pub threads: usize,
     /// Seed of the random samples of RANSAC.
     pub seed: u64,
@@ -128,6 +136,11 @@ pub struct Options {
     pub edge_use: EdgeUse,
     /// How the ends of the visible cylinder are found.
     pub extent_rule: ExtentRule,
+    /// What is known of the errors of the data.
+    pub noise: NoiseModel,
+    /// The number of points of each view whose noise is independent; 0 = from the correlation of the residuals between
+    /// neighbouring points. Neighbours in a depth image share matching windows and filters.
+    pub independent_points: f64,
 }
 
 impl Default for Options {
@@ -140,13 +153,15 @@ impl Default for Options {
             near_wall: NearWall::Auto,
             chart: ChartChoice::Auto,
             limits: IterationLimits::default(),
-            threads: 0,
+            threads: 1,
             seed: 0,
             ransac_iterations: 1000,
             ransac_threshold: 0.0,
             cylinder_limits: CylinderLimits::default(),
             edge_use: EdgeUse::Refine,
             extent_rule: ExtentRule::Auto,
+            noise: NoiseModel::default(),
+            independent_points: 0.0,
         }
     }
 }
@@ -196,6 +211,11 @@ impl Options {
         if self.ransac_iterations == 0 {
             return Err(Error::argument("ransac iterations", 0, "be at least 1"));
         }
+        if !(self.independent_points >= 0.0 && self.independent_points.is_finite()) {
+            let requirement = "be finite and at least 0; 0 = from the data";
+            return Err(Error::argument("independent points", self.independent_points, requirement));
+        }
+        self.noise.check()?;
         self.cylinder_limits.check()
     }
 }

@@ -30,7 +30,7 @@ impl Fitter {
         if !(reach >= 0.0 && reach.is_finite()) {
             return Err(Error::argument("reach", reach, "be finite and at least 0"));
         }
-        let cylinder = self.model_or_result(CALL, model)?;
+        let cylinder = self.pose().inverse().cylinder(&self.model_or_result(CALL, model)?);
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;
         let axis = &cylinder.axis;

@@ -35,7 +35,7 @@ impl Dropped {
             + self.outside_camera
     }
 
-    pub(super) fn add(&mut self, other: &Dropped) {
+    pub(crate) fn add(&mut self, other: &Dropped) {
         self.not_finite += other.not_finite;
         self.zero_weight += other.zero_weight;
         self.outside_mask += other.outside_mask;
@@ -162,6 +162,12 @@ impl PointCloud {
     #[must_use]
     pub fn normals(&self) -> Option<&[Vector3<f32>]> {
         (!self.normals.is_empty()).then_some(&self.normals)
+    }
+
+    /// The pixel of each point.
+    #[must_use]
+    pub fn pixels(&self) -> Option<&[[u32; 2]]> {
+        None
     }
 
     /// The distance between neighbouring numbers of the input at its largest coordinate: what the input could

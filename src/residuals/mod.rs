@@ -7,21 +7,26 @@
 mod arcs;
 mod limbs;
 mod paper;
+mod pixel_terms;
 mod pixels;
+mod point_terms;
 mod points;
 mod robust;
 mod sandwich;
+mod terms;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
-pub use paper::PaperObjective;
+pub use paper::paper_objective;
+pub use pixel_terms::{PixelResiduals, PixelRow, PixelScale};
 pub use pixels::{PixelSegment, PixelTerm};
+pub use point_terms::{LossInFrame, Robust};
 pub use points::{Loss, PointTerm, Squared};
-pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey, Wall};
+pub use robust::{RobustScales, RobustView, TUKEY_EFFICIENT, Tukey, Wall, robust_objective};
 pub use sandwich::{Sandwich, SandwichPart};
+pub use terms::{Source, Sum, Summand, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
-use crate::observations::PointCloud;
 
 /// What a solver minimises.
 pub trait Objective {
@@ -32,10 +37,6 @@ pub trait Objective {
     fn cost(&self, frame: &LocalFrame) -> Option<f64> {
         self.linearise(frame).map(|equations| equations.cost)
     }
-
-    /// The whole stacked system Ω^½ e, Ω^½ J (27), (28) row by row, points first: what the normal equations
-    /// sum, without squaring the condition of the problem. `None` where the cost is infinite.
-    fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>>;
 }
 
 /// The sums of one linearisation: with residuals e, weights Ω and Jacobian J,

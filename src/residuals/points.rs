@@ -75,6 +75,18 @@ impl<'a> PointTerm<'a> {
         self.cloud.len()
     }
 
+    /// The points.
+    #[must_use]
+    pub fn cloud(&self) -> &'a PointCloud {
+        self.cloud
+    }
+
+    /// The sum of their weights.
+    #[must_use]
+    pub fn total_weight(&self) -> f64 {
+        self.total_weight
+    }
+
     /// The mean over the points: cost = Σ w ρ(e) / Σ w, which is E_P / unit² for the plain square.
     #[must_use]
     pub fn linearise(&self, frame: &LocalFrame, loss: impl Loss) -> NormalEquations {
@@ -90,6 +102,12 @@ impl<'a> PointTerm<'a> {
         let mut equations = NormalEquations::zero();
         equations.add_scaled(1.0 / self.total_weight, &unpack(&sums));
         equations
+    }
+
+    /// Residual, Jacobian and side of each point: see [`Loss::loss_and_weight`].
+    pub fn rows(&self, frame: &LocalFrame) -> impl Iterator<Item = (f64, Tangent, f64)> + use<'a> {
+        let rows = PointRows::new(frame);
+        self.cloud.points().map(move |point| rows.row(&point))
     }
 
     /// The signed distances of the points from the surface, in units of the frame.

@@ -23,8 +23,8 @@ pub struct SandwichPart {
 pub struct Sandwich {
     /// What the points add.
     pub points: SandwichPart,
-    /// What edges in the image add: given segments, located limb lines and arcs of the ends. Zero where none count.
-    pub edges: SandwichPart,
+    /// What the image adds: given segments, located limb lines and arcs of the ends. Zero where none count.
+    pub image: SandwichPart,
 }
 
 impl SandwichPart {
@@ -34,11 +34,11 @@ impl SandwichPart {
         Self { gradient: Tangent::zeros(), derivative: TangentMap::zeros(), covariance: TangentMap::zeros() }
     }
 
-    /// Takes the part `weight` times into the objective.
-    pub(super) fn scale(&mut self, weight: f64) {
-        self.gradient *= weight;
-        self.derivative *= weight;
-        self.covariance *= weight * weight;
+    /// Adds a part that the objective takes `factor` times.
+    pub(super) fn add_scaled(&mut self, factor: f64, part: &Self) {
+        self.gradient += part.gradient * factor;
+        self.derivative += part.derivative * factor;
+        self.covariance += part.covariance * (factor * factor);
     }
 }
 
@@ -46,7 +46,7 @@ impl Sandwich {
     /// A of everything.
     #[must_use]
     pub fn derivative(&self) -> TangentMap {
-        self.points.derivative + self.edges.derivative
+        self.points.derivative + self.image.derivative
     }
 
     /// The covariance of the minimum, A⁻¹ B A⁻¹, over the degrees of freedom that are not `known`; these have none.
@@ -54,7 +54,7 @@ impl Sandwich {
     #[must_use]
     pub fn covariance(&self, known: &[bool; 5]) -> Option<TangentMap> {
         let (mut derivative, mut of_gradient) =
-            (self.derivative(), self.points.covariance + self.edges.covariance);
+            (self.derivative(), self.points.covariance + self.image.covariance);
         for k in (0..5).filter(|&k| known[k]) {
             for matrix in [&mut derivative, &mut of_gradient] {
                 matrix.fill_row(k, 0.0);
