@@ -27,7 +27,7 @@ use crate::geometry::Cylinder;
 use crate::geometry::LimbFrame;
 use crate::limb_location::LimbObservation;
 use crate::observations::{
-    DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
+    DepthImage, DepthRange, DepthView, EdgeSegment, Frame, GreyImage, ImageView, Mask, MaskView, PointCloud,
     PointsView, check_same_size, check_segments,
 };
 use crate::residuals::ArcTerm;
@@ -117,7 +117,7 @@ impl Fitter {
     /// ones, for the extent and the completion.
     ///
     /// # Errors
-    /// `BadState` without intrinsics, else see [`PointCloud::push_depth`]. Nothing is added then.
+    /// `BadState` without intrinsics, else see [`Frame::set_depth`] and [`PointCloud::push_frame`]. Nothing is added then.
     pub fn push_depth(
         &mut self,
         depth: &DepthView<'_>,
@@ -130,9 +130,10 @@ impl Fitter {
             remedy: "set the intrinsics first",
         })?;
         let mask = mask.map(Mask::copy).transpose()?;
-        let image = DepthImage::copy(depth)?;
-        self.cloud.push_depth(camera, depth, mask.as_ref(), range)?;
-        self.depth = Some(image);
+        let mut frame = Frame::new(camera.clone());
+        frame.set_depth(depth, range)?;
+        self.cloud.push_frame(&frame, mask.as_ref())?;
+        self.depth = frame.depth().cloned();
         self.mask = mask;
         self.forget_held();
         Ok(())
