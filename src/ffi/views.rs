@@ -11,8 +11,7 @@ use crate::camera::{Distortion, Intrinsics};
 use crate::error::Error;
 use crate::geometry::Cylinder;
 use crate::observations::{
-    DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar,
-    Strided, VectorsView,
+    DepthRange, DepthView, EdgeSegment, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -232,11 +231,7 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
 /// `data` is NULL or points to the memory that the fields describe, during `'a`.
 pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageView<'a>, Failure> {
     let format = view.format.read("image.format")?;
-    let size = match format {
-        ImageFormat::U8 => 1,
-        ImageFormat::U16 => 2,
-        ImageFormat::F32 => 4,
-    };
+    let size = format.pixel_bytes();
     let grid = images("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
     let linear = ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format);

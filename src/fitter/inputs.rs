@@ -6,8 +6,8 @@ use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 use crate::geometry::RigidMotion;
 use crate::observations::{
-    DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
-    PointsView, check_same_size, check_segments,
+    DepthCamera, DepthImage, DepthRange, DepthView, EdgeSegment, Frame, GreyImage, ImageView, Mask, MaskView,
+    PointCloud, PointsView, check_segments,
 };
 
 bitflags::bitflags! {
@@ -79,17 +79,51 @@ impl Fitter {
     /// Sets the camera of the selected view. Points that were pushed before stay as they are.
     ///
     /// # Errors
-    /// `InvalidIntrinsics`; the old camera stays then.
+    /// `InvalidIntrinsics`; `SizeMismatch` with an image of another size ([`Fitter::clear_inputs`]). The old camera stays
+    /// then.
     pub fn set_intrinsics(&mut self, intrinsics: Intrinsics) -> Result<()> {
         let camera = Camera::new(intrinsics)?;
-        self.view_mut().camera = Some(camera);
-        Ok(())
+        self.view_mut().frame.set_camera(camera)
     }
 
     /// Sets where the selected view is: the motion from its coordinates, those of its colour camera, to the reference
     /// frame, in the unit of length of the data.
     pub fn set_pose(&mut self, pose: RigidMotion) {
-        self.view_mut().pose = pose;
+        self.view_mut().frame.set_pose(pose);
+    }
+
+    /// Sets or takes away a depth camera of its own for the selected view: depth images that are pushed from then on are
+    /// on its grid.
+    ///
+    /// # Errors
+    /// `SizeMismatch` with a depth image of another size, `OutOfMemory`. The old one stays then.
+    pub fn set_depth_camera(&mut self, depth_camera: Option<DepthCamera>) -> Result<()> {
+        self.view_mut().frame.set_depth_camera(depth_camera)
+    }
+
+    /// Takes camera, pose and images of a frame into the selected view, in place of its own, and adds the points of its
+    /// depth image, if there is one; a mask selects pixels. The images are shared and not copied.
+    ///
+    /// # Errors
+    /// See [`PointCloud::push_frame`]. Nothing is changed then.
+    pub fn use_frame(&mut self, frame: &Frame, mask: Option<&MaskView<'_>>) -> Result<()> {
+        let mask = mask.map(Mask::copy).transpose()?;
+        if let (Some(mask), Some(camera)) = (&mask, frame.camera()) {
+            mask.check_size("the image of the intrinsics", camera.size())?;
+        }
+        let view = self.view_mut();
+        if frame.depth().is_some() {
+            view.cloud.push_frame(frame, mask.as_ref())?;
+        }
+        view.frame = frame.clone();
+        view.mask = mask;
+        Ok(())
+    }
+
+    /// The frame of the selected view: its camera, its pose and its images, to be shared with other fitters.
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        &self.view().frame
     }
 
     /// The pose of the selected view.
@@ -113,27 +147,24 @@ impl Fitter {
         self.view_mut().cloud.push_points(points, mask.as_ref())
     }
 
-    /// Adds the points of a depth image; a mask selects pixels. Image and mask are kept, in place of earlier
-    /// ones, for the extent and the completion.
+    /// Adds the points of a depth image; a mask on the grid of the colour image selects pixels. Image and mask are kept, in
+    /// place of earlier ones, for the extent and the completion.
     ///
     /// # Errors
-    /// `BadState` without intrinsics, else see [`PointCloud::push_depth`]. Nothing is added then.
+    /// `BadState` without intrinsics, else see [`Frame::set_depth`] and [`PointCloud::push_frame`]. Nothing is added
+    /// then.
     pub fn push_depth(
         &mut self,
         depth: &DepthView<'_>,
         mask: Option<&MaskView<'_>>,
         range: &DepthRange,
     ) -> Result<()> {
-        let view = self.view_mut();
-        let camera = view.camera.as_ref().ok_or(Error::BadState {
-            call: "pushing a depth image",
-            missing: "intrinsics",
-            remedy: "set the intrinsics first",
-        })?;
         let mask = mask.map(Mask::copy).transpose()?;
-        let image = DepthImage::copy(depth)?;
-        view.cloud.push_depth(camera, depth, mask.as_ref(), range)?;
-        view.depth = Some(image);
+        let mut frame = self.view().frame.clone();
+        frame.set_depth(depth, range)?;
+        let view = self.view_mut();
+        view.cloud.push_frame(&frame, mask.as_ref())?;
+        view.frame = frame;
         view.mask = mask;
         Ok(())
     }
@@ -149,23 +180,14 @@ impl Fitter {
         Ok(())
     }
 
-    /// Takes a grey image on the grid of the camera of the selected view, in place of an earlier one. The robust
+    /// Takes a grey or colour image on the grid of the camera of the selected view, in place of an earlier one. The robust
     /// objective locates the limbs in it from the given edges, and the ends are located in it.
     ///
     /// # Errors
     /// `BadState` without intrinsics, `SizeMismatch` when it has another size than they, else see
     /// [`GreyImage::copy`]. The earlier image stays then.
     pub fn push_image(&mut self, image: &ImageView<'_>) -> Result<()> {
-        let camera = self.camera().ok_or(Error::BadState {
-            call: "pushing an image",
-            missing: "intrinsics",
-            remedy: "set the intrinsics first",
-        })?;
-        let size = (image.width(), image.height());
-        check_same_size("grey image", size, "the image of the intrinsics", camera.size())?;
-        let image = GreyImage::copy(image)?;
-        self.view_mut().image = Some(image);
-        Ok(())
+        self.view_mut().frame.set_image(image)
     }
 
     /// Forgets all data, all views but the first, and the result; keeps options, start model, the camera of the first
@@ -174,7 +196,7 @@ impl Fitter {
         self.views.truncate(1);
         self.selected = 0;
         self.clear_inputs(Inputs::all());
-        self.view_mut().pose = RigidMotion::identity();
+        self.set_pose(RigidMotion::identity());
         self.result = None;
     }
 
@@ -185,14 +207,14 @@ impl Fitter {
             view.cloud.clear();
         }
         if inputs.contains(Inputs::DEPTH) {
-            view.depth = None;
+            view.frame.clear_depth();
             view.mask = None;
         }
         if inputs.contains(Inputs::EDGES) {
             view.segments.clear();
         }
         if inputs.contains(Inputs::IMAGE) {
-            view.image = None;
+            view.frame.clear_image();
         }
     }
 

@@ -2,16 +2,12 @@
 
 use crate::camera::Camera;
 use crate::geometry::RigidMotion;
-use crate::observations::{DepthImage, EdgeSegment, GreyImage, Mask, PointCloud};
+use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 
-/// One view of the cylinder: a camera, where it stands, and what was pushed of it. Everything but the pose is in its own
-/// coordinates.
+/// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct View {
-    pub camera: Option<Camera>,
-    pub pose: RigidMotion,
-    pub depth: Option<DepthImage>,
-    pub image: Option<GreyImage>,
+    pub frame: Frame,
     pub mask: Option<Mask>,
     pub cloud: PointCloud,
     pub segments: Vec<EdgeSegment>,
@@ -20,21 +16,21 @@ pub(crate) struct View {
 impl View {
     /// The camera of image, mask and edges.
     pub fn camera(&self) -> Option<&Camera> {
-        self.camera.as_ref()
+        self.frame.camera()
     }
 
     /// From the view to the reference frame.
     pub fn pose(&self) -> &RigidMotion {
-        &self.pose
+        self.frame.pose()
     }
 
     /// The depth on the grid of the image.
     pub fn depth(&self) -> Option<&DepthImage> {
-        self.depth.as_ref()
+        self.frame.depth_on_image()
     }
 
     /// The grey image.
     pub fn image(&self) -> Option<&GreyImage> {
-        self.image.as_ref()
+        self.frame.image()
     }
 }

@@ -159,12 +159,12 @@ impl Strip {
             if x > 1.0 {
                 break;
             }
-            let value = if steep { image.value(cross, run) } else { image.value(run, cross) };
+            let (column, row) = if steep { (cross, run) } else { (run, cross) };
             self.pixels.push(StripPixel {
                 s: parabola(before.0, here.0, after.0, x),
                 u: parabola(before.1, here.1, after.1, x),
-                value: f64::from(value),
-                saturated: image.is_saturated(value),
+                value: f64::from(image.value(column, row)),
+                saturated: image.is_saturated(column, row),
             });
         }
         if self.pixels.len() == begin {

@@ -1,7 +1,8 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
 use super::mask::Mask;
-use super::views::{PointsView, Scalar};
+use super::strided::Scalar;
+use super::views::PointsView;
 use crate::error::{Error, Result};
 use crate::statistics::median;
 use nalgebra::Vector3;
@@ -21,6 +22,8 @@ pub struct Dropped {
     pub out_of_range: usize,
     /// The camera model has no ray for the pixel.
     pub outside_camera: usize,
+    /// The mask is set there, but the colour camera sees something nearer.
+    pub hidden: usize,
 }
 
 impl Dropped {
@@ -33,6 +36,7 @@ impl Dropped {
             + self.no_depth
             + self.out_of_range
             + self.outside_camera
+            + self.hidden
     }
 
     pub(crate) fn add(&mut self, other: &Dropped) {
@@ -42,8 +46,15 @@ impl Dropped {
         self.no_depth += other.no_depth;
         self.out_of_range += other.out_of_range;
         self.outside_camera += other.outside_camera;
+        self.hidden += other.hidden;
     }
 }
+
+/// Weights are kept as f32.
+const LARGEST_WEIGHT: f64 = f32::MAX as f64;
+
+/// What a weight must do that is larger.
+const WEIGHT_REQUIREMENT: &str = "be at most 3.4e38; only the ratios of the weights count, so scale them all";
 
 /// Coordinates relative to the origin of a [`PointCloud`].
 #[derive(Debug, Clone)]
@@ -64,6 +75,8 @@ pub struct PointCloud {
     weights: Vec<f32>,
     /// Empty unless every point came with one.
     normals: Vec<Vector3<f32>>,
+    /// Empty unless all points came from one grid.
+    pixels: Vec<[u32; 2]>,
     dropped: Dropped,
     given: usize,
     /// The largest distance between neighbouring representable numbers of the input, over all coordinates.
@@ -77,6 +90,7 @@ impl Default for PointCloud {
             offsets: Offsets::F32(Default::default()),
             weights: Vec::new(),
             normals: Vec::new(),
+            pixels: Vec::new(),
             dropped: Dropped::default(),
             given: 0,
             resolution: 0.0,
@@ -93,6 +107,7 @@ impl PointCloud {
         }
         self.weights.clear();
         self.normals.clear();
+        self.pixels.clear();
         self.dropped = Dropped::default();
         self.given = 0;
         self.resolution = 0.0;
@@ -164,10 +179,12 @@ impl PointCloud {
         (!self.normals.is_empty()).then_some(&self.normals)
     }
 
-    /// The pixel of each point.
+    /// The pixel of each point, column and row, in the grid of the sensor that measured it: that of the depth camera,
+    /// or of an organised cloud. `None` unless all points came from one such grid: points of several pushes, or of a
+    /// cloud of one row, have no common neighbourhood.
     #[must_use]
     pub fn pixels(&self) -> Option<&[[u32; 2]]> {
-        None
+        (!self.pixels.is_empty()).then_some(&self.pixels)
     }
 
     /// The distance between neighbouring numbers of the input at its largest coordinate: what the input could
@@ -208,28 +225,32 @@ impl PointCloud {
     /// Copies the usable points of a cloud. A mask selects pixels of an organised one.
     ///
     /// # Errors
-    /// `SizeMismatch` when the mask has another size than the cloud, `InvalidArgument` for a negative weight,
-    /// `OutOfMemory`. Nothing is added then.
+    /// `SizeMismatch` when the mask has another size than the cloud; `InvalidArgument` for a weight that is negative or
+    /// larger than an f32 can hold, and for a point so far from the others that the type of the cloud cannot hold the
+    /// distance; `OutOfMemory`. Nothing is added then.
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
         let (width, height) = (view.width(), view.height());
         if let Some(mask) = mask {
             mask.check_size("organised cloud", (width, height))?;
         }
-        let mut batch = Batch { given: width * height, ..Batch::default() };
-        for row in 0..height {
+        let mut batch = Batch::grid(width, height);
+        // Rows of no points are as many as the caller likes.
+        for row in 0..if width == 0 { 0 } else { height } {
             for column in 0..width {
                 let (point, weight) = (view.points.at(column, row), view.weight(column, row));
+                let index = row * width + column;
                 if mask.is_some_and(|mask| !mask.contains(column, row)) {
                     batch.dropped.outside_mask += 1;
                 } else if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
                     batch.dropped.not_finite += 1;
-                } else if weight < 0.0 {
-                    let name = format!("the weight of point {}", row * width + column);
-                    return Err(Error::argument(name, weight, "be at least 0"));
-                } else if weight == 0.0 {
+                } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
+                    let name = format!("the weight of point {index}");
+                    let requirement = if weight < 0.0 { "be at least 0" } else { WEIGHT_REQUIREMENT };
+                    return Err(Error::argument(name, format!("{weight:?}"), requirement));
+                } else if weight as f32 == 0.0 {
                     batch.dropped.zero_weight += 1;
                 } else {
-                    batch.push(point, weight)?;
+                    batch.push(point, weight, index)?;
                     if let Some(normals) = &view.normals {
                         batch.push_normal(&normals.at(column, row))?;
                     }
@@ -242,25 +263,14 @@ impl PointCloud {
     /// Adds the points of a batch whose input had the given type.
     pub(super) fn append(&mut self, batch: &Batch, scalar: Scalar) -> Result<()> {
         let first = self.is_empty();
-        let (origin, offsets) = if first {
-            let empty = match (scalar, &self.offsets) {
-                (Scalar::F32, Offsets::F64(_)) => Some(Offsets::F32(Default::default())),
-                (Scalar::F64, Offsets::F32(_)) => Some(Offsets::F64(Default::default())),
-                _ => None,
-            };
-            (batch.middle(), empty)
-        } else {
-            // One f64 cloud makes the whole f64: mixing costs nothing but memory.
-            let wide = match (scalar, &self.offsets) {
-                (Scalar::F64, Offsets::F32(axes)) => {
-                    Some(Offsets::F64(axes.each_ref().map(|a| a.iter().map(|&x| f64::from(x)).collect())))
-                }
-                _ => None,
-            };
-            (self.origin, wide)
-        };
-        if let Some(offsets) = offsets {
-            self.offsets = offsets;
+        let origin = if first { batch.middle() } else { self.origin };
+        // One f64 cloud makes the whole f64: mixing costs nothing but memory.
+        let wide = scalar == Scalar::F64 || !first && matches!(self.offsets, Offsets::F64(_));
+        batch.check_distances(&origin, wide)?;
+        match &self.offsets {
+            Offsets::F64(_) if !wide => self.offsets = Offsets::F32(Default::default()),
+            Offsets::F32(axes) if wide => self.offsets = widened(axes)?,
+            _ => {}
         }
         self.reserve(batch.points.len())?;
         let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
@@ -279,6 +289,15 @@ impl PointCloud {
             self.normals.extend_from_slice(&batch.normals);
         } else if !batch.points.is_empty() {
             self.normals.clear();
+        }
+        if first && batch.height > 1 {
+            let bytes = batch.indices.len() * size_of::<[u32; 2]>();
+            let out_of_memory = |_| Error::OutOfMemory { what: "the pixels of the points", bytes };
+            self.pixels.try_reserve(batch.indices.len()).map_err(out_of_memory)?;
+            let pixel = |&index: &usize| [(index % batch.width) as u32, (index / batch.width) as u32];
+            self.pixels.extend(batch.indices.iter().map(pixel));
+        } else if !batch.points.is_empty() {
+            self.pixels.clear();
         }
         self.origin = origin;
         for point in &batch.points {
@@ -300,25 +319,64 @@ impl PointCloud {
     }
 }
 
+/// Offsets of twice the width.
+fn widened(axes: &[Vec<f32>; 3]) -> Result<Offsets> {
+    let bytes = axes[0].len() * 3 * size_of::<f64>();
+    let mut wide: [Vec<f64>; 3] = Default::default();
+    for (wide, axis) in wide.iter_mut().zip(axes) {
+        wide.try_reserve(axis.len()).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
+        wide.extend(axis.iter().map(|&x| f64::from(x)));
+    }
+    Ok(Offsets::F64(wide))
+}
+
 /// Usable points on their way into a cloud.
 #[derive(Default)]
 pub(super) struct Batch {
+    /// Columns and rows of the grid that they come from; one row stands for no order.
+    width: usize,
+    height: usize,
     pub points: Vec<Vector3<f64>>,
-    pub weights: Vec<f64>,
-    pub normals: Vec<Vector3<f32>>,
+    weights: Vec<f64>,
+    normals: Vec<Vector3<f32>>,
+    /// Where they are in the grid, counted row by row.
+    indices: Vec<usize>,
     pub dropped: Dropped,
     pub given: usize,
 }
 
 impl Batch {
-    pub fn push(&mut self, point: Vector3<f64>, weight: f64) -> Result<()> {
-        let bytes = self.points.len() * 64;
+    /// No points yet of a grid of that size.
+    pub fn grid(width: usize, height: usize) -> Self {
+        Self { width, height, given: width * height, ..Self::default() }
+    }
+
+    pub fn push(&mut self, point: Vector3<f64>, weight: f64, index: usize) -> Result<()> {
+        let bytes = self.points.len() * 80;
         let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
         self.points.try_reserve(1).map_err(out_of_memory)?;
         self.weights.try_reserve(1).map_err(out_of_memory)?;
+        self.indices.try_reserve(1).map_err(out_of_memory)?;
         self.points.push(point);
         self.weights.push(weight);
+        self.indices.push(index);
         Ok(())
+    }
+
+    /// Checks that the offsets from the origin have a place in the type that keeps them.
+    fn check_distances(&self, origin: &Vector3<f64>, wide: bool) -> Result<()> {
+        let largest = if wide { f64::MAX } else { f64::from(f32::MAX) };
+        let Some(far) = self.points.iter().position(|point| !((point - origin).amax() <= largest)) else {
+            return Ok(());
+        };
+        let name = format!("point {}", self.indices[far]);
+        let value = format!("{:?}", self.points[far].as_slice());
+        let requirement = format!(
+            "lie within {largest:.1e} of the points around {:?} in each coordinate; leave it out or give f64 in \
+             a smaller unit of length",
+            origin.as_slice()
+        );
+        Err(Error::argument(name, value, requirement))
     }
 
     fn push_normal(&mut self, normal: &Vector3<f64>) -> Result<()> {
@@ -380,7 +438,7 @@ mod tests {
         assert_eq!(cloud.weights().unwrap(), [1.0, 1.0, 1.0, 2.0, 0.5]);
         assert_eq!(cloud.dropped().zero_weight, 1);
     }
-    use super::super::views::Strided;
+    use super::super::strided::Strided;
 
     #[test]
     fn normals_count_only_when_every_point_has_one() {

@@ -116,7 +116,7 @@ fn check_shape(object: &Value) {
     assert!(result["flags"].as_array().unwrap().iter().all(Value::is_string));
     vector(&result["start"]["point"]);
     let dropped = result["dropped"].as_object().unwrap();
-    assert_eq!(dropped.len(), 6);
+    assert_eq!(dropped.len(), 7);
     let total: u64 = dropped.values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(total + result["points_used"].as_u64().unwrap(), result["points_given"].as_u64().unwrap());
 

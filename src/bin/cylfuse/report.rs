@@ -298,6 +298,7 @@ struct DroppedValues {
     no_depth: usize,
     out_of_range: usize,
     outside_camera: usize,
+    hidden: usize,
 }
 
 /// Wall-clock seconds by phase.
@@ -382,7 +383,7 @@ impl ResultValues {
         let fused = options.method == Method::Fused;
         // Methods without iterations have nothing to say about them.
         let iterated = result.termination.is_some();
-        let Dropped { not_finite, zero_weight, outside_mask, no_depth, out_of_range, outside_camera } =
+        let Dropped { not_finite, zero_weight, outside_mask, no_depth, out_of_range, outside_camera, hidden } =
             result.dropped;
         Self {
             method: match options.method {
@@ -417,6 +418,7 @@ impl ResultValues {
                 no_depth,
                 out_of_range,
                 outside_camera,
+                hidden,
             },
             segments_used: result.segments_used,
             segments_given: result.segments_given,
