@@ -228,11 +228,11 @@ unsafe fn complete_depth(
     };
     let grid = grid.check(out.data)?;
     let (mut count, mut out_of_range) = (0, 0);
-    let counts = fitter.complete(model, mask, &mut |column, row, point| {
-        let stored = point.map_or(0.0, |point| stored_depth(format, point.z / out.scale));
+    let counts = fitter.complete_depth(model, mask, &mut |column, row, depth| {
+        let stored = depth.map_or(0.0, |depth| stored_depth(format, depth / out.scale));
         if stored > 0.0 {
             count += 1;
-        } else if point.is_some() {
+        } else if depth.is_some() {
             out_of_range += 1;
         }
         // SAFETY: (column, row) is a pixel of the image, which the checked grid covers.

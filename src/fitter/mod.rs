@@ -118,11 +118,10 @@ impl Fitter {
         self.held.as_ref()?.views.get(self.selected)?.limbs.as_ref()
     }
 
-    /// Whether the last fit knows the limbs in the selected view to a fraction of a pixel: one was located in its image.
+    /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
     #[must_use]
-    pub fn limbs_known(&self) -> bool {
-        let held = self.held.as_ref().and_then(|held| held.views.get(self.selected));
-        held.is_some_and(|held| held.located > 0)
+    pub fn limbs_known(&self, view: usize) -> bool {
+        self.held.as_ref().and_then(|held| held.views.get(view)).is_some_and(|held| held.located > 0)
     }
 
     /// Estimates the cylinder.

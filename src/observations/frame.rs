@@ -197,7 +197,9 @@ fn register(
     camera: Option<&Camera>,
 ) -> Result<Option<Arc<Registration>>> {
     match (depth, depth_camera, camera) {
-        (Some(depth), Some(own), Some(camera)) => Registration::new(depth, own, camera).map(|registration| Some(Arc::new(registration))),
+        (Some(depth), Some(own), Some(camera)) => {
+            Registration::new(depth, own, camera).map(|registration| Some(Arc::new(registration)))
+        }
         _ => Ok(None),
     }
 }

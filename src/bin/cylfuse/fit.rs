@@ -7,7 +7,6 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::report::{Fitted, Measurement, Report};
-use cylfuse::extent::ExtentOptions;
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
@@ -148,11 +147,10 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     let mut completed = Completed::default();
     let mut arcs = Vec::new();
     if frame.mask.is_some() {
-        let options = ExtentOptions { image: fitter.image(), limbs_known: None };
-        match fitter.extent_and_arcs(None, None, &options) {
+        match fitter.extent_and_arcs(None, None) {
             Ok((extent, found)) => {
                 measurement.set_extent(&extent);
-                arcs = found.concat();
+                arcs = found[0].concat();
             }
             Err(error) => measurement.notes.push(format!("no extent: {error}")),
         }
