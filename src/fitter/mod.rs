@@ -32,6 +32,7 @@ use crate::observations::{
 };
 use crate::residuals::ArcTerm;
 use crate::solver::Iteration;
+use crate::workers::Workers;
 use limbs::Lines;
 use starts::Candidate;
 use std::ops::ControlFlow;
@@ -42,6 +43,8 @@ use std::time::Instant;
 #[derive(Debug, Clone, Default)]
 pub struct Fitter {
     options: Options,
+    /// The threads that the options ask for.
+    workers: Workers,
     camera: Option<Camera>,
     start: Option<Cylinder>,
     cloud: PointCloud,
@@ -77,6 +80,12 @@ impl Fitter {
     /// `InvalidArgument`; the old options stay then.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
+        if options.threads != self.options.threads {
+            self.workers = Workers::new(match options.threads {
+                0 => std::thread::available_parallelism().map_or(1, usize::from),
+                count => count,
+            });
+        }
         self.options = options;
         self.forget_held();
         Ok(())

@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::PointCloud;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm, RobustScales};
+use crate::workers::Workers;
 use nalgebra::{Matrix3, Vector3};
 use std::cell::Cell;
 
@@ -64,6 +65,7 @@ impl<'a> Problem<'a> {
         camera: Option<&'a Camera>,
         segments: &'a [crate::observations::EdgeSegment],
         start: Option<&Cylinder>,
+        workers: &'a Workers,
     ) -> Result<Self> {
         let paper = options.method == Method::Fused && options.objective == ObjectiveKind::Paper;
         let fused = options.method == Method::Fused;
@@ -104,17 +106,13 @@ impl<'a> Problem<'a> {
         } else {
             size(cloud)?
         };
-        let threads = match options.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            count => count,
-        };
         let near_wall = match options.near_wall {
             NearWall::Auto => camera.is_some(),
             NearWall::On => true,
             NearWall::Off => false,
         };
         let pixels = edges.pixel_term(camera);
-        let points = PointTerm::new(cloud, threads);
+        let points = PointTerm::new(cloud, Some(workers));
         Ok(Self {
             options,
             cloud,

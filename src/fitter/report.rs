@@ -112,8 +112,8 @@ impl Fitter {
     }
 
     pub(super) fn problem_of_data(&self) -> Result<Problem<'_>> {
-        let Self { options, cloud, camera, segments, start, .. } = self;
-        Problem::new(options, cloud, camera.as_ref(), segments, start.as_ref())
+        let Self { options, cloud, camera, segments, start, workers, .. } = self;
+        Problem::new(options, cloud, camera.as_ref(), segments, start.as_ref(), workers)
     }
 
     /// Everything about a cylinder but how it was reached.

@@ -20,6 +20,7 @@ pub use loss::{
 };
 pub use paper::PaperObjective;
 pub use pixels::{PixelSegment, PixelTerm};
+pub(crate) use points::PointRows;
 pub use points::PointTerm;
 pub use robust::{RobustObjective, RobustScales};
 pub use sandwich::{Sandwich, SandwichPart};

@@ -257,7 +257,7 @@ mod tests {
         for edge_weight in [0.0, 0.6, 1.0] {
             let objective = PaperObjective {
                 held_distance: None,
-                ..PaperObjective::new(PointTerm::new(&cloud, 1), term, edge_weight, 0.0)
+                ..PaperObjective::new(PointTerm::new(&cloud, None), term, edge_weight, 0.0)
             };
             let mut expected = NormalEquations::zero();
             for (residual, jacobian) in objective.stacked_rows(&cloud, &frame).unwrap() {
@@ -269,7 +269,7 @@ mod tests {
             assert!((equations.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
         }
         let negative = Cylinder { radius: -0.01, ..cylinder };
-        let objective = PaperObjective::points_only(PointTerm::new(&cloud, 1));
+        let objective = PaperObjective::points_only(PointTerm::new(&cloud, None));
         assert!(objective.linearise(&LocalFrame { cylinder: negative, ..frame }).is_none());
     }
 }
