@@ -9,6 +9,7 @@ use crate::start::moments::Moments;
 use crate::start::ransac::{RansacFit, RansacOptions, ransac};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector3;
+use std::ops::ControlFlow;
 
 /// Points that starts are judged on: a start needs no more.
 const SAMPLE: usize = 500;
@@ -86,7 +87,7 @@ impl Problem<'_> {
         };
         let normals: Option<Vec<Vector3<f64>>> =
             self.cloud.normals().map(|normals| normals.iter().map(|n| n.cast()).collect());
-        ransac(&points, normals.as_deref(), self.near_wall, &options)
+        ransac(&points, normals.as_deref(), self.near_wall, &options, &mut || ControlFlow::Continue(()))
     }
 
     fn limbs_start(&self, sample: &[Vector3<f64>]) -> Option<Cylinder> {

@@ -90,6 +90,26 @@ impl Objective for PaperObjective<'_> {
         equations.cost.is_finite().then_some(equations)
     }
 
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        let radius = frame.cylinder.radius;
+        if !(radius > 0.0 && radius.is_finite()) {
+            return None;
+        }
+        let mut cost = 0.0;
+        let edge_weight = self.edge_weight();
+        if let Some((limbs, weight)) = &self.limbs {
+            let part = match self.held_distance {
+                None => limbs.linearise(frame)?,
+                Some(distance) => limbs.linearise_at_scale(frame, distance)?,
+            };
+            cost += weight * part.cost;
+        }
+        if edge_weight < 1.0 {
+            cost += (1.0 - edge_weight) * self.points.cost(frame, Squared);
+        }
+        cost.is_finite().then_some(cost)
+    }
+
     fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
         let edge_weight = self.edge_weight();
         let mut rows = Vec::with_capacity(cloud.len() + 4);

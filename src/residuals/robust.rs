@@ -99,6 +99,15 @@ impl Objective for RobustObjective<'_> {
         equations.cost.is_finite().then_some(equations)
     }
 
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        let radius = frame.cylinder.radius;
+        if !(radius > 0.0 && radius.is_finite()) {
+            return None;
+        }
+        let cost = self.edges(frame)?.cost + self.points.cost(frame, self.loss(frame));
+        cost.is_finite().then_some(cost)
+    }
+
     fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
         let loss = self.loss(frame);
         let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
