@@ -53,6 +53,7 @@ pub mod residuals;
 pub mod solver;
 pub mod start;
 mod statistics;
+pub mod workers;
 
 /// Runs the Rust program of the README as a test.
 #[cfg(doctest)]

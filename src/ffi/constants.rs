@@ -374,7 +374,7 @@ impl From<Option<Termination>> for cylfuse_termination {
     fn from(termination: Option<Termination>) -> Self {
         match termination {
             None => Self::NONE,
-            Some(Termination::Cost) => Self::COST,
+            Some(Termination::Cost | Termination::Gradient | Termination::Step) => Self::COST,
             Some(Termination::Stalled) => Self::STALLED,
             Some(Termination::MaxIterations) => Self::MAX_ITERATIONS,
             Some(Termination::RadiusRanAway) => Self::RADIUS_RAN_AWAY,

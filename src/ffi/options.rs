@@ -26,6 +26,7 @@ impl cylfuse_options {
                 lambda_factor: number(self.lambda_factor, default.limits.lambda_factor),
                 max_lambda: number(self.max_lambda, default.limits.max_lambda),
                 cost_tolerance: self.cost_tolerance,
+                ..default.limits
             },
             chart: self.chart.read("options.chart")?,
             threads: self.max_threads as usize,
@@ -116,6 +117,7 @@ mod tests {
                 lambda_factor: 3.0,
                 max_lambda: 1e6,
                 cost_tolerance: 1e-9,
+                ..IterationLimits::default()
             },
             chart: ChartChoice::Orthonormal,
             threads: 5,

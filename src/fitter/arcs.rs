@@ -9,8 +9,7 @@ use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
-use crate::residuals::{ArcRay, ArcTerm, Loss, TUKEY_EFFICIENT, Tukey, Wall, near_wall};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
 use nalgebra::{Matrix3, Vector3};
 
 /// Fewest places that tell how an arc is bent.
@@ -91,7 +90,7 @@ fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<Arc
 fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint: f64) -> Option<Vec<ArcRay>> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
-    let mut found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
+    let found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
         .iter()
         .filter_map(|sample| {
             let ray = camera.unproject(&sample.pixel)?;
@@ -106,31 +105,27 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint:
     if found.len() < LEAST_PLACES {
         return None;
     }
-    let variances: Vec<f64> = found.iter().map(|(place, ..)| 1.0 / place.weight).collect();
-    // How much more the places scatter than their deviations explain.
-    let mut scatter: f64 = 1.0;
-    for _ in 0..REWEIGHTINGS {
+    let deviations: Vec<f64> = found.iter().map(|(place, ..)| place.weight.sqrt().recip()).collect();
+    // The scale is how much more the places scatter than their deviations explain.
+    let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
+    let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {
         let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for (place, position, shape) in &found {
-            let w = place.weight * place.across * place.across;
+        for ((place, position, shape), weight) in found.iter().zip(weights) {
+            let w = weight * place.weight * place.across * place.across;
             square += shape * shape.transpose() * w;
             right += shape * (w * position);
         }
         let solution = square.try_inverse()? * right;
-        let residuals: Vec<f64> = found
-            .iter()
-            .zip(&variances)
-            .map(|((place, position, shape), variance)| {
-                (position - shape.dot(&solution)) * place.across / variance.sqrt()
-            })
-            .collect();
-        let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
-        scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scatter, wall: Wall::Either };
-        for ((place, residual), variance) in found.iter_mut().zip(residuals).zip(&variances) {
-            place.0.weight = loss.loss_and_weight(residual, 0.0).1 / variance;
+        for (((place, position, shape), deviation), residual) in found.iter().zip(&deviations).zip(residuals)
+        {
+            *residual = (position - shape.dot(&solution)) * place.across / deviation;
         }
-    }
-    let factor = (endpoint / scatter).powi(2);
-    Some(found.into_iter().map(|(place, ..)| ArcRay { weight: place.weight * factor, ..place }).collect())
+        Some(Progress::Moved)
+    })?;
+    let factor = (endpoint / scale).powi(2);
+    let weighted = |((place, ..), weight): ((ArcRay, f64, Vector3<f64>), f64)| ArcRay {
+        weight: place.weight * weight * factor,
+        ..place
+    };
+    Some(found.into_iter().zip(weights).map(weighted).collect())
 }

@@ -10,6 +10,7 @@ use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, RigidMotion, Walls};
 use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::PointTerm;
+use crate::workers::Workers;
 use nalgebra::{Matrix3, Vector3};
 
 /// Degrees of freedom of a cylinder, so the least number of points.
@@ -90,7 +91,12 @@ impl ViewData<'_> {
 
 impl<'a> Data<'a> {
     /// Checks views and options against each other.
-    pub fn new(options: &'a Options, views: &'a [View], start: Option<&'a Cylinder>) -> Result<Self> {
+    pub fn new(
+        options: &'a Options,
+        views: &'a [View],
+        start: Option<&'a Cylinder>,
+        workers: &'a Workers,
+    ) -> Result<Self> {
         let fused = options.method == Method::Fused;
         let paper = fused && options.objective == ObjectiveKind::Paper;
         if options.chart == ChartChoice::Orthonormal && !options.cylinder_limits.is_none() {
@@ -117,7 +123,8 @@ impl<'a> Data<'a> {
                 });
             }
         }
-        let views: Vec<ViewData<'a>> = views.iter().map(|view| ViewData::new(options, view)).collect();
+        let views: Vec<ViewData<'a>> =
+            views.iter().map(|view| ViewData::new(options, view, workers)).collect();
         let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());
         let edge_weight = if paper && has_limbs { options.edge_weight } else { 0.0 };
         let given = views.iter().map(|view| view.view.cloud.given()).sum();
@@ -329,7 +336,7 @@ impl<'a> Data<'a> {
 }
 
 impl<'a> ViewData<'a> {
-    fn new(options: &Options, view: &'a View) -> Self {
+    fn new(options: &Options, view: &'a View, workers: &'a Workers) -> Self {
         let fused = options.method == Method::Fused;
         let observed = match options.near_wall {
             NearWall::Auto => view.camera().is_some(),
@@ -342,7 +349,7 @@ impl<'a> ViewData<'a> {
         Self {
             view,
             into_view: view.pose().inverse(),
-            points: PointTerm::new(&view.cloud, options.threads.max(1)),
+            points: PointTerm::new(&view.cloud, Some(workers)),
             lattice: Lattice::of_cloud(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, noise.endpoint),
             observed,

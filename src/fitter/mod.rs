@@ -35,8 +35,9 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::limb_location::LimbObservation;
-use crate::residuals::{Loss, LossInFrame, Robust};
+use crate::residuals::{Loss, LossInFrame, PointRows, Robust};
 use crate::solver::Iteration;
+use crate::workers::Workers;
 use data::Data;
 use edges::UsableEdges;
 use held::Held;
@@ -53,6 +54,8 @@ use std::time::Instant;
 #[derive(Debug, Clone)]
 pub struct Fitter {
     options: Options,
+    /// The threads that the options ask for.
+    workers: Workers,
     start: Option<Cylinder>,
     views: Vec<View>,
     /// The view that is set, pushed to and asked about.
@@ -66,6 +69,7 @@ impl Default for Fitter {
     fn default() -> Self {
         Self {
             options: Options::default(),
+            workers: Workers::default(),
             start: None,
             views: vec![View::default()],
             selected: 0,
@@ -94,6 +98,12 @@ impl Fitter {
     /// `InvalidArgument`; the old options stay then.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
+        if options.threads != self.options.threads {
+            self.workers = Workers::new(match options.threads {
+                0 => std::thread::available_parallelism().map_or(1, usize::from),
+                count => count,
+            });
+        }
         self.options = options;
         self.held = None;
         Ok(())
@@ -206,11 +216,12 @@ impl Fitter {
         let scale = data.view_scales(view, &cylinder).point;
         let frame = data.frame(&cylinder).moved(&view.into_view);
         let loss = Robust { scale, observed: view.observed }.at(&frame);
-        let rows = view.points.rows(&frame);
-        listed(
-            view.points.count(),
-            rows.map(|(residual, _, facing)| loss.loss_and_weight(residual, facing).1),
-        )
+        let rows = PointRows::new(&frame);
+        let weight = |point| {
+            let (residual, facing) = rows.residual(&point);
+            loss.loss_and_weight(residual, facing).1
+        };
+        listed(view.points.count(), view.view.cloud.points().map(weight))
     }
 
     /// Rank, condition and the weakest direction of the stacked Jacobian at a model, or at the last fit, by
@@ -235,7 +246,7 @@ impl Fitter {
     }
 
     fn data(&self) -> Result<Data<'_>> {
-        Data::new(&self.options, &self.views, self.start.as_ref())
+        Data::new(&self.options, &self.views, self.start.as_ref(), &self.workers)
     }
 
     /// What the last fit held the cylinder to, or the given segments.

@@ -46,6 +46,13 @@ pub(super) struct Run<'a> {
     pub solves: usize,
 }
 
+impl Run<'_> {
+    /// Asks whether to go on while there is no iteration to report.
+    pub fn poll(&mut self) -> ControlFlow<()> {
+        (self.report)(&Iteration::before_start())
+    }
+}
+
 /// A minimum.
 #[derive(Clone, Copy)]
 pub(super) struct Minimum {

@@ -6,6 +6,7 @@ use crate::geometry::Chart;
 use crate::geometry::CylinderLimits;
 use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
+use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
 /// How the cylinder is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -185,7 +186,13 @@ impl Options {
             return Err(Error::argument("edge weight", self.edge_weight, "lie in [0, 1]"));
         }
         let IterationLimits {
-            max_iterations, initial_lambda, lambda_factor, max_lambda, cost_tolerance, ..
+            max_iterations,
+            initial_lambda,
+            lambda_factor,
+            max_lambda,
+            cost_tolerance,
+            gradient_tolerance,
+            step_tolerance,
         } = self.limits;
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if !positive(initial_lambda) {
@@ -201,6 +208,13 @@ impl Options {
         if !(0.0..1.0).contains(&cost_tolerance) {
             return Err(Error::argument("cost tolerance", cost_tolerance, "lie in [0, 1)"));
         }
+        for (name, tolerance) in
+            [("gradient tolerance", gradient_tolerance), ("step tolerance", step_tolerance)]
+        {
+            if !(0.0..1.0).contains(&tolerance) {
+                return Err(Error::argument(name, tolerance, "lie in [0, 1)"));
+            }
+        }
         if max_iterations == 0 {
             return Err(Error::argument("max iterations", max_iterations, "be at least 1"));
         }
@@ -208,8 +222,9 @@ impl Options {
             let value = self.ransac_threshold;
             return Err(Error::argument("ransac threshold", value, "be finite and at least 0"));
         }
-        if self.ransac_iterations == 0 {
-            return Err(Error::argument("ransac iterations", 0, "be at least 1"));
+        if !(1..=LARGEST_MAX_ITERATIONS).contains(&self.ransac_iterations) {
+            let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
+            return Err(Error::argument("ransac_max_iterations", self.ransac_iterations, requirement));
         }
         if !(self.independent_points >= 0.0 && self.independent_points.is_finite()) {
             let requirement = "be finite and at least 0; 0 = from the data";

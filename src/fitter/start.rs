@@ -68,7 +68,7 @@ impl Data<'_> {
     }
 
     /// The best of random samples. The points of several views have no common observer.
-    pub fn ransac(&self, _run: &mut Run<'_>) -> Result<RansacFit> {
+    pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
         let points: Vec<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {
             max_iterations: self.options.ransac_iterations,
@@ -80,7 +80,7 @@ impl Data<'_> {
         let normals =
             self.views.iter().map(ViewData::normals).collect::<Option<Vec<_>>>().map(|all| all.concat());
         let observed = self.views.len() == 1 && self.near_wall();
-        ransac(&points, normals.as_deref(), observed, &options)
+        ransac(&points, normals.as_deref(), observed, &options, &mut || run.poll())
     }
 
     /// The starts from the two longest segments of each view, which say most about the limbs.

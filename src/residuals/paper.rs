@@ -182,7 +182,7 @@ mod tests {
         let (cylinder, term) = scene();
         let frame = LocalFrame::new(&cylinder, &Vector3::new(0.0, 0.0, 0.68), 0.05);
         let (cloud, here) = (cloud(), RigidMotion::identity());
-        let points = PointTerm::new(&cloud, 1);
+        let points = PointTerm::new(&cloud, None);
         for edge_weight in [0.0, 0.6, 1.0] {
             let objective = paper_objective(&[(points, here, 40.0)], &[(term, here)], edge_weight);
             let mut expected = NormalEquations::zero();
@@ -205,7 +205,7 @@ mod tests {
         let (cylinder, term) = scene();
         let frame = LocalFrame::new(&cylinder, &Vector3::new(0.0, 0.0, 0.68), 0.05);
         let cloud = cloud();
-        let points = PointTerm::new(&cloud, 1);
+        let points = PointTerm::new(&cloud, None);
         let rotation = crate::geometry::exp_so3(&Vector3::new(0.3, -0.7, 1.1));
         let pose = RigidMotion::new(rotation, Vector3::new(0.4, -0.1, 2.0)).unwrap();
         let at_identity = RigidMotion::identity();

@@ -1,7 +1,7 @@
 //! The points of a view as a term: their mean loss.
 
-use super::points::{Loss, PointRows, PointTerm, Squared};
-use super::robust::{TUKEY_EFFICIENT, Tukey, Wall};
+use super::loss::{Loss, Squared, TUKEY_EFFICIENT, Tukey, Wall};
+use super::points::PointTerm;
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::LocalFrame;
@@ -64,7 +64,7 @@ impl<L: LossInFrame> Term for Points<'_, L> {
     }
 
     fn cost(&self, frame: &LocalFrame) -> Option<f64> {
-        Some(self.points.linearise(frame, self.loss.at(frame)).cost)
+        Some(self.points.cost(frame, self.loss.at(frame)))
     }
 
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
@@ -72,15 +72,7 @@ impl<L: LossInFrame> Term for Points<'_, L> {
     }
 
     fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
-        let (loss, cloud) = (self.loss.at(frame), self.points.cloud());
-        let of_points = PointRows::new(frame);
-        let row = |(index, point)| {
-            let (residual, jacobian, facing) = of_points.row(&point);
-            let weight = cloud.weight(index) / self.points.total_weight();
-            let root = (weight * loss.loss_and_weight(residual, facing).1).sqrt();
-            (residual * root, jacobian * root)
-        };
-        Some(cloud.points().enumerate().map(row).collect())
+        Some(self.points.rows(frame, self.loss.at(frame)).collect())
     }
 
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {

@@ -403,6 +403,8 @@ impl ResultValues {
             iterations: result.iterations,
             termination: result.termination.map(|termination| match termination {
                 Termination::Cost => "cost",
+                Termination::Gradient => "gradient",
+                Termination::Step => "step",
                 Termination::Stalled => "stalled",
                 Termination::MaxIterations => "max_iterations",
                 Termination::RadiusRanAway => "radius_ran_away",
