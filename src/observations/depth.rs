@@ -1,8 +1,9 @@
 //! Depth images: from pixels to points.
 
+use super::batch::Batch;
 use super::frame::Frame;
 use super::mask::Mask;
-use super::points::{Batch, PointCloud};
+use super::points::PointCloud;
 use super::registration::Sight;
 use super::strided::Scalar;
 use super::views::DepthView;
