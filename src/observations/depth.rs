@@ -114,6 +114,22 @@ impl DepthImage {
         (value > 0.0).then(|| f64::from(value) * self.scale)
     }
 
+    /// The four stored values around the upper left corner of a pixel, 0 = no measurement; `None` at the border.
+    #[inline]
+    pub(super) fn block(&self, column: usize, row: usize) -> Option<[f32; 4]> {
+        if column == 0 || row == 0 || column >= self.width || row >= self.height {
+            return None;
+        }
+        let first = (row - 1) * self.width + column - 1;
+        let (above, below) = (&self.values[first..first + 2], &self.values[first + self.width..][..2]);
+        Some([above[0], above[1], below[0], below[1]])
+    }
+
+    /// Length of one unit of the stored values.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Puts a depth where there is none or a greater one.
     #[inline]
     pub(super) fn put_nearest(&mut self, index: usize, depth: f32) {
