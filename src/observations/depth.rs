@@ -1,8 +1,9 @@
 //! Depth images: from pixels to points.
 
+use super::batch::Batch;
 use super::frame::Frame;
 use super::mask::Mask;
-use super::points::{Batch, PointCloud};
+use super::points::PointCloud;
 use super::registration::Sight;
 use super::strided::Scalar;
 use super::views::DepthView;
@@ -111,6 +112,22 @@ impl DepthImage {
     pub(super) fn depth_at(&self, index: usize) -> Option<f64> {
         let value = self.values[index];
         (value > 0.0).then(|| f64::from(value) * self.scale)
+    }
+
+    /// The four stored values around the upper left corner of a pixel, 0 = no measurement; `None` at the border.
+    #[inline]
+    pub(super) fn block(&self, column: usize, row: usize) -> Option<[f32; 4]> {
+        if column == 0 || row == 0 || column >= self.width || row >= self.height {
+            return None;
+        }
+        let first = (row - 1) * self.width + column - 1;
+        let (above, below) = (&self.values[first..first + 2], &self.values[first + self.width..][..2]);
+        Some([above[0], above[1], below[0], below[1]])
+    }
+
+    /// Length of one unit of the stored values.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// Puts a depth where there is none or a greater one.

@@ -35,10 +35,12 @@ impl GreyImage {
     pub fn copy(view: &ImageView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
         let mut values = reserved(width, height, 4)?;
+        // Rows of no pixels are as many as the caller likes.
+        let rows = if width == 0 { 0 } else { height };
         if view.format().is_color() {
             let mut marked = reserved(width, height, 1)?;
             let light: [f32; 256] = std::array::from_fn(|value| light(value as f32, 255.0, view.gamma()));
-            for row in 0..height {
+            for row in 0..rows {
                 for color in (0..width).map(|column| view.color(column, row)) {
                     let channels = color.map(|channel| f64::from(light[usize::from(channel)]));
                     let sum = channels.iter().zip(LUMINANCE).map(|(channel, weight)| channel * weight);
@@ -48,7 +50,7 @@ impl GreyImage {
             }
             return Ok(Self { width, height, values, saturation: Saturation::Marked(marked) });
         }
-        for row in 0..height {
+        for row in 0..rows {
             values.extend((0..width).map(|column| view.value(column, row)));
         }
         let coded = view.gamma() != 1.0;

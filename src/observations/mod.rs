@@ -3,6 +3,7 @@
 //! Views borrow the caller's memory as it lies, with byte strides, so that a PCL cloud, an OpenCV matrix or a
 //! plain array pass without conversion. Pushing copies what is usable and counts the rest by reason.
 
+mod batch;
 mod depth;
 mod frame;
 mod image;
@@ -23,3 +24,6 @@ pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;
 pub use strided::{Scalar, Strided};
 pub use views::{DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView};
+
+#[cfg(test)]
+mod tests;

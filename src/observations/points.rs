@@ -1,10 +1,10 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
+use super::batch::Batch;
 use super::mask::Mask;
 use super::strided::Scalar;
 use super::views::PointsView;
 use crate::error::{Error, Result};
-use crate::statistics::median;
 use nalgebra::Vector3;
 
 /// How many points were left out, by reason.
@@ -64,6 +64,22 @@ pub enum Offsets {
     F32([Vec<f32>; 3]),
     /// From f64 clouds.
     F64([Vec<f64>; 3]),
+}
+
+impl Offsets {
+    fn len(&self) -> usize {
+        match self {
+            Offsets::F32(axes) => axes[0].len(),
+            Offsets::F64(axes) => axes[0].len(),
+        }
+    }
+}
+
+/// Makes room for a total number of elements.
+fn reserve<T>(elements: &mut Vec<T>, total: usize, what: &'static str) -> Result<()> {
+    let bytes = total.saturating_mul(size_of::<T>());
+    let additional = total.saturating_sub(elements.len());
+    elements.try_reserve(additional).map_err(|_| Error::OutOfMemory { what, bytes })
 }
 
 /// Points in structure-of-arrays form. Coordinates are `origin` + offset.
@@ -130,10 +146,7 @@ impl PointCloud {
     /// Usable points.
     #[must_use]
     pub fn len(&self) -> usize {
-        match &self.offsets {
-            Offsets::F32(axes) => axes[0].len(),
-            Offsets::F64(axes) => axes[0].len(),
-        }
+        self.offsets.len()
     }
 
     /// Whether there is no usable point.
@@ -273,30 +286,34 @@ impl PointCloud {
             _ => {}
         }
         self.reserve(batch.points.len())?;
+        let added = batch.points.len();
         let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
+        let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == added;
+        let ordered = first && batch.height > 1;
+        let total = self.len() + added;
+        // All memory is there before anything is added.
         if weighted {
-            let total = self.len() + batch.points.len();
-            let out_of_memory = |_| Error::OutOfMemory { what: "the weights", bytes: total * 4 };
-            self.weights.try_reserve(total - self.weights.len()).map_err(out_of_memory)?;
+            reserve(&mut self.weights, total, "the weights")?;
+        }
+        if oriented {
+            reserve(&mut self.normals, total, "the normals")?;
+        }
+        if ordered {
+            reserve(&mut self.pixels, added, "the pixels of the points")?;
+        }
+        if weighted {
             self.weights.resize(self.len(), 1.0);
             self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
         }
-        let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == batch.points.len();
         if oriented {
-            let bytes = batch.normals.len() * size_of::<Vector3<f32>>();
-            let out_of_memory = |_| Error::OutOfMemory { what: "the normals", bytes };
-            self.normals.try_reserve(batch.normals.len()).map_err(out_of_memory)?;
             self.normals.extend_from_slice(&batch.normals);
-        } else if !batch.points.is_empty() {
+        } else if added > 0 {
             self.normals.clear();
         }
-        if first && batch.height > 1 {
-            let bytes = batch.indices.len() * size_of::<[u32; 2]>();
-            let out_of_memory = |_| Error::OutOfMemory { what: "the pixels of the points", bytes };
-            self.pixels.try_reserve(batch.indices.len()).map_err(out_of_memory)?;
+        if ordered {
             let pixel = |&index: &usize| [(index % batch.width) as u32, (index / batch.width) as u32];
             self.pixels.extend(batch.indices.iter().map(pixel));
-        } else if !batch.points.is_empty() {
+        } else if added > 0 {
             self.pixels.clear();
         }
         self.origin = origin;
@@ -328,80 +345,6 @@ fn widened(axes: &[Vec<f32>; 3]) -> Result<Offsets> {
         wide.extend(axis.iter().map(|&x| f64::from(x)));
     }
     Ok(Offsets::F64(wide))
-}
-
-/// Usable points on their way into a cloud.
-#[derive(Default)]
-pub(super) struct Batch {
-    /// Columns and rows of the grid that they come from; one row stands for no order.
-    width: usize,
-    height: usize,
-    pub points: Vec<Vector3<f64>>,
-    weights: Vec<f64>,
-    normals: Vec<Vector3<f32>>,
-    /// Where they are in the grid, counted row by row.
-    indices: Vec<usize>,
-    pub dropped: Dropped,
-    pub given: usize,
-}
-
-impl Batch {
-    /// No points yet of a grid of that size.
-    pub fn grid(width: usize, height: usize) -> Self {
-        Self { width, height, given: width * height, ..Self::default() }
-    }
-
-    pub fn push(&mut self, point: Vector3<f64>, weight: f64, index: usize) -> Result<()> {
-        let bytes = self.points.len() * 80;
-        let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
-        self.points.try_reserve(1).map_err(out_of_memory)?;
-        self.weights.try_reserve(1).map_err(out_of_memory)?;
-        self.indices.try_reserve(1).map_err(out_of_memory)?;
-        self.points.push(point);
-        self.weights.push(weight);
-        self.indices.push(index);
-        Ok(())
-    }
-
-    /// Checks that the offsets from the origin have a place in the type that keeps them.
-    fn check_distances(&self, origin: &Vector3<f64>, wide: bool) -> Result<()> {
-        let largest = if wide { f64::MAX } else { f64::from(f32::MAX) };
-        let Some(far) = self.points.iter().position(|point| !((point - origin).amax() <= largest)) else {
-            return Ok(());
-        };
-        let name = format!("point {}", self.indices[far]);
-        let value = format!("{:?}", self.points[far].as_slice());
-        let requirement = format!(
-            "lie within {largest:.1e} of the points around {:?} in each coordinate; leave it out or give f64 in \
-             a smaller unit of length",
-            origin.as_slice()
-        );
-        Err(Error::argument(name, value, requirement))
-    }
-
-    fn push_normal(&mut self, normal: &Vector3<f64>) -> Result<()> {
-        let bytes = self.normals.len() * 24;
-        self.normals.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "the normals", bytes })?;
-        let length = normal.norm();
-        let known = length > 0.0 && length.is_finite();
-        self.normals.push(if known { (normal / length).cast() } else { Vector3::zeros() });
-        Ok(())
-    }
-
-    /// A point in the middle of most of them: the median of a few in each coordinate, which single far
-    /// points do not carry away.
-    fn middle(&self) -> Vector3<f64> {
-        const SAMPLES: usize = 255;
-        let count = self.points.len().min(SAMPLES);
-        if count == 0 {
-            return Vector3::zeros();
-        }
-        let sample: Vec<_> = (0..count).map(|k| self.points[k * self.points.len() / count]).collect();
-        Vector3::from_fn(|axis, _| {
-            let mut values: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
-            median(&mut values)
-        })
-    }
 }
 
 #[cfg(test)]

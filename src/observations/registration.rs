@@ -97,7 +97,7 @@ impl Registration {
                 let Some(ray) = rays.at(column as f64 + 0.5, row as f64 + 0.5) else { continue };
                 let point = place(z, ray);
                 if let Some(pixel) = camera.project(&point).filter(|pixel| camera.contains(pixel)) {
-                    pixels[index] = splat.index(pixel.x.round(), pixel.y.round());
+                    pixels[index] = splat.index(&pixel);
                 }
                 let own = |shared: Option<Vector2<f64>>, right: usize, down: usize| {
                     shared.or_else(|| corner(column + right, row + down, Some(z)))
@@ -210,6 +210,19 @@ impl Surface {
     /// `from`. Without `from` all that are measured must be on one surface.
     #[inline]
     fn corner(&self, depth: &DepthImage, column: usize, row: usize, from: Option<f64>) -> Option<f64> {
+        if from.is_none()
+            && let Some([a, b, c, d]) = depth.block(column, row)
+        {
+            let (least, most) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+            if most == 0.0 {
+                return None;
+            }
+            if least > 0.0 {
+                let [least, most] = [least, most].map(|value| f64::from(value) * depth.scale());
+                let mean = || [a, b, c, d].map(f64::from).iter().sum::<f64>() * (0.25 * depth.scale());
+                return (most - least <= self.tolerance(least)).then(mean);
+            }
+        }
         let around = [
             depth.depth(column.wrapping_sub(1), row.wrapping_sub(1)),
             depth.depth(column, row.wrapping_sub(1)),
@@ -233,8 +246,8 @@ impl Surface {
 struct Rays<'a> {
     own: &'a DepthCamera,
     columns: usize,
-    /// At every [`RAY_SPACING`]-th corner, a little beyond the image.
-    nodes: Vec<Option<Vector3<f64>>>,
+    /// At every [`RAY_SPACING`]-th corner, a little beyond the image; not a number where there is no ray.
+    nodes: Vec<Vector3<f64>>,
 }
 
 impl<'a> Rays<'a> {
@@ -242,11 +255,13 @@ impl<'a> Rays<'a> {
         let (width, height) = own.camera.size();
         let columns = width / RAY_SPACING + 2;
         let rows = height / RAY_SPACING + 2;
-        let mut rays = Self { own, columns, nodes: reserved(columns * rows, None)? };
+        let mut rays = Self { own, columns, nodes: reserved(columns * rows, Vector3::repeat(f64::NAN))? };
         for row in 0..rows {
             for column in 0..columns {
                 let at = |node: usize| (node * RAY_SPACING) as f64;
-                rays.nodes[row * columns + column] = rays.exact(at(column), at(row));
+                if let Some(ray) = rays.exact(at(column), at(row)) {
+                    rays.nodes[row * columns + column] = ray;
+                }
             }
         }
         Ok(rays)
@@ -261,19 +276,15 @@ impl<'a> Rays<'a> {
     /// The same, between the nodes where there are some.
     #[inline]
     fn at(&self, x: f64, y: f64) -> Option<Vector3<f64>> {
-        let spacing = RAY_SPACING as f64;
-        let (column, row) = ((x / spacing) as usize, (y / spacing) as usize);
-        let (right, down) = (x / spacing - column as f64, y / spacing - row as f64);
+        let (x_nodes, y_nodes) = (x / RAY_SPACING as f64, y / RAY_SPACING as f64);
+        let (column, row) = (x_nodes as usize, y_nodes as usize);
+        let (right, down) = (x_nodes - column as f64, y_nodes - row as f64);
         let first = row * self.columns + column;
-        let node = |index: usize| self.nodes[index];
-        let (above, below) = (first, first + self.columns);
-        if let (Some(a), Some(b), Some(c), Some(d)) =
-            (node(above), node(above + 1), node(below), node(below + 1))
-        {
-            let top = a + (b - a) * right;
-            return Some(top + (c + (d - c) * right - top) * down);
-        }
-        self.exact(x, y)
+        let (above, below) = (&self.nodes[first..first + 2], &self.nodes[first + self.columns..][..2]);
+        let top = above[0] + (above[1] - above[0]) * right;
+        let bottom = below[0] + (below[1] - below[0]) * right;
+        let ray = top + (bottom - top) * down;
+        if ray.x.is_nan() { self.exact(x, y) } else { Some(ray) }
     }
 }
 
@@ -292,8 +303,10 @@ impl Splat {
         Ok(Self { image: DepthImage::empty(width, height, 1.0)?, reach })
     }
 
-    fn index(&self, column: f64, row: f64) -> u32 {
-        (row as usize * self.image.width() + column as usize) as u32
+    /// The pixel that a place of the image is in, counted row by row.
+    fn index(&self, place: &Vector2<f64>) -> u32 {
+        let (column, row) = ((place.x + 0.5) as usize, (place.y + 0.5) as usize);
+        (row * self.image.width() + column) as u32
     }
 
     /// Puts a depth into all pixels with centres in a quadrangle, given around.
@@ -305,9 +318,13 @@ impl Splat {
             return;
         }
         let (width, height) = self.image.size();
-        // Casts stop at 0.
-        let range =
-            |low: f64, high: f64, size: usize| low.ceil() as usize..((high.floor() + 1.0) as usize).min(size);
+        // Casts round towards 0 and stop there; without them every footprint would call functions for rounding.
+        let range = |low: f64, high: f64, size: usize| {
+            let first = low.max(0.0) as usize;
+            let first = first + usize::from((first as f64) < low);
+            let end = if high < 0.0 { 0 } else { (high as usize).saturating_add(1) };
+            first..end.min(size)
+        };
         let columns = range(low.x, high.x, width);
         for row in range(low.y, high.y, height) {
             for column in columns.clone() {

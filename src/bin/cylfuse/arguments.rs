@@ -148,12 +148,16 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
     \"image\": \"image.png\", \"depth\": \"depth.png\", \"depth_scale\": 0.001, \"mask\": \"mask.png\",
     \"edges\": [[[x, y], [x, y]], [[x, y], [x, y]]] }
   camera.model       brown_conrady (default) or kannala_brandt
-  camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt
+  camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt; none when absent
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
   image_gamma        optional; light is the value to this power: 1 (default) for an image linear in light, 2.2 for
                      sRGB, in which cameras and image files usually come
   image, mask, edges optional; depth, mask and edges are on the pixels of the (distorted) image
+  depth_camera       optional; the camera of the depth image where it is another one: the fields of camera, and
+                     rotation (9 numbers, row by row) and translation with x_image = R x_depth + t
+  views              a list of objects like the one above, in place of its fields, and with a pose each: rotation and
+                     translation with x_result = R x_view + t
 
 Without a mask all measured pixels are fitted, the background included, and there is no extent.";
 

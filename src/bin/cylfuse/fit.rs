@@ -125,7 +125,13 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
 
 fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Measurement, Failure> {
     let clock = Instant::now();
-    let frame = Frame::read(path, settings.image)?;
+    let mut views = Frame::read(path, settings.image)?.views;
+    let several = views.len() > 1;
+    let Some(frame) = views.pop().filter(|view| !several && view.depth_camera.is_none()) else {
+        let reason = "several views and depth cameras of their own cannot be fitted yet; give one view with its \
+                      depth on the grid of the image";
+        return Err(Failure::bad_frame(path, reason));
+    };
     let read = clock.elapsed().as_secs_f64();
     let mut fitter = settings.fitter()?;
     fitter.set_intrinsics(*frame.camera.intrinsics())?;

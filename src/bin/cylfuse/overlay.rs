@@ -4,7 +4,7 @@
 use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, text_width};
 use crate::failure::Failure;
 use crate::fit::write_file;
-use crate::frame::Frame;
+use crate::frame::View;
 use crate::report::Measurement;
 use cylfuse::extent::ArcSample;
 use cylfuse::geometry::{Cylinder, LimbFrame, Line, any_orthogonal};
@@ -59,8 +59,8 @@ const LABEL_DISTANCE: f64 = 26.0;
 
 /// What is drawn.
 pub struct Overlay<'a> {
-    /// The frame.
-    pub frame: &'a Frame,
+    /// The view.
+    pub frame: &'a View,
     /// The segments that were given to the fit.
     pub edges: &'a [EdgeSegment],
     /// The fitted cylinder.
