@@ -12,6 +12,7 @@ mod disturbance;
 mod frame;
 mod rows;
 mod table;
+mod views;
 
 use frame::{Frame, read_set};
 use std::path::{Path, PathBuf};
@@ -22,13 +23,14 @@ struct Sets {
     wild: Vec<Frame>,
     repeat: Vec<Frame>,
     real: Vec<Frame>,
+    views: Vec<views::Views>,
     list: bool,
 }
 
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 11] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
@@ -39,6 +41,7 @@ const ROWS: [Row; 10] = [
     ("real", rows::real),
     ("never-worse", rows::never_worse),
     ("methods", rows::methods),
+    ("views", views::views),
 ];
 
 fn main() {
@@ -64,6 +67,7 @@ fn main() {
         wild: read_set(&shared, "frames/wild"),
         repeat: read_set(&shared, "frames/repeat"),
         real: read_set(&shared, "real"),
+        views: views::read_views(&shared),
         list,
     };
     for (name, print) in ROWS {

@@ -31,6 +31,9 @@ const LARGEST_RADIUS: f64 = 100.0;
 /// bend of the surface is lost in the rounding of f32 coordinates.
 const LARGEST_KNOWN_RADIUS: f64 = 1e4;
 
+/// Points that tell one view from another.
+const KEY_POINTS: usize = 8;
+
 /// Points that tell a proportion: a few hundred are enough.
 const SAMPLE: usize = 500;
 
@@ -51,6 +54,8 @@ pub(super) struct Data<'a> {
 /// The data of one view.
 #[derive(Clone)]
 pub(super) struct ViewData<'a> {
+    /// Which view of the fitter it is.
+    pub index: usize,
     pub view: &'a View,
     /// From the reference frame.
     pub into_view: RigidMotion,
@@ -123,8 +128,11 @@ impl<'a> Data<'a> {
                 });
             }
         }
-        let views: Vec<ViewData<'a>> =
-            views.iter().map(|view| ViewData::new(options, view, workers)).collect();
+        let views = views.iter().enumerate();
+        let mut views: Vec<ViewData<'a>> =
+            views.map(|(index, view)| ViewData::new(options, index, view, workers)).collect();
+        // One order whatever that of the caller was.
+        views.sort_by_cached_key(ViewData::key);
         let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());
         let edge_weight = if paper && has_limbs { options.edge_weight } else { 0.0 };
         let given = views.iter().map(|view| view.view.cloud.given()).sum();
@@ -336,7 +344,16 @@ impl<'a> Data<'a> {
 }
 
 impl<'a> ViewData<'a> {
-    fn new(options: &Options, view: &'a View, workers: &'a Workers) -> Self {
+    /// Tells views apart by what was measured in them.
+    fn key(&self) -> (usize, Vec<[u64; 3]>) {
+        let sample = self.view.cloud.sample(KEY_POINTS);
+        (
+            self.view.cloud.len(),
+            sample.iter().map(|p| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()]).collect(),
+        )
+    }
+
+    fn new(options: &Options, index: usize, view: &'a View, workers: &'a Workers) -> Self {
         let fused = options.method == Method::Fused;
         let observed = match options.near_wall {
             NearWall::Auto => view.camera().is_some(),
@@ -347,6 +364,7 @@ impl<'a> ViewData<'a> {
         let noise = options.noise.in_image(width, height);
         let segments: &[EdgeSegment] = if fused { &view.segments } else { &[] };
         Self {
+            index,
             view,
             into_view: view.pose().inverse(),
             points: PointTerm::new(&view.cloud, Some(workers)),

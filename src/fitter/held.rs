@@ -19,6 +19,8 @@ pub(super) struct Held {
 /// The same of one view.
 #[derive(Debug, Clone, Default)]
 pub(super) struct HeldView {
+    /// Which view of the fitter it is.
+    pub index: usize,
     /// The lines that the limbs are held to.
     pub lines: Option<PixelTerm>,
     /// How many of them are given segments,
@@ -48,7 +50,13 @@ impl Held {
     /// Without any edges, for a reason.
     pub fn without_edges(data: &Data<'_>, reason: Flags) -> Self {
         let flags = Self::as_given(data).flags | reason | Flags::EDGES_IGNORED;
-        Self { views: vec![HeldView::default(); data.views.len()], flags, edge_weight: 0.0 }
+        let views = data.views.iter().map(|view| HeldView::new(view, &[], 0, 0)).collect();
+        Self { views, flags, edge_weight: 0.0 }
+    }
+
+    /// What a view of the fitter is held to.
+    pub fn view(&self, index: usize) -> Option<&HeldView> {
+        self.views.iter().find(|view| view.index == index)
     }
 
     /// Given segments that count.
@@ -78,7 +86,7 @@ impl HeldView {
     pub fn new(view: &ViewData<'_>, lines: &[PixelSegment], given: usize, located: usize) -> Self {
         let camera = view.camera().filter(|_| !lines.is_empty());
         let lines = camera.map(|camera| PixelTerm::new(lines.to_vec(), camera.line_projection()));
-        Self { lines, given, located, ..Self::default() }
+        Self { index: view.index, lines, given, located, ..Self::default() }
     }
 }
 

@@ -125,13 +125,13 @@ impl Fitter {
     /// image, for edges as given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.held.as_ref()?.views.get(self.selected)?.limbs.as_ref()
+        self.held.as_ref()?.view(self.selected)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
     #[must_use]
     pub fn limbs_known(&self, view: usize) -> bool {
-        self.held.as_ref().and_then(|held| held.views.get(view)).is_some_and(|held| held.located > 0)
+        self.held.as_ref().and_then(|held| held.view(view)).is_some_and(|held| held.located > 0)
     }
 
     /// Estimates the cylinder.
@@ -212,7 +212,8 @@ impl Fitter {
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
         let data = self.data()?;
-        let view = &data.views[self.selected];
+        let selected = |view: &&data::ViewData<'_>| view.index == self.selected;
+        let Some(view) = data.views.iter().find(selected) else { return Ok(Vec::new()) };
         let scale = data.view_scales(view, &cylinder).point;
         let frame = data.frame(&cylinder).moved(&view.into_view);
         let loss = Robust { scale, observed: view.observed }.at(&frame);
