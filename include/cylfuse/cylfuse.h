@@ -2,18 +2,58 @@
 
 /**
  * @file cylfuse.h
- * Measures a cylinder from one RGB-D view.
+ * Measures a cylinder from RGB-D views.
  *
- * The smallest use: create a fitter, set the intrinsics, push a depth image with a mask and the edge segments,
- * fit, destroy. For the next frame: clear, push, fit.
+ * The smallest use, with error handling left out:
+ *
+ *     cylfuse_fitter *fitter;
+ *     cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &fitter);
+ *
+ *     cylfuse_intrinsics intrinsics;
+ *     cylfuse_intrinsics_init(&intrinsics, sizeof intrinsics);
+ *     intrinsics.width = 640;
+ *     intrinsics.height = 480;
+ *     intrinsics.fx = intrinsics.fy = 570.0;
+ *     intrinsics.cx = 319.5;
+ *     intrinsics.cy = 239.5;
+ *     cylfuse_fitter_set_intrinsics(fitter, &intrinsics);
+ *
+ *     cylfuse_depth_view depth;
+ *     cylfuse_depth_view_init(&depth, sizeof depth);
+ *     depth.format = CYLFUSE_DEPTH_FORMAT_U16;
+ *     depth.data = depth_pixels;
+ *     depth.width = 640;
+ *     depth.height = 480;
+ *     depth.scale = 0.001;
+ *     cylfuse_mask_view mask;
+ *     cylfuse_mask_view_init(&mask, sizeof mask);
+ *     mask.data = mask_pixels;
+ *     mask.width = 640;
+ *     mask.height = 480;
+ *     cylfuse_fitter_push_depth(fitter, &depth, &mask);
+ *
+ *     cylfuse_cylinder_estimate estimate;
+ *     cylfuse_cylinder_estimate_init(&estimate, sizeof estimate);
+ *     if (cylfuse_fitter_fit(fitter, NULL, &estimate) == CYLFUSE_STATUS_OK) {
+ *         printf("radius %g +- %g\n", estimate.model.radius, estimate.radius_deviation);
+ *     } else {
+ *         puts(cylfuse_fitter_last_error(fitter));
+ *     }
+ *     cylfuse_fitter_destroy(fitter);
+ *
+ * With the colour image (cylfuse_fitter_push_image()) the limbs and ends are located in it, which makes the outcome far
+ * more certain. For the next frame: cylfuse_fitter_clear(), push, fit. For several views of one cylinder:
+ * cylfuse_fitter_select_view(). For many cylinders in one view: a cylfuse_frame, which many fitters share.
  *
  * Statuses. A call returns 0 (CYLFUSE_STATUS_OK) or a negative number. A call that fails changes nothing and
  * writes no output, unless its text says so, and cylfuse_fitter_last_error() names the value, the limit and the
- * remedy. A result that did not converge, or of which something else is doubtful, is not an error: flags of the
- * result tell.
+ * remedy. After a call that succeeded that text is empty. A result that did not converge, or that needs care for
+ * another reason, is not an error: the flags of the result are its warnings. The statuses after @return are those that
+ * a call adds to NULL_POINTER, STRUCT_SIZE, BUSY and PANIC, which any call may return.
  *
  * Memory. The library copies what it is given during the call and keeps no pointer but the callbacks and their
- * user_data. All outputs go to memory of the caller: nothing needs to be freed but the fitter.
+ * user_data. All outputs go to memory of the caller: nothing needs to be freed but fitters and frames, each by its
+ * destroy function.
  *
  * Pointers. NULL where a pointer is needed gives NULL_POINTER; a pointer may be NULL only where its text says
  * so. Pointers to data, structs and outputs need no alignment. Data are described by the address of the first
@@ -21,21 +61,30 @@
  * Elements must not overlap. The memory from the first to the last byte of the elements must be readable
  * (writable for outputs).
  *
- * Structs with struct_size grow with later versions, at their end, and there 0 means the behaviour from before.
- * What you fill has a function cylfuse_..._init that sets struct_size and the defaults; or set all bytes to 0
- * and struct_size to sizeof. For what the library fills, set struct_size to sizeof: it writes as many fields as
- * both sides know. Reserved fields must be 0.
+ * Structs. Those with struct_size grow with later versions, at their end. Each has a function named after it that ends
+ * in _init, which comes before everything else: it sets struct_size and the defaults. Do not fill such a struct with
+ * zeros instead: 0 is no default for some fields. In a struct to be read, struct_size is the size that the program
+ * knows: fields that an older program does not have are at their defaults, and fields of a newer one must be 0. In a
+ * struct to be written it is the room: the library writes what both sides know, fills the rest of the room with zeros,
+ * and sets struct_size to the bytes that it filled; so a field that an older library does not know is 0 and lies beyond
+ * struct_size. Elements of arrays have no struct_size: the call is given their size in element_size, and the rest of
+ * an element that the library does not know becomes zero. Structs without either never change.
  *
- * Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. The camera frame is
- * x to the right, y down, z forward, with its origin in the centre of projection. Pixel centres are at integer
- * coordinates, as in OpenCV.
+ * Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. A camera frame is
+ * x to the right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the
+ * reference frame; with one view at the identity, as at first, the two are the same. Models, results and extents are in
+ * the reference frame, data of a view in the frame of its camera. Pixel centres are at integer coordinates, as in
+ * OpenCV. Ideal pixels are those of a pinhole with the same fx, fy, cx and cy: without distortion those of the image.
  *
  * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels
- * outside the mask are left out and counted. Anything else that is not finite is an error.
+ * outside the mask are left out and counted. Anything else that is not finite is an error. All deviations are standard
+ * deviations, of the noise of the data.
  *
- * Threads. A fitter runs one call at a time, on any thread; a second call returns BUSY. Only
- * cylfuse_fitter_cancel() may be called while another call is running. Different fitters run in parallel. There
- * is no shared state, and the library prints nothing.
+ * Threads. Any number of calls that take a const handle may run on it at once; a call that takes a handle that is not
+ * const runs alone. What would disturb another call returns BUSY at once instead of waiting. Only
+ * cylfuse_fitter_cancel() and cylfuse_fitter_last_error() always go through. Different handles are independent. No
+ * thread is started unless max_threads of the options asks for it. There is no shared state but the text of the last
+ * call of each thread, and the library prints nothing.
  *
  * C++. No function throws. Callbacks must not throw either.
  */
@@ -301,7 +350,7 @@ typedef int32_t cylfuse_chart;
  */
 typedef int32_t cylfuse_edge_use;
 /**
- * A start: where there is a grey image, the limbs are located in it and join the fit.
+ * A start: where there is an image, the limbs are located in it and join the fit.
  */
 #define CYLFUSE_EDGE_USE_REFINE 0
 /**
@@ -322,7 +371,7 @@ typedef int32_t cylfuse_extent_rule;
  */
 #define CYLFUSE_EXTENT_RULE_EXTREMES 1
 /**
- * From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+ * From all lines along the surface together, in the mask and, when there is one, in the image; from
  * inside a pipe as EXTREMES.
  */
 #define CYLFUSE_EXTENT_RULE_LOCATED 2

@@ -307,7 +307,7 @@ impl From<ChartChoice> for cylfuse_chart {
 pub struct cylfuse_edge_use(pub i32);
 
 impl cylfuse_edge_use {
-    /// A start: where there is a grey image, the limbs are located in it and join the fit.
+    /// A start: where there is an image, the limbs are located in it and join the fit.
     pub const REFINE: cylfuse_edge_use = cylfuse_edge_use(0);
     /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
     pub const AS_GIVEN: cylfuse_edge_use = cylfuse_edge_use(1);
@@ -340,7 +340,7 @@ impl cylfuse_extent_rule {
     pub const AUTO: cylfuse_extent_rule = cylfuse_extent_rule(0);
     /// The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     pub const EXTREMES: cylfuse_extent_rule = cylfuse_extent_rule(1);
-    /// From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+    /// From all lines along the surface together, in the mask and, when there is one, in the image; from
     /// inside a pipe as EXTREMES.
     pub const LOCATED: cylfuse_extent_rule = cylfuse_extent_rule(2);
 

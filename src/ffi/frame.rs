@@ -8,6 +8,7 @@ use super::sized::read;
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view};
 use super::views;
+use crate::camera::Camera;
 use std::ffi::c_char;
 
 /// What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame
@@ -101,7 +102,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
     // SAFETY: the contract of the header.
     unsafe {
         enter(frame, |_| {
-            let _intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
+            let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
             Err(not_yet())
         })
     }
@@ -147,7 +148,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
     unsafe {
         enter(frame, |_| {
             if !intrinsics.is_null() {
-                let _intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
+                let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
                 let _motion = views::motion(rotation, translation)?;
             }
             Err(not_yet())

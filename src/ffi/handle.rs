@@ -130,7 +130,7 @@ impl<C> Handle<C> {
         cylfuse_status::BUSY
     }
 
-    /// Runs a call once it has access; `give_back` ends that.
+    /// Runs a call that has access.
     fn run(&self, call: impl FnOnce(&Cancel<'_>) -> Result<(), Failed>) -> cylfuse_status {
         if self.is_poisoned() {
             texts::keep(self.serial, *self.text());

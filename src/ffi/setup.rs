@@ -7,6 +7,7 @@ use super::sized::{Output, read};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_options};
 use super::views::{self, Slot};
+use crate::camera::Camera;
 use std::ffi::c_void;
 
 /// Replaces the options.
@@ -133,7 +134,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
             if intrinsics.is_null() {
                 return Ok(());
             }
-            let _intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
+            let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
             let _motion = views::motion(rotation, translation)?;
             Err(Failure::unsupported(
                 "a depth camera of its own is not used yet",

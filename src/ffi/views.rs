@@ -241,7 +241,7 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
     })
 }
 
-/// A grey image.
+/// An image.
 ///
 /// # Safety
 /// `data` is NULL or points to the memory that the fields describe, during `'a`.

@@ -98,6 +98,8 @@ void test_extent(void);
 void test_edge_selection(void);
 void test_cylinder(void);
 void test_memory(void);
+void test_views(void);
+void test_readers(void);
 #ifdef CYLFUSE_PANIC_TEST
 void test_panic(void);
 #endif

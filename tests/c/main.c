@@ -156,6 +156,8 @@ int main(void)
     test_edge_selection();
     test_cylinder();
     test_memory();
+    test_views();
+    test_readers();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
 #endif
