@@ -134,6 +134,24 @@ fn the_header_is_cpp11_and_throws_nothing() {
     compile(&mut cpp_compiler(), "-std=c++11", "program.cpp", text);
 }
 
+/// The program at the top of the header.
+#[test]
+fn the_smallest_program_compiles() {
+    let header = header();
+    let program: Vec<&str> = header
+        .lines()
+        .take_while(|line| *line != " */")
+        .filter_map(|line| line.strip_prefix(" *     "))
+        .collect();
+    assert!(program.len() > 20, "the program has gone");
+    let text = format!(
+        "#include <stdio.h>\nvoid measure(const uint16_t *depth_pixels, const uint8_t *mask_pixels);\n\
+         void measure(const uint16_t *depth_pixels, const uint8_t *mask_pixels) {{\n{}\n}}\n",
+        program.join("\n")
+    );
+    compile(&mut c_compiler(), "-std=c99", "smallest.c", &text);
+}
+
 /// Every function and constant of the interface is described.
 #[test]
 fn everything_in_the_header_is_documented() {

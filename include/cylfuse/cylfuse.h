@@ -61,8 +61,9 @@
  * Elements must not overlap. The memory from the first to the last byte of the elements must be readable
  * (writable for outputs).
  *
- * Structs. Those with struct_size grow with later versions, at their end. Each has a function named after it that ends
- * in _init, which comes before everything else: it sets struct_size and the defaults. Do not fill such a struct with
+ * Structs. Those with struct_size grow with later versions, at their end. Each (but cylfuse_progress, which the library
+ * makes) has a function named after it that ends in _init, which comes before everything else: it sets struct_size and
+ * the defaults. Do not fill such a struct with
  * zeros instead: 0 is no default for some fields. In a struct to be read, struct_size is the size that the program
  * knows: fields that an older program does not have are at their defaults, and fields of a newer one must be 0. In a
  * struct to be written it is the room: the library writes what both sides know, fills the rest of the room with zeros,

@@ -131,15 +131,14 @@ impl<C> Handle<C> {
     }
 
     /// Runs a call that has access.
-    fn run(&self, call: impl FnOnce(&Cancel<'_>) -> Result<(), Failed>) -> cylfuse_status {
+    fn run(&self, call: impl FnOnce(&Cancel<'_>) -> Outcome) -> cylfuse_status {
         if self.is_poisoned() {
             texts::keep(self.serial, *self.text());
             return cylfuse_status::PANIC;
         }
         let cancel = Cancel { cancels: &self.cancels, before: self.cancels.load(Ordering::Acquire) };
         let (status, text) = match guard(|| call(&cancel)) {
-            Ok(Ok(())) => (cylfuse_status::OK, Text::EMPTY),
-            Ok(Err((status, text))) => (status, text),
+            Ok(outcome) => outcome,
             Err(panic) => {
                 self.poisoned.store(true, Ordering::Release);
                 let text = format!("defect of the library, destroy the handle: {panic}");
@@ -152,10 +151,11 @@ impl<C> Handle<C> {
     }
 }
 
-type Failed = (cylfuse_status, Text);
+type Outcome = (cylfuse_status, Text);
 
 /// Tells the log about a failure, and makes a status and a text of it.
-fn failed(log: Log, failure: &Failure) -> Failed {
+fn told(log: Log, result: Result<(), Failure>) -> Outcome {
+    let Err(failure) = result else { return (cylfuse_status::OK, Text::EMPTY) };
     let text = failure.to_string();
     // Without any room it was a question how much is needed.
     let asked = matches!(failure, Failure::BufferTooSmall { capacity: 0, .. });
@@ -175,7 +175,8 @@ pub(super) fn change<C: Logs>(
     let status = handle.run(|cancel| {
         // SAFETY: nobody else has access until it is given back below, so this is the only reference.
         let content = unsafe { &mut *handle.content.get() };
-        call(content, cancel).map_err(|failure| failed(content.log(), &failure))
+        let result = call(content, cancel);
+        told(content.log(), result)
     });
     handle.access.end_write();
     status
@@ -192,7 +193,7 @@ pub(super) fn read<C: Logs>(
     let status = handle.run(|cancel| {
         // SAFETY: nobody has a mutable reference until access is given back below.
         let content = unsafe { &*handle.content.get() };
-        call(content, cancel).map_err(|failure| failed(content.log(), &failure))
+        told(content.log(), call(content, cancel))
     });
     handle.access.end_read();
     status
@@ -230,9 +231,8 @@ pub(super) unsafe fn enter_to_read(
 
 /// Runs a call without a handle.
 pub(super) fn stateless(call: impl FnOnce() -> Result<(), Failure>) -> cylfuse_status {
-    let (status, text) = match guard(call) {
-        Ok(Ok(())) => (cylfuse_status::OK, Text::EMPTY),
-        Ok(Err(failure)) => (failure.status(), Text::new(&failure.to_string())),
+    let (status, text) = match guard(|| told(Log::default(), call())) {
+        Ok(outcome) => outcome,
         Err(panic) => (cylfuse_status::PANIC, Text::new(&format!("defect of the library: {panic}"))),
     };
     texts::keep(texts::NO_HANDLE, text);
