@@ -1,19 +1,16 @@
 //! Options between the interface and the library.
 
-use super::sized::check_reserved;
 use super::status::Failure;
 use super::structs::cylfuse_options;
 use crate::fitter::Options;
 use crate::geometry::{AxisCone, CylinderLimits};
 use crate::solver::IterationLimits;
+use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
 impl cylfuse_options {
-    /// The options of the library; those that may be left 0 become the default.
+    /// The options of the library.
     pub(super) fn read(&self) -> Result<Options, Failure> {
-        check_reserved("options.reserved", self.reserved)?;
-        let default = Options::default();
-        let number = |value: f64, default: f64| if value == 0.0 { default } else { value };
-        let count = |value: u32, default: usize| if value == 0 { default } else { value as usize };
+        self.check_known()?;
         Ok(Options {
             method: self.method.read("options.method")?,
             objective: self.objective.read("options.objective")?,
@@ -21,27 +18,54 @@ impl cylfuse_options {
             start: self.start.read("options.start")?,
             near_wall: self.near_wall.read("options.near_wall")?,
             limits: IterationLimits {
-                max_iterations: count(self.max_iterations, default.limits.max_iterations),
-                initial_lambda: number(self.initial_lambda, default.limits.initial_lambda),
-                lambda_factor: number(self.lambda_factor, default.limits.lambda_factor),
-                max_lambda: number(self.max_lambda, default.limits.max_lambda),
+                max_iterations: self.max_iterations as usize,
+                initial_lambda: self.initial_lambda,
+                lambda_factor: self.lambda_factor,
+                max_lambda: self.max_lambda,
                 cost_tolerance: self.cost_tolerance,
-                ..default.limits
+                ..IterationLimits::default()
             },
             chart: self.chart.read("options.chart")?,
-            threads: self.max_threads as usize,
+            threads: self.max_threads.max(1) as usize,
             seed: self.seed,
-            ransac_iterations: count(self.ransac_max_iterations, default.ransac_iterations),
+            ransac_iterations: usize::try_from(self.ransac_max_iterations).unwrap_or(usize::MAX),
             ransac_threshold: self.ransac_threshold,
             cylinder_limits: CylinderLimits {
                 radius_min: self.radius_min,
-                radius_max: number(self.radius_max, f64::INFINITY),
+                radius_max: if self.radius_max == 0.0 { f64::INFINITY } else { self.radius_max },
                 axis: self.read_axis()?,
             },
             edge_use: self.edge_use.read("options.edge_use")?,
             extent_rule: self.extent_rule.read("options.extent_rule")?,
-            ..default
+            ..Options::default()
         })
+    }
+
+    /// Refuses what the fitter cannot be told yet.
+    fn check_known(&self) -> Result<(), Failure> {
+        let most = LARGEST_MAX_ITERATIONS as u64;
+        if !(1..=most).contains(&self.ransac_max_iterations) {
+            let (value, requirement) = (self.ransac_max_iterations, format!("lie in [1, {most}]"));
+            return Err(Failure::argument("options.ransac_max_iterations", value, requirement));
+        }
+        let estimated = [
+            ("options.gradient_tolerance", self.gradient_tolerance),
+            ("options.step_tolerance", self.step_tolerance),
+            ("options.independent_points", self.independent_points),
+            ("options.depth_noise", self.depth_noise),
+            ("options.image_noise", self.image_noise),
+            ("options.edge_noise", self.edge_noise),
+            ("options.mask_noise", self.mask_noise),
+        ];
+        for (name, value) in estimated {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Failure::argument(name, value, "be finite and at least 0"));
+            }
+            if value != 0.0 {
+                return Err(Failure::unsupported(format!("{name} is not used yet"), "leave it 0"));
+            }
+        }
+        Ok(())
     }
 
     fn read_axis(&self) -> Result<Option<AxisCone>, Failure> {
@@ -67,19 +91,25 @@ impl From<&Options> for cylfuse_options {
             start: options.start.into(),
             near_wall: options.near_wall.into(),
             chart: options.chart.into(),
+            edge_use: options.edge_use.into(),
+            extent_rule: options.extent_rule.into(),
+            max_threads: saturated(options.threads.max(1)),
             max_iterations: saturated(limits.max_iterations),
-            max_threads: saturated(options.threads),
-            edge_weight: options.edge_weight,
+            cost_tolerance: limits.cost_tolerance,
+            gradient_tolerance: 0.0,
+            step_tolerance: 0.0,
             initial_lambda: limits.initial_lambda,
             lambda_factor: limits.lambda_factor,
             max_lambda: limits.max_lambda,
-            cost_tolerance: limits.cost_tolerance,
-            ransac_threshold: options.ransac_threshold,
+            edge_weight: options.edge_weight,
             seed: options.seed,
-            ransac_max_iterations: saturated(options.ransac_iterations),
-            reserved: 0,
-            edge_use: options.edge_use.into(),
-            extent_rule: options.extent_rule.into(),
+            ransac_max_iterations: options.ransac_iterations as u64,
+            ransac_threshold: options.ransac_threshold,
+            independent_points: 0.0,
+            depth_noise: 0.0,
+            image_noise: 0.0,
+            edge_noise: 0.0,
+            mask_noise: 0.0,
             radius_min: cylinder_limits.radius_min,
             radius_max: if cylinder_limits.radius_max < f64::INFINITY {
                 cylinder_limits.radius_max
@@ -137,19 +167,23 @@ mod tests {
 
     #[test]
     fn options_come_back_the_same() {
-        for options in [distinct(), Options::default()] {
+        for options in [distinct(), Options { threads: 1, ..Options::default() }] {
             assert_eq!(cylfuse_options::from(&options).read().unwrap(), options);
         }
     }
 
     #[test]
-    fn zeros_are_the_default_except_for_weight_and_tolerance() {
-        let mut zeros = cylfuse_options::from(&Options::default());
-        (zeros.max_iterations, zeros.ransac_max_iterations) = (0, 0);
-        (zeros.initial_lambda, zeros.lambda_factor, zeros.max_lambda) = (0.0, 0.0, 0.0);
-        assert_eq!(zeros.read().unwrap(), Options::default());
-        (zeros.edge_weight, zeros.cost_tolerance) = (0.0, 0.0);
-        let options = zeros.read().unwrap();
-        assert_eq!((options.edge_weight, options.limits.cost_tolerance), (0.0, 0.0));
+    fn no_threads_are_one_thread() {
+        let options = cylfuse_options { max_threads: 0, ..(&Options::default()).into() };
+        assert_eq!(options.read().unwrap().threads, 1);
+        assert_eq!(cylfuse_options::from(&Options::default()).max_threads, 1);
+    }
+
+    #[test]
+    fn samples_of_ransac_are_limited_where_they_are_set() {
+        let mut options = cylfuse_options::from(&Options::default());
+        options.ransac_max_iterations = 2_000_000;
+        let text = options.read().unwrap_err().to_string();
+        assert_eq!(text, "options.ransac_max_iterations is 2000000; it must lie in [1, 1000000]");
     }
 }

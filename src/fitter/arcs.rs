@@ -36,7 +36,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     if located.held.limbs_located() == 0 {
         return Ok(located);
     }
-    let scale = located.minimum.scale;
+    let scale = located.minimum.scale();
     let without = located.held.clone();
     let Located { mut minimum, mut held } = located;
     for _ in 0..ARC_ROUNDS {
@@ -46,7 +46,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
         let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if after.scale > CONTRADICTION * scale {
+        if after.scale() > CONTRADICTION * scale {
             held = without;
             break;
         }

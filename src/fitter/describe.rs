@@ -60,7 +60,8 @@ pub(super) fn describe(
     start: &Candidate,
     cylinder: &Cylinder,
 ) -> Result<FitResult> {
-    let equations = data.linearise(held, cylinder).ok_or_else(infinite_cost)?;
+    let scales = data.scales(cylinder);
+    let equations = data.linearise(held, cylinder, &scales).ok_or_else(infinite_cost)?;
     let squared = data.unit * data.unit;
     let frame = data.frame(cylinder);
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
@@ -78,7 +79,7 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii) = data.uncertainty(held, cylinder);
+    let (uncertainty, radii) = data.uncertainty(held, cylinder, &scales);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held);
@@ -94,7 +95,6 @@ pub(super) fn describe(
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
     let energy_points = energy_of_points(data, &frame);
-    let scales: Vec<_> = data.views.iter().map(|view| data.view_scales(view, cylinder)).collect();
     let smallest = eigenvalues.min().max(0.0);
     Ok(FitResult {
         cylinder: data.canonical(cylinder),
@@ -117,8 +117,8 @@ pub(super) fn describe(
         segments_given: data.views.iter().map(|view| view.view.segments.len()).sum(),
         limbs_located: held.limbs_located(),
         point_rms: energy_points.sqrt(),
-        point_scale: if count > 0 { data.point_scale(cylinder) } else { 0.0 },
-        independent_points: scales.iter().map(|scales| scales.independent_points).sum(),
+        point_scale: if count > 0 { scales.all } else { 0.0 },
+        independent_points: scales.views.iter().map(|scales| scales.independent_points).sum(),
         edge_rms_pixels: edge_rms_pixels(data, cylinder).filter(|_| !flags.contains(Flags::EDGES_IGNORED)),
         near_wall_fraction: walls.map(|walls| walls.fraction()),
         condition: if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY },

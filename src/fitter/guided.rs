@@ -138,7 +138,7 @@ fn join(
     for start in starts {
         match data.best_minimum(&held, &[start], precision, run) {
             Ok(found) => {
-                let cost = |found: &(Candidate, Minimum)| found.1.scale;
+                let cost = |found: &(Candidate, Minimum)| found.1.scale();
                 if best.as_ref().is_none_or(|best| cost(&found) < cost(best)) {
                     best = Some(found);
                 }
@@ -191,7 +191,7 @@ impl Attempt {
     }
 
     fn scale(&self) -> f64 {
-        self.minimum.scale
+        self.minimum.scale()
     }
 
     /// The start of an attempt that goes on from here.
@@ -399,7 +399,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         };
         let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
         let held = hold(self.data, std::iter::once(&alone.guides), Flags::empty());
-        let (uncertainty, _) = self.data.uncertainty(&held, alone.cylinder());
+        let (uncertainty, _) = self.data.uncertainty(&held, alone.cylinder(), &alone.minimum.scales);
         let surely = uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius());
         let far = a.max(b) > RADIUS_CONTRADICTION * a.min(b);
         Ok(fit.scale() > CONTRADICTION * alone.scale() || surely && far)

@@ -58,7 +58,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
                 let mut without = lines.clone();
                 if without[view][limb].take().is_some()
                     && let Some(found) = fit_to(data, guided, &without, run)?
-                    && fit.as_ref().is_none_or(|best| found.minimum.scale < best.minimum.scale)
+                    && fit.as_ref().is_none_or(|best| found.minimum.scale() < best.minimum.scale())
                 {
                     fit = Some(found);
                 }
@@ -67,7 +67,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     }
     let mut located = fit.unwrap_or_else(|| {
         let none = vec![[None, None]; lines.len()];
-        Located { minimum: guided.minimum, held: held(data, guided, &none) }
+        Located { minimum: guided.minimum.clone(), held: held(data, guided, &none) }
     });
     for (held, observation) in located.held.views.iter_mut().zip(observations) {
         held.limbs = observation;
@@ -125,7 +125,7 @@ fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) 
     let held = held(data, guided, lines);
     match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
         Ok(minimum) => {
-            let agrees = minimum.scale <= CONTRADICTION * guided.minimum.scale;
+            let agrees = minimum.scale() <= CONTRADICTION * guided.minimum.scale();
             Ok(agrees.then_some(Located { minimum, held }))
         }
         Err(error @ Error::Cancelled { .. }) => Err(error),

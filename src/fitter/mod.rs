@@ -35,7 +35,7 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::limb_location::LimbObservation;
-use crate::residuals::{Loss, LossInFrame, PointRows, Robust};
+use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
 use crate::solver::Iteration;
 use crate::workers::Workers;
 use data::Data;
@@ -212,9 +212,10 @@ impl Fitter {
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
         let data = self.data()?;
-        let selected = |view: &&data::ViewData<'_>| view.index == self.selected;
-        let Some(view) = data.views.iter().find(selected) else { return Ok(Vec::new()) };
-        let scale = data.view_scales(view, &cylinder).point;
+        let scales = data.scales(&cylinder);
+        let mut views = data.views.iter().zip(&scales.views);
+        let selected = views.find(|(view, _)| view.index == self.selected);
+        let Some((view, &RobustScales { point: scale, .. })) = selected else { return Ok(Vec::new()) };
         let frame = data.frame(&cylinder).moved(&view.into_view);
         let loss = Robust { scale, observed: view.observed }.at(&frame);
         let rows = PointRows::new(&frame);

@@ -5,10 +5,10 @@ use super::data::{Data, ViewData};
 use super::held::Held;
 use super::options::ChartChoice;
 use crate::error::{Error, Result};
-use crate::geometry::{Chart, Cylinder, LocalFrame};
+use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    NormalEquations, Objective, RobustScales, RobustView, Sandwich, Sum, TUKEY_EFFICIENT, paper_objective,
-    robust_objective,
+    NormalEquations, Objective, PixelResiduals, RobustScales, RobustView, Sandwich, Sum, TUKEY_EFFICIENT,
+    Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
@@ -54,24 +54,47 @@ impl Run<'_> {
 }
 
 /// A minimum.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Minimum {
     pub convergence: Convergence,
-    /// Scale of the point residuals, of all views together.
-    pub scale: f64,
+    /// The scales of the point residuals there.
+    pub scales: Scales,
 }
 
 impl Minimum {
     pub fn cylinder(&self) -> &Cylinder {
         &self.convergence.cylinder
     }
+
+    /// Scale of the point residuals of all views together.
+    pub fn scale(&self) -> f64 {
+        self.scales.all
+    }
 }
 
-/// The scales of the point residuals.
-struct Scales {
-    views: Vec<RobustScales>,
+impl Precision {
+    /// The part by which a settled scale may still change.
+    fn scale_tolerance(self) -> f64 {
+        match self {
+            Precision::Rough => ROUGH_TOLERANCE,
+            Precision::Full => SCALE_TOLERANCE,
+        }
+    }
+}
+
+/// The scales of the point residuals of a cylinder.
+#[derive(Clone)]
+pub(super) struct Scales {
+    pub views: Vec<RobustScales>,
     /// Of all views together.
-    all: f64,
+    pub all: f64,
+}
+
+impl Scales {
+    fn differ_by_less_than(&self, part: f64, before: &Self) -> bool {
+        let mut pairs = self.views.iter().zip(&before.views);
+        pairs.all(|(next, before)| (next.point - before.point).abs() <= part * before.point)
+    }
 }
 
 impl Data<'_> {
@@ -83,10 +106,9 @@ impl Data<'_> {
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        if self.is_paper() {
-            self.minimise_paper(held, start, run)
-        } else {
-            self.minimise_robust(held, start, precision, run)
+        match self.is_paper() {
+            true => self.minimise_paper(held, start, run),
+            false => self.minimise_robust(held, start, self.scales(start), precision, run),
         }
     }
 
@@ -98,14 +120,16 @@ impl Data<'_> {
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let mut after = self.minimise(held, before.cylinder(), precision, run)?;
+        let scales = before.scales.clone();
+        let mut after = self.minimise_robust(held, before.cylinder(), scales, precision, run)?;
         self.check_radius(after.cylinder())?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
     }
 
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
-        let objective = self.paper_objective(held, start);
+        // The numbers of independent points matter for the covariance only.
+        let objective = self.paper_objective(held, start, None);
         let mut convergence = self.iterate(&objective, start, Precision::Full, usize::MAX, run)?;
         if convergence.termination == Termination::MaxIterations {
             // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
@@ -129,55 +153,54 @@ impl Data<'_> {
             axis.point *= scale;
             *radius = scaled;
         }
-        let scale = self.point_scale(&convergence.cylinder);
-        Ok(Minimum { convergence, scale })
+        let all = self.point_scale(&convergence.cylinder);
+        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all } })
     }
 
-    /// Alternates between the minimum at fixed scales and the scales of its residuals.
+    /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change a
+    /// rough minimum is enough.
     fn minimise_robust(
         &self,
         held: &Held,
         start: &Cylinder,
+        mut scales: Scales,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let tolerance = match precision {
-            Precision::Rough => ROUGH_TOLERANCE,
-            Precision::Full => SCALE_TOLERANCE,
-        };
-        let (mut cylinder, mut scales) = (*start, self.scales(start));
+        let mut cylinder = *start;
         let mut total: Option<Convergence> = None;
+        let mut current = Precision::Rough;
         for _ in 0..SCALE_ROUNDS {
             let objective = self.robust_objective(held, &scales.views);
             // The rounds share the solves: where the scale alternates each could take all of them.
             let before = total.as_ref().map_or(0, |before| before.iterations);
-            let mut round = self.iterate(&objective, &cylinder, precision, before, run)?;
+            let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
             if let Some(before) = &total {
                 round.add_work_of(before);
             }
             cylinder = round.cylinder;
             let ended = matches!(round.termination, Termination::RadiusRanAway | Termination::MaxIterations);
             total = Some(round);
-            let next = self.scales(&cylinder);
-            let changes = next.views.iter().zip(&scales.views);
-            let settled = changes
-                .map(|(next, before)| (next.point - before.point).abs() <= tolerance * before.point)
-                .all(|settled| settled);
+            let next = self.scales_again(&cylinder, &scales);
+            let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
             scales = next;
-            if settled || ended {
+            if ended || settled && current == precision {
                 break;
+            }
+            if settled {
+                // The correlation changes far less than the scale: once it has settled is enough.
+                (current, scales) = (precision, self.scales(&cylinder));
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
-        Ok(Minimum { convergence, scale: scales.all })
+        Ok(Minimum { convergence, scales })
     }
 
-    fn paper_objective(&self, held: &Held, start: &Cylinder) -> Sum<'_> {
-        let points: Vec<_> = self
-            .views
-            .iter()
-            .filter(|view| view.points.count() > 0)
-            .map(|view| (view.points, view.into_view, self.view_scales(view, start).independent_points))
+    fn paper_objective(&self, held: &Held, start: &Cylinder, scales: Option<&Scales>) -> Sum<'_> {
+        let independent = |k: usize| scales.map_or(1.0, |scales| scales.views[k].independent_points);
+        let points: Vec<_> = (self.views.iter().enumerate())
+            .filter(|(_, view)| view.points.count() > 0)
+            .map(|(k, view)| (view.points, view.into_view, independent(k)))
             .collect();
         let limbs: Vec<_> = self
             .views
@@ -214,46 +237,51 @@ impl Data<'_> {
         robust_objective(&views)
     }
 
-    /// The objective at scales that fit the residuals of a cylinder.
-    fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder) -> Sum<'a> {
+    /// The objective at the scales of a cylinder.
+    fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
         match self.is_paper() {
-            true => self.paper_objective(held, cylinder),
-            false => self.robust_objective(held, &self.scales(cylinder).views),
+            true => self.paper_objective(held, cylinder, Some(scales)),
+            false => self.robust_objective(held, &scales.views),
         }
     }
 
     /// The linearisation at a cylinder in the frame of the data; `None` where the cost is infinite.
-    pub fn linearise(&self, held: &Held, cylinder: &Cylinder) -> Option<NormalEquations> {
-        self.objective(held, cylinder).linearise(&self.frame(cylinder))
+    pub fn linearise(&self, held: &Held, cylinder: &Cylinder, scales: &Scales) -> Option<NormalEquations> {
+        self.objective(held, cylinder, scales).linearise(&self.frame(cylinder))
     }
 
     /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
-    pub fn rows(&self, held: &Held, cylinder: &Cylinder) -> Option<Vec<(f64, crate::geometry::Tangent)>> {
-        self.objective(held, cylinder).rows(&self.frame(cylinder))
+    pub fn rows(&self, held: &Held, cylinder: &Cylinder) -> Option<Vec<(f64, Tangent)>> {
+        self.objective(held, cylinder, &self.scales(cylinder)).rows(&self.frame(cylinder))
     }
 
     /// What the covariance of a minimum at a cylinder follows from, in the tangent of a frame there; `None` where there
     /// is none.
-    pub fn sandwich(&self, held: &Held, cylinder: &Cylinder, frame: &LocalFrame) -> Option<Sandwich> {
+    pub fn sandwich(
+        &self,
+        held: &Held,
+        cylinder: &Cylinder,
+        scales: &Scales,
+        frame: &LocalFrame,
+    ) -> Option<Sandwich> {
         if self.count() == 0 || !self.options.method.minimises() {
             return None;
         }
-        self.objective(held, cylinder).sandwich(frame)
+        self.objective(held, cylinder, scales).sandwich(frame)
     }
 
     /// Whether the edges have a finite cost at a cylinder. The points always have.
     pub fn edges_are_finite(&self, held: &Held, cylinder: &Cylinder) -> bool {
         let frame = self.frame(cylinder);
-        let finite = |sum: Sum<'_>| {
-            let image = sum
-                .summands
-                .iter()
-                .filter(|summand| summand.term.source() == crate::residuals::Source::Image);
-            image
-                .map(|summand| summand.term.cost(&frame.moved(&summand.into_view)))
-                .all(|cost| cost.is_some())
-        };
-        finite(self.objective(held, cylinder))
+        let limbs = held.limb_terms(self);
+        (self.views.iter().zip(&held.views).zip(limbs)).all(|((view, held), limbs)| {
+            let frame = frame.moved(&view.into_view);
+            match (self.is_paper(), limbs, &held.lines) {
+                (true, Some(limbs), _) => limbs.cost(&frame).is_some(),
+                (false, _, Some(lines)) => lines.pixel_rows(&frame).is_some(),
+                _ => true,
+            }
+        })
     }
 
     fn iterate(
@@ -316,33 +344,60 @@ impl Data<'_> {
         (DEVIATION_OF_MEDIAN * median_size(residuals)).max(floor)
     }
 
-    fn scales(&self, cylinder: &Cylinder) -> Scales {
-        let views: Vec<RobustScales> =
-            self.views.iter().map(|view| self.view_scales(view, cylinder)).collect();
+    pub fn scales(&self, cylinder: &Cylinder) -> Scales {
+        self.scales_with(cylinder, |view, residuals, point| {
+            self.independent_points(view, cylinder, residuals, point)
+        })
+    }
+
+    /// New scales with the numbers of independent points of others.
+    fn scales_again(&self, cylinder: &Cylinder, before: &Scales) -> Scales {
+        let mut counts = before.views.iter().map(|scales| scales.independent_points);
+        self.scales_with(cylinder, |_, _, _| counts.next().unwrap_or(1.0))
+    }
+
+    fn scales_with(
+        &self,
+        cylinder: &Cylinder,
+        mut independent_points: impl FnMut(&ViewData<'_>, &[f64], f64) -> f64,
+    ) -> Scales {
+        let mut all = Vec::new();
+        let mut views = Vec::with_capacity(self.views.len());
+        for view in &self.views {
+            let residuals = view.distances(cylinder, &self.center);
+            let told = self.options.noise.depth;
+            let point = if told > 0.0 { told } else { self.scale_of(residuals.iter().copied()) };
+            let independent_points = independent_points(view, &residuals, point);
+            views.push(RobustScales { point, independent_points });
+            all.push(residuals);
+        }
         let all = match views[..] {
-            [one] => one.point,
-            _ => self.point_scale(cylinder),
+            [one] if self.options.noise.depth == 0.0 => one.point,
+            _ => self.scale_of(all.into_iter().flatten()),
         };
         Scales { views, all }
     }
 
-    /// Scale and number of independent points of one view, unless the caller told them.
-    pub fn view_scales(&self, view: &ViewData<'_>, cylinder: &Cylinder) -> RobustScales {
-        let residuals = view.distances(cylinder, &self.center);
-        let noise = &self.options.noise;
-        let point = if noise.depth > 0.0 { noise.depth } else { self.scale_of(residuals.iter().copied()) };
+    /// The number of independent points of a view whose residuals have some scale, unless the caller told it.
+    fn independent_points(
+        &self,
+        view: &ViewData<'_>,
+        cylinder: &Cylinder,
+        residuals: &[f64],
+        scale: f64,
+    ) -> f64 {
         let count = residuals.len() as f64;
-        let cutoff = TUKEY_EFFICIENT * point;
-        let independent_points = match (self.options.independent_points, &view.lattice) {
+        let cutoff = TUKEY_EFFICIENT * scale;
+        let independent = match (self.options.independent_points, &view.lattice) {
             (told, _) if told > 0.0 => told.min(count),
             _ if residuals.is_empty() => 1.0,
-            (_, Some(lattice)) => lattice.independent_points(&residuals, cutoff),
+            (_, Some(lattice)) => lattice.independent_points(residuals, cutoff),
             (_, None) => {
                 let frame = self.frame(cylinder).moved(&view.into_view);
                 let lattice = Lattice::on_surface(&view.view.cloud, &frame);
-                lattice.map_or(count, |lattice| lattice.independent_points(&residuals, cutoff))
+                lattice.map_or(count, |lattice| lattice.independent_points(residuals, cutoff))
             }
         };
-        RobustScales { point, independent_points: independent_points.max(1.0) }
+        independent.max(1.0)
     }
 }

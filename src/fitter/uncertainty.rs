@@ -2,6 +2,7 @@
 
 use super::data::Data;
 use super::held::Held;
+use super::objective::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
 use crate::residuals::Sandwich;
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
@@ -35,14 +36,14 @@ impl Data<'_> {
         &self,
         held: &Held,
         cylinder: &Cylinder,
+        scales: &Scales,
     ) -> (Option<Uncertainty>, Option<RadiusComparison>) {
         let frame = self.frame(&self.canonical(cylinder));
-        let independent: f64 =
-            self.views.iter().map(|view| self.view_scales(view, cylinder).independent_points).sum();
+        let independent: f64 = scales.views.iter().map(|scales| scales.independent_points).sum();
         if independent < LEAST_INDEPENDENT {
             return (None, None);
         }
-        let Some(sandwich) = self.sandwich(held, cylinder, &frame) else { return (None, None) };
+        let Some(sandwich) = self.sandwich(held, cylinder, scales, &frame) else { return (None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich

@@ -314,17 +314,24 @@ impl<'a> ImageView<'a> {
     }
 }
 
-/// A mask in memory: non-zero = cylinder.
+/// A mask in memory: non-zero = cylinder, or one value of an image of labels.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskView<'a> {
     pixels: Strided<'a>,
+    label: Option<u8>,
 }
 
 impl<'a> MaskView<'a> {
     /// A mask at the elements of a grid of bytes.
     #[must_use]
     pub fn new(pixels: Strided<'a>) -> Self {
-        Self { pixels }
+        Self { pixels, label: None }
+    }
+
+    /// The pixels of one value only.
+    #[must_use]
+    pub fn of_label(self, label: u8) -> Self {
+        Self { label: Some(label), ..self }
     }
 
     /// A packed mask, row by row.
@@ -351,7 +358,8 @@ impl<'a> MaskView<'a> {
     #[inline]
     #[must_use]
     pub fn contains(&self, column: usize, row: usize) -> bool {
-        self.pixels.u8(column, row) != 0
+        let value = self.pixels.u8(column, row);
+        self.label.map_or(value != 0, |label| value == label)
     }
 }
 

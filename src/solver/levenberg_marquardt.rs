@@ -234,12 +234,18 @@ pub fn minimise(
         });
         let trial = step.and_then(|step| {
             let trial_frame = LocalFrame::new(&step.cylinder, &data_center, unit);
-            let cost = objective.cost(&trial_frame).filter(|cost| *cost < equations.cost)?;
-            // The very cost again, with what the next step needs.
-            Some((step, cost, trial_frame, objective.linearise(&trial_frame)?))
+            let lower = |cost: &f64| *cost < equations.cost;
+            // The first step from a place is nearly always taken, so it is linearised at once; after a rejection the
+            // cost alone comes first.
+            if disappointed {
+                objective.cost(&trial_frame).filter(lower)?;
+            }
+            let trial_equations = objective.linearise(&trial_frame)?;
+            lower(&trial_equations.cost).then_some((step, trial_frame, trial_equations))
         });
-        if let Some((step, cost, trial_frame, trial_equations)) = trial {
-            let converged = equations.cost - cost < limits.cost_tolerance * equations.cost;
+        if let Some((step, trial_frame, trial_equations)) = trial {
+            let decrease = equations.cost - trial_equations.cost;
+            let converged = decrease < limits.cost_tolerance * equations.cost;
             (frame, equations) = (trial_frame, trial_equations);
             (second_derivative, disappointed) = (None, false);
             step_norm = step.tangent.norm();

@@ -1,5 +1,6 @@
 //! Tests of the constants.
 
+use super::super::outcomes::cylfuse_result_flags;
 use super::*;
 use crate::fitter::Flags;
 
