@@ -130,17 +130,11 @@ impl Data<'_> {
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
         // The numbers of independent points matter for the covariance only.
         let objective = self.paper_objective(held, start, None);
-        let mut convergence = self.iterate(&objective, start, Precision::Full, usize::MAX, run)?;
+        let mut convergence = self.iterate(&objective, start, Precision::Full, 0, run)?;
         if convergence.termination == Termination::MaxIterations {
             // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
-            let bottom = self.iterate_in(
-                Chart::Local,
-                &objective,
-                &convergence.cylinder,
-                Precision::Full,
-                usize::MAX,
-                run,
-            )?;
+            let bottom =
+                self.iterate_in(Chart::Local, &objective, &convergence.cylinder, Precision::Full, 0, run)?;
             self.check_radius(&bottom.cylinder)?;
         }
         if held.edge_weight == 1.0 {
@@ -292,7 +286,6 @@ impl Data<'_> {
         solves_before: usize,
         run: &mut Run<'_>,
     ) -> Result<Convergence> {
-        let solves_before = if solves_before == usize::MAX { 0 } else { solves_before };
         self.iterate_in(self.chart(start), objective, start, precision, solves_before, run)
     }
 
