@@ -23,6 +23,8 @@ mod start;
 mod uncertainty;
 mod view;
 
+pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
+pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
@@ -34,9 +36,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
-use crate::limb_location::LimbObservation;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
-use crate::solver::Iteration;
 use crate::workers::Workers;
 use data::Data;
 use edges::UsableEdges;
