@@ -27,7 +27,7 @@
 //! bits from run to run and for any number of threads.
 //!
 //! # Layers
-//! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
+//! Each imports only those before it: [`error`], [`noise`], [`geometry`], [`camera`], [`observations`], [`residuals`],
 //! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`fitter`], then what follows a fit:
 //! [`completion`] and [`extent`], and on top the C interface, [`ffi`], and, with the feature `opencv`, the images of
 //! OpenCV.
@@ -45,6 +45,7 @@ pub mod ffi;
 pub mod fitter;
 pub mod geometry;
 pub mod limb_location;
+pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]
 pub mod opencv;
