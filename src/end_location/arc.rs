@@ -9,12 +9,12 @@
 
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
-use crate::observations::{GreyImage, Mask};
+use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::statistics::median;
 use nalgebra::Vector2;
 
 /// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
-/// pixels.
+/// pixels of the drawing of the mask.
 const SEARCH_DEVIATIONS: f64 = 5.0;
 const SEARCH_PIXELS: f64 = 6.0;
 
@@ -95,16 +95,44 @@ struct Profile {
     zero: f64,
 }
 
-/// Searches the arc about a rough end.
-pub(super) fn locate(
-    surface: &Surface<'_>,
-    mask: &Mask,
-    image: &GreyImage,
-    rough: &RoughEnd,
-    outward: f64,
-) -> Option<ArcEnd> {
-    let search = (SEARCH_DEVIATIONS * rough.deviation).min(SEARCH_PIXELS * rough.pixel);
-    let profiles = sample(surface, mask, image, rough, outward, search);
+/// Where arcs are searched.
+pub(super) struct ArcSearch<'a> {
+    /// The grey image, on a grid that its blur fills.
+    pub image: ReducedImage<'a>,
+    /// The surface on that grid. All lengths in pixels here are in its pixels.
+    pub surface: Surface<'a>,
+    /// The mask, on its own grid.
+    pub mask: &'a Mask,
+    /// Size of a pixel of the drawing of the mask, in its pixels.
+    pub drawn_pixel: f64,
+}
+
+impl ArcSearch<'_> {
+    /// Searches the arc about a rough end.
+    pub fn locate(&self, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
+        let search =
+            (SEARCH_DEVIATIONS * rough.deviation).min(SEARCH_PIXELS * self.drawn_pixel * rough.pixel);
+        let factor = self.image.factor();
+        let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
+        let mut end = locate(self, &reduced, search, outward)?;
+        for sample in &mut end.samples {
+            sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
+            sample.deviation *= factor as f64;
+            sample.across *= factor as f64;
+        }
+        Some(end)
+    }
+
+    /// Whether the mask contains what a pixel of the image shows.
+    fn masked(&self, pixel: &Vector2<f64>) -> bool {
+        let [x, y] = [pixel.x, pixel.y].map(|x| from_reduced(x, self.image.factor()));
+        x >= 0.0 && y >= 0.0 && self.mask.contains(x.round() as usize, y.round() as usize)
+    }
+}
+
+fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> Option<ArcEnd> {
+    let surface = &arcs.surface;
+    let profiles = sample(arcs, rough, outward, search);
     if profiles.len() < LEAST_GENERATORS {
         return None;
     }
@@ -165,14 +193,8 @@ pub(super) fn locate(
 }
 
 /// Samples the image along the generators.
-fn sample(
-    surface: &Surface<'_>,
-    mask: &Mask,
-    image: &GreyImage,
-    rough: &RoughEnd,
-    outward: f64,
-    search: f64,
-) -> Vec<Profile> {
+fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> Vec<Profile> {
+    let surface = &arcs.surface;
     let Some(half_width) = surface.half_width(rough.position) else { return Vec::new() };
     let part = 1.0 - LIMB_MARGIN_PIXELS / half_width;
     if !(part > 0.0) {
@@ -187,17 +209,12 @@ fn sample(
         }
         let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
-        let inside = at(-WINDOW_PIXELS).is_some_and(|pixel| {
-            pixel.x >= 0.0
-                && pixel.y >= 0.0
-                && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
-        });
-        if !inside {
+        if !at(-WINDOW_PIXELS).is_some_and(|pixel| arcs.masked(&pixel)) {
             continue;
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS) / SAMPLE_PIXELS).ceil() as i64;
         let samples: Option<Vec<f64>> = (-reach..=reach)
-            .map(|k| at(SAMPLE_PIXELS * k as f64).and_then(|pixel| interpolate(image, &pixel)))
+            .map(|k| at(SAMPLE_PIXELS * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel)))
             .collect();
         let Some(samples) = samples else { continue };
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
@@ -224,17 +241,15 @@ fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> 
 }
 
 /// The brightness between pixels, bilinear.
-fn interpolate(image: &GreyImage, pixel: &Vector2<f64>) -> Option<f64> {
+fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
     let (x, y) = (pixel.x.floor(), pixel.y.floor());
     if !(x >= 0.0 && y >= 0.0 && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
         return None;
     }
     let (column, row) = (x as usize, y as usize);
     let (right, down) = (pixel.x - x, pixel.y - y);
-    let line = |row: usize| {
-        let values = &image.row(row)[column..column + 2];
-        f64::from(values[0]) * (1.0 - right) + f64::from(values[1]) * right
-    };
+    let value = |column: usize, row: usize| f64::from(image.value(column, row));
+    let line = |row: usize| value(column, row) * (1.0 - right) + value(column + 1, row) * right;
     Some(line(row) * (1.0 - down) + line(row + 1) * down)
 }
 

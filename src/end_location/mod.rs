@@ -16,9 +16,11 @@ mod surroundings;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
-use crate::observations::{DepthImage, GreyImage, Mask, PointCloud};
+use crate::noise::ImageNoise;
+use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
+use arc::ArcSearch;
 use nalgebra::Vector2;
 use silhouette::Silhouette;
 use surface::Surface;
@@ -66,6 +68,10 @@ pub struct EndSearch<'a> {
     /// Whether the limbs of the cylinder are good to a fraction of a pixel, so that the bias of the mask may be
     /// read off at them.
     pub limbs_known: bool,
+    /// What is known of mask and image.
+    pub noise: ImageNoise,
+    /// The blur of the grey image in pixels, where limbs show it.
+    pub blur: Option<f64>,
 }
 
 /// An end as it was found.
@@ -112,8 +118,16 @@ pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
     let surroundings = surroundings(search, cylinder);
-    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.limbs_known);
-    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, search.image, outward));
+    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
+    let factor = search.noise.factor(search.blur);
+    let camera = search.camera.reduced(factor);
+    let arcs = search.image.map(|image| ArcSearch {
+        image: ReducedImage::new(image, factor),
+        surface: Surface { camera: &camera, ..surface },
+        mask: search.mask,
+        drawn_pixel: search.noise.pixel,
+    });
+    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, arcs.as_ref(), outward));
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { Some(ends) } else { extreme_ends(search, cylinder) }
 }
@@ -133,8 +147,8 @@ fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End 
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
-    let EndSearch { camera, mask, depth, tolerance, .. } = *search;
-    Surroundings { camera, mask, depth, cylinder, tolerance }
+    let EndSearch { camera, mask, depth, tolerance, noise, .. } = *search;
+    Surroundings { camera, mask, depth, cylinder, tolerance, noise }
 }
 
 /// The least and the greatest position along the axis of the points completed over every `stride`-th row and
@@ -157,7 +171,7 @@ fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Optio
 fn locate(
     silhouette: &Silhouette<'_>,
     surroundings: &Surroundings<'_>,
-    image: Option<&GreyImage>,
+    arcs: Option<&ArcSearch<'_>>,
     outward: f64,
 ) -> End {
     let Some(rough) = silhouette.end(surroundings, outward) else {
@@ -170,9 +184,7 @@ fn locate(
         let deviation = Some(rough.pixel);
         return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
     }
-    let arc = image
-        .filter(|_| state != EndState::Hidden)
-        .and_then(|image| arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward));
+    let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
     match arc {
         Some(arc) => End {
             position: arc.position,

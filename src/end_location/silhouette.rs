@@ -3,6 +3,7 @@
 use super::EndState;
 use super::surface::Surface;
 use super::surroundings::Surroundings;
+use crate::noise::ImageNoise;
 use crate::observations::Mask;
 use nalgebra::Vector2;
 
@@ -12,32 +13,31 @@ const GENERATORS: usize = 41;
 /// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
 const WIDTH_PART: f64 = 0.85;
 
-/// Steps along a generator or across a limb, in pixels: finer than the pixels of the mask.
+/// Steps along a generator or across a limb, in pixels of the drawing: finer than the pixels of the mask.
 const STEP_PIXELS: f64 = 0.5;
 
-/// How far beyond the extreme of the mask generators are followed, in pixels.
+/// How far beyond the extreme of the mask generators are followed, in pixels of the drawing.
 const BEYOND_EXTREME_PIXELS: f64 = 12.0;
 
-/// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
+/// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
 const LIMB_REACH_PIXELS: f64 = 6.0;
 
 /// Places along each limb at which the mask's boundary is looked at.
 const LIMB_PLACES: usize = 64;
 
-/// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
-/// a person or a network draws a boundary to about a pixel, smoothly.
-const BOUNDARY_DEVIATION: f64 = 0.8;
-const BOUNDARY_CORRELATION_PIXELS: f64 = 10.0;
+/// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
+const BIAS_LEFT: f64 = 0.5;
 
-/// Standard deviation in pixels of what is left of a mask's bias after it was read off at the limbs, and without
-/// that.
-const BIAS_DEVIATION: [f64; 2] = [0.4, 1.0];
+/// Ends farther from the others than this count for nothing, in deviations of a boundary: past its noise, short of an
+/// occluder.
+const ROBUST_REACH: f64 = 3.75;
 
 /// The mask beside the model.
 pub(super) struct Silhouette<'a> {
     surface: &'a Surface<'a>,
     mask: &'a Mask,
     extremes: (f64, f64),
+    noise: ImageNoise,
     /// How far the mask reaches beyond the surface, in pixels, where it is known.
     bias: Option<f64>,
 }
@@ -54,8 +54,14 @@ pub(super) struct RoughEnd {
 }
 
 impl<'a> Silhouette<'a> {
-    pub fn new(surface: &'a Surface<'a>, mask: &'a Mask, extremes: (f64, f64), limbs_known: bool) -> Self {
-        let mut silhouette = Self { surface, mask, extremes, bias: None };
+    pub fn new(
+        surface: &'a Surface<'a>,
+        mask: &'a Mask,
+        extremes: (f64, f64),
+        noise: ImageNoise,
+        limbs_known: bool,
+    ) -> Self {
+        let mut silhouette = Self { surface, mask, extremes, noise, bias: None };
         if limbs_known {
             silhouette.bias = silhouette.bias_at_limbs();
         }
@@ -70,6 +76,10 @@ impl<'a> Silhouette<'a> {
         self.mask
     }
 
+    pub fn noise(&self) -> &ImageNoise {
+        &self.noise
+    }
+
     /// The middle between the extremes of the mask.
     pub fn middle(&self) -> f64 {
         0.5 * (self.extremes.0 + self.extremes.1)
@@ -82,12 +92,14 @@ impl<'a> Silhouette<'a> {
 
     /// The end towards `outward`; `None` when no generator shows it.
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
-        let extreme = self.extreme(outward);
+        let (extreme, noise) = (self.extreme(outward), &self.noise);
         // (position, pixels per unit across the arc)
         let mut ends = Vec::with_capacity(GENERATORS);
         for angle in self.surface.generators(GENERATORS, WIDTH_PART) {
             let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
-            let Some(position) = self.last_in_mask(angle, STEP_PIXELS / crossing.along, outward) else {
+            let Some(position) =
+                self.last_in_mask(angle, STEP_PIXELS * noise.pixel / crossing.along, outward)
+            else {
                 continue;
             };
             ends.push((angle, position, crossing.across));
@@ -99,15 +111,15 @@ impl<'a> Silhouette<'a> {
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
-        let (position, across) = robust_mean(&used)?;
+        let (position, across) = robust_mean(&used, ROBUST_REACH * noise.boundary)?;
         let pixel = 1.0 / across;
         let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
-        let places = (width * used.len() as f64 / GENERATORS as f64 / BOUNDARY_CORRELATION_PIXELS).max(1.0);
+        let places = (width * used.len() as f64 / GENERATORS as f64 / noise.correlation).max(1.0);
         let bias = self.bias.unwrap_or(0.0);
-        let left = BIAS_DEVIATION[usize::from(self.bias.is_none())];
+        let left = if self.bias.is_some() { BIAS_LEFT * noise.boundary } else { noise.unevenness };
         Some(RoughEnd {
             position: position - outward * bias * pixel,
-            deviation: (BOUNDARY_DEVIATION * BOUNDARY_DEVIATION / places + left * left).sqrt() * pixel,
+            deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
             pixel,
         })
     }
@@ -130,7 +142,7 @@ impl<'a> Silhouette<'a> {
     fn bias_at_limbs(&self) -> Option<f64> {
         let limb = self.surface.limb_angle();
         let half_width = self.surface.half_width(self.middle())?;
-        let reach = LIMB_REACH_PIXELS.min(0.6 * half_width);
+        let reach = (LIMB_REACH_PIXELS * self.noise.pixel).min(0.6 * half_width);
         let mut sum = 0.0;
         for angle in [-limb, limb] {
             let mut offsets = Vec::new();
@@ -158,12 +170,13 @@ impl<'a> Silhouette<'a> {
         let inward = self.surface.pixel(0.0, position)? - at;
         let normal = Vector2::new(-along.y, along.x).normalize();
         let outward = if normal.dot(&inward) < 0.0 { normal } else { -normal };
-        let steps = ((reach + LIMB_REACH_PIXELS) / STEP_PIXELS) as usize;
-        let offset = |k: usize| STEP_PIXELS * k as f64 - reach;
+        let step = STEP_PIXELS * self.noise.pixel;
+        let steps = ((reach + LIMB_REACH_PIXELS * self.noise.pixel) / step) as usize;
+        let offset = |k: usize| step * k as f64 - reach;
         let pixel = |k: usize| at + outward * offset(k);
         let first_out = (0..=steps).find(|&k| !contains(self.mask, &pixel(k)))?;
         let inside = self.surface.camera.contains(&pixel(first_out));
-        (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * STEP_PIXELS)
+        (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * step)
     }
 }
 
@@ -174,7 +187,7 @@ fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
 
 /// A location of positions whose deviation is one over their second number, robust against a minority of others,
 /// and the root mean square of these numbers there.
-fn robust_mean(ends: &[(f64, f64)]) -> Option<(f64, f64)> {
+fn robust_mean(ends: &[(f64, f64)], reach: f64) -> Option<(f64, f64)> {
     let mut sorted = ends.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
@@ -183,13 +196,11 @@ fn robust_mean(ends: &[(f64, f64)]) -> Option<(f64, f64)> {
         below += end.1 * end.1;
         (below >= 0.5 * total).then_some(end.0)
     })?;
-    // Tukey's biweight at three pixels: past the noise of any boundary, short of an occluder.
-    const LIMIT: f64 = 3.0;
     let mut across = 0.0;
     for _ in 0..10 {
         let (mut sum, mut weights, mut count) = (0.0, 0.0, 0.0);
         for &(position, scale) in &sorted {
-            let r = (position - location) * scale / LIMIT;
+            let r = (position - location) * scale / reach;
             if r.abs() < 1.0 {
                 let robust = (1.0 - r * r).powi(2);
                 sum += robust * scale * scale * position;

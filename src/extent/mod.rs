@@ -16,15 +16,13 @@ use crate::end_location::{EndSearch, depth_tolerance, extreme_ends, locate_ends}
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::fitter::ExtentRule;
+use crate::fitter::image_noise;
 use crate::fitter::{FitResult, Fitter};
 use crate::geometry::Cylinder;
+use crate::limb_location::blur_of;
 use crate::observations::{GreyImage, MaskView};
 use nalgebra::Vector3;
 pub use uncertainty::ExtentUncertainty;
-
-/// Limbs that pass that near to the segments, root mean square in pixels, are taken as known: twice what a hand-set edge
-/// is off.
-const KNOWN_PIXELS: f64 = 1.0;
 
 /// The settings of the extent.
 #[derive(Debug, Clone, Copy, Default)]
@@ -109,6 +107,7 @@ impl Fitter {
         if let Some(image) = options.image {
             region.mask().check_size("grey image", (image.width(), image.height()))?;
         }
+        let noise = image_noise(Some(region.camera));
         let search = EndSearch {
             camera: region.camera,
             mask: region.mask(),
@@ -116,11 +115,14 @@ impl Fitter {
             image: options.image,
             tolerance: depth_tolerance(self.cloud(), &cylinder),
             limbs_known: options.limbs_known.unwrap_or_else(|| {
-                let near = |rms: f64| rms <= KNOWN_PIXELS;
+                // Limbs that pass that near to the segments are taken as known.
+                let near = |rms: f64| rms <= noise.limb_of_segments();
                 let known =
                     |result: &FitResult| result.limbs_located > 0 || result.edge_rms_pixels.is_some_and(near);
                 self.result().is_some_and(known)
             }),
+            noise,
+            blur: self.limbs().and_then(blur_of),
         };
         let locates_ends = self.options().locates_ends();
         let ends =

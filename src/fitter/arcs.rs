@@ -3,7 +3,7 @@
 use super::Fitter;
 use super::problem::Problem;
 use super::rough::CONTRADICTION;
-use super::solve::{ENDPOINT_PIXELS, Report};
+use super::solve::Report;
 use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
 use crate::error::Result;
@@ -37,12 +37,13 @@ impl Fitter {
         &self,
         problem: &mut Problem<'_>,
         mut convergence: Convergence,
+        blur: Option<f64>,
         report: Report<'_>,
     ) -> Result<Convergence> {
         let scale = problem.point_scale(&convergence.cylinder);
         for _ in 0..ARC_ROUNDS {
             let before = convergence.cylinder;
-            problem.arcs = self.locate_arcs(problem, &before);
+            problem.arcs = self.locate_arcs(problem, &before, blur);
             if problem.arcs.ends.is_empty() {
                 break;
             }
@@ -60,7 +61,7 @@ impl Fitter {
     }
 
     /// The arcs of the ends that the image shows, each place weighed by how well it agrees with its neighbours.
-    fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
+    fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder, blur: Option<f64>) -> ArcTerm {
         let (Some(image), Some(mask), Some(camera)) = (&self.image, &self.mask, &self.camera) else {
             return ArcTerm::default();
         };
@@ -74,14 +75,21 @@ impl Fitter {
             image: Some(image),
             tolerance: depth_tolerance(&self.cloud, cylinder),
             limbs_known: problem.has_limbs(),
+            noise: problem.noise,
+            blur,
         };
         let Some(ends) = locate_ends(&search, cylinder) else { return ArcTerm::default() };
-        ArcTerm { ends: ends.iter().filter_map(|end| places(camera, cylinder, &end.samples)).collect() }
+        ArcTerm {
+            ends: ends
+                .iter()
+                .filter_map(|end| places(camera, cylinder, &end.samples, problem.noise.endpoint))
+                .collect(),
+        }
     }
 }
 
 /// The places of one end with their weights; `None` where they do not tell how the arc is bent.
-fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option<Vec<ArcRay>> {
+fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint: f64) -> Option<Vec<ArcRay>> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
     let mut found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
@@ -124,6 +132,6 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option
             place.0.weight = loss.loss_and_weight(residual, 0.0).1 / variance;
         }
     }
-    let factor = (ENDPOINT_PIXELS / scatter).powi(2);
+    let factor = (endpoint / scatter).powi(2);
     Some(found.into_iter().map(|(place, ..)| ArcRay { weight: place.weight * factor, ..place }).collect())
 }

@@ -2,12 +2,10 @@
 
 use super::result::Flags;
 use crate::camera::Camera;
+use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::{LimbPair, LimbTerm, PixelSegment, PixelTerm};
 use nalgebra::{Vector2, Vector3};
-
-/// Two limbs of a cylinder that can be measured are farther apart than this many pixels.
-const SAME_LIMB_PIXELS: f64 = 2.0;
 
 /// The usable segments, without distortion.
 #[derive(Debug, Clone)]
@@ -19,7 +17,7 @@ pub(super) struct UsableEdges {
 
 impl UsableEdges {
     /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason.
-    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment]) -> Self {
+    pub fn new(camera: Option<&Camera>, noise: &ImageNoise, segments: &[EdgeSegment]) -> Self {
         let mut usable = Self { segments: Vec::new(), rays: Vec::new(), flags: Flags::empty() };
         for segment in segments.iter().filter(|segment| segment.weight > 0.0) {
             let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
@@ -37,7 +35,7 @@ impl UsableEdges {
         }
         if let [first, second] = &mut usable.segments[..] {
             (first.limb, second.limb) = (Some(0), Some(1));
-            let doubt = if coincide(first, second) {
+            let doubt = if coincide(first, second, noise.apart()) {
                 Flags::EDGES_COINCIDE
             } else if cross(first, second) {
                 Flags::EDGES_CROSS
@@ -93,10 +91,10 @@ fn cross(first: &PixelSegment, second: &PixelSegment) -> bool {
     area(a, b, c) * area(a, b, d) < 0.0 && area(c, d, a) * area(c, d, b) < 0.0
 }
 
-/// Whether two segments lie on one line.
-fn coincide(first: &PixelSegment, second: &PixelSegment) -> bool {
+/// Whether two segments lie on one line, within some pixels.
+fn coincide(first: &PixelSegment, second: &PixelSegment, apart: f64) -> bool {
     let length = |segment: &PixelSegment| (segment.endpoints[1] - segment.endpoints[0]).norm();
     let (long, short) = if length(first) >= length(second) { (first, second) } else { (second, first) };
     let [a, b] = &long.endpoints;
-    short.endpoints.iter().all(|q| area(a, b, q).abs() < SAME_LIMB_PIXELS * length(long))
+    short.endpoints.iter().all(|q| area(a, b, q).abs() < apart * length(long))
 }

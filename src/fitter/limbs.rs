@@ -3,11 +3,12 @@
 use super::Fitter;
 use super::options::{EdgeUse, Method, ObjectiveKind, Options};
 use super::problem::Problem;
-use super::rough::{CONTRADICTION, GIVEN_DEVIATION, RoughFit};
-use super::solve::{ENDPOINT_PIXELS, Report};
+use super::rough::{CONTRADICTION, RoughFit};
+use super::solve::Report;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::{LimbObservation, LimbSearch, locate_limbs};
+use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use crate::solver::Convergence;
 
@@ -51,19 +52,21 @@ impl Fitter {
         rough: &RoughFit,
         report: Report<'_>,
     ) -> Result<LocatedFit> {
-        let mut observations = self.observe(&rough.convergence.cylinder, rough, rough.deviation);
-        let mut located = observations.as_ref().map_or([None, None], lines_of);
+        let noise = problem.noise;
+        let mut observations = self.observe(&rough.convergence.cylinder, rough, rough.deviation, &noise);
+        let mut located = observations.as_ref().map_or([None, None], |limbs| lines_of(limbs, &noise));
         let mut fit = None;
         if let [Some(_), None] | [None, Some(_)] = located {
             fit = problem.fit_to(&located, rough, report)?;
             if let (Some(fit), Some(seen)) = (&fit, &mut observations)
-                && let Some(again) = self.observe(&fit.convergence.cylinder, rough, GIVEN_DEVIATION)
+                && let Some(again) =
+                    self.observe(&fit.convergence.cylinder, rough, noise.limb_of_segments(), &noise)
             {
                 // One limb tells where to look for the other.
                 let missing = usize::from(located[0].is_some());
                 let [first, second] = again;
                 seen[missing] = if missing == 0 { first } else { second };
-                located = lines_of(seen);
+                located = lines_of(seen, &noise);
             }
         }
         if let [Some(_), Some(_)] = located {
@@ -77,29 +80,39 @@ impl Fitter {
         }
         let (lines, convergence) = match fit {
             Some(fit) => (fit.lines, fit.convergence),
-            None => (lines(rough, &[None, None]), rough.convergence),
+            None => (lines(rough, &[None, None], &noise), rough.convergence),
         };
         problem.hold_to(&lines.segments);
         Ok(LocatedFit { lines, convergence, observations })
     }
 
     /// What the image shows of the limbs near those of a cylinder; `None` when it is not to be searched.
-    fn observe(&self, cylinder: &Cylinder, rough: &RoughFit, deviation: f64) -> Option<[LimbObservation; 2]> {
+    fn observe(
+        &self,
+        cylinder: &Cylinder,
+        rough: &RoughFit,
+        deviation: f64,
+        noise: &ImageNoise,
+    ) -> Option<[LimbObservation; 2]> {
         if self.options.edge_use == EdgeUse::AsGiven {
             return None;
         }
         let (image, camera, range) = (self.image.as_ref()?, self.camera.as_ref()?, rough.range?);
-        let search =
-            LimbSearch { range, reach: [REACH_DEVIATIONS * deviation; 2], deviation: [deviation; 2] };
+        let search = LimbSearch {
+            range,
+            reach: [REACH_DEVIATIONS * deviation; 2],
+            deviation: [deviation; 2],
+            noise: *noise,
+        };
         Some(locate_limbs(image, camera, cylinder, &search))
     }
 }
 
 /// The lines that were located, each weighed by its own standard deviation.
-fn lines_of(observations: &[LimbObservation; 2]) -> Located {
+fn lines_of(observations: &[LimbObservation; 2], noise: &ImageNoise) -> Located {
     [0, 1].map(|limb| {
         let line = observations[limb].line.ok()?;
-        let weight = (ENDPOINT_PIXELS / line.sigma).powi(2);
+        let weight = (noise.endpoint / line.sigma).powi(2);
         Some(PixelSegment { endpoints: line.ends, weight, limb: Some(limb) })
     })
 }
@@ -121,7 +134,7 @@ impl Problem<'_> {
         report: Report<'_>,
     ) -> Result<Option<Agreeing>> {
         let before = &rough.convergence;
-        let lines = lines(rough, located);
+        let lines = lines(rough, located, &self.noise);
         self.hold_to(&lines.segments);
         let minimum = self.minimise(&before.cylinder, report);
         let checked = minimum.and_then(|minimum| self.check_radius(&minimum.cylinder).map(|()| minimum));
@@ -138,21 +151,21 @@ impl Problem<'_> {
 }
 
 /// Whether a given segment lies on a located line, as far as both are known.
-fn agree(line: &PixelSegment, given: &PixelSegment) -> bool {
+fn agree(line: &PixelSegment, given: &PixelSegment, noise: &ImageNoise) -> bool {
     let along = (line.endpoints[1] - line.endpoints[0]).normalize();
-    let variance = ENDPOINT_PIXELS.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
+    let variance = noise.endpoint.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
     let limit = AGREEING_DEVIATIONS * variance.sqrt();
     given.endpoints.iter().all(|q| along.perp(&(q - line.endpoints[0])).abs() <= limit)
 }
 
 /// The lines of a fit: the located limbs with the given segments that agree with them, and the guides of the others.
-fn lines(rough: &RoughFit, located: &Located) -> Lines {
+fn lines(rough: &RoughFit, located: &Located, noise: &ImageNoise) -> Lines {
     let of_limb = |limb: usize| match &located[limb] {
         Some(line) => {
             let agreeing = rough.guides.given.iter().filter(|given| given.limb == Some(limb));
-            agreeing.filter(|given| agree(line, given)).chain([line]).copied().collect()
+            agreeing.filter(|given| agree(line, given, noise)).chain([line]).copied().collect()
         }
-        None => rough.guides.of_limb(limb, located[1 - limb].as_ref()),
+        None => rough.guides.of_limb(limb, located[1 - limb].as_ref(), noise),
     };
     Lines { segments: [of_limb(0), of_limb(1)].concat(), located: located.iter().flatten().count() }
 }

@@ -16,6 +16,7 @@ mod starts;
 mod uncertainty;
 
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
+pub(crate) use problem::image_noise;
 pub use report::{Diagnosis, ResidualKind};
 pub use result::{FitResult, Flags, Seconds};
 pub use uncertainty::{RadiusComparison, Uncertainty};
@@ -25,7 +26,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
-use crate::limb_location::LimbObservation;
+use crate::limb_location::{LimbObservation, blur_of};
 use crate::observations::{
     DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
     PointsView, check_same_size, check_segments,
@@ -289,7 +290,8 @@ impl Fitter {
                 if problem.passing {
                     // With a radius that no limb holds the arcs bend otherwise.
                     if lines.located > 0 {
-                        convergence = self.fit_to_arcs(&mut problem, convergence, report)?;
+                        let blur = limbs.as_ref().and_then(blur_of);
+                        convergence = self.fit_to_arcs(&mut problem, convergence, blur, report)?;
                     }
                     problem.passing = false;
                     convergence = problem.minimise_again(&convergence, report)?;

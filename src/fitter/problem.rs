@@ -7,6 +7,7 @@ use super::starts::Candidate;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::PointCloud;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, PointTerm, RobustScales};
 use nalgebra::{Matrix3, Vector3};
@@ -47,6 +48,8 @@ pub(super) struct Problem<'a> {
     pub near_wall: bool,
     /// The camera at the origin, where there is one.
     pub camera: Option<&'a Camera>,
+    /// What is known of the errors in its image.
+    pub noise: ImageNoise,
     /// w_L, 0 where no edges count.
     pub edge_weight: f64,
     /// Whether the minimum is only a step on the way: what is located in the image from there moves it again.
@@ -55,6 +58,11 @@ pub(super) struct Problem<'a> {
     pub last_scales: Cell<Option<(Cylinder, RobustScales)>>,
     /// Linear solves so far.
     pub solves: Cell<usize>,
+}
+
+/// What is known of the errors in the image of a camera.
+pub(crate) fn image_noise(camera: Option<&Camera>) -> ImageNoise {
+    NoiseModel::default().in_image(camera.map_or((1, 1), Camera::size))
 }
 
 impl<'a> Problem<'a> {
@@ -86,7 +94,8 @@ impl<'a> Problem<'a> {
                 remedy: "choose the chart auto or local, or take the limits away",
             });
         }
-        let edges = UsableEdges::new(camera, if fused { segments } else { &[] });
+        let noise = image_noise(camera);
+        let edges = UsableEdges::new(camera, &noise, if fused { segments } else { &[] });
         let limbs = edges.limb_term(camera);
         let edge_weight = if paper && limbs.is_some() { options.edge_weight } else { 0.0 };
         let edges_alone = edge_weight == 1.0 && start.is_some();
@@ -128,6 +137,7 @@ impl<'a> Problem<'a> {
             unit,
             near_wall,
             camera,
+            noise,
             edge_weight,
             passing: false,
             last_scales: Cell::new(None),

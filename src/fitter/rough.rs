@@ -4,7 +4,7 @@
 //! where not. What contradicts the points is not believed: they alone are the last resort.
 
 use super::Fitter;
-use super::guides::{Guides, SIDE_PIXELS, Sides, nearest_to_limbs};
+use super::guides::{Guides, Sides, nearest_to_limbs};
 use super::minimum::best_minimum;
 use super::options::{EdgeUse, StartKind};
 use super::problem::Problem;
@@ -19,10 +19,6 @@ use crate::limb_location::{Outline, axial_range};
 use crate::residuals::PixelSegment;
 use crate::solver::Convergence;
 use crate::start::limbs::from_limbs;
-
-/// Standard deviation in pixels of the limbs of a fit to segments that were set by hand, and of one to points.
-pub(super) const GIVEN_DEVIATION: f64 = 1.0;
-const POINTS_DEVIATION: f64 = 2.0;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
@@ -103,18 +99,22 @@ impl Fitter {
         }
         let given = problem.edges.segments.clone();
         let first = problem.attempt(Guides::given(&given), &candidates, report)?;
-        let Some(camera) = &self.camera else { return Ok(first?.rough(None, GIVEN_DEVIATION)) };
+        let of_segments = problem.noise.limb_of_segments();
+        let Some(camera) = &self.camera else { return Ok(first?.rough(None, of_segments)) };
         if self.options.edge_use == EdgeUse::AsGiven && !given.is_empty() {
             let fit = first?;
             if problem.points_contradict(&fit, &candidates, report)? {
                 problem.edges.flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
             }
-            let mut rough = fit.rough(None, GIVEN_DEVIATION);
+            let mut rough = fit.rough(None, of_segments);
             rough.guides.number(camera, &rough.convergence.cylinder);
             problem.hold_to(&rough.guides.all());
             return Ok(rough);
         }
-        let outline = self.mask.as_ref().and_then(|mask| Outline::new(mask, self.depth.as_ref(), camera));
+        let outline = self
+            .mask
+            .as_ref()
+            .and_then(|mask| Outline::new(mask, self.depth.as_ref(), camera, &problem.noise));
         let evidence = Evidence { camera, given: &given, candidates: &candidates, first };
         let mut rough = match outline {
             Some(outline) => self.guided_by_mask(problem, &outline, evidence, report)?,
@@ -138,7 +138,8 @@ impl Fitter {
         report: Report<'_>,
     ) -> Result<RoughFit> {
         let Evidence { camera, given, candidates, first } = evidence;
-        let sides_of = |fit: &Attempt| Sides::new(outline, camera, fit.cylinder());
+        let noise = problem.noise;
+        let sides_of = |fit: &Attempt| Sides::new(outline, camera, &noise, fit.cylinder());
         if let Ok(fit) = &first
             && let Some(sides) = sides_of(fit)
             && let Some(agreement) = sides.compare(given)
@@ -153,7 +154,9 @@ impl Fitter {
                 _ => Attempt { start, ..problem.attempt(guides, &[onward], report)?? },
             };
             let range = self.range_of_given(camera, fit.cylinder());
-            return Ok(fit.rough(range, agreement.total.clamp(GIVEN_DEVIATION, POINTS_DEVIATION)));
+            return Ok(
+                fit.rough(range, agreement.total.clamp(noise.limb_of_segments(), noise.limb_of_points))
+            );
         }
         let (alone, first) = match first {
             Ok(fit) if given.is_empty() => (fit, None),
@@ -175,13 +178,13 @@ impl Fitter {
             && fit.scale <= CONTRADICTION * alone.scale
         {
             let range = axial_range(camera, fit.cylinder(), sides.pixels(camera).into_iter(), 0.0);
-            return Ok(fit.rough(range, SIDE_PIXELS));
+            return Ok(fit.rough(range, noise.side));
         }
         if let Some(fit) = first
             && fit.scale <= GIVEN_CONTRADICTION * alone.scale
         {
             let range = self.range_of_given(camera, fit.cylinder());
-            return Ok(fit.rough(range, SIDE_PIXELS));
+            return Ok(fit.rough(range, noise.side));
         }
         let sides: Vec<PixelSegment> = sides_of(&alone).iter().flat_map(Sides::segments).collect();
         problem.guided_by_one(given, &sides, alone, report)
@@ -198,7 +201,7 @@ impl Fitter {
         if given.is_empty() {
             let fit = first?;
             let range = problem.range_of_points(fit.cylinder());
-            return Ok(fit.rough(Some(range), POINTS_DEVIATION));
+            return Ok(fit.rough(Some(range), problem.noise.limb_of_points));
         }
         if let Ok(fit) = first {
             // The points alone show, from there and from the starts, whether they would rather be elsewhere.
@@ -207,7 +210,7 @@ impl Fitter {
             let of_starts = candidates.iter().map(|candidate| problem.point_scale(&candidate.cylinder));
             if fit.scale <= GIVEN_CONTRADICTION * of_starts.fold(beside, f64::min) {
                 let range = self.range_of_given(camera, fit.cylinder());
-                return Ok(fit.rough(range, GIVEN_DEVIATION));
+                return Ok(fit.rough(range, problem.noise.limb_of_segments()));
             }
         }
         let alone = problem.alone(candidates, report)?;
@@ -293,7 +296,7 @@ impl Problem<'_> {
         }
         let fit = best.filter(|best| best.scale <= CONTRADICTION * alone.scale).unwrap_or(alone);
         let range = self.range_of_points(fit.cylinder());
-        Ok(fit.rough(Some(range), POINTS_DEVIATION))
+        Ok(fit.rough(Some(range), self.noise.limb_of_points))
     }
 
     /// The part of the axis along which there are points.

@@ -14,9 +14,6 @@ use std::ops::ControlFlow;
 /// Hears of every linear solve and may stop the fit.
 pub(super) type Report<'a> = &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>;
 
-/// Standard deviation of a hand-set endpoint across its limb, in pixels: people set edges to half a pixel.
-pub(super) const ENDPOINT_PIXELS: f64 = 0.5;
-
 /// The scale of the point residuals is settled when it changes by less than this part.
 const SCALE_TOLERANCE: f64 = 1e-4;
 
@@ -236,7 +233,7 @@ impl Problem<'_> {
         let range = correlated_range(&residuals, TUKEY_EFFICIENT * point);
         // A row of the image repeats the correlation of a column.
         let independent_points = (residuals.len() as f64 / (range * range)).max(1.0);
-        RobustScales { point, independent_points, pixel: ENDPOINT_PIXELS }
+        RobustScales { point, independent_points, pixel: self.noise.endpoint }
     }
 }
 

@@ -13,10 +13,6 @@ use nalgebra::Vector3;
 /// Points that starts are judged on: a start needs no more.
 const SAMPLE: usize = 500;
 
-/// A distance from the limb line beyond which an endpoint contradicts a start altogether, in pixels: ten times
-/// what a hand-set edge is off.
-const CONTRADICTION_PIXELS: f64 = 5.0;
-
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
 const EXPLAINED: f64 = 0.1;
@@ -151,7 +147,7 @@ impl Problem<'_> {
             cost += pixels.distances(cylinder).map_or(1.0, |distances| {
                 let count = 2 * distances.len();
                 let all = distances.iter().flatten();
-                all.map(|d| truncated(d / CONTRADICTION_PIXELS)).sum::<f64>() / count as f64
+                all.map(|d| truncated(d / self.noise.gross())).sum::<f64>() / count as f64
             });
         }
         cost

@@ -3,6 +3,7 @@
 use super::axial_range;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use nalgebra::Vector2;
 
@@ -11,8 +12,9 @@ use nalgebra::Vector2;
 /// than ten.
 const RELATIVE_REACH: f64 = 0.15;
 
-/// The least reach in pixels: masks and fits are off by some pixels however thin the cylinder is.
-const LEAST_REACH: f64 = 4.0;
+/// The least reach in deviations of the limbs of a fit to points alone: those are off by some pixels however thin the
+/// cylinder is.
+const LEAST_REACH: f64 = 2.0;
 
 /// Pieces of one edge agree about its line to this many pixels: line detectors work to about one pixel.
 const SAME_EDGE: f64 = 1.5;
@@ -68,6 +70,7 @@ pub fn edges_on_limbs(
     rough: &Cylinder,
     range: &[f64; 2],
     reach: Option<f64>,
+    noise: &ImageNoise,
 ) -> Option<[Vec<usize>; 2]> {
     let limbs = LimbFrame::new(rough)?;
     // (a, b, c) with a² + b² = 1: signed distances in pixels.
@@ -83,7 +86,8 @@ pub fn edges_on_limbs(
         None => {
             let across = limbs.limb_lines().map(|line| camera.ideal_pixel(&line.point));
             let [Some(first), Some(second)] = across else { return None };
-            LEAST_REACH.max(RELATIVE_REACH * (lines[0].xy().dot(&(second - first))).abs())
+            (LEAST_REACH * noise.limb_of_points)
+                .max(RELATIVE_REACH * (lines[0].xy().dot(&(second - first))).abs())
         }
     };
     let within = |segment: &EdgeSegment| {
@@ -148,6 +152,7 @@ fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<&Candidate> {
 mod tests {
     use super::*;
     use crate::camera::{Distortion, Intrinsics};
+    use crate::noise::NoiseModel;
     use nalgebra::Vector3;
 
     fn camera() -> Camera {
@@ -191,18 +196,20 @@ mod tests {
             piece(&truth, 1, [0.0, 0.001], 0.0),
             piece(&truth, 0, [0.14, 0.2], 0.0),
         ];
+        let noise = NoiseModel::default().in_image(camera().size());
         // From the point of the axis, where the pieces are given from the point of it nearest to the camera.
         let range = [-0.12, 0.12].map(|s| s - rough.axis.point.dot(&rough.axis.direction));
-        let found = edges_on_limbs(&segments, &camera(), &rough, &range, None).unwrap();
+        let found = edges_on_limbs(&segments, &camera(), &rough, &range, None, &noise).unwrap();
         assert_eq!(found, [vec![1, 3], vec![4]]);
         // Nothing is nearer than half a pixel to the limbs of the rough cylinder.
-        let none = edges_on_limbs(&segments, &camera(), &rough, &range, Some(0.5)).unwrap();
+        let none = edges_on_limbs(&segments, &camera(), &rough, &range, Some(0.5), &noise).unwrap();
         assert_eq!(none, [Vec::<usize>::new(), Vec::new()]);
     }
 
     #[test]
     fn there_are_none_from_inside() {
+        let noise = NoiseModel::default().in_image(camera().size());
         let pipe = Cylinder::new(Vector3::new(0.0, 0.0, 0.1), Vector3::x(), 0.5).unwrap();
-        assert!(edges_on_limbs(&[], &camera(), &pipe, &[-1.0, 1.0], None).is_none());
+        assert!(edges_on_limbs(&[], &camera(), &pipe, &[-1.0, 1.0], None, &noise).is_none());
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::median;
 use nalgebra::Vector2;
@@ -13,9 +14,8 @@ const MARGIN: f64 = 0.15;
 /// Fewest positions along the axis that a side is drawn through.
 const LEAST_POSITIONS: usize = 8;
 
-/// How far beyond and inside the edge of a mask depths are compared, in pixels: the mask may be some pixels off, and
-/// depth is smeared for some more.
-const PROBES: [f64; 3] = [4.0, 6.0, 8.0];
+/// At how many places beyond the edge of a mask, and within it, depths are compared.
+const COMPARED: usize = 3;
 
 /// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
 /// cameras.
@@ -62,6 +62,7 @@ pub fn axial_range(
 pub struct Outline {
     pixels: Vec<OutlinePixel>,
     center: Vector2<f64>,
+    noise: ImageNoise,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -85,12 +86,12 @@ impl Outline {
     /// The outline of a mask; a depth image on the same grid tells where something in front ends it. `None` when no
     /// pixel of it has a ray.
     #[must_use]
-    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera) -> Option<Self> {
+    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera, noise: &ImageNoise) -> Option<Self> {
         let (last_column, last_row) = (mask.width() - 1, mask.height() - 1);
         let pixel = |(x, y): (usize, usize)| {
             let at_border = x == 0 || y == 0 || x == last_column || y == last_row;
             let position = camera.ideal_pixel(&camera.unproject(&Vector2::new(x as f64, y as f64))?)?;
-            let covered = || depth.is_some_and(|depth| covered(mask, depth, x, y));
+            let covered = || depth.is_some_and(|depth| covered(mask, depth, (x, y), noise));
             Some(OutlinePixel { position, cut: at_border || covered() })
         };
         let inside = |x: usize, y: usize| mask.contains(x, y);
@@ -101,7 +102,7 @@ impl Outline {
         let pixels: Vec<OutlinePixel> =
             mask.set_pixels().filter(|at| !surrounded(at)).filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
-        (!pixels.is_empty()).then_some(Self { pixels, center })
+        (!pixels.is_empty()).then_some(Self { pixels, center, noise: *noise })
     }
 
     /// The two sides along the axis of a rough cylinder: a start for the search and for a fit, within some pixels of
@@ -147,8 +148,10 @@ impl Outline {
             let all: Vec<(f64, f64, bool)> =
                 positions.map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, extreme[k].1)).collect();
             let whole = all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
-            let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect());
-            let (line, cut) = match robust_line(whole) {
+            // The raster of the mask.
+            let least = 0.5 * self.noise.pixel;
+            let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect(), least);
+            let (line, cut) = match robust_line(whole, least) {
                 Some(line) => (line, false),
                 None => (anyway()?, true),
             };
@@ -171,7 +174,7 @@ impl Outline {
 
 /// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer
 /// than that inside.
-fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
+fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &ImageNoise) -> bool {
     let at = |from: (usize, usize), dx: f64, dy: f64| {
         let (x, y) = ((from.0 as f64 + dx).round(), (from.1 as f64 + dy).round());
         (x >= 0.0 && y >= 0.0).then_some((x as usize, y as usize))
@@ -186,7 +189,7 @@ fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
     }
     let Some(outward) = outward.try_normalize(0.0) else { return false };
     let middle = |side: f64| {
-        let places = PROBES.iter().filter_map(|&distance| {
+        let places = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
             let step = outward * (side * distance);
             let (x, y) = at((x, y), step.x, step.y)?;
             depth.depth(x, y)
@@ -205,8 +208,8 @@ struct SideLine {
     range: [f64; 2],
 }
 
-/// The line through most of the points.
-fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
+/// The line through most of the points, and through all within some distances of `least`.
+fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
     loop {
         if points.len() < LEAST_POSITIONS {
             return None;
@@ -223,8 +226,7 @@ fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
         let mut distances: Vec<f64> = points.iter().map(distance).collect();
         let median = median(&mut distances);
         let before = points.len();
-        // Half a pixel is the raster of the mask.
-        points.retain(|p| distance(p) <= MEDIANS * median.max(0.5));
+        points.retain(|p| distance(p) <= MEDIANS * median.max(least));
         if points.len() == before {
             let range = [points[0].0, points[points.len() - 1].0];
             return Some(SideLine { offset, slope, range });

@@ -5,7 +5,7 @@
 //! pixel centres, and the location of an edge to a few hundredths of a pixel hangs on the blur.
 
 use crate::camera::Camera;
-use crate::observations::GreyImage;
+use crate::observations::ReducedImage;
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use nalgebra::Vector2;
 
@@ -83,7 +83,7 @@ pub(super) struct Strip {
 
 impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
-    pub fn gather(image: &GreyImage, camera: &Camera, baseline: &Baseline, half_width: f64) -> Self {
+    pub fn gather(image: &ReducedImage<'_>, camera: &Camera, baseline: &Baseline, half_width: f64) -> Self {
         let mut strip = Self { pixels: Vec::new(), ends: Vec::new() };
         let pieces = (2.0 * baseline.half_length / POLYLINE_STEP).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
@@ -131,7 +131,7 @@ impl Strip {
     #[expect(clippy::too_many_arguments, reason = "one place in one loop")]
     fn add_run(
         &mut self,
-        image: &GreyImage,
+        image: &ReducedImage<'_>,
         camera: &Camera,
         baseline: &Baseline,
         steep: bool,
@@ -164,7 +164,11 @@ impl Strip {
                 s: parabola(before.0, here.0, after.0, x),
                 u: parabola(before.1, here.1, after.1, x),
                 value: f64::from(value),
-                saturated: image.is_saturated(value),
+                saturated: if steep {
+                    image.is_saturated(cross, run)
+                } else {
+                    image.is_saturated(run, cross)
+                },
             });
         }
         if self.pixels.len() == begin {

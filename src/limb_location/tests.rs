@@ -2,8 +2,13 @@
 
 use super::*;
 use crate::camera::{Distortion, Intrinsics};
+use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, DepthView, EdgeSegment, ImageView, Mask, MaskView};
 use nalgebra::Vector3;
+
+fn noise() -> ImageNoise {
+    NoiseModel::default().in_image((640, 480))
+}
 
 const SIZE: (usize, usize) = (240, 180);
 const BLUR: f64 = 0.9;
@@ -107,7 +112,7 @@ impl Scene {
     }
 
     fn search(&self) -> LimbSearch {
-        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2] }
+        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2], noise: noise() }
     }
 
     fn locate(&self) -> [LimbObservation; 2] {
@@ -252,8 +257,10 @@ fn a_mask_and_segments_say_where_to_search() {
     let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1).map(|k| u8::from(on_surface(k % SIZE.0, k / SIZE.0))).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
 
-    let sides =
-        Outline::new(&mask, None, &scene.camera).unwrap().sides(&scene.camera, &scene.rough()).unwrap();
+    let sides = Outline::new(&mask, None, &scene.camera, &noise())
+        .unwrap()
+        .sides(&scene.camera, &scene.rough())
+        .unwrap();
     let limbs = [0, 1].map(|k| {
         let line = LimbLine { ends: sides[k].ends, sigma: 1.0 };
         [0, 1].map(|limb| scene.errors(limb, &line).map(|(error, _)| error.abs()))
@@ -291,7 +298,7 @@ fn sides_behind(column: usize, row: usize) -> [Side; 2] {
     let depths: Vec<f32> = pixels.map(depth).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
     let depth = DepthImage::copy(&DepthView::from_f32(&depths, SIZE, 1.0).unwrap()).unwrap();
-    let outline = Outline::new(&mask, Some(&depth), &scene.camera).unwrap();
+    let outline = Outline::new(&mask, Some(&depth), &scene.camera, &noise()).unwrap();
     outline.sides(&scene.camera, &scene.cylinder).unwrap()
 }
 

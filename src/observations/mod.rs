@@ -7,6 +7,7 @@ mod depth;
 mod image;
 mod mask;
 mod points;
+mod reduced;
 mod segments;
 mod size;
 mod views;
@@ -15,6 +16,7 @@ pub use depth::{DepthImage, DepthRange};
 pub use image::GreyImage;
 pub use mask::Mask;
 pub use points::{Dropped, Offsets, PointCloud};
+pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;
 pub use views::{
