@@ -12,6 +12,15 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The value that a quarter of the values lies below, 0 for no values; they come out in another order.
+pub(crate) fn lower_quartile(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let place = values.len() / 4;
+    *values.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
 /// The upper median of the absolute values of numbers, 0 for none.
 pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
     // Numbers without sign are ordered as their bits are, which are quicker to compare.

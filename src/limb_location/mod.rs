@@ -36,7 +36,7 @@ use consensus::rough_line;
 use nalgebra::{Matrix2, Vector2};
 use refine::{Expected, Limb, SHADING, refine};
 use shading::{LimbShading, Shading};
-use strip::{Baseline, Strip};
+use strip::{Baseline, Grid, Strip};
 
 /// Most grids of pixels on which the limbs are located: the first by the size of the image, the second by the blur that
 /// they show on it, and one more where that was hardly to be seen.
@@ -192,12 +192,9 @@ pub fn locate_limbs(
     search: &LimbSearch,
 ) -> [LimbObservation; 2] {
     let located = |factor: usize| {
-        if factor == 1 {
-            return located_on(&ReducedImage::new(image, 1), camera, model, search);
-        }
-        let reduced = ReducedImage::new(image, factor);
-        let limbs = located_on(&reduced, &camera.reduced(factor), model, &search.reduced(factor));
-        limbs.map(|limb| limb.enlarged(factor))
+        let (camera, search) = (camera.reduced(factor), search.reduced(factor));
+        let grid = Grid { image: ReducedImage::new(image, factor), camera: &camera, noise: search.noise };
+        located_on(&grid, model, &search).map(|limb| limb.enlarged(factor))
     };
     let mut factor = search.noise.factor(None);
     let mut limbs = located(factor);
@@ -215,17 +212,12 @@ pub fn locate_limbs(
 }
 
 /// Locates the limbs on one grid of pixels.
-fn located_on(
-    image: &ReducedImage<'_>,
-    camera: &Camera,
-    model: &Cylinder,
-    search: &LimbSearch,
-) -> [LimbObservation; 2] {
+fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbObservation; 2] {
     let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
-    let Some((baselines, radius)) = baselines(camera, model, &search.range) else { return observations };
+    let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else { return observations };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
         let half_width = search.reach[k] + OUTSIDE.max(INSIDE) + FILTER_MARGIN;
-        visible_strip(image, camera, &baselines[k], half_width)
+        visible_strip(grid, &baselines[k], half_width)
     });
     let mut roughs = [None, None];
     for (k, strip) in strips.iter().enumerate() {
@@ -238,7 +230,7 @@ fn located_on(
             roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation }));
         }
     }
-    let shading = inner_shading(image, camera, &baselines, &roughs, radius);
+    let shading = inner_shading(grid, &baselines, &roughs, radius);
     let mut limbs = Vec::new();
     let mut seen = Vec::new();
     for (k, found) in roughs.into_iter().enumerate() {
@@ -270,8 +262,7 @@ type Found<'a> = Option<(&'a Strip, &'a Baseline, Expected)>;
 
 /// The shading of the surface between the limbs, as far as they are known.
 fn inner_shading(
-    image: &ReducedImage<'_>,
-    camera: &Camera,
+    grid: &Grid<'_>,
     baselines: &[Baseline; 2],
     found: &[Found<'_>; 2],
     radius: f64,
@@ -292,7 +283,7 @@ fn inner_shading(
         let slope = (u1 - u0) / (s1 - s0);
         (u0 - slope * s0, slope)
     });
-    let strip = Strip::gather(image, camera, &near_image(camera, &baseline)?, radius);
+    let strip = Strip::gather(grid, &near_image(grid.camera, &baseline)?, radius);
     Shading::observe(&strip, limbs, radius)
 }
 
@@ -321,16 +312,11 @@ fn near_image(camera: &Camera, baseline: &Baseline) -> Option<Baseline> {
 }
 
 /// The part of the image around a baseline, and the baseline as far as the image shows it.
-fn visible_strip(
-    image: &ReducedImage<'_>,
-    camera: &Camera,
-    baseline: &Baseline,
-    half_width: f64,
-) -> Option<(Baseline, Strip)> {
-    let baseline = near_image(camera, baseline)?;
-    let [low, high] = Strip::gather(image, camera, &baseline, half_width).extent()?;
+fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
+    let baseline = near_image(grid.camera, baseline)?;
+    let [low, high] = Strip::gather(grid, &baseline, half_width).extent()?;
     let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;
-    Some((baseline, Strip::gather(image, camera, &baseline, half_width)))
+    Some((baseline, Strip::gather(grid, &baseline, half_width)))
 }
 
 /// The line of a refined limb, if it can be trusted.
