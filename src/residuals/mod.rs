@@ -6,6 +6,7 @@
 
 mod arcs;
 mod limbs;
+mod loss;
 mod paper;
 mod pixels;
 mod points;
@@ -14,10 +15,13 @@ mod sandwich;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
+pub use loss::{
+    Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Tukey, Wall,
+};
 pub use paper::PaperObjective;
 pub use pixels::{PixelSegment, PixelTerm};
-pub use points::{Loss, PointTerm, Squared};
-pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey, Wall};
+pub use points::PointTerm;
+pub use robust::{RobustObjective, RobustScales};
 pub use sandwich::{Sandwich, SandwichPart};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};

@@ -1,7 +1,8 @@
 //! The objective of the paper: F = (1 − w_L) E_P + w_L E_L (15), with the stacked weights (28).
 
 use super::limbs::LimbTerm;
-use super::points::{PointRows, PointTerm, Squared};
+use super::loss::Squared;
+use super::points::{PointRows, PointTerm};
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;

@@ -3,36 +3,12 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
+use super::loss::{Loss, Squared};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use pulp::Arch;
-
-/// How a residual counts.
-pub trait Loss: Copy + Sync {
-    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
-    /// negative where the outward normal of the surface points towards the observer at the origin.
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
-
-    /// The derivative of the influence ψ(e) = ρ′(e) / 2 of a residual.
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64;
-}
-
-/// The plain square.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Squared;
-
-impl Loss for Squared {
-    #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
-        (residual * residual, 1.0)
-    }
-
-    fn influence_slope(&self, _residual: f64, _facing: f64) -> f64 {
-        1.0
-    }
-}
 
 /// The points of a fit with the sum of their weights.
 #[derive(Debug, Clone, Copy)]

@@ -6,52 +6,12 @@
 //! endpoint in pixels. Like the energies of the paper it is a length squared.
 
 use super::arcs::ArcTerm;
+use super::loss::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
 use super::pixels::PixelTerm;
-use super::points::{Loss, PointRows, PointTerm};
+use super::points::{PointRows, PointTerm};
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::observations::PointCloud;
-
-/// Tukey's biweight, ρ(e) = (c²/3) (1 − (1 − (e/c)²)³), which is e² for small e and constant beyond c: points
-/// far off the surface (background, flying pixels) lose all influence.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tukey {
-    /// The residual c from which on a point has no influence.
-    pub cutoff: f64,
-    /// The wall that points can be on.
-    pub wall: Wall,
-}
-
-/// On which wall of the cylinder a point can be. Depths that a sensor smears past the limbs lie on the wall that
-/// it cannot see.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wall {
-    /// On either: nothing is known of an observer.
-    Either,
-    /// On the wall that faces the observer outside the cylinder; points on the other have no influence.
-    Facing,
-}
-
-/// c / σ at which the estimate keeps 95 % of the efficiency of least squares under Gaussian noise.
-pub const TUKEY_EFFICIENT: f64 = 4.685;
-
-impl Loss for Tukey {
-    #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
-        let ratio = residual / self.cutoff;
-        let hidden = self.wall == Wall::Facing && facing > 0.0;
-        let rest = if hidden { 0.0 } else { (1.0 - ratio * ratio).max(0.0) };
-        let weight = rest * rest;
-        (self.cutoff * self.cutoff / 3.0 * (1.0 - weight * rest), weight)
-    }
-
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64 {
-        // ψ = e (1 − (e/c)²)².
-        let square = (residual / self.cutoff).powi(2);
-        let hidden = self.wall == Wall::Facing && facing > 0.0;
-        if hidden || square >= 1.0 { 0.0 } else { (1.0 - square) * (1.0 - 5.0 * square) }
-    }
-}
 
 /// The scales that weigh the two terms against each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -161,29 +121,5 @@ impl Objective for RobustObjective<'_> {
             rows.push((residual * root, jacobian * root));
         }
         Some(rows)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_weight_is_the_derivative_of_the_loss_over_twice_the_residual() {
-        let tukey = Tukey { cutoff: 2.0, wall: Wall::Facing };
-        let at = |e: f64| tukey.loss_and_weight(e, -1.0);
-        for e in [-1.9, -0.5, 0.3, 1.0, 1.999, 2.5] {
-            let h = 1e-6;
-            let slope = (at(e + h).0 - at(e - h).0) / (2.0 * h);
-            assert!((slope - 2.0 * e * at(e).1).abs() < 1e-8, "{e}");
-            let influence = |e: f64| e * at(e).1;
-            let of_influence = (influence(e + h) - influence(e - h)) / (2.0 * h);
-            assert!((of_influence - tukey.influence_slope(e, -1.0)).abs() < 1e-8, "{e}");
-        }
-        assert_eq!(at(3.0), (4.0 / 3.0, 0.0));
-        assert!((at(1e-4).0 - 1e-8).abs() < 1e-15);
-        // A point on the hidden wall counts as one far away.
-        assert_eq!(tukey.loss_and_weight(0.1, 1.0), at(3.0));
-        assert_eq!(tukey.influence_slope(0.1, 1.0), 0.0);
     }
 }
