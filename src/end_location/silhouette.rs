@@ -5,6 +5,7 @@ use super::surface::Surface;
 use super::surroundings::Surroundings;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
+use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
 /// Generators that are followed out of the mask.
@@ -28,9 +29,12 @@ const LIMB_PLACES: usize = 64;
 /// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
 const BIAS_LEFT: f64 = 0.5;
 
-/// Ends farther from the others than this count for nothing, in deviations of a boundary: past its noise, short of an
+/// Ends farther from the others than 4.685 times this count for nothing, in deviations of a boundary: short of an
 /// occluder.
-const ROBUST_REACH: f64 = 3.75;
+const ROBUST_DEVIATION: f64 = 0.8;
+
+/// Rounds of reweighting of the mean of the generators.
+const REWEIGHTINGS: usize = 10;
 
 /// The mask beside the model.
 pub(super) struct Silhouette<'a> {
@@ -111,7 +115,7 @@ impl<'a> Silhouette<'a> {
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
-        let (position, across) = robust_mean(&used, ROBUST_REACH * noise.boundary)?;
+        let (position, across) = robust_mean(&used, ROBUST_DEVIATION * noise.boundary)?;
         let pixel = 1.0 / across;
         let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
         let places = (width * used.len() as f64 / GENERATORS as f64 / noise.correlation).max(1.0);
@@ -185,9 +189,9 @@ fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     inside && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
 }
 
-/// A location of positions whose deviation is one over their second number, robust against a minority of others,
-/// and the root mean square of these numbers there.
-fn robust_mean(ends: &[(f64, f64)], reach: f64) -> Option<(f64, f64)> {
+/// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority
+/// of others, and the root mean square of these numbers there.
+fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
     let mut sorted = ends.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
@@ -197,22 +201,28 @@ fn robust_mean(ends: &[(f64, f64)], reach: f64) -> Option<(f64, f64)> {
         (below >= 0.5 * total).then_some(end.0)
     })?;
     let mut across = 0.0;
-    for _ in 0..10 {
-        let (mut sum, mut weights, mut count) = (0.0, 0.0, 0.0);
-        for &(position, scale) in &sorted {
-            let r = (position - location) * scale / reach;
-            if r.abs() < 1.0 {
-                let robust = (1.0 - r * r).powi(2);
-                sum += robust * scale * scale * position;
-                weights += robust * scale * scale;
-                count += robust;
-            }
+    let distances = |location: f64, residuals: &mut [f64]| {
+        for (&(position, scale), residual) in sorted.iter().zip(residuals) {
+            *residual = (position - location) * scale;
         }
-        if !(weights > 0.0) {
+    };
+    let mut residuals = vec![0.0; sorted.len()];
+    distances(location, &mut residuals);
+    let reweighting = Reweighting { rounds: REWEIGHTINGS, scale: Scale::Known(deviation) };
+    reweighting.continue_from(&mut residuals, |weights, residuals| {
+        let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
+        for (&(position, scale), weight) in sorted.iter().zip(weights) {
+            sum += weight * scale * scale * position;
+            total += weight * scale * scale;
+            count += weight;
+        }
+        if !(total > 0.0) {
             return None;
         }
-        location = sum / weights;
-        across = (weights / count).sqrt();
-    }
+        location = sum / total;
+        across = (total / count).sqrt();
+        distances(location, residuals);
+        Some(Progress::Moved)
+    })?;
     Some((location, across))
 }

@@ -10,8 +10,7 @@ use super::consensus::RoughLine;
 use super::profile::SharpProfile;
 use super::shading::LimbShading;
 use super::strip::Strip;
-use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
 /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
@@ -39,8 +38,8 @@ const LONGEST_STEP: f64 = 0.5;
 /// Lines through pairs of blocks are tried for that many blocks at most.
 const MOST_HYPOTHESES: usize = 16;
 
-/// Steps of reweighting about the line through the blocks.
-const REWEIGHTINGS: usize = 5;
+/// Rounds of reweighting of the line through the blocks.
+const REWEIGHTINGS: usize = 4;
 
 /// Parallel lines are tried that far from the rough one, in pixels: where shading only bends at the limb, the
 /// step filter peaks beside it by the width of the filter.
@@ -169,48 +168,32 @@ impl<'a> Limb<'a> {
         if count < 2 {
             return;
         }
-        let mut line = self.line_of_most_blocks();
-        for _ in 0..REWEIGHTINGS {
-            let distance = |block: &Block| (block.shift - line.at(block.s)) / block.variance().sqrt();
-            let mut sizes: Vec<f64> = self.blocks.iter().map(|block| distance(block).abs()).collect();
-            self.scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
-            let loss = Tukey { cutoff: TUKEY_EFFICIENT * self.scatter, wall: Wall::Either };
-            let weights: Vec<f64> =
-                self.blocks.iter().map(|block| loss.loss_and_weight(distance(block), 0.0).1).collect();
+        let blocks = &mut self.blocks;
+        let distance =
+            |block: &Block, line: &StripLine| (block.shift - line.at(block.s)) / block.variance().sqrt();
+        let start = line_of_most_blocks(blocks);
+        let mut distances: Vec<f64> = blocks.iter().map(|block| distance(block, &start)).collect();
+        let reweighting = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
+        let reweighted = reweighting.continue_from(&mut distances, |weights, distances| {
             let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for (block, weight) in self.blocks.iter_mut().zip(weights) {
-                block.weight = weight;
+            for (block, weight) in blocks.iter().zip(weights) {
                 let row = Vector2::new(1.0, block.s);
                 let w = weight / block.variance();
                 normal += row * row.transpose() * w;
                 right += row * (w * block.shift);
             }
-            let Some(inverse) = normal.try_inverse() else { return };
-            let solution = inverse * right;
-            line = StripLine { offset: solution[0], slope: solution[1] };
-        }
-    }
-
-    /// The line through the shifts of two blocks that most others agree with.
-    fn line_of_most_blocks(&self) -> StripLine {
-        let blocks = &self.blocks;
-        let stride = blocks.len().div_ceil(MOST_HYPOTHESES);
-        let mut best = (f64::INFINITY, StripLine::default());
-        for i in (0..blocks.len()).step_by(stride) {
-            for j in (0..i).step_by(stride) {
-                let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
-                let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
-                let cost = |block: &Block| {
-                    // Beyond three standard deviations all blocks disagree alike.
-                    ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
-                };
-                let cost: f64 = blocks.iter().map(cost).sum();
-                if cost < best.0 {
-                    best = (cost, line);
-                }
+            let solution = normal.try_inverse()? * right;
+            let line = StripLine { offset: solution[0], slope: solution[1] };
+            for (block, own) in blocks.iter().zip(distances) {
+                *own = distance(block, &line);
             }
+            Some(Progress::Moved)
+        });
+        let Some(Reweighted { weights, scale }) = reweighted else { return };
+        self.scatter = scale;
+        for (block, weight) in self.blocks.iter_mut().zip(weights) {
+            block.weight = weight;
         }
-        best.1
     }
 
     /// Adds the normal equations of this limb, its unknowns (offset, slope, shading) from `first` on.
@@ -251,6 +234,27 @@ impl<'a> Limb<'a> {
         self.covariance = covariance * (self.scatter * self.scatter);
         size
     }
+}
+
+/// The line through the shifts of two blocks that most others agree with.
+fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
+    let stride = blocks.len().div_ceil(MOST_HYPOTHESES);
+    let mut best = (f64::INFINITY, StripLine::default());
+    for i in (0..blocks.len()).step_by(stride) {
+        for j in (0..i).step_by(stride) {
+            let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
+            let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
+            let cost = |block: &Block| {
+                // Beyond three standard deviations all blocks disagree alike.
+                ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
+            };
+            let cost: f64 = blocks.iter().map(cost).sum();
+            if cost < best.0 {
+                best = (cost, line);
+            }
+        }
+    }
+    best.1
 }
 
 /// Where the blur stands among the unknowns, after four of each limb.

@@ -9,7 +9,7 @@
 
 use super::block::INSIDE;
 use super::strip::Strip;
-use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
+use crate::residuals::{Progress, Reweighting, Scale};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -48,7 +48,7 @@ const MATT: f64 = 1e12;
 /// Directions φ₀ that are tried, all around.
 const LIGHTS: usize = 48;
 
-/// Steps of reweighting for each of them.
+/// Rounds of reweighting for each of them.
 const REWEIGHTINGS: usize = 6;
 
 /// A squared residual in units of its variance beyond which a bin disagrees altogether.
@@ -221,34 +221,32 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     let other = OTHER_LAMPS.powi(-2);
     let gloss = if glossy { GLOSS.powi(-2) } else { MATT };
     let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.powi(-2), gloss));
-    let mut weights = vec![1.0; rows.len()];
     let mut coefficients = Vector5::zeros();
     let mut covariance = Matrix5::zeros();
-    let mut scale: f64 = 1.0;
     // In units of the deviation.
     let scaled: Vec<(Vector5<f64>, f64)> = rows
         .iter()
         .map(|row| (functions(row.angle, light) / row.deviation, row.value / row.deviation))
         .collect();
-    let mut sizes = vec![0.0; rows.len()];
-    for _ in 0..REWEIGHTINGS {
+    let mut last = Vec::new();
+    let reweighting = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
+    let scale = reweighting.fit(rows.len(), |weights, residuals| {
         let (mut normal, mut right) = (prior, Vector5::zeros());
-        for ((f, value), weight) in scaled.iter().zip(&weights) {
+        for ((f, value), weight) in scaled.iter().zip(weights) {
             let weighted = f * *weight;
             normal += weighted * f.transpose();
             right += weighted * *value;
         }
         covariance = normal.try_inverse()?;
         coefficients = covariance * right;
-        for ((f, value), size) in scaled.iter().zip(&mut sizes) {
-            *size = (value - f.dot(&coefficients)).abs();
+        for ((f, value), residual) in scaled.iter().zip(&mut *residuals) {
+            *residual = value - f.dot(&coefficients);
         }
-        scale = (DEVIATION_OF_MEDIAN * median(&mut sizes.clone())).max(1.0);
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
-        for (weight, size) in weights.iter_mut().zip(&sizes) {
-            *weight = loss.loss_and_weight(*size, 0.0).1;
-        }
-    }
+        last.clear();
+        last.extend_from_slice(residuals);
+        Some(Progress::Moved)
+    });
+    let scale = scale?.scale;
     // No lamp takes light away, nor does gloss.
     if coefficients[3] < 0.0 {
         return None;
@@ -256,7 +254,7 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     if glossy && coefficients[4] < 0.0 {
         return fit(rows, light, false);
     }
-    let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
+    let cost: f64 = last.iter().map(|residual| (residual * residual).min(LARGEST_SQUARE)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
     Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
 }
