@@ -9,6 +9,36 @@ use crate::error::{Error, Result};
 /// were measured.
 const DRAWN_PIXELS: f64 = 640.0 * 480.0;
 
+constants! {
+    /// The default of [`NoiseModel::edge_endpoint`].
+    EDGE_ENDPOINT = 0.5, "drawn px";
+
+    /// The default of [`NoiseModel::mask_side`].
+    MASK_SIDE = 1.6, "drawn px";
+
+    /// The default of [`NoiseModel::mask_unevenness`].
+    MASK_UNEVENNESS = 1.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_growth`].
+    MASK_GROWTH = 3.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_boundary`].
+    MASK_BOUNDARY = 0.8, "drawn px";
+
+    /// The default of [`NoiseModel::mask_correlation`].
+    MASK_CORRELATION = 10.0, "drawn px";
+
+    /// The default of [`NoiseModel::limb_of_points`].
+    LIMB_OF_POINTS = 2.0, "drawn px";
+}
+
+#[cfg(feature = "sensitivity")]
+/// The defaults of the standard deviations.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    CONSTANTS.to_vec()
+}
+
 /// A blur of so many pixels, a standard deviation, leaves less than a tenth of the contrast at the finest pattern that
 /// pixels can hold, exp(−π² σ² / 2): more pixels show nothing more.
 const RESOLVED_BLUR: f64 = 0.7;
@@ -61,13 +91,13 @@ impl Default for NoiseModel {
     fn default() -> Self {
         Self {
             drawn_pixel: 0.0,
-            edge_endpoint: 0.5,
-            mask_side: 1.6,
-            mask_unevenness: 1.0,
-            mask_growth: 3.0,
-            mask_boundary: 0.8,
-            mask_correlation: 10.0,
-            limb_of_points: 2.0,
+            edge_endpoint: EDGE_ENDPOINT.get(),
+            mask_side: MASK_SIDE.get(),
+            mask_unevenness: MASK_UNEVENNESS.get(),
+            mask_growth: MASK_GROWTH.get(),
+            mask_boundary: MASK_BOUNDARY.get(),
+            mask_correlation: MASK_CORRELATION.get(),
+            limb_of_points: LIMB_OF_POINTS.get(),
             depth: 0.0,
             image: 0.0,
             blur: 0.0,

@@ -9,55 +9,58 @@
 
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
+use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
-use crate::statistics::median;
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
 
-/// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
-/// pixels of the drawing of the mask.
-const SEARCH_DEVIATIONS: f64 = 5.0;
-const SEARCH_PIXELS: f64 = 6.0;
+constants! {
+    /// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
+    /// pixels of the drawing of the mask.
+    SEARCH_DEVIATIONS = 5.0, "σ";
+    SEARCH_PIXELS = 6.0, "drawn px";
 
-/// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
-const WINDOW_PIXELS: f64 = 5.0;
+    /// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
+    WINDOW_PIXELS = 5.0, "px";
 
-/// Distance of the samples of a profile, in pixels across the arc.
-const SAMPLE_PIXELS: f64 = 0.5;
+    /// Distance of the samples of a profile, in pixels across the arc.
+    SAMPLE_PIXELS = 0.5, "px";
 
-/// Steps of the search, in pixels: less than the blur of any image.
-const COARSE_PIXELS: f64 = 0.4;
+    /// Steps of the search, in pixels: less than the blur of any image.
+    COARSE_PIXELS = 0.4, "px";
 
-/// The most generators that are sampled; fewer when they would be less than a pixel apart.
-const GENERATORS: usize = 48;
+    /// The most generators that are sampled; fewer when they would be less than a pixel apart.
+    GENERATORS = 48.0, "";
 
-/// The fewest that make an arc.
-const LEAST_GENERATORS: usize = 5;
+    /// The fewest that make an arc.
+    LEAST_GENERATORS = 5.0, "";
 
-/// The distance in pixels that generators keep from the limbs, where the background shines in.
-const LIMB_MARGIN_PIXELS: f64 = 2.5;
+    /// The distance in pixels that generators keep from the limbs, where the background shines in.
+    LIMB_MARGIN_PIXELS = 2.5, "px";
 
-/// A generator that the arc meets at a sine below this is nearly along it: its profile says little.
-const LEAST_SINE: f64 = 0.35;
+    /// A generator that the arc meets at a sine below this is nearly along it: its profile says little.
+    LEAST_SINE = 0.35, "";
+
+    /// The mean gain in log-likelihood per generator from which on an arc is believed.
+    LEAST_GAIN = 2.0, "";
+
+    /// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
+    /// the axis by some degrees departs by so much.
+    SAMPLE_REACH_PIXELS = 2.5, "px";
+
+    /// The far rim of the cap shines so many blurs into a window before it.
+    RIM_BLURS = 2.0, "σ";
+
+    /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
+    MODEL_DEVIATION = 0.1, "px";
+    PLACE_DEVIATION = 0.05, "px";
+
+    /// Samples of a window that are independent, by pixel: neighbours share pixels.
+    INDEPENDENT = 1.0, "1/px";
+}
 
 /// Blur of the image that is tried, standard deviation in pixels. The first is for the search.
 const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
-
-/// Samples of a window that are independent: neighbours share pixels.
-const INDEPENDENT_SAMPLES: f64 = 2.0 * WINDOW_PIXELS;
-
-/// The mean gain in log-likelihood per generator from which on an arc is believed.
-const LEAST_GAIN: f64 = 2.0;
-
-/// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
-/// the axis by some degrees departs by so much.
-const SAMPLE_REACH_PIXELS: f64 = 2.5;
-
-/// The far rim of the cap shines so many blurs into a window before it.
-const RIM_BLURS: f64 = 2.0;
-
-/// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
-const MODEL_DEVIATION: f64 = 0.1;
-const PLACE_DEVIATION: f64 = 0.05;
 
 /// An end as the image shows it.
 #[derive(Debug, Clone)]
@@ -103,17 +106,17 @@ pub(super) struct ArcSearch<'a> {
     pub surface: Surface<'a>,
     /// The mask, on its own grid.
     pub mask: &'a Mask,
-    /// Size of a pixel of the drawing of the mask, in its pixels.
-    pub drawn_pixel: f64,
+    /// What is known of mask and image, in pixels of the image.
+    pub noise: ImageNoise,
 }
 
 impl ArcSearch<'_> {
     /// Searches the arc about a rough end.
     pub fn locate(&self, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
-        let search =
-            (SEARCH_DEVIATIONS * rough.deviation).min(SEARCH_PIXELS * self.drawn_pixel * rough.pixel);
         let factor = self.image.factor();
         let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
+        let most = SEARCH_PIXELS.get() * self.noise.pixel * reduced.pixel;
+        let search = (SEARCH_DEVIATIONS.get() * rough.deviation).min(most);
         let mut end = locate(self, &reduced, search, outward)?;
         for sample in &mut end.samples {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
@@ -133,15 +136,15 @@ impl ArcSearch<'_> {
 fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> Option<ArcEnd> {
     let surface = &arcs.surface;
     let profiles = sample(arcs, rough, outward, search);
-    if profiles.len() < LEAST_GENERATORS {
+    if profiles.len() < LEAST_GENERATORS.count() {
         return None;
     }
-    let noise = noise(&profiles);
+    let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
     let smooth_step = SmoothStep::new();
     let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step);
     // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
     // generator: the mean gain answers it together with the rough end.
-    let step = COARSE_PIXELS * rough.pixel;
+    let step = COARSE_PIXELS.get() * rough.pixel;
     let steps = (search / step).ceil() as i64;
     let scores: Vec<f64> = (-steps..=steps).map(|k| score(step * k as f64, BLURS[0])).collect();
     let evidence = |peak: usize| {
@@ -153,7 +156,10 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
         .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
     let coarse = step * (peak as f64 - steps as f64);
     // The position hardly depends on the blur, so one after the other.
-    let blur = BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?;
+    let blur = match arcs.noise.blur {
+        told if told > 0.0 => told,
+        _ => BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?,
+    };
     let side = 0.25 * step;
     let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
     let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -170,10 +176,10 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
         value = score(shift, blur);
     }
     let mean = value / profiles.len() as f64;
-    if !(mean >= LEAST_GAIN) {
+    if !(mean >= LEAST_GAIN.get()) {
         return None;
     }
-    let model = MODEL_DEVIATION * rough.pixel;
+    let model = MODEL_DEVIATION.get() * rough.pixel;
     let samples = profiles.iter().filter_map(|profile| {
         let (edge, deviation) = profile.step(shift * profile.across, blur, noise, &smooth_step)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
@@ -182,7 +188,7 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
-        let deviation = deviation.hypot(PLACE_DEVIATION);
+        let deviation = deviation.hypot(PLACE_DEVIATION.get());
         Some(ArcSample { pixel, normal, deviation, across: profile.across })
     });
     Some(ArcEnd {
@@ -196,25 +202,25 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
 fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> Vec<Profile> {
     let surface = &arcs.surface;
     let Some(half_width) = surface.half_width(rough.position) else { return Vec::new() };
-    let part = 1.0 - LIMB_MARGIN_PIXELS / half_width;
+    let part = 1.0 - LIMB_MARGIN_PIXELS.get() / half_width;
     if !(part > 0.0) {
         return Vec::new();
     }
-    let count = GENERATORS.min((2.0 * part * half_width) as usize);
+    let count = GENERATORS.count().min((2.0 * part * half_width) as usize);
     let mut profiles = Vec::with_capacity(count);
     for angle in surface.generators(count, part) {
         let Some(crossing) = surface.crossing(angle, rough.position) else { continue };
-        if crossing.across < LEAST_SINE * crossing.along {
+        if crossing.across < LEAST_SINE.get() * crossing.along {
             continue;
         }
         let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
-        if !at(-WINDOW_PIXELS).is_some_and(|pixel| arcs.masked(&pixel)) {
+        if !at(-WINDOW_PIXELS.get()).is_some_and(|pixel| arcs.masked(&pixel)) {
             continue;
         }
-        let reach = ((search * crossing.across + WINDOW_PIXELS) / SAMPLE_PIXELS).ceil() as i64;
+        let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
         let samples: Option<Vec<f64>> = (-reach..=reach)
-            .map(|k| at(SAMPLE_PIXELS * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel)))
+            .map(|k| at(SAMPLE_PIXELS.get() * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel)))
             .collect();
         let Some(samples) = samples else { continue };
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
@@ -266,8 +272,10 @@ fn noise(profiles: &[Profile]) -> f64 {
         low = samples.iter().copied().fold(low, f64::min);
         high = samples.iter().copied().fold(high, f64::max);
     }
-    // The median of |x| is 0.6745 σ, and (1, −2, 1) has norm √6.
-    (median(&mut differences) / (0.6745 * 6.0_f64.sqrt())).max(1e-3 * (high - low)).max(f64::MIN_POSITIVE)
+    // (1, −2, 1) has the norm √6.
+    (DEVIATION_OF_MEDIAN * median(&mut differences) / 6.0_f64.sqrt())
+        .max(1e-3 * (high - low))
+        .max(f64::MIN_POSITIVE)
 }
 
 /// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
@@ -290,13 +298,13 @@ struct Window {
 impl Window {
     fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
         // Rounded; the conversion holds what is below 0 at 0.
-        let place = |edge: f64| (edge / SAMPLE_PIXELS + profile.zero + 0.5) as u32 as usize;
-        let last = place(edge + WINDOW_PIXELS).min(profile.samples.len() - 1);
-        let first = place(edge - WINDOW_PIXELS).min(last);
-        let has_cap = profile.cap < WINDOW_PIXELS + RIM_BLURS * blur;
+        let place = |edge: f64| (edge / SAMPLE_PIXELS.get() + profile.zero + 0.5) as u32 as usize;
+        let last = place(edge + WINDOW_PIXELS.get()).min(profile.samples.len() - 1);
+        let first = place(edge - WINDOW_PIXELS.get()).min(last);
+        let has_cap = profile.cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
         // In units of the blur.
-        let step = SAMPLE_PIXELS / blur;
-        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS - edge) / blur;
+        let step = SAMPLE_PIXELS.get() / blur;
+        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS.get() - edge) / blur;
         let cap = profile.cap / blur;
         // Of what lies beyond the surface (p), and beyond the cap (q).
         let (mut p, mut pp, mut py) = (0.0, 0.0, 0.0);
@@ -388,13 +396,13 @@ impl Profile {
         let floor = window.n * noise * noise;
         let [a, b, c] = window.steps();
         let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
-        0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
+        INDEPENDENT.get() * WINDOW_PIXELS.get() * ((window.constant() + floor) / (steps + floor)).ln()
     }
 
     /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
     fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
         let side = 0.25;
-        let reach = (SAMPLE_REACH_PIXELS / side) as i64;
+        let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
         let score = |k: i64| self.gain(expected + side * k as f64, blur, noise, smooth_step);
         let highest =
             |places: &mut dyn Iterator<Item = (i64, f64)>| places.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -405,7 +413,7 @@ impl Profile {
         let edge = expected + side * k as f64;
         let (before, after) = (score(k - 1), score(k + 1));
         let curvature = (before - 2.0 * best + after) / (side * side);
-        if k.abs() >= reach || best < LEAST_GAIN || !(curvature < 0.0) {
+        if k.abs() >= reach || best < LEAST_GAIN.get() || !(curvature < 0.0) {
             return None;
         }
         let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);

@@ -26,6 +26,15 @@ use silhouette::Silhouette;
 use surface::Surface;
 use surroundings::Surroundings;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of the location of ends.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    let files =
+        [CONSTANTS, arc::CONSTANTS, border::CONSTANTS, silhouette::CONSTANTS, surroundings::CONSTANTS];
+    files.concat()
+}
+
 /// What an end of the visible cylinder is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndState {
@@ -89,23 +98,25 @@ pub struct End {
     pub samples: Vec<ArcSample>,
 }
 
-/// Rows and columns of the mask from one to the next that bound the search for the ends.
-const BOUNDS_STRIDE: usize = 2;
+constants! {
+    /// Rows and columns of the mask from one to the next that bound the search for the ends.
+    BOUNDS_STRIDE = 2.0, "px";
 
-/// About how many points tell the noise of the depth.
-const TOLERANCE_POINTS: usize = 2000;
+    /// About how many points tell the noise of the depth.
+    TOLERANCE_POINTS = 2000.0, "";
 
-/// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
-const LEAST_TOLERANCE: f64 = 0.1;
+    /// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
+    LEAST_TOLERANCE = 0.1, "radius";
+}
 
 /// The depth differences that are noise about a cylinder: three standard deviations, from the median so that
 /// background among the points does not count.
 #[must_use]
 pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
-    let stride = cloud.len() / TOLERANCE_POINTS + 1;
+    let stride = cloud.len() / TOLERANCE_POINTS.count() + 1;
     let mut distances: Vec<f64> =
         cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
-    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE * cylinder.radius)
+    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE.get() * cylinder.radius)
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
@@ -115,7 +126,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
     // Generators are only followed between the extremes, so that they need not be exact.
-    let extremes = extremes(search, cylinder, BOUNDS_STRIDE).filter(|(low, high)| low < high);
+    let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
     let surroundings = surroundings(search, cylinder);
     let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
@@ -125,7 +136,7 @@ pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 
         image: ReducedImage::new(image, factor),
         surface: Surface { camera: &camera, ..surface },
         mask: search.mask,
-        drawn_pixel: search.noise.pixel,
+        noise: search.noise.reduced(factor),
     });
     let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, arcs.as_ref(), outward));
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.

@@ -8,33 +8,35 @@ use crate::observations::Mask;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
-/// Generators that are followed out of the mask.
-const GENERATORS: usize = 41;
+constants! {
+    /// Generators that are followed out of the mask.
+    GENERATORS = 41.0, "";
 
-/// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
-const WIDTH_PART: f64 = 0.85;
+    /// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
+    WIDTH_PART = 0.85, "";
 
-/// Steps along a generator or across a limb, in pixels of the drawing: finer than the pixels of the mask.
-const STEP_PIXELS: f64 = 0.5;
+    /// Steps along a generator or across a limb, in pixels of the drawing: finer than the pixels of the mask.
+    STEP_PIXELS = 0.5, "drawn px";
 
-/// How far beyond the extreme of the mask generators are followed, in pixels of the drawing.
-const BEYOND_EXTREME_PIXELS: f64 = 12.0;
+    /// How far beyond the extreme of the mask generators are followed, in pixels of the drawing.
+    BEYOND_EXTREME_PIXELS = 12.0, "drawn px";
 
-/// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
-const LIMB_REACH_PIXELS: f64 = 6.0;
+    /// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
+    LIMB_REACH_PIXELS = 6.0, "drawn px";
 
-/// Places along each limb at which the mask's boundary is looked at.
-const LIMB_PLACES: usize = 64;
+    /// Places along each limb at which the mask's boundary is looked at.
+    LIMB_PLACES = 64.0, "";
 
-/// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
-const BIAS_LEFT: f64 = 0.5;
+    /// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
+    BIAS_LEFT = 0.5, "σ";
 
-/// Ends farther from the others than 4.685 times this count for nothing, in deviations of a boundary: short of an
-/// occluder.
-const ROBUST_DEVIATION: f64 = 0.8;
+    /// Ends farther from the others than 4.685 times this count for nothing, in deviations of a boundary: short of an
+    /// occluder.
+    ROBUST_DEVIATION = 0.8, "σ";
 
-/// Rounds of reweighting of the mean of the generators.
-const REWEIGHTINGS: usize = 10;
+    /// Rounds of reweighting of the mean of the generators.
+    REWEIGHTINGS = 10.0, "";
+}
 
 /// The mask beside the model.
 pub(super) struct Silhouette<'a> {
@@ -98,11 +100,11 @@ impl<'a> Silhouette<'a> {
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
         let (extreme, noise) = (self.extreme(outward), &self.noise);
         // (position, pixels per unit across the arc)
-        let mut ends = Vec::with_capacity(GENERATORS);
-        for angle in self.surface.generators(GENERATORS, WIDTH_PART) {
+        let mut ends = Vec::with_capacity(GENERATORS.count());
+        for angle in self.surface.generators(GENERATORS.count(), WIDTH_PART.get()) {
             let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
             let Some(position) =
-                self.last_in_mask(angle, STEP_PIXELS * noise.pixel / crossing.along, outward)
+                self.last_in_mask(angle, STEP_PIXELS.get() * noise.pixel / crossing.along, outward)
             else {
                 continue;
             };
@@ -115,12 +117,12 @@ impl<'a> Silhouette<'a> {
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
-        let (position, across) = robust_mean(&used, ROBUST_DEVIATION * noise.boundary)?;
+        let (position, across) = robust_mean(&used, ROBUST_DEVIATION.get() * noise.boundary)?;
         let pixel = 1.0 / across;
-        let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
-        let places = (width * used.len() as f64 / GENERATORS as f64 / noise.correlation).max(1.0);
+        let width = 2.0 * WIDTH_PART.get() * self.surface.half_width(extreme)?;
+        let places = (width * used.len() as f64 / GENERATORS.count() as f64 / noise.correlation).max(1.0);
         let bias = self.bias.unwrap_or(0.0);
-        let left = if self.bias.is_some() { BIAS_LEFT * noise.boundary } else { noise.unevenness };
+        let left = if self.bias.is_some() { BIAS_LEFT.get() * noise.boundary } else { noise.unevenness };
         Some(RoughEnd {
             position: position - outward * bias * pixel,
             deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
@@ -132,7 +134,8 @@ impl<'a> Silhouette<'a> {
     fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
         let (middle, extreme) = (self.middle(), self.extreme(outward));
         // The extreme is one of a grid, see its stride, and not of the border.
-        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS / STEP_PIXELS).ceil() as usize;
+        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS.get() / STEP_PIXELS.get()).ceil()
+            as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
         let last = (0..=steps).rev().find(|&k| {
@@ -146,17 +149,17 @@ impl<'a> Silhouette<'a> {
     fn bias_at_limbs(&self) -> Option<f64> {
         let limb = self.surface.limb_angle();
         let half_width = self.surface.half_width(self.middle())?;
-        let reach = (LIMB_REACH_PIXELS * self.noise.pixel).min(0.6 * half_width);
+        let reach = (LIMB_REACH_PIXELS.get() * self.noise.pixel).min(0.6 * half_width);
         let mut sum = 0.0;
         for angle in [-limb, limb] {
             let mut offsets = Vec::new();
-            for k in 0..LIMB_PLACES {
+            for k in 0..LIMB_PLACES.count() {
                 // Beside the ends the boundary turns away from the limb.
-                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES - 1) as f64;
+                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES.count() - 1) as f64;
                 let position = self.extremes.0 + part * (self.extremes.1 - self.extremes.0);
                 offsets.extend(self.boundary_at_limb(angle, position, reach));
             }
-            if offsets.len() < LIMB_PLACES / 8 {
+            if offsets.len() < LIMB_PLACES.count() / 8 {
                 return None;
             }
             offsets.sort_by(f64::total_cmp);
@@ -174,8 +177,8 @@ impl<'a> Silhouette<'a> {
         let inward = self.surface.pixel(0.0, position)? - at;
         let normal = Vector2::new(-along.y, along.x).normalize();
         let outward = if normal.dot(&inward) < 0.0 { normal } else { -normal };
-        let step = STEP_PIXELS * self.noise.pixel;
-        let steps = ((reach + LIMB_REACH_PIXELS * self.noise.pixel) / step) as usize;
+        let step = STEP_PIXELS.get() * self.noise.pixel;
+        let steps = ((reach + LIMB_REACH_PIXELS.get() * self.noise.pixel) / step) as usize;
         let offset = |k: usize| step * k as f64 - reach;
         let pixel = |k: usize| at + outward * offset(k);
         let first_out = (0..=steps).find(|&k| !contains(self.mask, &pixel(k)))?;
@@ -208,7 +211,7 @@ fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
     };
     let mut residuals = vec![0.0; sorted.len()];
     distances(location, &mut residuals);
-    let reweighting = Reweighting { rounds: REWEIGHTINGS, scale: Scale::Known(deviation) };
+    let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::Known(deviation) };
     reweighting.continue_from(&mut residuals, |weights, residuals| {
         let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
         for (&(position, scale), weight) in sorted.iter().zip(weights) {

@@ -8,11 +8,13 @@ use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use nalgebra::Vector3;
 
-/// Lines along the surface on which the surroundings of an end are looked at.
-const GENERATORS: usize = 15;
+constants! {
+    /// Lines along the surface on which the surroundings of an end are looked at.
+    GENERATORS = 15.0, "";
 
-/// The part of the visible arc that these lines cover: near the limbs depth is worst.
-const ARC_PART: f64 = 0.7;
+    /// The part of the visible arc that these lines cover: near the limbs depth is worst.
+    ARC_PART = 0.7, "";
+}
 
 /// What is looked at beyond an end.
 pub(super) struct Surroundings<'a> {
@@ -116,9 +118,10 @@ impl Surroundings<'_> {
         let sideways = axis.direction.cross(&toward);
         // From outside the surface is visible up to the limbs, at acos(r / ‖c‖) from the line of sight; from
         // inside all of it.
-        let half_arc = if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART;
-        (0..GENERATORS).map(move |k| {
-            let angle = half_arc * (2.0 * k as f64 / (GENERATORS - 1) as f64 - 1.0);
+        let half_arc =
+            if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART.get();
+        (0..GENERATORS.count()).map(move |k| {
+            let angle = half_arc * (2.0 * k as f64 / (GENERATORS.count() - 1) as f64 - 1.0);
             end + (toward * angle.cos() + sideways * angle.sin()) * radius
         })
     }

@@ -24,6 +24,24 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of the location of limbs.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    let files = [
+        CONSTANTS,
+        block::CONSTANTS,
+        consensus::CONSTANTS,
+        detected::CONSTANTS,
+        profile::CONSTANTS,
+        refine::CONSTANTS,
+        region::CONSTANTS,
+        shading::CONSTANTS,
+        strip::CONSTANTS,
+    ];
+    files.concat()
+}
+
 pub use detected::edges_on_limbs;
 pub use region::{Outline, Side, axial_range};
 
@@ -32,7 +50,7 @@ use crate::geometry::{Cylinder, LimbFrame};
 use crate::noise::{ImageNoise, box_blur};
 use crate::observations::{GreyImage, ReducedImage, from_reduced};
 use block::{Block, INSIDE, OUTSIDE};
-use consensus::rough_line;
+use consensus::{FILTER_HALF, rough_line};
 use nalgebra::{Matrix2, Vector2};
 use refine::{Expected, Limb, SHADING, refine};
 use shading::{LimbShading, Shading};
@@ -42,20 +60,19 @@ use strip::{Baseline, Grid, Strip};
 /// they show on it, and one more where that was hardly to be seen.
 const GRIDS: usize = 3;
 
-/// Pixels beyond reach and profile that the step filter needs.
-const FILTER_MARGIN: f64 = 3.0;
+constants! {
+    /// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
+    /// left of errors of the profile model where noise is low, by the scatter of lines on rendered frames.
+    LINE_FLOOR = 0.07, "px";
 
-/// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
-/// left of errors of the profile model where noise is low, by the scatter of lines on rendered frames.
-const LINE_FLOOR: f64 = 0.07;
+    /// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in deviations of a
+    /// hand-set endpoint.
+    LARGEST_DEVIATION = 1.2, "σ";
 
-/// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in deviations of a
-/// hand-set endpoint.
-const LARGEST_DEVIATION: f64 = 1.2;
-
-/// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
-/// and there.
-const LEAST_SPREAD: f64 = 0.4;
+    /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
+    /// and there.
+    LEAST_SPREAD = 0.4, "";
+}
 
 /// Where to look for the limbs of a rough cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -216,7 +233,7 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbOb
     let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
     let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else { return observations };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
-        let half_width = search.reach[k] + OUTSIDE.max(INSIDE) + FILTER_MARGIN;
+        let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
         visible_strip(grid, &baselines[k], half_width)
     });
     let mut roughs = [None, None];
@@ -235,14 +252,15 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbOb
     let mut seen = Vec::new();
     for (k, found) in roughs.into_iter().enumerate() {
         let Some((strip, baseline, expected)) = found else { continue };
-        let near = shading.map_or(LimbShading::plain(SHADING), |shading| shading.near_limb(SIDES[k], radius));
+        let near =
+            shading.map_or(LimbShading::plain(SHADING.get()), |shading| shading.near_limb(SIDES[k], radius));
         limbs.push(Limb::new(strip, expected, &near, radius));
         seen.push((k, baseline));
     }
     if limbs.is_empty() {
         return observations;
     }
-    let blur = refine(&mut limbs);
+    let blur = refine(&mut limbs, grid.noise.blur);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
         observations[k] = LimbObservation {
             line: judged(limb, baseline, search.reach[k], &search.noise),
@@ -337,12 +355,12 @@ fn judged(
     let center = -covariance[(0, 1)] / of_slope;
     let of_offset = covariance[(0, 0)] + covariance[(0, 1)] * center;
     let half = (of_offset / of_slope).sqrt();
-    let sigma = (2.0 * of_offset + LINE_FLOOR * LINE_FLOOR).sqrt();
+    let sigma = (2.0 * of_offset + LINE_FLOOR.get() * LINE_FLOOR.get()).sqrt();
     let at_ends = (of_offset + of_slope * (baseline.half_length + center.abs()).powi(2)).sqrt();
-    if at_ends.is_nan() || at_ends > LARGEST_DEVIATION * noise.endpoint || half.is_nan() {
+    if at_ends.is_nan() || at_ends > LARGEST_DEVIATION.get() * noise.endpoint || half.is_nan() {
         return Err(NotVisible::Uncertain);
     }
-    if limb.spread() < LEAST_SPREAD {
+    if limb.spread() < LEAST_SPREAD.get() {
         return Err(NotVisible::Patchy);
     }
     let ends = [center - half, center + half].map(|s| baseline.position(s, limb.state.line.at(s)));

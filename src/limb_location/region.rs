@@ -8,22 +8,24 @@ use crate::observations::{DepthImage, Mask};
 use crate::statistics::median;
 use nalgebra::Vector2;
 
-/// The part of the length of the region, at either end, that is left out: rims and ragged ends.
-const MARGIN: f64 = 0.15;
+constants! {
+    /// The part of the length of the region, at either end, that is left out: rims and ragged ends.
+    MARGIN = 0.15, "";
 
-/// Fewest positions along the axis that a side is drawn through.
-const LEAST_POSITIONS: usize = 8;
+    /// Fewest positions along the axis that a side is drawn through.
+    LEAST_POSITIONS = 8.0, "px";
+
+    /// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
+    /// cameras.
+    NEARER = 0.005, "";
+
+    /// A side is drawn again through the positions within this many median distances, so that a piece that an
+    /// occluder cuts off does not turn it.
+    MEDIANS = 3.0, "";
+}
 
 /// At how many places beyond the edge of a mask, and within it, depths are compared.
 const COMPARED: usize = 3;
-
-/// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
-/// cameras.
-const NEARER: f64 = 0.005;
-
-/// A side is drawn again through the positions within this many median distances, so that a piece that an
-/// occluder cuts off does not turn it.
-const MEDIANS: f64 = 3.0;
 
 /// The positions along the axis, measured from its point, that pixels of the (distorted) image reach on the
 /// cylinder: endpoints of segments, or the pixels of a mask. Pixels beside the cylinder count at the point of
@@ -122,10 +124,10 @@ impl Outline {
             low = low.min(s);
             high = high.max(s);
         }
-        let margin = MARGIN * (high - low);
+        let margin = MARGIN.get() * (high - low);
         let (low, high) = (low + margin, high - margin);
         let count = (high - low).floor();
-        if count.is_nan() || count < LEAST_POSITIONS as f64 {
+        if count.is_nan() || count < LEAST_POSITIONS.count() as f64 {
             return None;
         }
         // By position along the axis and side: the outermost pixel, and whether it is cut.
@@ -198,7 +200,7 @@ fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &Imag
         depths.sort_by(f64::total_cmp);
         depths.get(depths.len() / 2).copied()
     };
-    middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER))
+    middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER.get()))
 }
 
 /// A line u = offset + slope · s and the s between which it was drawn.
@@ -211,7 +213,7 @@ struct SideLine {
 /// The line through most of the points, and through all within some distances of `least`.
 fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
     loop {
-        if points.len() < LEAST_POSITIONS {
+        if points.len() < LEAST_POSITIONS.count() {
             return None;
         }
         let count = points.len() as f64;
@@ -226,7 +228,7 @@ fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
         let mut distances: Vec<f64> = points.iter().map(distance).collect();
         let median = median(&mut distances);
         let before = points.len();
-        points.retain(|p| distance(p) <= MEDIANS * median.max(least));
+        points.retain(|p| distance(p) <= MEDIANS.get() * median.max(least));
         if points.len() == before {
             let range = [points[0].0, points[points.len() - 1].0];
             return Some(SideLine { offset, slope, range });

@@ -10,9 +10,11 @@ use crate::observations::ReducedImage;
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile, median};
 use nalgebra::Vector2;
 
-/// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
-/// hundredth of a pixel in between.
-const POLYLINE_STEP: f64 = 8.0;
+constants! {
+    /// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
+    /// hundredth of a pixel in between.
+    POLYLINE_STEP = 8.0, "px";
+}
 
 /// An image on one grid of pixels.
 #[derive(Clone, Copy)]
@@ -100,7 +102,7 @@ impl Strip {
         let Grid { image, camera, noise } = grid;
         let interpolated = image.factor() > 1;
         let mut strip = Self { pixels: Vec::new(), ends: Vec::new(), told_noise: noise.value, interpolated };
-        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP).ceil().max(1.0) as usize;
+        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
             let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
             camera.project(&camera.ideal_ray(&baseline.position(s, 0.0)))
