@@ -166,6 +166,60 @@ fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
     }
 }
 
+/// An image on a grid that is finer by some factor, interpolated bilinearly.
+fn enlarged(image: &GreyImage, factor: usize) -> GreyImage {
+    let size = (image.width() * factor, image.height() * factor);
+    let beside = |place: usize, count: usize| {
+        let at = ((place as f64 + 0.5) / factor as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+        let first = (at as usize).min(count - 2);
+        (first, (at - first as f64) as f32)
+    };
+    let value = |k: usize| {
+        let (column, right) = beside(k % size.0, image.width());
+        let (row, down) = beside(k / size.0, image.height());
+        let along = |row| image.value(column, row) * (1.0 - right) + image.value(column + 1, row) * right;
+        along(row) * (1.0 - down) + along(row + 1) * down
+    };
+    let values: Vec<f32> = (0..size.0 * size.1).map(value).collect();
+    GreyImage::copy(&ImageView::from_f32(&values, size).unwrap()).unwrap()
+}
+
+#[test]
+fn what_is_blurred_is_located_as_on_a_coarser_grid() {
+    const FACTOR: usize = 3;
+    let ratio = FACTOR as f64;
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let image = enlarged(&scene.render(), FACTOR);
+    let Intrinsics { fx, fy, cx, cy, distortion, .. } = *scene.camera.intrinsics();
+    let place = |place: f64| ratio * (place + 0.5) - 0.5;
+    let (width, height) = (image.width() as u32, image.height() as u32);
+    let (fx, fy, cx, cy) = (fx * ratio, fy * ratio, place(cx), place(cy));
+    let large = Scene {
+        camera: Camera::new(Intrinsics { width, height, fx, fy, cx, cy, distortion }).unwrap(),
+        ..Scene::new()
+    };
+    let noise = NoiseModel { drawn_pixel: ratio, ..NoiseModel::default() }.in_image(SIZE);
+    let search = LimbSearch { reach: [4.0 * ratio; 2], deviation: [1.5 * ratio; 2], noise, ..scene.search() };
+    let observations = locate_limbs(&image, &large.camera, &large.rough(), &search);
+    for (k, observation) in observations.iter().enumerate() {
+        for (error, deviation) in large.errors(k, &observation.line.unwrap()) {
+            assert!(error.abs() < 0.1 * ratio && error.abs() < 4.0 * deviation, "limb {k}: {error}");
+        }
+        // The interpolation adds a sixth of a squared pixel.
+        let blur = observation.blur.unwrap() / ratio;
+        assert!((blur - BLUR.hypot(1.0 / 6.0_f64.sqrt())).abs() < 0.15, "{blur}");
+    }
+}
+
+#[test]
+fn what_is_sharp_is_located_on_its_own_grid() {
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let drawn = NoiseModel { drawn_pixel: 3.0, edge_endpoint: 0.5 / 3.0, ..NoiseModel::default() };
+    let search = LimbSearch { noise: drawn.in_image(SIZE), ..scene.search() };
+    let observations = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search);
+    assert_eq!(observations, scene.locate());
+}
+
 #[test]
 fn white_that_was_cut_off_does_not_move_the_limbs() {
     Scene { background: 600.0, ..Scene::new() }.check(0.1);
