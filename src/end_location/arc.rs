@@ -13,6 +13,8 @@ use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::LazyLock;
 
 constants! {
     /// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
@@ -140,8 +142,8 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
         return None;
     }
     let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
-    let smooth_step = SmoothStep::new();
-    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step);
+    let smooth_step = &*SMOOTH_STEP;
+    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, smooth_step);
     // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
     // generator: the mean gain answers it together with the rough end.
     let step = COARSE_PIXELS.get() * rough.pixel;
@@ -181,7 +183,7 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> 
     }
     let model = MODEL_DEVIATION.get() * rough.pixel;
     let samples = profiles.iter().filter_map(|profile| {
-        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, &smooth_step)?;
+        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, smooth_step)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
         let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
             - surface.pixel(profile.angle, rough.position)?;
@@ -429,15 +431,12 @@ struct SmoothStep([f64; TABLE + 1]);
 const TABLE: usize = 512;
 const TABLE_REACH: f64 = 4.0;
 
-impl SmoothStep {
-    fn new() -> Self {
-        Self(std::array::from_fn(|k| {
-            let x = (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
-            // Logistic with a cubic term: off by less than 2e-4.
-            1.0 / (1.0 + (-x * (1.5976 + 0.070_565_992 * x * x)).exp())
-        }))
-    }
+static SMOOTH_STEP: LazyLock<SmoothStep> = LazyLock::new(|| {
+    let place = |k: usize| (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
+    SmoothStep(std::array::from_fn(|k| 0.5 * libm::erfc(-place(k) * FRAC_1_SQRT_2)))
+});
 
+impl SmoothStep {
     #[inline]
     fn at(&self, x: f64) -> f64 {
         let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;
