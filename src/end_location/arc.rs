@@ -17,10 +17,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::LazyLock;
 
 constants! {
-    /// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
-    /// pixels of the drawing of the mask.
+    /// How far about the rough end the arc is searched, in standard deviations of the rough end.
     SEARCH_DEVIATIONS = 5.0, "σ";
-    SEARCH_PIXELS = 6.0, "drawn px";
 
     /// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
     WINDOW_PIXELS = 5.0, "px";
@@ -117,9 +115,7 @@ impl ArcSearch<'_> {
     pub fn locate(&self, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
         let factor = self.image.factor();
         let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
-        let most = SEARCH_PIXELS.get() * self.noise.pixel * reduced.pixel;
-        let search = (SEARCH_DEVIATIONS.get() * rough.deviation).min(most);
-        let mut end = locate(self, &reduced, search, outward)?;
+        let mut end = locate(self, &reduced, outward)?;
         for sample in &mut end.samples {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
             sample.deviation *= factor as f64;
@@ -135,8 +131,9 @@ impl ArcSearch<'_> {
     }
 }
 
-fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, search: f64, outward: f64) -> Option<ArcEnd> {
+fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
     let surface = &arcs.surface;
+    let search = SEARCH_DEVIATIONS.get() * rough.deviation;
     let profiles = sample(arcs, rough, outward, search);
     if profiles.len() < LEAST_GENERATORS.count() {
         return None;

@@ -4,10 +4,6 @@ use super::silhouette::Silhouette;
 use nalgebra::Vector2;
 
 constants! {
-    /// How far from the mask a pixel of the border may lie and still show the cylinder, in deviations of a boundary: more
-    /// than a mask is off by.
-    NEAR_MASK = 5.0, "σ";
-
     /// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
     /// surface, a pixel one row further in may show a point further out. In pixels of the drawing.
     BORDER_PIXELS = 4.0, "drawn px";
@@ -20,7 +16,8 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     let (mask, axis) = (silhouette.mask(), surface.cylinder.axis);
     let (width, height) = (mask.width(), mask.height());
     let noise = silhouette.noise();
-    let near = (NEAR_MASK.get() * noise.boundary).round() as i64;
+    // A pixel of the border may lie so far from the mask and still show the cylinder.
+    let near = noise.beyond()[0].round() as i64;
     let border = (BORDER_PIXELS.get() * noise.pixel).round() as usize;
     let near_mask = |column: usize, row: usize| {
         let span = -near..=near;

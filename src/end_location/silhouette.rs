@@ -18,9 +18,6 @@ constants! {
     /// Steps along a generator or across a limb, in pixels of the drawing: finer than the pixels of the mask.
     STEP_PIXELS = 0.5, "drawn px";
 
-    /// How far beyond the extreme of the mask generators are followed, in pixels of the drawing.
-    BEYOND_EXTREME_PIXELS = 12.0, "drawn px";
-
     /// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
     LIMB_REACH_PIXELS = 6.0, "drawn px";
 
@@ -134,8 +131,8 @@ impl<'a> Silhouette<'a> {
     fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
         let (middle, extreme) = (self.middle(), self.extreme(outward));
         // The extreme is one of a grid, see its stride, and not of the border.
-        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS.get() / STEP_PIXELS.get()).ceil()
-            as usize;
+        let beyond = self.noise.beyond()[3] / (STEP_PIXELS.get() * self.noise.pixel);
+        let steps = ((extreme - middle).abs() / step + beyond).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
         let last = (0..=steps).rev().find(|&k| {

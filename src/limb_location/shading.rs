@@ -10,7 +10,7 @@
 use super::block::INSIDE;
 use super::consensus::BLOCK_RUNS;
 use super::strip::Strip;
-use crate::residuals::{Progress, Reweighting, Scale};
+use crate::residuals::{Progress, Reweighting, Scale, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -48,9 +48,6 @@ constants! {
 
     /// Rounds of reweighting for each of them.
     REWEIGHTINGS = 6.0, "";
-
-    /// A squared residual in units of its variance beyond which a bin disagrees altogether.
-    LARGEST_SQUARE = 25.0, "σ²";
 
     /// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
     /// units of the brightness there: dust, coats of paint, several lamps at once.
@@ -258,7 +255,8 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     if glossy && coefficients[4] < 0.0 {
         return fit(rows, light, false);
     }
-    let cost: f64 = last.iter().map(|residual| (residual * residual).min(LARGEST_SQUARE.get())).sum();
+    // As far as a bin of the scale of its deviation counts.
+    let cost: f64 = last.iter().map(|residual| residual.abs().min(TUKEY_EFFICIENT).powi(2)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
     Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
 }

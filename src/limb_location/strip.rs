@@ -7,7 +7,7 @@
 use crate::camera::Camera;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median_size};
 use nalgebra::Vector2;
 
 constants! {
@@ -222,23 +222,22 @@ impl Strip {
         if self.told_noise > 0.0 {
             return self.told_noise;
         }
-        let mut near = self.second_differences(1);
-        let own = DEVIATION_OF_MEDIAN * median(&mut near) / 6.0_f64.sqrt();
+        let own = DEVIATION_OF_MEDIAN * median_size(self.second_differences(1)) / 6.0_f64.sqrt();
         if !self.interpolated {
             return own.max(floor);
         }
-        let mut far = self.second_differences(2);
-        let alike = (lower_quartile(&mut far) / lower_quartile(&mut near)).max(1.0);
+        let [near, far] = [1, 2].map(|step| lower_quartile_size(self.second_differences(step)));
+        let alike = (far / near).max(1.0);
         let alike = if alike.is_finite() { alike } else { 1.0 };
         (own * alike).max(floor)
     }
 
-    /// Absolute second differences between pixels `step` apart in a run.
-    fn second_differences(&self, step: usize) -> Vec<f64> {
-        let runs = self.runs().flat_map(|run| run.windows(2 * step + 1));
-        let three = runs.map(|w| [w[0], w[step], w[2 * step]]);
+    /// Second differences between pixels `step` apart in a run.
+    fn second_differences(&self, step: usize) -> impl Iterator<Item = f64> {
+        let runs = self.runs().flat_map(move |run| run.windows(2 * step + 1));
+        let three = runs.map(move |w| [w[0], w[step], w[2 * step]]);
         let seen = three.filter(|w| w.iter().all(|pixel| !pixel.saturated));
-        seen.map(|w| (w[0].value - 2.0 * w[1].value + w[2].value).abs()).collect()
+        seen.map(|w| w[0].value - 2.0 * w[1].value + w[2].value)
     }
 
     /// Range of the values.
