@@ -16,12 +16,12 @@ pub const SAME: Scale = Scale { of_new: 1, of_old: 1 };
 
 impl Scale {
     /// The place of the middle of a new pixel on the old grid.
-    fn old(self, place: usize) -> f64 {
+    fn to_old(self, place: usize) -> f64 {
         (place as f64 + 0.5) * self.of_old as f64 / self.of_new as f64 - 0.5
     }
 
     /// The place on the new grid of a place on the old one.
-    fn new(self, place: f64) -> f64 {
+    fn to_new(self, place: f64) -> f64 {
         (place + 0.5) * self.of_new as f64 / self.of_old as f64 - 0.5
     }
 
@@ -37,10 +37,10 @@ impl Scale {
         let mut intrinsics = *intrinsics;
         (intrinsics.width, intrinsics.height) = (new_size.0 as u32, new_size.1 as u32);
         (intrinsics.fx, intrinsics.fy) = (intrinsics.fx * ratio, intrinsics.fy * ratio);
-        (intrinsics.cx, intrinsics.cy) = (self.new(intrinsics.cx), self.new(intrinsics.cy));
+        (intrinsics.cx, intrinsics.cy) = (self.to_new(intrinsics.cx), self.to_new(intrinsics.cy));
         let mut edges = edges.clone();
         for q in edges.iter_mut().flat_map(|segment| &mut segment.endpoints) {
-            q.iter_mut().for_each(|x| *x = self.new(*x));
+            q.iter_mut().for_each(|x| *x = self.to_new(*x));
         }
         Frame {
             name: frame.name.clone(),
@@ -90,7 +90,7 @@ impl Scale {
             let count = self.of_old / self.of_new;
             return (first..first + count).map(|k| (k, 1.0 / count as f64)).collect();
         }
-        let at = self.old(place);
+        let at = self.to_old(place);
         let first = at.floor() as i64 - 1;
         (first..first + 4).map(|k| (inside(k), bicubic(at - k as f64))).collect()
     }

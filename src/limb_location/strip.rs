@@ -137,7 +137,6 @@ impl Strip {
         strip
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one place in one loop")]
     fn add_run(
         &mut self,
         Grid { image, camera, .. }: &Grid<'_>,
