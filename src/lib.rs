@@ -34,6 +34,14 @@
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
 
+// First, for its macro.
+#[cfg(not(feature = "sensitivity"))]
+#[macro_use]
+mod constant;
+#[cfg(feature = "sensitivity")]
+#[macro_use]
+pub mod constant;
+
 pub mod camera;
 pub mod completion;
 mod end_location;

@@ -11,6 +11,7 @@ mod support;
 mod disturbance;
 mod frame;
 mod rows;
+mod scaled;
 mod table;
 mod views;
 
@@ -37,6 +38,7 @@ const ROWS: [Row; 11] = [
     ("no-image", rows::no_image),
     ("disturbed", rows::disturbed),
     ("images", rows::images),
+    ("scaled", rows::scaled),
     ("repeat", rows::repeat),
     ("real", rows::real),
     ("never-worse", rows::never_worse),

@@ -125,7 +125,13 @@ impl Fitter {
     /// image, for edges as given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.held.as_ref()?.view(self.selected)?.limbs.as_ref()
+        self.limbs_of(self.selected)
+    }
+
+    /// The same for any view.
+    #[must_use]
+    pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
+        self.held.as_ref()?.view(view)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
@@ -192,9 +198,8 @@ impl Fitter {
             ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p))),
             ResidualKind::Edges => {
                 let Some(camera) = view.camera() else { return Ok(Vec::new()) };
-                let (width, height) = camera.size();
-                let endpoint = self.options.noise.in_image(width, height).endpoint;
-                let edges = UsableEdges::new(Some(camera), &view.segments, endpoint);
+                let noise = self.options.noise.in_image(camera.size());
+                let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
                 edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
