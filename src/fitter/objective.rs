@@ -22,6 +22,10 @@ const SCALE_TOLERANCE: f64 = 1e-4;
 const ROUGH_TOLERANCE: f64 = 1e-2;
 const ROUGH_COST_TOLERANCE: f64 = 1e-5;
 
+/// The part by which a number of independent points may change without another minimum: it is an estimate, good to
+/// a tenth at best.
+const INFORMATION_TOLERANCE: f64 = 0.1;
+
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
@@ -91,6 +95,13 @@ pub(super) struct Scales {
 }
 
 impl Scales {
+    /// Whether the numbers of independent points are the same to within what their estimate is good for.
+    fn same_information(&self, before: &Self) -> bool {
+        let count = |scales: &RobustScales| scales.independent_points;
+        let mut pairs = self.views.iter().zip(&before.views);
+        pairs.all(|(next, before)| (count(next) / count(before) - 1.0).abs() <= INFORMATION_TOLERANCE)
+    }
+
     fn differ_by_less_than(&self, part: f64, before: &Self) -> bool {
         let mut pairs = self.views.iter().zip(&before.views);
         pairs.all(|(next, before)| (next.point - before.point).abs() <= part * before.point)
@@ -178,12 +189,18 @@ impl Data<'_> {
             let next = self.scales_again(&cylinder, &scales);
             let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
             scales = next;
-            if ended || settled && current == precision {
+            if ended {
                 break;
             }
             if settled {
-                // The correlation changes far less than the scale: once it has settled is enough.
-                (current, scales) = (precision, self.scales(&cylinder));
+                // The correlation changes far less than the scale: it is looked at where that has settled.
+                let counted = self.scales(&cylinder);
+                let same = counted.same_information(&scales);
+                scales = counted;
+                if same && current == precision {
+                    break;
+                }
+                current = precision;
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
