@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use cylfuse::completion::CompletionCounts;
-use cylfuse::extent::{EndState, Extent};
+use cylfuse::extent::{EndSource, EndState, Extent};
 use cylfuse::fitter::{
     FitResult, Flags, Method, ObjectiveKind, Options, RadiusComparison, StartKind, Uncertainty,
 };
@@ -59,18 +59,50 @@ pub struct Measurement {
     pub extent: Option<ExtentValues>,
     /// How the fit went.
     pub result: ResultValues,
-    /// What the image shows of the two limbs; none when it was not searched.
-    pub limbs: Option<[LimbValues; 2]>,
-    /// Which points were fitted.
-    pub fitted: Fitted,
-    /// What became of the pixels of the mask; none without one.
-    pub completion: Option<CompletionValues>,
+    /// What the only view shows, or what can be said of all views together.
+    #[serde(flatten)]
+    pub view: ViewValues,
+    /// The same of each view where there are several.
+    pub views: Option<Vec<ViewValues>>,
     /// Doubts and what is missing, in words.
     pub notes: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
     /// Time spent.
     pub seconds: SecondsValues,
+}
+
+/// What was used and found in a view.
+#[derive(Debug, Serialize)]
+pub struct ViewValues {
+    /// Which points were fitted.
+    pub fitted: Fitted,
+    /// What the image shows of the two limbs; none when it was not searched, and for several views together.
+    pub limbs: Option<[LimbValues; 2]>,
+    /// In how many places the image shows the arcs of start and end; none without an extent, and for several views
+    /// together.
+    pub arc_samples: Option<[usize; 2]>,
+    /// What became of the pixels of the mask; none without one.
+    pub completion: Option<CompletionValues>,
+}
+
+impl ViewValues {
+    /// Nothing but which points were fitted.
+    pub fn new(fitted: Fitted) -> Self {
+        Self { fitted, limbs: None, arc_samples: None, completion: None }
+    }
+
+    /// What can be said of several views together.
+    pub fn together(views: &[Self]) -> Self {
+        let masks = views.iter().all(|view| view.fitted == Fitted::Mask);
+        let completions = views.iter().filter_map(|view| view.completion);
+        let completion = completions.reduce(|a, b| CompletionValues {
+            points: a.points + b.points,
+            misses: a.misses + b.misses,
+            outside_camera: a.outside_camera + b.outside_camera,
+        });
+        Self { completion, ..Self::new(if masks { Fitted::Mask } else { Fitted::AllMeasuredPixels }) }
+    }
 }
 
 /// Which points were fitted.
@@ -160,6 +192,10 @@ pub struct ExtentValues {
     pub start_state: &'static str,
     /// What the end is.
     pub end_state: &'static str,
+    start_source: &'static str,
+    end_source: &'static str,
+    start_view: usize,
+    end_view: usize,
     start_deviation: Option<f64>,
     end_deviation: Option<f64>,
     /// Standard deviation of the length.
@@ -223,7 +259,7 @@ impl From<&LimbObservation> for LimbValues {
 }
 
 /// What became of the pixels of the mask.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct CompletionValues {
     points: usize,
     misses: usize,
@@ -255,6 +291,8 @@ pub struct ResultValues {
     limbs_located: usize,
     /// Root mean square distance of the points from the surface.
     pub point_rms: f64,
+    point_scale: f64,
+    independent_points: f64,
     /// Root mean square distance of the endpoints from the limb lines.
     pub edge_rms_pixels: Option<f64>,
     near_wall_fraction: Option<f64>,
@@ -318,24 +356,15 @@ pub struct SecondsValues {
 
 impl Measurement {
     /// What a fit gives.
-    pub fn new(fitted: Fitted, options: &Options, result: &FitResult) -> Self {
-        let mut notes = Vec::new();
-        if fitted == Fitted::AllMeasuredPixels {
-            notes.push(format!(
-                "no mask: all {} measured pixels are fitted, the background included, and there is no extent \
-                 and no completion",
-                result.points_used
-            ));
-        }
-        notes.extend(result.flags.iter().map(|flag| doubt(flag, result)));
+    pub fn new(options: &Options, result: &FitResult) -> Self {
+        let notes = result.flags.iter().map(|flag| doubt(flag, result)).collect();
         Self {
             cylinder: (&result.cylinder).into(),
             uncertainty: result.uncertainty.as_ref().map(UncertaintyValues::from),
             extent: None,
-            limbs: None,
             result: ResultValues::new(options, result),
-            fitted,
-            completion: None,
+            view: ViewValues::new(Fitted::Cloud),
+            views: None,
             notes,
             out: None,
             seconds: SecondsValues {
@@ -347,6 +376,33 @@ impl Measurement {
         }
     }
 
+    /// Adds what was used and found in the views.
+    pub fn set_views(&mut self, views: Vec<ViewValues>) {
+        let without = |view: &ViewValues| view.fitted == Fitted::AllMeasuredPixels;
+        let mut notes = Vec::new();
+        if views.iter().all(without) {
+            notes.push(format!(
+                "no mask: all {} measured pixels are fitted, the background included, and there is no extent \
+                 and no completion",
+                self.result.points_used
+            ));
+        } else {
+            for index in (0..views.len()).filter(|&index| without(&views[index])) {
+                notes.push(format!(
+                    "no mask in view {index}: all its measured pixels are fitted, the background included"
+                ));
+            }
+        }
+        self.notes.splice(0..0, notes);
+        match <[ViewValues; 1]>::try_from(views) {
+            Ok([only]) => self.view = only,
+            Err(views) => {
+                self.view = ViewValues::together(&views);
+                self.views = Some(views);
+            }
+        }
+    }
+
     /// Adds the extent.
     pub fn set_extent(&mut self, extent: &Extent) {
         let state = |state| match state {
@@ -355,6 +411,12 @@ impl Measurement {
             EndState::Hidden => "hidden",
             EndState::Unknown => "unknown",
         };
+        let source = |source| match source {
+            EndSource::Extreme => "extreme",
+            EndSource::Mask => "mask",
+            EndSource::Image => "image",
+            EndSource::Border => "border",
+        };
         self.extent = Some(ExtentValues {
             center: extent.center.into(),
             length: extent.length,
@@ -362,6 +424,10 @@ impl Measurement {
             end: extent.end.into(),
             start_state: state(extent.start_state),
             end_state: state(extent.end_state),
+            start_source: source(extent.start_source),
+            end_source: source(extent.end_source),
+            start_view: extent.start_view,
+            end_view: extent.end_view,
             start_deviation: extent.start_deviation,
             end_deviation: extent.end_deviation,
             length_deviation: extent.uncertainty.map(|uncertainty| uncertainty.length),
@@ -370,11 +436,12 @@ impl Measurement {
             center_covariance: extent.uncertainty.map(|uncertainty| uncertainty.center.into()),
         });
     }
+}
 
-    /// Adds the counts of the completion.
-    pub fn set_completion(&mut self, counts: &CompletionCounts) {
+impl From<&CompletionCounts> for CompletionValues {
+    fn from(counts: &CompletionCounts) -> Self {
         let CompletionCounts { hits, misses, outside_camera } = *counts;
-        self.completion = Some(CompletionValues { points: hits, misses, outside_camera });
+        Self { points: hits, misses, outside_camera }
     }
 }
 
@@ -426,6 +493,8 @@ impl ResultValues {
             segments_given: result.segments_given,
             limbs_located: result.limbs_located,
             point_rms: result.point_rms,
+            point_scale: result.point_scale,
+            independent_points: result.independent_points,
             edge_rms_pixels: result.edge_rms_pixels,
             near_wall_fraction: result.near_wall_fraction,
             condition: result.condition,
@@ -467,6 +536,7 @@ fn doubt(flag: Flags, result: &FitResult) -> String {
         Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",
         Flags::RADIUS_AT_LIMIT => "a limit holds the radius: the data want another one",
         Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone: the data want another one",
+        Flags::UNCERTAINTY_UNKNOWN => "the data do not tell how uncertain the result is",
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }
@@ -504,7 +574,7 @@ mod tests {
         let mut result = cylfuse_result();
         result.condition = f64::INFINITY;
         result.gradient_norm = f64::NAN;
-        let measurement = Measurement::new(Fitted::Cloud, &Options::default(), &result);
+        let measurement = Measurement::new(&Options::default(), &result);
         let text = serde_json::to_string(&Report::new(Path::new("a.ply"), Ok(measurement))).unwrap();
         assert!(text.starts_with(r#"{"frame":"a.ply","cylinder":{"point":["#), "{text}");
         assert!(text.contains(r#""condition":null"#) && text.contains(r#""gradient_norm":null"#));
