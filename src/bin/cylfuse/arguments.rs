@@ -2,6 +2,7 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
+use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
 use cylfuse::fitter::{
@@ -412,7 +413,7 @@ fn parse_noise(text: &str) -> std::result::Result<(NoiseName, f64), String> {
     let known = NoiseName::from_str(name, false).map_err(|_| {
         let names: Vec<_> =
             NoiseName::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
-        let names: Vec<&str> = names.iter().map(|value| value.get_name()).collect();
+        let names: Vec<&str> = names.iter().map(PossibleValue::get_name).collect();
         format!("'{name}' is none of {}", names.join(", "))
     })?;
     let value = value.parse().map_err(|_| format!("'{value}' is not a number"))?;
