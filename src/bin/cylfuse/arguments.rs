@@ -96,7 +96,7 @@ pub struct FitArguments {
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub radius: Option<f64>,
 
-    /// The direction of the axis in the camera frame, of any length and sign.
+    /// The direction of the axis in the frame of the result, of any length and sign.
     #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub axis: Option<[f64; 3]>,
@@ -159,22 +159,25 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
     \"image\": \"image.png\", \"depth\": \"depth.png\", \"depth_scale\": 0.001, \"mask\": \"mask.png\",
     \"edges\": [[[x, y], [x, y]], [[x, y], [x, y]]] }
   camera.model       brown_conrady (default) or kannala_brandt
-  camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt; none when absent
+  camera.distortion  optional; 0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for
+                     kannala_brandt
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
-  image_gamma        optional; light is the value to this power: 1 (default) for an image linear in light, 2.2 for
-                     sRGB, in which cameras and image files usually come
-  image, mask, edges optional; mask, edges and, without a depth_camera, depth are on the pixels of the (distorted)
-                     image
-  depth_camera       optional; the camera of the depth image where it is another one: the fields of camera, and
-                     rotation (9 numbers, row by row) and translation with x_image = R x_depth + t
+  image_gamma        optional; light is the value to this power: 1 (default) for an image linear
+                     in light, 2.2 for sRGB, in which cameras and image files usually come
+  image, mask, edges optional; mask, edges and, without a depth_camera, depth are on the pixels
+                     of the (distorted) image
+  depth_camera       optional; the camera of the depth image where it is another one: the fields
+                     of camera, and rotation (9 numbers, row by row) and translation with
+                     x_image = R x_depth + t
   pose               optional; rotation and translation with x_result = R x_image + t
-  views              views of the same cylinder, { \"views\": [{ ... }, { ... }] }: a list of objects like the one
-                     above in place of it, each with its pose
+  views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
+                     objects like the one above, in place of it, each with its pose
 
 Without a mask all measured pixels are fitted, the background included, and there is no extent.
 
-Noise, --noise NAME=VALUE, in standard deviations; 0 stands for an estimate from the data where that is the default:
+Noise, --noise NAME=VALUE, in standard deviations; 0, where it is the default, stands for an
+estimate from the data:
   edge-endpoint      a hand-set endpoint of an edge across its limb [0.5 drawn pixels]
   mask-side          a side of a mask as a whole across its limb [1.6 drawn pixels]
   mask-unevenness    the part of it that differs from one end of a side to the other [1 drawn pixel]
@@ -182,7 +185,8 @@ Noise, --noise NAME=VALUE, in standard deviations; 0 stands for an estimate from
   mask-boundary      the boundary of a mask at one place [0.8 drawn pixels]
   mask-correlation   the length along a boundary over which it wanders [10 drawn pixels]
   limb-of-points     a limb as a fit to the points alone predicts it [2 drawn pixels]
-  drawn-pixel        a pixel on which edges and masks were drawn, in pixels of the image [0: by the size of the image]
+  drawn-pixel        a pixel in which edges and masks were drawn, in pixels of the image [0: by
+                     the size of the image]
   depth              a measured point across the surface, in metres [0]
   image              the values of the image linear in light [0]
   blur               the blur of the image, in pixels [0]";
