@@ -113,7 +113,8 @@ mod tests {
     /// Six rows, of which five are independent, in units as different as can be.
     fn derivative(last: f64) -> TangentMap {
         let units = Tangent::new(1.0, 1e-5, 1e4, 1.0, last);
-        let row = |k: u32| Tangent::from_fn(|i, _| (f64::from(k) * (1.3 + i as f64)).sin()).component_mul(&units);
+        let row =
+            |k: u32| Tangent::from_fn(|i, _| (f64::from(k) * (1.3 + i as f64)).sin()).component_mul(&units);
         (1..=6).map(row).map(|row| row * row.transpose()).sum()
     }
 
