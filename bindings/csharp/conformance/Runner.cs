@@ -214,13 +214,13 @@ namespace Cylfuse.Conformance
             return depth;
         }
 
-        private GreyImage Image(string name)
+        private Image Image(string name)
         {
             (Array elements, int[] shape) = Data(name);
-            if (elements is byte[] bytes) return GreyImage.From(bytes, shape[1], shape[0]);
+            if (elements is byte[] bytes) return Image.From(bytes, shape[1], shape[0]);
             return elements is ushort[] integers
-                ? GreyImage.From(integers, shape[1], shape[0])
-                : GreyImage.From((float[])elements, shape[1], shape[0]);
+                ? Image.From(integers, shape[1], shape[0])
+                : Image.From((float[])elements, shape[1], shape[0]);
         }
 
         private static Segments Edges(JsonValue step)

@@ -146,8 +146,8 @@ namespace Cylfuse.Tests
                 fitter.SetProgress(progress => { inside.Set(); tried.Wait(); return true; });
                 Task<FitResult> fit = Task.Factory.StartNew(() => fitter.Fit(), TaskCreationOptions.LongRunning);
                 inside.Wait();
-                Check.Fails(Status.Busy, () => fitter.Counts(), "BUSY");
-                Check.Fails(Status.Busy, () => fitter.Fit(), "BUSY");
+                Check.Fails(Status.Busy, () => fitter.Counts(), "busy");
+                Check.Fails(Status.Busy, () => fitter.Fit(), "busy");
                 tried.Set();
                 Check.Near(Scene.Truth.Radius, fit.Result.Model.Radius, 1e-3, "radius");
             }
