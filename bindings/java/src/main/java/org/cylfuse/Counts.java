@@ -1,19 +1,22 @@
 package org.cylfuse;
 
 /**
- * What was pushed, and what was left out by reason.
+ * What was pushed into one view, and what was left out by reason.
  *
+ * @param view The view that the counts are of.
  * @param pointsGiven Points and pixels that were pushed.
  * @param pointsUsed Points that a fit uses.
  * @param droppedNotFinite Left out: a coordinate or weight is not finite.
  * @param droppedZeroWeight Left out: the weight is 0.
  * @param droppedOutsideMask Left out: the mask is 0 there.
  * @param droppedNoDepth Left out: no depth was measured there.
- * @param droppedOutOfRange Left out: the depth is outside the range of {@link DepthImage#withRange}.
+ * @param droppedOutOfRange Left out: the depth is outside the range of the depth image.
  * @param droppedOutsideCamera Left out: the camera model has no ray for the pixel.
- * @param segmentsGiven Edge segments that were pushed; {@link FitResult#segmentsUsed()} says how many count.
+ * @param segmentsGiven Edge segments that were pushed; {@link FitResult#segmentsUsed()} of a result says how many
+ *     count.
  */
 public record Counts(
+        int view,
         long pointsGiven,
         long pointsUsed,
         long droppedNotFinite,
@@ -25,6 +28,7 @@ public record Counts(
         long segmentsGiven) {
     static Counts of(NativeStructs.Counts n) {
         return new Counts(
+                n.view,
                 n.points_given,
                 n.points_used,
                 n.dropped_not_finite,

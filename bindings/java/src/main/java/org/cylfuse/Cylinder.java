@@ -1,5 +1,6 @@
 package org.cylfuse;
 
+import com.sun.jna.Pointer;
 import com.sun.jna.ptr.DoubleByReference;
 import java.util.Objects;
 
@@ -26,6 +27,16 @@ public record Cylinder(Vector point, Vector direction, double radius) {
 
     static Cylinder of(NativeStructs.Cylinder n) {
         return new Cylinder(Vector.of(n.point), Vector.of(n.direction), n.radius);
+    }
+
+    /** The cylinder at an address; null at that of none. */
+    static Cylinder at(Pointer address) {
+        if (address == null) {
+            return null;
+        }
+        NativeStructs.Cylinder n = new NativeStructs.Cylinder(address);
+        n.read();
+        return of(n);
     }
 
     /**

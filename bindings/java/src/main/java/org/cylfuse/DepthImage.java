@@ -4,8 +4,8 @@ import java.nio.FloatBuffer;
 import java.nio.ShortBuffer;
 
 /**
- * A depth image on the pixels of the camera. A value is z, not the distance along the ray. Nothing is copied until a call
- * takes the image, and then a direct buffer by the library alone.
+ * A depth image on the pixels of the camera, or of the depth camera where there is one. A value is z, not the distance along
+ * the ray. Nothing is copied until a call takes the image, and then a direct buffer by the library alone.
  */
 public final class DepthImage {
     private final BufferPart pixels;
@@ -100,8 +100,8 @@ public final class DepthImage {
     }
 
     NativeStructs.DepthView toNative(NativeCopies copies) {
-        NativeStructs.DepthView n = new NativeStructs.DepthView();
-        NativeFunctions.check(NativeFunctions.cylfuse_depth_view_init(n, n.size()));
+        NativeStructs.DepthView n =
+                NativeFunctions.initialised(new NativeStructs.DepthView(), NativeFunctions::cylfuse_depth_view_init);
         n.format = pixels.isFloat() ? Formats.DEPTH_F32 : Formats.DEPTH_U16;
         n.data = pixels.address(copies);
         n.width = pixels.width;

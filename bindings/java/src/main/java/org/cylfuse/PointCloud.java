@@ -164,8 +164,8 @@ public final class PointCloud {
     }
 
     NativeStructs.PointsView toNative(NativeCopies copies) {
-        NativeStructs.PointsView n = new NativeStructs.PointsView();
-        NativeFunctions.check(NativeFunctions.cylfuse_points_view_init(n, n.size()));
+        NativeStructs.PointsView n =
+                NativeFunctions.initialised(new NativeStructs.PointsView(), NativeFunctions::cylfuse_points_view_init);
         n.scalar = points.isDouble() ? Formats.SCALAR_F64 : Formats.SCALAR_F32;
         n.data = points.address(copies);
         n.width = width();
