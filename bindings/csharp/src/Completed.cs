@@ -4,7 +4,7 @@ namespace Cylfuse
     /// <typeparam name="T">Type of a coordinate: double or float.</typeparam>
     public sealed class CompletedCloud<T> where T : struct
     {
-        /// <summary>x, y, z of one point after the other, in the camera frame: only the points that exist when packed, one
+        /// <summary>x, y, z of one point after the other, in the reference frame: only the points that exist when packed, one
         /// for each pixel of the image and NaN where there is none when organised.</summary>
         public T[] Coordinates { get; }
 

@@ -32,6 +32,10 @@ namespace Cylfuse
         /// <summary>Left out: the camera model has no ray for the pixel.</summary>
         public long DroppedOutsideCamera => (long)native.dropped_outside_camera;
 
+        /// <summary>Left out: the mask is set there, but the colour camera sees something nearer. Only with a depth
+        /// camera of its own.</summary>
+        public long DroppedHidden => (long)native.dropped_hidden;
+
         /// <summary>Edge segments that were pushed; <see cref="FitResult.SegmentsUsed"/> of a result says how many
         /// count.</summary>
         public long SegmentsGiven => (long)native.segments_given;

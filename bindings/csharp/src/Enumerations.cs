@@ -174,9 +174,10 @@ namespace Cylfuse
     {
         /// <summary>Nothing.</summary>
         None = 0,
-        /// <summary>Clouds, of <see cref="Fitter.PushPoints"/>.</summary>
+        /// <summary>All points: those of clouds and those that were made of depth images.</summary>
         Points = 1,
-        /// <summary>The depth images with their masks, of <see cref="Fitter.PushDepth"/> and of a frame.</summary>
+        /// <summary>The depth image and its mask, which completion and extent look at; the points that were made of it
+        /// stay.</summary>
         Depth = 2,
         /// <summary>Edge segments, of <see cref="Fitter.PushEdges(Segments)"/>.</summary>
         Edges = 4,

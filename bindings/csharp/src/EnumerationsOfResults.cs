@@ -40,6 +40,10 @@ namespace Cylfuse
         MaxIterations = 3,
         /// <summary>The radius left all proportion to the data: they are flat.</summary>
         RadiusRanAway = 4,
+        /// <summary>The gradient fell below its tolerance.</summary>
+        Gradient = 5,
+        /// <summary>The step fell below its tolerance.</summary>
+        Step = 6,
     }
 
     /// <summary>Warnings about a result, one bit each. None of them is an error: the numbers of the result say how much
@@ -85,6 +89,9 @@ namespace Cylfuse
         /// <summary>The axis is on the border of its cone: the data want another one. Not for a direction that is
         /// known.</summary>
         AxisAtLimit = 16384,
+        /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than
+        /// eight points are independent, or some degree of freedom is not determined.</summary>
+        UncertaintyUnknown = 32768,
     }
 
     /// <summary>Which residuals to list.</summary>

@@ -18,10 +18,10 @@ namespace Cylfuse
         /// <summary>What the position of the end was taken from.</summary>
         public EndSource EndSource => (EndSource)native.end_source;
 
-        /// <summary>The view that the start was found in.</summary>
+        /// <summary>The view that tells most of the start.</summary>
         public int StartView => (int)native.start_view;
 
-        /// <summary>The view that the end was found in.</summary>
+        /// <summary>The view that tells most of the end.</summary>
         public int EndView => (int)native.end_view;
 
         /// <summary>Whether the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the

@@ -38,12 +38,12 @@ namespace Cylfuse
         /// <summary>Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.</summary>
         public double CostTolerance { get => native.cost_tolerance; set => native.cost_tolerance = value; }
 
-        /// <summary>The iteration ends when the norm of half the gradient of the cost, in units of the size of the
-        /// data, is not above this; 0 or greater. Default 0.</summary>
+        /// <summary>The iteration ends where the cosine of the angle between the residuals and what a step can change
+        /// of them is not above this, in [0, 1). Default 2^-52.</summary>
         public double GradientTolerance { get => native.gradient_tolerance; set => native.gradient_tolerance = value; }
 
-        /// <summary>The iteration ends when the norm of a step, in units of the size of the data, is not above this; 0
-        /// or greater. Default 0.</summary>
+        /// <summary>The iteration ends with a step that moves the surface at the data by not more than this part of
+        /// their largest coordinate and of their size, in [0, 1). Default 2^-52.</summary>
         public double StepTolerance { get => native.step_tolerance; set => native.step_tolerance = value; }
 
         /// <summary>Damping of the first step, greater than 0. Default 1e-3.</summary>
@@ -74,25 +74,35 @@ namespace Cylfuse
         /// Default 0 = from the data.</summary>
         public double RansacThreshold { get => native.ransac_threshold; set => native.ransac_threshold = value; }
 
-        /// <summary>How many points with independent noise the depth of one view is worth, by which points and limbs
+        /// <summary>How many points with independent noise the points of one view are worth, by which points and limbs
         /// are weighed against each other; 0 or greater. Default 0 = from the data.</summary>
         public double IndependentPoints { get => native.independent_points; set => native.independent_points = value; }
 
-        /// <summary>Standard deviation of the depth, in the unit of length, 0 or greater. Default 0 = from the
-        /// data.</summary>
+        /// <summary>Standard deviation of a point across the surface, in the unit of length, 0 or greater. Default 0 =
+        /// from the data.</summary>
         public double DepthNoise { get => native.depth_noise; set => native.depth_noise = value; }
 
-        /// <summary>Standard deviation of the values of the image, in their unit, 0 or greater. Default 0 = from the
-        /// image.</summary>
+        /// <summary>Standard deviation of the values of the image, in their unit where that is linear in light, 0 or
+        /// greater. Default 0 = from the image.</summary>
         public double ImageNoise { get => native.image_noise; set => native.image_noise = value; }
 
-        /// <summary>Standard deviation of an endpoint of a given edge segment across its limb, in pixels, 0 or greater.
-        /// Default 0 = that of edges set by hand.</summary>
+        /// <summary>Standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels, 0 or
+        /// greater. Default 0 = 0.5, that of edges set by hand.</summary>
         public double EdgeNoise { get => native.edge_noise; set => native.edge_noise = value; }
 
-        /// <summary>Standard deviation of the boundary of the mask, in pixels, 0 or greater. Default 0 = that of masks
-        /// drawn by hand.</summary>
+        /// <summary>Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater.
+        /// Default 0 = 1.6, that of masks drawn by hand.</summary>
         public double MaskNoise { get => native.mask_noise; set => native.mask_noise = value; }
+
+        /// <summary>Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 =
+        /// from the image.</summary>
+        public double ImageBlur { get => native.image_blur; set => native.image_blur = value; }
+
+        /// <summary>Size of a pixel of the drawing in which edges and masks were made, in pixels of the image, 0 or
+        /// greater: people and networks draw on a grid of some hundred columns, whatever the size of the image. Default
+        /// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image
+        /// has.</summary>
+        public double DrawnPixel { get => native.drawn_pixel; set => native.drawn_pixel = value; }
 
         /// <summary>The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method
         /// and the start. Default 0 = no limit.</summary>

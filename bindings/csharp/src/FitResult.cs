@@ -52,12 +52,12 @@ namespace Cylfuse
         /// <summary>Points that took part.</summary>
         public long PointsUsed => (long)native.points_used;
 
-        /// <summary>How many points with independent noise the points are worth: the noise of neighbours in a depth
-        /// image is alike. NaN where the objective does not ask.</summary>
+        /// <summary>How many points with independent noise the points of all views are worth: the noise of neighbours
+        /// in a depth image is alike.</summary>
         public double IndependentPoints => native.independent_points;
 
-        /// <summary>Robust standard deviation of the points from the surface, unit of length: points beyond some of it
-        /// lose their weight. NaN where the objective has none.</summary>
+        /// <summary>Standard deviation of the points from the surface by their median, unit of length: points beyond
+        /// some of it lose their weight in the objective Robust.</summary>
         public double PointDeviation => native.point_deviation;
 
         /// <summary>Root mean square distance of the points from the surface, unit of length.</summary>

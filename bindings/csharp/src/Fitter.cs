@@ -104,11 +104,18 @@ namespace Cylfuse
             using (Call call = Enter()) call.Check(Native.Functions.FitterReserve(call.Pointer, (UIntPtr)points, (UIntPtr)segments));
         }
 
-        /// <summary>Forgets data and result; keeps options, views with their cameras and poses, start model, callbacks and
-        /// memory: the way from one frame to the next.</summary>
+        /// <summary>Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first
+        /// view, start model, callbacks and memory: the way from one frame to the next.</summary>
         public void Clear()
-        {
-            using (Call call = Enter()) call.Check(Native.Functions.FitterClear(call.Pointer));
+        {            using (Call call = Enter())
+            {
+                call.Check(Native.Functions.FitterClear(call.Pointer));
+                lock (cameras)
+                {
+                    cameras.RemoveRange(1, cameras.Count - 1);
+                    selected = 0;
+                }
+            }
         }
 
         /// <summary>Forgets some of the data of the selected view, and keeps the rest and the last result.</summary>
@@ -146,8 +153,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Adds the points of a depth image of the selected view. Pixels without a depth, out of range or outside
-        /// the mask are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and
+        /// <summary>Adds the points of a depth image of the selected view. Pixels without a depth, out of range,
+        /// outside the mask or hidden from the colour camera are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and
         /// extent.</summary>
         /// <param name="depth">The image.</param>
         /// <param name="mask">In the pixels of the colour image; null = all pixels.</param>

@@ -31,22 +31,21 @@ namespace Cylfuse
         }
 
         /// <summary>Lists the two limbs of the last fit in each view, view after view: where they were located in the image,
-        /// or why they were not.</summary>
+        /// or why they were not. All are NotSearched once data or options have changed since.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe LimbLine[] Limbs() => Array.ConvertAll(
             List<NativeLimb>(Native.Functions.FitterLimbs, sizeof(NativeLimb)), limb => new LimbLine(limb));
 
         /// <summary>Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used and
         /// refused; all samples of a limb that was not located in the end are refused. Empty when the image was not
-        /// searched.</summary>
+        /// searched, and once data or options have changed since.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe LimbSample[] LimbSamples() => Array.ConvertAll(
             List<NativeLimbSample>(Native.Functions.FitterLimbSamples, sizeof(NativeLimbSample)),
             sample => new LimbSample(sample));
 
-        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the image of the selected
-        /// view: first those of the start, then those of the end. There are none for an end whose source is not
-        /// <see cref="EndSource.Image"/>.</summary>
+        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the images, view after view: first
+        /// those of the start, then those of the end. There are none for an end that the image of a view does not show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
         /// <exception cref="CylfuseException">As <see cref="Extent"/>.</exception>
@@ -67,8 +66,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Lists what the last fit gave each point of the selected view to say, in the order of the residuals of
-        /// points.</summary>
+        /// <summary>Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the
+        /// residuals of points.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe PointWeights PointWeights()
         {
@@ -116,8 +115,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Completes the cloud of the selected view, in its camera frame: casts the ray of every pixel of a mask and takes its first meeting with the
-        /// cylinder, the near wall from outside, the far one from inside a pipe.</summary>
+        /// <summary>Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with the
+        /// cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame.</summary>
         /// <param name="layout">Only the points that exist, or one for each pixel of the image.</param>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
@@ -149,7 +148,8 @@ namespace Cylfuse
             CompleteDepth<ushort>(Native.DepthFormatU16, scale, model, mask);
 
         /// <summary>Finds the visible piece of the cylinder and what its ends are, by
-        /// <see cref="FitOptions.ExtentRule"/>.</summary>
+        /// <see cref="FitOptions.ExtentRule"/>, in all views that have a camera and a mask. An end that is seen in several
+        /// views is their mean by their variances; one that is seen in none is the outermost of what they show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
         /// <exception cref="CylfuseException">BadState without model, intrinsics or mask, SizeMismatch, EmptyMask,

@@ -46,8 +46,8 @@ namespace Cylfuse
 
         /// <summary>The colour camera of the selected view, which depth images, images and edges need; null when there is
         /// none. Points that were pushed before stay as they are.</summary>
-        /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics); the old one
-        /// stays.</exception>
+        /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics), or an image of another
+        /// size is there (SizeMismatch; <see cref="ClearInput"/> takes it away); the old one stays.</exception>
         public unsafe Intrinsics Intrinsics
         {
             get
@@ -85,7 +85,8 @@ namespace Cylfuse
         /// <param name="intrinsics">Those of the depth camera; null takes it away.</param>
         /// <param name="toColour">From the frame of the depth camera to that of the colour camera; null = the
         /// identity.</param>
-        /// <exception cref="CylfuseException">InvalidIntrinsics, InvalidArgument; the old depth camera stays.</exception>
+        /// <exception cref="CylfuseException">InvalidIntrinsics, InvalidArgument, SizeMismatch with a depth image that is
+        /// there; the old depth camera stays.</exception>
         public unsafe void SetDepthCamera(Intrinsics intrinsics, RigidMotion toColour = null)
         {
             NativeIntrinsics native;
@@ -95,9 +96,10 @@ namespace Cylfuse
                     Native.Functions.FitterSetDepthCamera(call.Pointer, nativeOrNull, rotation, translation)));
         }
 
-        /// <summary>Lets the selected view take its camera, its pose, its image and the points of the depth inside a mask
-        /// from a frame, in place of what the view had of these. Clouds and edge segments of the view stay.</summary>
-        /// <param name="frame">The frame, with intrinsics: it can no longer be changed, and nothing of it is copied.</param>
+        /// <summary>Lets the selected view take cameras, pose and images from a frame, in place of its own, and adds the points
+        /// of the depth image inside a mask. Points and edge segments that were pushed stay.</summary>
+        /// <param name="frame">The frame, with intrinsics; it may be changed or disposed afterwards, of which the fitter sees
+        /// nothing. The images are shared and not copied.</param>
         /// <param name="mask">In the pixels of the colour image, copied; null = all pixels.</param>
         /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, EmptyMask, NoDepth when no pixel in
         /// the mask is usable, Busy when the frame is being filled; the view stays as it was then.</exception>

@@ -4,9 +4,9 @@ namespace Cylfuse
 {
     /// <summary>What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one
     /// frame without a copy, such as one for each cylinder of a scene.</summary>
-    /// <remarks>A frame is filled first and used then: once a fitter uses it (<see cref="Fitter.UseFrame"/>), it stays as it
-    /// is, and what would change it throws with <see cref="Status.BadState"/>. It may be disposed while fitters use it,
-    /// which keep what they need. Calls that fill it run one at a time; any number of threads may use it at once.</remarks>
+    /// <remarks>A fitter (<see cref="Fitter.UseFrame"/>) takes what the frame holds at that time: what is set later, and its
+    /// disposal, change nothing in fitters. Calls that fill a frame run one at a time; any number of threads may use it at
+    /// once.</remarks>
     public sealed class Frame : IDisposable
     {
         private readonly FrameHandle handle = new FrameHandle();
@@ -16,7 +16,8 @@ namespace Cylfuse
         /// once.</summary>
         public void Dispose() => handle.Dispose();
 
-        /// <summary>The colour camera; it comes before depth and image. null when it was not set.</summary>
+        /// <summary>The colour camera; it comes before depth and image, which must have its size. null when it was not
+        /// set.</summary>
         /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics).</exception>
         public unsafe Intrinsics Intrinsics
         {
@@ -45,7 +46,7 @@ namespace Cylfuse
                     Native.Functions.FrameSetPose(call.Pointer, rotation, translation)));
         }
 
-        /// <summary>Gives the depth a camera of its own; it comes before the depth.</summary>
+        /// <summary>Gives the depth a camera of its own, whose size the depth image must have.</summary>
         /// <inheritdoc cref="Fitter.SetDepthCamera"/>
         public unsafe void SetDepthCamera(Intrinsics intrinsics, RigidMotion toColour = null)
         {
@@ -57,8 +58,8 @@ namespace Cylfuse
         }
 
         /// <summary>Sets the depth image.</summary>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, NoDepth when no pixel is usable,
-        /// InvalidArgument for a bad scale or range.</exception>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad scale or
+        /// range; the earlier image stays then.</exception>
         public unsafe void SetDepth(DepthImage depth)
         {
             if (depth == null) throw new ArgumentNullException(nameof(depth));
@@ -72,7 +73,7 @@ namespace Cylfuse
 
         /// <summary>Sets the image, grey or in colour.</summary>
         /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad gamma or a
-        /// value that is not finite or that the gamma forbids.</exception>
+        /// value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
         public unsafe void SetImage(Image image)
         {
             if (image == null) throw new ArgumentNullException(nameof(image));

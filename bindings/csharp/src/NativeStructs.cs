@@ -33,6 +33,8 @@ namespace Cylfuse
         internal double image_noise;
         internal double edge_noise;
         internal double mask_noise;
+        internal double image_blur;
+        internal double drawn_pixel;
         internal double radius_min;
         internal double radius_max;
         internal Vector axis;
@@ -159,6 +161,7 @@ namespace Cylfuse
         internal ulong dropped_no_depth;
         internal ulong dropped_out_of_range;
         internal ulong dropped_outside_camera;
+        internal ulong dropped_hidden;
         internal ulong segments_given;
     }
 

@@ -12,6 +12,8 @@ package org.cylfuse;
  * @param droppedNoDepth Left out: no depth was measured there.
  * @param droppedOutOfRange Left out: the depth is outside the range of the depth image.
  * @param droppedOutsideCamera Left out: the camera model has no ray for the pixel.
+ * @param droppedHidden Left out: the mask is set there, but the colour camera sees something nearer. Only with a depth
+ *     camera of its own.
  * @param segmentsGiven Edge segments that were pushed; {@link FitResult#segmentsUsed()} of a result says how many
  *     count.
  */
@@ -25,6 +27,7 @@ public record Counts(
         long droppedNoDepth,
         long droppedOutOfRange,
         long droppedOutsideCamera,
+        long droppedHidden,
         long segmentsGiven) {
     static Counts of(NativeStructs.Counts n) {
         return new Counts(
@@ -37,6 +40,7 @@ public record Counts(
                 n.dropped_no_depth,
                 n.dropped_out_of_range,
                 n.dropped_outside_camera,
+                n.dropped_hidden,
                 n.segments_given);
     }
 }

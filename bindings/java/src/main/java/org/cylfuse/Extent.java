@@ -7,8 +7,8 @@ package org.cylfuse;
  * @param endState What the end along the direction is.
  * @param startSource What the position of the start was taken from.
  * @param endSource What the position of the end was taken from.
- * @param startView The view that the start was found in.
- * @param endView The view that the end was found in.
+ * @param startView The view that tells most of the start.
+ * @param endView The view that tells most of the end.
  * @param limbsKnown Whether the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the
  *     mask was read off at them.
  * @param start The end against the direction, a point on the axis.

@@ -6,16 +6,14 @@ import java.util.Objects;
  * The settings of a fit. The constructor fills in the defaults, which are named below. Each setting has a method that
  * reads it and one that sets it and returns the options.
  */
-public final class FitOptions {
-    private final NativeStructs.Options n;
-
+public final class FitOptions extends NoiseOptions {
     /** The defaults of the library. */
     public FitOptions() {
         this(NativeFunctions.initialised(new NativeStructs.Options(), NativeFunctions::cylfuse_options_init));
     }
 
     FitOptions(NativeStructs.Options n) {
-        this.n = n;
+        super(n);
     }
 
     /** {@return how the cylinder is estimated. Default FUSED} */
@@ -25,6 +23,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #method()}.
+     *
      * @param method the setting
      * @return these options
      */
@@ -40,6 +39,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #objective()}.
+     *
      * @param objective the setting
      * @return these options
      */
@@ -55,6 +55,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #start()}.
+     *
      * @param start the setting
      * @return these options
      */
@@ -70,6 +71,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #nearWall()}.
+     *
      * @param nearWall the setting
      * @return these options
      */
@@ -85,6 +87,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #chart()}.
+     *
      * @param chart the setting
      * @return these options
      */
@@ -100,6 +103,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #edgeUse()}.
+     *
      * @param edgeUse the setting
      * @return these options
      */
@@ -115,6 +119,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #extentRule()}.
+     *
      * @param extentRule the setting
      * @return these options
      */
@@ -133,6 +138,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #maxThreads()}.
+     *
      * @param maxThreads the setting
      * @return these options
      */
@@ -148,6 +154,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #maxIterations()}.
+     *
      * @param maxIterations the setting
      * @return these options
      */
@@ -163,6 +170,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #costTolerance()}.
+     *
      * @param costTolerance the setting
      * @return these options
      */
@@ -172,8 +180,8 @@ public final class FitOptions {
     }
 
     /**
-     * {@return the iteration ends when the norm of half the gradient of the cost, in units of the size of the data, is
-     * not above this; 0 or greater. Default 0}
+     * {@return the iteration ends where the cosine of the angle between the residuals and what a step can change of
+     * them is not above this, in [0, 1). Default 2^-52}
      */
     public double gradientTolerance() {
         return n.gradient_tolerance;
@@ -181,6 +189,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #gradientTolerance()}.
+     *
      * @param gradientTolerance the setting
      * @return these options
      */
@@ -190,8 +199,8 @@ public final class FitOptions {
     }
 
     /**
-     * {@return the iteration ends when the norm of a step, in units of the size of the data, is not above this; 0 or
-     * greater. Default 0}
+     * {@return the iteration ends with a step that moves the surface at the data by not more than this part of their
+     * largest coordinate and of their size, in [0, 1). Default 2^-52}
      */
     public double stepTolerance() {
         return n.step_tolerance;
@@ -199,6 +208,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #stepTolerance()}.
+     *
      * @param stepTolerance the setting
      * @return these options
      */
@@ -214,6 +224,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #initialLambda()}.
+     *
      * @param initialLambda the setting
      * @return these options
      */
@@ -232,6 +243,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #lambdaFactor()}.
+     *
      * @param lambdaFactor the setting
      * @return these options
      */
@@ -249,6 +261,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #maxLambda()}.
+     *
      * @param maxLambda the setting
      * @return these options
      */
@@ -264,6 +277,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #edgeWeight()}.
+     *
      * @param edgeWeight the setting
      * @return these options
      */
@@ -279,6 +293,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #seed()}.
+     *
      * @param seed the setting
      * @return these options
      */
@@ -294,6 +309,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #ransacMaxIterations()}.
+     *
      * @param ransacMaxIterations the setting
      * @return these options
      */
@@ -312,98 +328,12 @@ public final class FitOptions {
 
     /**
      * Sets {@link #ransacThreshold()}.
+     *
      * @param ransacThreshold the setting
      * @return these options
      */
     public FitOptions ransacThreshold(double ransacThreshold) {
         n.ransac_threshold = ransacThreshold;
-        return this;
-    }
-
-    /**
-     * {@return how many points with independent noise the depth of one view is worth, by which points and limbs are
-     * weighed against each other; 0 or greater. Default 0 = from the data}
-     */
-    public double independentPoints() {
-        return n.independent_points;
-    }
-
-    /**
-     * Sets {@link #independentPoints()}.
-     * @param independentPoints the setting
-     * @return these options
-     */
-    public FitOptions independentPoints(double independentPoints) {
-        n.independent_points = independentPoints;
-        return this;
-    }
-
-    /** {@return the standard deviation of the depth, in the unit of length, 0 or greater. Default 0 = from the data} */
-    public double depthNoise() {
-        return n.depth_noise;
-    }
-
-    /**
-     * Sets {@link #depthNoise()}.
-     * @param depthNoise the setting
-     * @return these options
-     */
-    public FitOptions depthNoise(double depthNoise) {
-        n.depth_noise = depthNoise;
-        return this;
-    }
-
-    /**
-     * {@return the standard deviation of the values of the image, in their unit, 0 or greater. Default 0 = from the
-     * image}
-     */
-    public double imageNoise() {
-        return n.image_noise;
-    }
-
-    /**
-     * Sets {@link #imageNoise()}.
-     * @param imageNoise the setting
-     * @return these options
-     */
-    public FitOptions imageNoise(double imageNoise) {
-        n.image_noise = imageNoise;
-        return this;
-    }
-
-    /**
-     * {@return the standard deviation of an endpoint of a given edge segment across its limb, in pixels, 0 or greater.
-     * Default 0 = that of edges set by hand}
-     */
-    public double edgeNoise() {
-        return n.edge_noise;
-    }
-
-    /**
-     * Sets {@link #edgeNoise()}.
-     * @param edgeNoise the setting
-     * @return these options
-     */
-    public FitOptions edgeNoise(double edgeNoise) {
-        n.edge_noise = edgeNoise;
-        return this;
-    }
-
-    /**
-     * {@return the standard deviation of the boundary of the mask, in pixels, 0 or greater. Default 0 = that of masks
-     * drawn by hand}
-     */
-    public double maskNoise() {
-        return n.mask_noise;
-    }
-
-    /**
-     * Sets {@link #maskNoise()}.
-     * @param maskNoise the setting
-     * @return these options
-     */
-    public FitOptions maskNoise(double maskNoise) {
-        n.mask_noise = maskNoise;
         return this;
     }
 
@@ -417,6 +347,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #radiusMin()}.
+     *
      * @param radiusMin the setting
      * @return these options
      */
@@ -435,6 +366,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #radiusMax()}.
+     *
      * @param radiusMax the setting
      * @return these options
      */
@@ -453,6 +385,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #axis()}.
+     *
      * @param axis the setting
      * @return these options
      */
@@ -471,6 +404,7 @@ public final class FitOptions {
 
     /**
      * Sets {@link #axisMaxAngle()}.
+     *
      * @param axisMaxAngle the setting
      * @return these options
      */

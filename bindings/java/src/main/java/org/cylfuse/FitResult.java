@@ -25,10 +25,10 @@ import java.util.Set;
  * @param segmentsUsed Edge segments that took part.
  * @param pointsGiven Points that were pushed; {@link Fitter#counts} says why some were left out.
  * @param pointsUsed Points that took part.
- * @param independentPoints How many points with independent noise the points are worth: the noise of neighbours in a
- *     depth image is alike. NaN where the objective does not ask.
- * @param pointDeviation Robust standard deviation of the points from the surface, unit of length: points beyond some of
- *     it lose their weight. NaN where the objective has none.
+ * @param independentPoints How many points with independent noise the points of all views are worth: the noise of
+ *     neighbours in a depth image is alike.
+ * @param pointDeviation Standard deviation of the points from the surface by their median, unit of length: points
+ *     beyond some of it lose their weight in the objective ROBUST.
  * @param pointRms Root mean square distance of the points from the surface, unit of length.
  * @param edgeRmsPixels Root mean square distance of the given endpoints from the limb lines in ideal pixels; NaN
  *     without edges.

@@ -173,7 +173,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists what the last fit gave each point of the selected view to say.
+     * Lists how much each point of the selected view counts at the cylinder of the last fit.
      *
      * @return weights and inliers, in the order of the residuals of points
      * @throws CylfuseException BAD_STATE without a result
@@ -203,7 +203,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
      * Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why they
      * were not.
      *
-     * @return the limbs
+     * @return the limbs; all are NOT_SEARCHED once data or options have changed since
      * @throws CylfuseException BAD_STATE without a result
      */
     public List<LimbLine> limbs() {
@@ -214,7 +214,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
      * Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used and refused; all
      * samples of a limb that was not located in the end are refused.
      *
-     * @return the samples; none when the image was not searched
+     * @return the samples; none when the image was not searched, and once data or options have changed since
      * @throws CylfuseException BAD_STATE without a result
      */
     public List<LimbSample> limbSamples() {
@@ -223,8 +223,8 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images: first those of the
-     * start, then those of the end. There are none for an end whose source is not {@link EndSource#IMAGE}.
+     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after view: first
+     * those of the start, then those of the end. There are none for an end that the image of a view does not show.
      *
      * @param model the model
      * @param mask the region
@@ -295,7 +295,9 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Finds the visible piece of the cylinder and what its ends are, by {@link FitOptions#extentRule()}.
+     * Finds the visible piece of the cylinder and what its ends are, by {@link FitOptions#extentRule()}, in all views that
+     * have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
+     * none is the outermost of what they show.
      *
      * @param model the model
      * @param mask the region

@@ -41,7 +41,8 @@ abstract class FitterData {
      * Sets the colour camera of the selected view, which depth images, images and edges need. Points that were pushed before stay as they are.
      *
      * @param camera the camera
-     * @throws CylfuseException INVALID_INTRINSICS when no camera works with these numbers; the old one stays
+     * @throws CylfuseException INVALID_INTRINSICS when no camera works with these numbers, SIZE_MISMATCH when an image of
+     *     another size is there ({@link #clearInput} takes it away); the old one stays
      */
     public void setIntrinsics(Intrinsics camera) {
         NativeStructs.Intrinsics n = Objects.requireNonNull(camera, "camera").toNative();
@@ -67,7 +68,8 @@ abstract class FitterData {
      *
      * @param camera the depth camera; null takes it away
      * @param toColour from the frame of the depth camera to that of the colour camera
-     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT; the old depth camera stays
+     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT, SIZE_MISMATCH with a depth image that is there; the
+     *     old depth camera stays
      */
     public void setDepthCamera(Intrinsics camera, RigidMotion toColour) {
         NativeStructs.Intrinsics n = Intrinsics.toNative(camera);
@@ -77,10 +79,11 @@ abstract class FitterData {
     }
 
     /**
-     * Lets the selected view take its cameras, its pose and its images from a frame, in place of what the view had of these,
-     * and adds the points of the depth inside a mask.
+     * Lets the selected view take cameras, pose and images from a frame, in place of its own, and adds the points of the
+     * depth image inside a mask. Points and edge segments that were pushed stay.
      *
-     * @param frame the frame, with intrinsics; nothing of it is copied
+     * @param frame the frame, with intrinsics; it may be changed or closed afterwards, of which the fitter sees nothing.
+     *     The images are shared and not copied.
      * @param mask in the pixels of the colour image, copied; null = all pixels
      * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel in the mask is
      *     usable, BUSY when the frame is being filled; the view stays as it was then
@@ -116,8 +119,8 @@ abstract class FitterData {
     }
 
     /**
-     * Forgets data, result and all views but the first; keeps options, the cameras of the first view, start model, listeners
-     * and memory: the way from one frame to the next.
+     * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view, start
+     * model, listeners and memory: the way from one frame to the next.
      */
     public void clear() {
         calls.run(NativeFunctions::cylfuse_fitter_clear);
@@ -165,8 +168,8 @@ abstract class FitterData {
     }
 
     /**
-     * Adds the points of a depth image of the selected view. Pixels without a depth, out of range or outside the mask are
-     * left out and counted. The image and the mask are kept, in place of earlier ones, for completion and extent.
+     * Adds the points of a depth image of the selected view. Pixels without a depth, out of range, outside the mask or hidden from
+     * the colour camera are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and extent.
      *
      * @param depth the image
      * @param mask in the pixels of the colour image; null = all pixels

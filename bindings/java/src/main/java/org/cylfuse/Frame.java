@@ -40,7 +40,7 @@ public final class Frame implements AutoCloseable {
     }
 
     /**
-     * Sets the colour camera; it comes before depth and image.
+     * Sets the colour camera; it comes before depth and image, which must have its size.
      *
      * @param camera the camera
      * @throws CylfuseException INVALID_INTRINSICS when no camera works with these numbers; the old one stays
@@ -63,7 +63,7 @@ public final class Frame implements AutoCloseable {
     }
 
     /**
-     * Gives the depth a camera of its own; it comes before the depth.
+     * Gives the depth a camera of its own, whose size the depth image must have.
      *
      * @param camera the depth camera; null takes it away
      * @param toColour from the frame of the depth camera to that of the colour camera
@@ -80,8 +80,8 @@ public final class Frame implements AutoCloseable {
      * Sets the depth image.
      *
      * @param depth the image
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, NO_DEPTH when no pixel is usable,
-     *     INVALID_ARGUMENT for a bad scale or range
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale or range; the
+     *     earlier image stays then
      */
     public void setDepth(DepthImage depth) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -95,7 +95,7 @@ public final class Frame implements AutoCloseable {
      *
      * @param image the image
      * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad gamma or a value that
-     *     is not finite or that the gamma forbids
+     *     is not finite or that the gamma forbids; the earlier image stays then
      */
     public void setImage(Image image) {
         try (NativeCopies copies = new NativeCopies()) {

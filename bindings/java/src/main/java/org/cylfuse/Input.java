@@ -2,9 +2,9 @@ package org.cylfuse;
 
 /** Data of a view, one bit each. */
 public enum Input {
-    /** Clouds, of {@link Fitter#pushPoints}. */
+    /** All points: those of clouds and those that were made of depth images. */
     POINTS(1),
-    /** The depth images with their masks, of {@link Fitter#pushDepth} and of a frame. */
+    /** The depth image and its mask, which completion and extent look at; the points that were made of it stay. */
     DEPTH(2),
     /** Edge segments, of {@link Fitter#pushEdges}. */
     EDGES(4),

@@ -14,8 +14,8 @@ final class NativeStructs {
     @FieldOrder({"struct_size", "method", "objective", "start", "near_wall", "chart", "edge_use", "extent_rule",
         "max_threads", "max_iterations", "cost_tolerance", "gradient_tolerance", "step_tolerance", "initial_lambda",
         "lambda_factor", "max_lambda", "edge_weight", "seed", "ransac_max_iterations", "ransac_threshold",
-        "independent_points", "depth_noise", "image_noise", "edge_noise", "mask_noise", "radius_min", "radius_max",
-        "axis", "axis_max_angle"})
+        "independent_points", "depth_noise", "image_noise", "edge_noise", "mask_noise", "image_blur", "drawn_pixel",
+        "radius_min", "radius_max", "axis", "axis_max_angle"})
     public static class Options extends Structure {
         public int struct_size;
         public int method;
@@ -42,6 +42,8 @@ final class NativeStructs {
         public double image_noise;
         public double edge_noise;
         public double mask_noise;
+        public double image_blur;
+        public double drawn_pixel;
         public double radius_min;
         public double radius_max;
         public double[] axis = new double[3];
@@ -150,7 +152,8 @@ final class NativeStructs {
     }
 
     @FieldOrder({"struct_size", "view", "points_given", "points_used", "dropped_not_finite", "dropped_zero_weight",
-        "dropped_outside_mask", "dropped_no_depth", "dropped_out_of_range", "dropped_outside_camera", "segments_given"})
+        "dropped_outside_mask", "dropped_no_depth", "dropped_out_of_range", "dropped_outside_camera", "dropped_hidden",
+        "segments_given"})
     public static class Counts extends Structure {
         public int struct_size;
         public int view;
@@ -162,6 +165,7 @@ final class NativeStructs {
         public long dropped_no_depth;
         public long dropped_out_of_range;
         public long dropped_outside_camera;
+        public long dropped_hidden;
         public long segments_given;
     }
 

@@ -1,9 +1,10 @@
 package org.cylfuse;
 
 /**
- * What a fit gave each point of a view to say, in the order of the residuals of points.
+ * How much each point of a view counts at the cylinder of a fit, by the weights of {@link Objective#ROBUST}, in the order of
+ * the residuals of points.
  *
- * @param weights The part of each point in the fit, from 1 for a point near the surface down to 0 for an outlier.
- * @param inliers Whether the weight is greater than 0.
+ * @param weights From 1 for a point on the surface down to 0 for an outlier, without the weight that the point was given.
+ * @param inliers Whether the weight is above 0.
  */
 public record PointWeights(double[] weights, boolean[] inliers) {}

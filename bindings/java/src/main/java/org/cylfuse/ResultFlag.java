@@ -42,7 +42,12 @@ public enum ResultFlag {
     /** A limit of the radius holds it: the data want another one. Not for a radius that is known. */
     RADIUS_AT_LIMIT(8192),
     /** The axis is on the border of its cone: the data want another one. Not for a direction that is known. */
-    AXIS_AT_LIMIT(16384);
+    AXIS_AT_LIMIT(16384),
+    /**
+     * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
+     * are independent, or some degree of freedom is not determined.
+     */
+    UNCERTAINTY_UNKNOWN(32768);
 
     private final int value;
 
