@@ -182,7 +182,7 @@ namespace Cylfuse.Conformance
         private Intrinsics Camera(JsonValue name)
         {
             if (name == null) return null;
-            JsonValue camera = file["cameras"][name];
+            JsonValue camera = file["cameras"][(string)name];
             return new Intrinsics(
                 camera["width"], camera["height"], Number(camera["fx"]), Number(camera["fy"]), Number(camera["cx"]),
                 Number(camera["cy"]),
