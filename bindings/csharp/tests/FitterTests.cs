@@ -213,7 +213,9 @@ namespace Cylfuse.Tests
                     EdgeWeight = 0.25, InitialLambda = 0.5, LambdaFactor = 3, MaxLambda = 1e9, CostTolerance = 1e-11,
                     RansacThreshold = 0.125, Seed = 77, RansacMaxIterations = 321, EdgeUse = EdgeUse.AsGiven,
                     ExtentRule = ExtentRule.Extremes, RadiusMin = 0.05, RadiusMax = 0.0625,
-                    Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75,
+                    Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75, GradientTolerance = 1e-9, StepTolerance = 1e-10,
+                    IndependentPoints = 500, DepthNoise = 2e-3, ImageNoise = 3, EdgeNoise = 0.75, MaskNoise = 2,
+                    ImageBlur = 1.25, DrawnPixel = 1.5,
                 };
                 fitter.Options = options;
                 FitOptions read = fitter.Options;
@@ -315,8 +317,7 @@ namespace Cylfuse.Tests
                 fitter.SetProgress(progress => { fitter.Clear(); return true; });
                 Check.Fails(Status.Busy, () => fitter.Fit(), "busy");
                 fitter.SetProgress(null);
-                fitter.Cancel();
-                Check.Fails(Status.Cancelled, () => fitter.Fit());
+                fitter.Cancel(); // no fit is running: nothing happens
                 Check.Near(Scene.Truth.Radius, fitter.Fit().Model.Radius, 1e-3, "after all that");
             }
         }
