@@ -46,7 +46,9 @@ namespace Cylfuse.Conformance
                 case "set_pose": fitter.SetPose(Pose(step["pose"])); break;
                 case "frame_set_pose": frame.SetPose(Pose(step["pose"])); break;
                 case "frame_set_intrinsics": frame.Intrinsics = Camera(step["camera"]); break;
-                case "set_depth_camera": fitter.SetDepthCamera(Camera(step["camera"]), Pose(Given(step, "pose"))); break;
+                case "set_depth_camera":
+                    fitter.SetDepthCamera(Camera(step["camera"]), Pose(Given(step, "pose")));
+                    break;
                 case "frame_set_depth_camera":
                     frame.SetDepthCamera(Camera(step["camera"]), Pose(Given(step, "pose")));
                     break;

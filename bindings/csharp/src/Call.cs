@@ -43,8 +43,8 @@ namespace Cylfuse
             if (status != 0) throw Native.Failure(status, handle.LastError(Pointer));
         }
 
-        /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An abortion
-        /// of the thread would by itself.</summary>
+        /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An
+        /// abortion of the thread would by itself.</summary>
         internal void Guard(Action callback)
         {
             try { callback(); }

@@ -5,13 +5,13 @@ namespace Cylfuse
 {
     /// <summary>Estimates one cylinder: holds options, views with their data, and the last result.</summary>
     /// <remarks>
-    /// <para>Create it, push points (or set the intrinsics, push a depth image with a mask and the image), fit. For the next
-    /// frame: clear, push, fit. The library copies what is pushed.</para>
-    /// <para>A fitter may move between threads. Calls that only read, such as <see cref="Result"/>,
-    /// <see cref="Residuals"/> or <see cref="Evaluate"/>, run side by side; a call that may change the fitter runs alone.
+    /// <para>Create it, push points (or set the intrinsics, push a depth image with a mask and the image), fit. For the
+    /// next frame: clear, push, fit. The library copies what is pushed.</para>
+    /// <para>A fitter may move between threads. Calls that only read, such as <see cref="Result"/>, <see
+    /// cref="Residuals"/> or <see cref="Evaluate"/>, run side by side; a call that may change the fitter runs alone.
     /// What would disturb another call, from another thread or from a callback, throws a <see cref="CylfuseException"/>
-    /// with <see cref="Status.Busy"/> at once. Only <see cref="Cancel"/> and <see cref="Dispose"/> always go through; the
-    /// fitter is then destroyed after the calls that are running. Different fitters run in parallel.</para>
+    /// with <see cref="Status.Busy"/> at once. Only <see cref="Cancel"/> and <see cref="Dispose"/> always go through;
+    /// the fitter is then destroyed after the calls that are running. Different fitters run in parallel.</para>
     /// </remarks>
     public sealed partial class Fitter : IDisposable
     {
@@ -25,7 +25,8 @@ namespace Cylfuse
         /// <summary>A fitter with default options, one view at the identity, and no data.</summary>
         /// <exception cref="DllNotFoundException">The native library was not found or cannot be loaded.</exception>
         /// <exception cref="EntryPointNotFoundException">The native library is older than this package.</exception>
-        /// <exception cref="CylfuseException">The native library has another binary interface (AbiMismatch).</exception>
+        /// <exception cref="CylfuseException">The native library has another binary interface
+        /// (AbiMismatch).</exception>
         public unsafe Fitter()
         {
             // Fields, because the library keeps these functions and the garbage collector does not know that.
@@ -38,7 +39,8 @@ namespace Cylfuse
         public void Dispose() => handle.Dispose();
 
         /// <summary>The options; setting them replaces all. What is read is a copy.</summary>
-        /// <exception cref="CylfuseException">A value is out of range (InvalidArgument); the old options stay.</exception>
+        /// <exception cref="CylfuseException">A value is out of range (InvalidArgument); the old options
+        /// stay.</exception>
         public unsafe FitOptions Options
         {
             get
@@ -58,11 +60,13 @@ namespace Cylfuse
 
         /// <summary>Sets a start model: a candidate for the start Auto, the start of Model.</summary>
         /// <param name="model">The model, in the reference frame; null takes it away.</param>
-        /// <exception cref="CylfuseException">The model is no cylinder (InvalidArgument); the old one stays.</exception>
+        /// <exception cref="CylfuseException">The model is no cylinder (InvalidArgument); the old one
+        /// stays.</exception>
         public unsafe void SetStartModel(Cylinder model)
         {
             NativeCylinder native;
-            using (Call call = Enter()) call.Check(Native.Functions.FitterSetStartModel(call.Pointer, Cylinder.Write(model, &native)));
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterSetStartModel(call.Pointer, Cylinder.Write(model, &native)));
         }
 
         /// <summary>Sets or takes away the function that hears of every linear solve of a fit, on the thread of the
@@ -87,7 +91,8 @@ namespace Cylfuse
         {
             using (Call call = Enter())
             {
-                call.Check(Native.Functions.FitterSetLog(call.Pointer, (int)maxLevel, handler == null ? null : nativeLog,
+                call.Check(Native.Functions.FitterSetLog(call.Pointer,
+                    (int)maxLevel, handler == null ? null : nativeLog,
                     IntPtr.Zero));
                 log = handler;
             }
@@ -101,11 +106,12 @@ namespace Cylfuse
             if (points < 0 || segments < 0)
                 throw new ArgumentOutOfRangeException(nameof(points),
                     $"Room for {points} points and {segments} segments cannot be made: neither number may be negative.");
-            using (Call call = Enter()) call.Check(Native.Functions.FitterReserve(call.Pointer, (UIntPtr)points, (UIntPtr)segments));
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterReserve(call.Pointer, (UIntPtr)points, (UIntPtr)segments));
         }
 
-        /// <summary>Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first
-        /// view, start model, callbacks and memory: the way from one frame to the next.</summary>
+        /// <summary>Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of
+        /// the first view, start model, callbacks and memory: the way from one frame to the next.</summary>
         public void Clear()
         {            using (Call call = Enter())
             {
@@ -126,20 +132,20 @@ namespace Cylfuse
             using (Call call = Enter()) call.Check(Native.Functions.FitterClearInput(call.Pointer, (uint)inputs));
         }
 
-        /// <summary>Asks the calls that are running to stop: a fit throws with <see cref="Status.Cancelled"/>. When no call
-        /// is running it does nothing. From any thread, at any time.</summary>
+        /// <summary>Asks the calls that are running to stop: a fit throws with <see cref="Status.Cancelled"/>. When no
+        /// call is running it does nothing. From any thread, at any time.</summary>
         public void Cancel()
         {
             using (Call call = Enter()) call.Check(Native.Functions.FitterCancel(call.Pointer));
         }
 
         /// <summary>Adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or
-        /// extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the mask are left out and
-        /// counted.</summary>
+        /// extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
+        /// mask are left out and counted.</summary>
         /// <param name="points">The points.</param>
         /// <param name="mask">Selects pixels of an organised cloud, of the same size as it; null = all.</param>
-        /// <exception cref="CylfuseException">SizeMismatch, EmptyMask, InvalidArgument for a negative weight; nothing is
-        /// added then.</exception>
+        /// <exception cref="CylfuseException">SizeMismatch, EmptyMask, InvalidArgument for a negative weight; nothing
+        /// is added then.</exception>
         public unsafe void PushPoints(PointCloud points, Mask mask = null)
         {
             if (points == null) throw new ArgumentNullException(nameof(points));
@@ -149,17 +155,18 @@ namespace Cylfuse
                 points.Write(&view, pins);
                 NativeMaskView region;
                 NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
-                using (Call call = Enter()) call.Check(Native.Functions.FitterPushPoints(call.Pointer, &view, regionOrNull));
+                using (Call call = Enter())
+                    call.Check(Native.Functions.FitterPushPoints(call.Pointer, &view, regionOrNull));
             }
         }
 
         /// <summary>Adds the points of a depth image of the selected view. Pixels without a depth, out of range,
-        /// outside the mask or hidden from the colour camera are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and
-        /// extent.</summary>
+        /// outside the mask or hidden from the colour camera are left out and counted. The image and the mask are kept,
+        /// in place of earlier ones, for completion and extent.</summary>
         /// <param name="depth">The image.</param>
         /// <param name="mask">In the pixels of the colour image; null = all pixels.</param>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, EmptyMask, NoDepth when no pixel
-        /// is usable, InvalidArgument for a bad scale or range; nothing is added then.</exception>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, EmptyMask, NoDepth when no
+        /// pixel is usable, InvalidArgument for a bad scale or range; nothing is added then.</exception>
         public unsafe void PushDepth(DepthImage depth, Mask mask = null)
         {
             if (depth == null) throw new ArgumentNullException(nameof(depth));
@@ -169,14 +176,15 @@ namespace Cylfuse
                 depth.Write(&view, pins);
                 NativeMaskView region;
                 NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
-                using (Call call = Enter()) call.Check(Native.Functions.FitterPushDepth(call.Pointer, &view, regionOrNull));
+                using (Call call = Enter())
+                    call.Check(Native.Functions.FitterPushDepth(call.Pointer, &view, regionOrNull));
             }
         }
 
-        /// <summary>Takes the image of the selected view, grey or in colour, in place of an earlier one: limbs, arcs of the
-        /// ends and ends are located in it, as options and objective say.</summary>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad gamma or a
-        /// value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
+        /// <summary>Takes the image of the selected view, grey or in colour, in place of an earlier one: limbs, arcs of
+        /// the ends and ends are located in it, as options and objective say.</summary>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad
+        /// gamma or a value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
         public unsafe void PushImage(Image image)
         {
             if (image == null) throw new ArgumentNullException(nameof(image));
@@ -188,7 +196,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Adds edge segments to the selected view, any number of either limb. A fit with segments needs intrinsics.</summary>
+        /// <summary>Adds edge segments to the selected view, any number of either limb. A fit with segments needs
+        /// intrinsics.</summary>
         /// <exception cref="CylfuseException">InvalidArgument when a coordinate is not finite or a weight is negative;
         /// nothing is added then.</exception>
         public unsafe void PushEdges(Segments segments)
@@ -205,8 +214,8 @@ namespace Cylfuse
         /// <summary>Adds edge segments, one a row: x1, y1, x2, y2.</summary>
         public void PushEdges(double[,] segments) => PushEdges(Segments.From(segments));
 
-        /// <summary>Says what was pushed into the selected view since the fitter was created or cleared, and what was left
-        /// out by reason.</summary>
+        /// <summary>Says what was pushed into the selected view since the fitter was created or cleared, and what was
+        /// left out by reason.</summary>
         public unsafe Counts Counts()
         {
             NativeCounts native;
@@ -215,11 +224,13 @@ namespace Cylfuse
             return new Counts(native);
         }
 
-        /// <summary>Estimates the cylinder from everything that was pushed into all views. Lack of convergence and other
-        /// warnings are not errors but properties of the result.</summary>
+        /// <summary>Estimates the cylinder from everything that was pushed into all views. Lack of convergence and
+        /// other warnings are not errors but properties of the result.</summary>
         /// <param name="cancellation">Stops the fit before its next linear solve.</param>
-        /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result stays.</exception>
-        /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options; Cancelled.</exception>
+        /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result
+        /// stays.</exception>
+        /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options;
+        /// Cancelled.</exception>
         /// <exception cref="OperationCanceledException">The token was cancelled.</exception>
         public unsafe FitResult Fit(CancellationToken cancellation = default(CancellationToken))
         {
@@ -238,8 +249,8 @@ namespace Cylfuse
             return new FitResult(result, estimate);
         }
 
-        /// <summary>Says what a fit would report for a given cylinder, in the reference frame, without iterating. The last
-        /// result stays.</summary>
+        /// <summary>Says what a fit would report for a given cylinder, in the reference frame, without iterating. The
+        /// last result stays.</summary>
         /// <exception cref="CylfuseException">InvalidArgument for a bad model, else as <see cref="Fit"/>.</exception>
         public unsafe FitResult Evaluate(Cylinder model)
         {
@@ -249,7 +260,8 @@ namespace Cylfuse
             NativeCylinderEstimate estimate;
             Prepare(&result, &estimate);
             using (Call call = Enter())
-                call.Check(Native.Functions.FitterEvaluate(call.Pointer, Cylinder.Write(model, &cylinder), &result, &estimate));
+                call.Check(Native.Functions.FitterEvaluate(call.Pointer,
+                    Cylinder.Write(model, &cylinder), &result, &estimate));
             return new FitResult(result, estimate);
         }
 

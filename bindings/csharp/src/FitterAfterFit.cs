@@ -2,16 +2,17 @@ using System;
 
 namespace Cylfuse
 {
-    // What follows a fit. Each call takes a model in the reference frame, null = that of the last fit, and where the image
-    // matters a mask of the size of the intrinsics, null = that of the selected view.
+    // What follows a fit. Each call takes a model in the reference frame, null = that of the last fit, and where the
+    // image matters a mask of the size of the intrinsics, null = that of the selected view.
     public sealed partial class Fitter
     {
-        /// <summary>Lists residuals of the selected view: of points in the order in which they were pushed, without the dropped ones, in the unit
-        /// of length, negative inside; of both endpoints of every used segment in ideal pixels.</summary>
+        /// <summary>Lists residuals of the selected view: of points in the order in which they were pushed, without the
+        /// dropped ones, in the unit of length, negative inside; of both endpoints of every used segment in ideal
+        /// pixels.</summary>
         /// <param name="kind">Which residuals.</param>
         /// <param name="model">The model; null = that of the last fit.</param>
-        /// <exception cref="CylfuseException">BadState without a model and a result; EdgeGeometry for edges when the camera
-        /// is inside the cylinder.</exception>
+        /// <exception cref="CylfuseException">BadState without a model and a result; EdgeGeometry for edges when the
+        /// camera is inside the cylinder.</exception>
         public unsafe double[] Residuals(ResidualKind kind, Cylinder model = null)
         {
             NativeCylinder cylinder;
@@ -24,28 +25,30 @@ namespace Cylfuse
                 var residuals = new double[(long)count];
                 fixed (double* buffer = residuals)
                 {
-                    call.Check(Native.Functions.FitterResiduals(call.Pointer, modelOrNull, (int)kind, buffer, count, out count));
+                    call.Check(Native.Functions.FitterResiduals(call.Pointer,
+                        modelOrNull, (int)kind, buffer, count, out count));
                 }
                 return residuals;
             }
         }
 
-        /// <summary>Lists the two limbs of the last fit in each view, view after view: where they were located in the image,
-        /// or why they were not. All are NotSearched once data or options have changed since.</summary>
+        /// <summary>Lists the two limbs of the last fit in each view, view after view: where they were located in the
+        /// image, or why they were not. All are NotSearched once data or options have changed since.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe LimbLine[] Limbs() => Array.ConvertAll(
             List<NativeLimb>(Native.Functions.FitterLimbs, sizeof(NativeLimb)), limb => new LimbLine(limb));
 
-        /// <summary>Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used and
-        /// refused; all samples of a limb that was not located in the end are refused. Empty when the image was not
+        /// <summary>Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used
+        /// and refused; all samples of a limb that was not located in the end are refused. Empty when the image was not
         /// searched, and once data or options have changed since.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe LimbSample[] LimbSamples() => Array.ConvertAll(
             List<NativeLimbSample>(Native.Functions.FitterLimbSamples, sizeof(NativeLimbSample)),
             sample => new LimbSample(sample));
 
-        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the images, view after view: first
-        /// those of the start, then those of the end. There are none for an end that the image of a view does not show.</summary>
+        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the images, view after
+        /// view: first those of the start, then those of the end. There are none for an end that the image of a view
+        /// does not show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
         /// <exception cref="CylfuseException">As <see cref="Extent"/>.</exception>
@@ -66,14 +69,15 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the
-        /// residuals of points.</summary>
+        /// <summary>Lists how much each point of the selected view counts at the cylinder of the last fit, in the order
+        /// of the residuals of points.</summary>
         /// <exception cref="CylfuseException">BadState without a result.</exception>
         public unsafe PointWeights PointWeights()
         {
             using (Call call = Enter())
             {
-                int status = Native.Functions.FitterPointWeights(call.Pointer, null, null, UIntPtr.Zero, out UIntPtr count);
+                int status = Native.Functions.FitterPointWeights(call.Pointer,
+                    null, null, UIntPtr.Zero, out UIntPtr count);
                 if (status != (int)Status.BufferTooSmall) call.Check(status);
                 var weights = new double[(long)count];
                 var inliers = new byte[(long)count];
@@ -89,19 +93,20 @@ namespace Cylfuse
         /// <summary>Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more
         /// precise than <see cref="FitResult.Condition"/>, and far slower.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
-        /// <exception cref="CylfuseException">BadState without a model and a result, EdgeGeometry where the cost is infinite,
-        /// TooFewPoints, Numerical.</exception>
+        /// <exception cref="CylfuseException">BadState without a model and a result, EdgeGeometry where the cost is
+        /// infinite, TooFewPoints, Numerical.</exception>
         public unsafe Diagnosis Diagnose(Cylinder model = null)
         {
             NativeCylinder cylinder;
             NativeCylinderDiagnosis native;
             Native.Check(Native.Functions.CylinderDiagnosisInit(&native, (UIntPtr)sizeof(NativeCylinderDiagnosis)));
-            using (Call call = Enter()) call.Check(Native.Functions.FitterDiagnose(call.Pointer, Cylinder.Write(model, &cylinder), &native));
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterDiagnose(call.Pointer, Cylinder.Write(model, &cylinder), &native));
             return new Diagnosis(native);
         }
 
-        /// <summary>Says how many points a completion may give at most: the set pixels of the mask when packed, all pixels of
-        /// the image when organised.</summary>
+        /// <summary>Says how many points a completion may give at most: the set pixels of the mask when packed, all
+        /// pixels of the image when organised.</summary>
         /// <param name="layout">For which layout.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
         /// <exception cref="CylfuseException">BadState without intrinsics or mask, SizeMismatch, EmptyMask.</exception>
@@ -115,8 +120,9 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with the
-        /// cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame.</summary>
+        /// <summary>Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its
+        /// first meeting with the cylinder, the near wall from outside, the far one from inside a pipe. The points are
+        /// in the reference frame.</summary>
         /// <param name="layout">Only the points that exist, or one for each pixel of the image.</param>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
@@ -142,14 +148,16 @@ namespace Cylfuse
         public CompletedDepth<float> CompleteDepth(double scale = 1.0, Cylinder model = null, Mask mask = null) =>
             CompleteDepth<float>(Native.DepthFormatF32, scale, model, mask);
 
-        /// <summary>Completes the depth image in integers. A depth beyond their range becomes 0 and is counted.</summary>
+        /// <summary>Completes the depth image in integers. A depth beyond their range becomes 0 and is
+        /// counted.</summary>
         /// <inheritdoc cref="CompleteDepth(double, Cylinder, Mask)"/>
         public CompletedDepth<ushort> CompleteDepthUInt16(double scale, Cylinder model = null, Mask mask = null) =>
             CompleteDepth<ushort>(Native.DepthFormatU16, scale, model, mask);
 
-        /// <summary>Finds the visible piece of the cylinder and what its ends are, by
-        /// <see cref="FitOptions.ExtentRule"/>, in all views that have a camera and a mask. An end that is seen in several
-        /// views is their mean by their variances; one that is seen in none is the outermost of what they show.</summary>
+        /// <summary>Finds the visible piece of the cylinder and what its ends are, by <see
+        /// cref="FitOptions.ExtentRule"/>, in all views that have a camera and a mask. An end that is seen in several
+        /// views is their mean by their variances; one that is seen in none is the outermost of what they
+        /// show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
         /// <exception cref="CylfuseException">BadState without model, intrinsics or mask, SizeMismatch, EmptyMask,
@@ -164,22 +172,24 @@ namespace Cylfuse
                 NativeExtent native;
                 Native.Check(Native.Functions.ExtentInit(&native, (UIntPtr)sizeof(NativeExtent)));
                 using (Call call = Enter())
-                    call.Check(Native.Functions.FitterExtent(call.Pointer, Cylinder.Write(model, &cylinder), regionOrNull, &native));
+                    call.Check(Native.Functions.FitterExtent(call.Pointer,
+                        Cylinder.Write(model, &cylinder), regionOrNull, &native));
                 return new Extent(native);
             }
         }
 
-        /// <summary>Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough
-        /// cylinder beside the points that were pushed, such as a fit to these points alone. For each limb the edge with
-        /// the longest pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.</summary>
+        /// <summary>Selects, of straight edges that a line detector found in the image, those on the two limbs of a
+        /// rough cylinder beside the points that were pushed, such as a fit to these points alone. For each limb the
+        /// edge with the longest pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is
+        /// pushed.</summary>
         /// <param name="segments">The edges; their weights are ignored.</param>
         /// <param name="model">The rough cylinder; null = that of the last fit.</param>
         /// <param name="reach">How far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the
         /// distance of the limbs, at least 4.</param>
-        /// <returns>For each segment 1 or 2 for the limb that it lies on, in the order of
-        /// <see cref="Cylinder.Project"/>, 0 for none.</returns>
-        /// <exception cref="CylfuseException">BadState without model, intrinsics or points, InvalidArgument for a bad segment
-        /// or reach, EdgeGeometry when the camera is inside the cylinder or a limb cannot be seen.</exception>
+        /// <returns>For each segment 1 or 2 for the limb that it lies on, in the order of <see
+        /// cref="Cylinder.Project"/>, 0 for none.</returns>
+        /// <exception cref="CylfuseException">BadState without model, intrinsics or points, InvalidArgument for a bad
+        /// segment or reach, EdgeGeometry when the camera is inside the cylinder or a limb cannot be seen.</exception>
         public unsafe byte[] SelectEdges(Segments segments, Cylinder model = null, double reach = 0)
         {
             if (segments == null) throw new ArgumentNullException(nameof(segments));
@@ -194,7 +204,8 @@ namespace Cylfuse
                     fixed (byte* buffer = limbs)
                     {
                         call.Check(Native.Functions.FitterSelectEdges(
-                            call.Pointer, Cylinder.Write(model, &cylinder), &view, reach, buffer, (UIntPtr)limbs.Length));
+                            call.Pointer,
+                                Cylinder.Write(model, &cylinder), &view, reach, buffer, (UIntPtr)limbs.Length));
                     }
                 }
                 return limbs;
@@ -244,7 +255,8 @@ namespace Cylfuse
                     target.scalar = scalar;
                     target.data = pins.Add(coordinates);
                     target.capacity = (UIntPtr)capacity;
-                    call.Check(Native.Functions.FitterComplete(call.Pointer, Cylinder.Write(model, &cylinder), regionOrNull,
+                    call.Check(Native.Functions.FitterComplete(call.Pointer,
+                        Cylinder.Write(model, &cylinder), regionOrNull,
                         (int)layout, &target, &completion));
                     if (layout == Layout.Organised)
                         return new CompletedCloud<T>(coordinates, camera.Width, camera.Height,
@@ -277,7 +289,8 @@ namespace Cylfuse
                     target.width = (uint)depth.GetLength(1);
                     target.height = (uint)depth.GetLength(0);
                     target.scale = scale;
-                    call.Check(Native.Functions.FitterCompleteDepth(call.Pointer, Cylinder.Write(model, &cylinder), regionOrNull,
+                    call.Check(Native.Functions.FitterCompleteDepth(call.Pointer,
+                        Cylinder.Write(model, &cylinder), regionOrNull,
                         &target, &completion));
                     return new CompletedDepth<T>(depth, new Completion(completion));
                 }

@@ -2,11 +2,11 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one
-    /// frame without a copy, such as one for each cylinder of a scene.</summary>
-    /// <remarks>A fitter (<see cref="Fitter.UseFrame"/>) takes what the frame holds at that time: what is set later, and its
-    /// disposal, change nothing in fitters. Calls that fill a frame run one at a time; any number of threads may use it at
-    /// once.</remarks>
+    /// <summary>What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use
+    /// one frame without a copy, such as one for each cylinder of a scene.</summary>
+    /// <remarks>A fitter (<see cref="Fitter.UseFrame"/>) takes what the frame holds at that time: what is set later,
+    /// and its disposal, change nothing in fitters. Calls that fill a frame run one at a time; any number of threads
+    /// may use it at once.</remarks>
     public sealed class Frame : IDisposable
     {
         private readonly FrameHandle handle = new FrameHandle();
@@ -58,8 +58,8 @@ namespace Cylfuse
         }
 
         /// <summary>Sets the depth image.</summary>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad scale or
-        /// range; the earlier image stays then.</exception>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad
+        /// scale or range; the earlier image stays then.</exception>
         public unsafe void SetDepth(DepthImage depth)
         {
             if (depth == null) throw new ArgumentNullException(nameof(depth));
@@ -72,8 +72,8 @@ namespace Cylfuse
         }
 
         /// <summary>Sets the image, grey or in colour.</summary>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad gamma or a
-        /// value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad
+        /// gamma or a value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
         public unsafe void SetImage(Image image)
         {
             if (image == null) throw new ArgumentNullException(nameof(image));

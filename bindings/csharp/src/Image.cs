@@ -15,9 +15,9 @@ namespace Cylfuse
         Bgra8 = 7,
     }
 
-    /// <summary>An image in an array, grey or in colour, on the pixels of the camera. Its values have no unit, but are those of the light,
-    /// as they are or with a gamma, not an equalised or filtered picture. The array is not copied until a call takes the
-    /// image, and then by the library alone.</summary>
+    /// <summary>An image in an array, grey or in colour, on the pixels of the camera. Its values have no unit, but are
+    /// those of the light, as they are or with a gamma, not an equalised or filtered picture. The array is not copied
+    /// until a call takes the image, and then by the library alone.</summary>
     public sealed class Image
     {
         private readonly ArrayPart pixels;
@@ -36,8 +36,8 @@ namespace Cylfuse
             format = (int)colours;
         }
 
-        /// <summary>Light is the value to this power, from 0.1 to 10. Default 1: values linear in light; 2.2 is about sRGB.
-        /// With another one than 1 no value may be negative.</summary>
+        /// <summary>Light is the value to this power, from 0.1 to 10. Default 1: values linear in light; 2.2 is about
+        /// sRGB. With another one than 1 no value may be negative.</summary>
         public double Gamma { get; set; } = 1;
 
         /// <summary>Rows × columns × 3 or 4 values of a pixel.</summary>

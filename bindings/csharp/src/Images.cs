@@ -2,8 +2,9 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>A depth image in an array, on the pixels of the camera, or of the depth camera where there is one. A value is z, not the distance along the ray. The
-    /// array is not copied until a call takes the image, and then by the library alone.</summary>
+    /// <summary>A depth image in an array, on the pixels of the camera, or of the depth camera where there is one. A
+    /// value is z, not the distance along the ray. The array is not copied until a call takes the image, and then by
+    /// the library alone.</summary>
     public sealed class DepthImage
     {
         private readonly ArrayPart pixels;
@@ -14,8 +15,8 @@ namespace Cylfuse
             Scale = scale;
         }
 
-        /// <summary>Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-        /// is the metre.</summary>
+        /// <summary>Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+        /// length is the metre.</summary>
         public double Scale { get; }
 
         /// <summary>The nearest depth that counts, in the unit of length, 0 or greater. Default 0.</summary>
@@ -65,8 +66,8 @@ namespace Cylfuse
         }
     }
 
-    /// <summary>A mask in an array, on the pixels of the colour image: non-zero = visible lateral surface of the cylinder.
-    /// Its boundary may be some pixels off: it is a hint and never measured.</summary>
+    /// <summary>A mask in an array, on the pixels of the colour image: non-zero = visible lateral surface of the
+    /// cylinder. Its boundary may be some pixels off: it is a hint and never measured.</summary>
     public sealed class Mask
     {
         private readonly ArrayPart pixels;
@@ -76,8 +77,8 @@ namespace Cylfuse
             this.pixels = pixels;
         }
 
-        /// <summary>In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface. Default 0
-        /// = all pixels that are not 0.</summary>
+        /// <summary>In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface.
+        /// Default 0 = all pixels that are not 0.</summary>
         public byte Label { get; set; }
 
         /// <summary>Rows × columns of bytes, which are not copied until a call takes them.</summary>

@@ -62,8 +62,8 @@ namespace Cylfuse
 
         /// <summary>The pixels of the (distorted) image at which the camera sees points of its frame, row by row of the
         /// points.</summary>
-        /// <returns>n × 2 numbers, x and y. Pixels may lie beyond the border of the image; NaN for a point that is not finite,
-        /// not in front of the camera or outside the field of its model.</returns>
+        /// <returns>n × 2 numbers, x and y. Pixels may lie beyond the border of the image; NaN for a point that is not
+        /// finite, not in front of the camera or outside the field of its model.</returns>
         /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics,
         /// InvalidArgument).</exception>
         public unsafe double[,] Project(PointCloud points)
@@ -82,8 +82,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its frame.
-        /// The ray of an ideal pixel, as those of limb lines are, is that of the same intrinsics without
+        /// <summary>The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its
+        /// frame. The ray of an ideal pixel, as those of limb lines are, is that of the same intrinsics without
         /// distortion.</summary>
         /// <param name="pixels">n × 2 numbers, x and y, in the image or beyond its border.</param>
         /// <returns>n × 3 numbers; NaN for a pixel that is not finite or for which the model has no ray.</returns>

@@ -2,7 +2,8 @@ using System;
 
 namespace Cylfuse.Tests
 {
-    /// <summary>A small rendered view of a cylinder: 96 × 80 pixels, radius 0.1, axis tilted in the image and in depth.</summary>
+    /// <summary>A small rendered view of a cylinder: 96 × 80 pixels, radius 0.1, axis tilted in the image and in
+    /// depth.</summary>
     internal static class Scene
     {
         internal const int Width = 96, Height = 80;
@@ -10,7 +11,8 @@ namespace Cylfuse.Tests
             0.1);
         internal static readonly Intrinsics Camera = new Intrinsics(Width, Height, 150, 150, 47.5, 39.5);
 
-        /// <summary>z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the border.</summary>
+        /// <summary>z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the
+        /// border.</summary>
         internal static ushort[,] Depth() => Depth(Truth);
 
         /// <summary>That of a cylinder in the camera frame.</summary>

@@ -190,7 +190,8 @@ namespace Cylfuse.Tests
             Check.Throws<ArgumentException>(() => camera.Unproject(new double[2, 3]), "must be 2");
         }
 
-        /// <summary>Calls that only read run side by side, and each thread reads the message of its own failure.</summary>
+        /// <summary>Calls that only read run side by side, and each thread reads the message of its own
+        /// failure.</summary>
         public static void ManyThreadsReadAtOnce()
         {
             using (Fitter fitter = Scene.Loaded())

@@ -8,8 +8,8 @@ import java.util.Objects;
  * An infinite cylinder. The call that takes it checks the numbers.
  *
  * @param point a point on the axis, in the unit of length of the data
- * @param direction the direction of the axis: as input of any length but 0, from the library of length 1. Its sign has no
- *     meaning; the library gives the one with a positive largest component.
+ * @param direction the direction of the axis: as input of any length but 0, from the library of length 1. Its sign has
+ *     no meaning; the library gives the one with a positive largest component.
  * @param radius the radius in the unit of length of the data, greater than 0
  */
 public record Cylinder(Vector point, Vector direction, double radius) {
@@ -56,8 +56,8 @@ public record Cylinder(Vector point, Vector direction, double radius) {
     }
 
     /**
-     * The two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of a pinhole
-     * with the same fx, fy, cx and cy: without distortion the pixels of the image.
+     * The two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of a
+     * pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
      *
      * @param intrinsics the camera
      * @return a, b, c of the first line and of the second

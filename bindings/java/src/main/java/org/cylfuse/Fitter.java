@@ -8,17 +8,17 @@ import java.util.Objects;
 /**
  * Estimates one cylinder: holds options, views with their data, and the last result.
  *
- * <p>Create it, push points (or set the intrinsics, push a depth image with a mask and the image), fit. For the next frame:
- * clear, push, fit. The library copies what is pushed.
+ * <p>Create it, push points (or set the intrinsics, push a depth image with a mask and the image), fit. For the next
+ * frame: clear, push, fit. The library copies what is pushed.
  *
  * <p>A fitter may move between threads. Calls that only read, such as {@link #result()}, {@link #residuals} or {@link
- * #evaluate}, run side by side; a call that may change the fitter runs alone. What would disturb another call, from another
- * thread or from a listener, throws a {@link CylfuseException} with {@link Status#BUSY} at once. Only {@link #cancel()} and
- * {@link #close()} always go through; the fitter is then destroyed after the calls that are running. Different fitters run in
- * parallel. After {@link #close()} every other method throws an {@link IllegalStateException}.
+ * #evaluate}, run side by side; a call that may change the fitter runs alone. What would disturb another call, from
+ * another thread or from a listener, throws a {@link CylfuseException} with {@link Status#BUSY} at once. Only {@link
+ * #cancel()} and {@link #close()} always go through; the fitter is then destroyed after the calls that are running.
+ * Different fitters run in parallel. After {@link #close()} every other method throws an {@link IllegalStateException}.
  *
- * <p>Where a method takes a model, in the reference frame, null stands for that of the last fit; where it takes a mask, null
- * stands for the mask of the selected view, and another one must have the size of the intrinsics.
+ * <p>Where a method takes a model, in the reference frame, null stands for that of the last fit; where it takes a mask,
+ * null stands for the mask of the selected view, and another one must have the size of the intrinsics.
  */
 public final class Fitter extends FitterData implements AutoCloseable {
     private static final Cleaner CLEANER = Cleaner.create();
@@ -74,7 +74,8 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Sets or takes away the listener that hears of every linear solve. What it throws stops the fit and comes out of it.
+     * Sets or takes away the listener that hears of every linear solve. What it throws stops the fit and comes out of
+     * it.
      *
      * @param listener null for none
      */
@@ -94,16 +95,16 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Asks the calls that are running to stop: a fit throws with {@link Status#CANCELLED}. When no call is running it does
-     * nothing. From any thread, at any time.
+     * Asks the calls that are running to stop: a fit throws with {@link Status#CANCELLED}. When no call is running it
+     * does nothing. From any thread, at any time.
      */
     public void cancel() {
         calls.run(NativeFunctions::cylfuse_fitter_cancel);
     }
 
     /**
-     * Estimates the cylinder from everything that was pushed into all views. Lack of convergence and other warnings are not
-     * errors but numbers of the result.
+     * Estimates the cylinder from everything that was pushed into all views. Lack of convergence and other warnings are
+     * not errors but numbers of the result.
      *
      * @return the result
      * @throws UnusableDataException when the data do not determine a cylinder; the last result stays
@@ -151,10 +152,10 @@ public final class Fitter extends FitterData implements AutoCloseable {
      *
      * @param kind which residuals
      * @param model the model
-     * @return of points in the order in which they were pushed, without the dropped ones, in the unit of length, negative
-     *     inside; of both endpoints of every used segment in ideal pixels
-     * @throws CylfuseException BAD_STATE without a model and a result; EDGE_GEOMETRY for edges when the camera is inside
-     *     the cylinder
+     * @return of points in the order in which they were pushed, without the dropped ones, in the unit of length,
+     *     negative inside; of both endpoints of every used segment in ideal pixels
+     * @throws CylfuseException BAD_STATE without a model and a result; EDGE_GEOMETRY for edges when the camera is
+     *     inside the cylinder
      */
     public double[] residuals(ResidualKind kind, Cylinder model) {
         Objects.requireNonNull(kind, "kind");
@@ -200,8 +201,8 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why they
-     * were not.
+     * Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
+     * they were not.
      *
      * @return the limbs; all are NOT_SEARCHED once data or options have changed since
      * @throws CylfuseException BAD_STATE without a result
@@ -223,8 +224,9 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after view: first
-     * those of the start, then those of the end. There are none for an end that the image of a view does not show.
+     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after
+     * view: first those of the start, then those of the end. There are none for an end that the image of a view does
+     * not show.
      *
      * @param model the model
      * @param mask the region
@@ -262,17 +264,18 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder beside
-     * the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest pieces
-     * wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
+     * Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder
+     * beside the points that were pushed, such as a fit to these points alone. For each limb the edge with the longest
+     * pieces wins, the nearer the limb the better, if they cover 30 % of it. Nothing is pushed.
      *
      * @param segments the edges; their weights are ignored
      * @param model the rough cylinder
-     * @param reach how far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the distance of the
-     *     limbs, at least 4
-     * @return for each segment 1 or 2 for the limb that it lies on, in the order of {@link Cylinder#project}, 0 for none
-     * @throws CylfuseException BAD_STATE without model, intrinsics or points, INVALID_ARGUMENT for a bad segment or reach,
-     *     EDGE_GEOMETRY when the camera is inside the cylinder or a limb cannot be seen
+     * @param reach how far a limb may be from that of the model, in pixels, 0 or greater; 0 = 15 % of the distance of
+     *     the limbs, at least 4
+     * @return for each segment 1 or 2 for the limb that it lies on, in the order of {@link Cylinder#project}, 0 for
+     *     none
+     * @throws CylfuseException BAD_STATE without model, intrinsics or points, INVALID_ARGUMENT for a bad segment or
+     *     reach, EDGE_GEOMETRY when the camera is inside the cylinder or a limb cannot be seen
      */
     public byte[] selectEdges(Segments segments, Cylinder model, double reach) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -295,15 +298,15 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Finds the visible piece of the cylinder and what its ends are, by {@link FitOptions#extentRule()}, in all views that
-     * have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
-     * none is the outermost of what they show.
+     * Finds the visible piece of the cylinder and what its ends are, by {@link FitOptions#extentRule()}, in all views
+     * that have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is
+     * seen in none is the outermost of what they show.
      *
      * @param model the model
      * @param mask the region
      * @return the extent
-     * @throws CylfuseException BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when
-     *     no ray of the mask meets the cylinder
+     * @throws CylfuseException BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY
+     *     when no ray of the mask meets the cylinder
      */
     public Extent extent(Cylinder model, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -345,8 +348,8 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with the cylinder, the near
-     * wall from outside, the far one from inside a pipe. The points are in the reference frame.
+     * Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with
+     * the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame.
      *
      * @param layout only the points that exist, or one for each pixel of the image
      * @param model the model
@@ -382,7 +385,8 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Completes the depth image of the selected view, on the pixels of its colour image: the z of every point of a completed cloud, 0 where there is none.
+     * Completes the depth image of the selected view, on the pixels of its colour image: the z of every point of a
+     * completed cloud, 0 where there is none.
      *
      * @param scale length of one unit of the stored value
      * @param model the model

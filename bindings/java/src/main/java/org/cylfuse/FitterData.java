@@ -8,8 +8,8 @@ abstract class FitterData {
     final FitterCalls calls = new FitterCalls();
 
     /**
-     * Selects a view, so that what is set and pushed, and what follows a fit in one view, concerns that view. There is one at
-     * first, number 0, and it is selected: with one view this is not needed.
+     * Selects a view, so that what is set and pushed, and what follows a fit in one view, concerns that view. There is
+     * one at first, number 0, and it is selected: with one view this is not needed.
      *
      * <p>All views see the same cylinder. A fit uses the data of all of them; models, results and extents are in the
      * reference frame, in which the poses of the views are given.
@@ -38,11 +38,12 @@ abstract class FitterData {
     }
 
     /**
-     * Sets the colour camera of the selected view, which depth images, images and edges need. Points that were pushed before stay as they are.
+     * Sets the colour camera of the selected view, which depth images, images and edges need. Points that were pushed
+     * before stay as they are.
      *
      * @param camera the camera
-     * @throws CylfuseException INVALID_INTRINSICS when no camera works with these numbers, SIZE_MISMATCH when an image of
-     *     another size is there ({@link #clearInput} takes it away); the old one stays
+     * @throws CylfuseException INVALID_INTRINSICS when no camera works with these numbers, SIZE_MISMATCH when an image
+     *     of another size is there ({@link #clearInput} takes it away); the old one stays
      */
     public void setIntrinsics(Intrinsics camera) {
         NativeStructs.Intrinsics n = Objects.requireNonNull(camera, "camera").toNative();
@@ -51,10 +52,12 @@ abstract class FitterData {
     }
 
     /**
-     * Sets the pose of the selected view, which leads from its camera frame to the reference frame. The identity at first.
+     * Sets the pose of the selected view, which leads from its camera frame to the reference frame. The identity at
+     * first.
      *
      * @param pose the pose
-     * @throws CylfuseException INVALID_ARGUMENT when the matrix is no rotation or a number is not finite; the old pose stays
+     * @throws CylfuseException INVALID_ARGUMENT when the matrix is no rotation or a number is not finite; the old pose
+     *     stays
      */
     public void setPose(RigidMotion pose) {
         Objects.requireNonNull(pose, "pose");
@@ -63,13 +66,14 @@ abstract class FitterData {
     }
 
     /**
-     * Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image: depth
-     * images that are pushed later are then in its pixels; mask, image and edges stay in those of the colour camera.
+     * Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image:
+     * depth images that are pushed later are then in its pixels; mask, image and edges stay in those of the colour
+     * camera.
      *
      * @param camera the depth camera; null takes it away
      * @param toColour from the frame of the depth camera to that of the colour camera
-     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT, SIZE_MISMATCH with a depth image that is there; the
-     *     old depth camera stays
+     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT, SIZE_MISMATCH with a depth image that is there;
+     *     the old depth camera stays
      */
     public void setDepthCamera(Intrinsics camera, RigidMotion toColour) {
         NativeStructs.Intrinsics n = Intrinsics.toNative(camera);
@@ -79,14 +83,14 @@ abstract class FitterData {
     }
 
     /**
-     * Lets the selected view take cameras, pose and images from a frame, in place of its own, and adds the points of the
-     * depth image inside a mask. Points and edge segments that were pushed stay.
+     * Lets the selected view take cameras, pose and images from a frame, in place of its own, and adds the points of
+     * the depth image inside a mask. Points and edge segments that were pushed stay.
      *
-     * @param frame the frame, with intrinsics; it may be changed or closed afterwards, of which the fitter sees nothing.
-     *     The images are shared and not copied.
+     * @param frame the frame, with intrinsics; it may be changed or closed afterwards, of which the fitter sees
+     *     nothing. The images are shared and not copied.
      * @param mask in the pixels of the colour image, copied; null = all pixels
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel in the mask is
-     *     usable, BUSY when the frame is being filled; the view stays as it was then
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel in the
+     *     mask is usable, BUSY when the frame is being filled; the view stays as it was then
      */
     public void useFrame(Frame frame, Mask mask) {
         Objects.requireNonNull(frame, "frame");
@@ -119,8 +123,8 @@ abstract class FitterData {
     }
 
     /**
-     * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view, start
-     * model, listeners and memory: the way from one frame to the next.
+     * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
+     * start model, listeners and memory: the way from one frame to the next.
      */
     public void clear() {
         calls.run(NativeFunctions::cylfuse_fitter_clear);
@@ -152,8 +156,9 @@ abstract class FitterData {
     }
 
     /**
-     * Adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or extent matter, else in any frame.
-     * Points with a coordinate that is not finite, a weight of 0 or outside the mask are left out and counted.
+     * Adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or extent
+     * matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the mask are
+     * left out and counted.
      *
      * @param points the points
      * @param mask selects pixels of an organised cloud, of the same size as it; null = all
@@ -168,13 +173,14 @@ abstract class FitterData {
     }
 
     /**
-     * Adds the points of a depth image of the selected view. Pixels without a depth, out of range, outside the mask or hidden from
-     * the colour camera are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and extent.
+     * Adds the points of a depth image of the selected view. Pixels without a depth, out of range, outside the mask or
+     * hidden from the colour camera are left out and counted. The image and the mask are kept, in place of earlier
+     * ones, for completion and extent.
      *
      * @param depth the image
      * @param mask in the pixels of the colour image; null = all pixels
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel is usable,
-     *     INVALID_ARGUMENT for a bad scale or range; nothing is added then
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel is
+     *     usable, INVALID_ARGUMENT for a bad scale or range; nothing is added then
      */
     public void pushDepth(DepthImage depth, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -185,12 +191,12 @@ abstract class FitterData {
     }
 
     /**
-     * Takes the image of the selected view, grey or in colour, in place of an earlier one: limbs, arcs of the ends and ends
-     * are located in it, as options and objective say.
+     * Takes the image of the selected view, grey or in colour, in place of an earlier one: limbs, arcs of the ends and
+     * ends are located in it, as options and objective say.
      *
      * @param image the image
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad gamma or a value that
-     *     is not finite or that the gamma forbids; the earlier image stays then
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad gamma or a value
+     *     that is not finite or that the gamma forbids; the earlier image stays then
      */
     public void pushImage(Image image) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -203,8 +209,8 @@ abstract class FitterData {
      * Adds edge segments to the selected view, any number of either limb. A fit with segments needs intrinsics.
      *
      * @param segments the segments
-     * @throws CylfuseException INVALID_ARGUMENT when a coordinate is not finite or a weight is negative; nothing is added
-     *     then
+     * @throws CylfuseException INVALID_ARGUMENT when a coordinate is not finite or a weight is negative; nothing is
+     *     added then
      */
     public void pushEdges(Segments segments) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -214,7 +220,8 @@ abstract class FitterData {
     }
 
     /**
-     * Says what was pushed into the selected view since the fitter was created or cleared, and what was left out by reason.
+     * Says what was pushed into the selected view since the fitter was created or cleared, and what was left out by
+     * reason.
      *
      * @return the counts
      */

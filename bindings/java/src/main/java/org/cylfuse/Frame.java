@@ -4,12 +4,12 @@ import java.lang.ref.Cleaner;
 import java.util.Objects;
 
 /**
- * What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame without a
- * copy, such as one for each cylinder of a scene.
+ * What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame
+ * without a copy, such as one for each cylinder of a scene.
  *
- * <p>A fitter ({@link Fitter#useFrame}) takes what the frame holds at that time: what is set later, and closing the frame,
- * change nothing in fitters. Calls that fill a frame run one at a time; any number of threads may use it at once. After
- * {@link #close()} every other method throws an {@link IllegalStateException}.
+ * <p>A fitter ({@link Fitter#useFrame}) takes what the frame holds at that time: what is set later, and closing the
+ * frame, change nothing in fitters. Calls that fill a frame run one at a time; any number of threads may use it at
+ * once. After {@link #close()} every other method throws an {@link IllegalStateException}.
  */
 public final class Frame implements AutoCloseable {
     private static final Cleaner CLEANER = Cleaner.create();
@@ -80,8 +80,8 @@ public final class Frame implements AutoCloseable {
      * Sets the depth image.
      *
      * @param depth the image
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale or range; the
-     *     earlier image stays then
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale or range;
+     *     the earlier image stays then
      */
     public void setDepth(DepthImage depth) {
         try (NativeCopies copies = new NativeCopies()) {
@@ -94,8 +94,8 @@ public final class Frame implements AutoCloseable {
      * Sets the image, grey or in colour.
      *
      * @param image the image
-     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad gamma or a value that
-     *     is not finite or that the gamma forbids; the earlier image stays then
+     * @throws CylfuseException BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad gamma or a value
+     *     that is not finite or that the gamma forbids; the earlier image stays then
      */
     public void setImage(Image image) {
         try (NativeCopies copies = new NativeCopies()) {

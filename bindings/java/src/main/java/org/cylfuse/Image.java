@@ -5,9 +5,9 @@ import java.nio.FloatBuffer;
 import java.nio.ShortBuffer;
 
 /**
- * An image on the pixels of the camera, grey or in colour. Its values have no unit, but are those of the light, as they are
- * or with a gamma, not an equalised or filtered picture. Nothing is copied until a call takes the image, and then a direct buffer by
- * the library alone.
+ * An image on the pixels of the camera, grey or in colour. Its values have no unit, but are those of the light, as they
+ * are or with a gamma, not an equalised or filtered picture. Nothing is copied until a call takes the image, and then a
+ * direct buffer by the library alone.
  */
 public final class Image {
     private final BufferPart pixels;
@@ -153,8 +153,8 @@ public final class Image {
     /**
      * The same image with a gamma.
      *
-     * @param gamma light is the value to this power, from 0.1 to 10: 1, as without it, for values linear in light; 2.2 is
-     *     about sRGB. With another one than 1 no value may be negative.
+     * @param gamma light is the value to this power, from 0.1 to 10: 1, as without it, for values linear in light; 2.2
+     *     is about sRGB. With another one than 1 no value may be negative.
      * @return another view of the same pixels
      */
     public Image withGamma(double gamma) {

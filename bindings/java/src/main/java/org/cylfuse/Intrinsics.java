@@ -6,8 +6,8 @@ import java.util.Objects;
 import java.util.stream.DoubleStream;
 
 /**
- * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it checks
- * the numbers.
+ * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it
+ * checks the numbers.
  *
  * @param width width of the image in pixels, at least 1
  * @param height height of the image in pixels, at least 1; both together at most 2^28 pixels
@@ -100,8 +100,8 @@ public record Intrinsics(
      * The pixels of the (distorted) image at which the camera sees points of its frame.
      *
      * @param points the points
-     * @return x and y of one pixel after the other, row by row of the points. Pixels may lie beyond the border of the image;
-     *     NaN for a point that is not finite, not in front of the camera or outside the field of its model.
+     * @return x and y of one pixel after the other, row by row of the points. Pixels may lie beyond the border of the
+     *     image; NaN for a point that is not finite, not in front of the camera or outside the field of its model.
      * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT when no camera works with these numbers
      */
     public double[] project(PointCloud points) {
@@ -115,11 +115,12 @@ public record Intrinsics(
     }
 
     /**
-     * The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its frame. The ray of an
-     * ideal pixel, as those of limb lines are, is that of the same intrinsics without distortion.
+     * The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its frame. The ray
+     * of an ideal pixel, as those of limb lines are, is that of the same intrinsics without distortion.
      *
      * @param pixels x and y of one pixel after the other, in the image or beyond its border
-     * @return x, y and z of one ray after the other; NaN for a pixel that is not finite or for which the model has no ray
+     * @return x, y and z of one ray after the other; NaN for a pixel that is not finite or for which the model has no
+     *     ray
      * @throws IllegalArgumentException when the length is odd
      * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT when no camera works with these numbers
      */

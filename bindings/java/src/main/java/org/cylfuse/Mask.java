@@ -3,8 +3,8 @@ package org.cylfuse;
 import java.nio.ByteBuffer;
 
 /**
- * A mask on the pixels of the colour image: non-zero = visible lateral surface of the cylinder. Its boundary may be some
- * pixels off: it is a hint and never measured.
+ * A mask on the pixels of the colour image: non-zero = visible lateral surface of the cylinder. Its boundary may be
+ * some pixels off: it is a hint and never measured.
  */
 public final class Mask {
     private final BufferPart pixels;

@@ -7,8 +7,9 @@ import java.util.function.ToIntBiFunction;
 import java.util.function.ToIntFunction;
 
 /**
- * Owns a native fitter or frame, runs its calls and turns failures into exceptions. Destroys it when it is closed and no call
- * on it is running. Has no way back to its owner. Calls may run side by side; the library says which exclude each other.
+ * Owns a native fitter or frame, runs its calls and turns failures into exceptions. Destroys it when it is closed and
+ * no call on it is running. Has no way back to its owner. Calls may run side by side; the library says which exclude
+ * each other.
  */
 final class NativeHandle {
     // The library calls back on the thread of the call, and keeps its messages by thread.

@@ -5,8 +5,8 @@ import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
 
 /**
- * Points in an array or buffer, organised in rows and columns or not. Nothing is copied until a call takes the cloud, and
- * then a direct buffer by the library alone.
+ * Points in an array or buffer, organised in rows and columns or not. Nothing is copied until a call takes the cloud,
+ * and then a direct buffer by the library alone.
  */
 public final class PointCloud {
     private final BufferPart points;

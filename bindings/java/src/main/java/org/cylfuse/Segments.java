@@ -5,8 +5,8 @@ import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
 
 /**
- * Edge segments: pieces of the two lines that bound the cylinder in the (distorted) image, each x1, y1, x2, y2 in pixels,
- * its endpoints in any order.
+ * Edge segments: pieces of the two lines that bound the cylinder in the (distorted) image, each x1, y1, x2, y2 in
+ * pixels, its endpoints in any order.
  */
 public final class Segments {
     private final BufferPart segments;
