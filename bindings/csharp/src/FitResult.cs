@@ -10,7 +10,7 @@ namespace Cylfuse
         /// <summary>The cylinder, its axis point the one nearest to the middle of the points.</summary>
         public Cylinder Model { get; }
 
-        /// <summary>Warnings; empty when there are none.</summary>
+        /// <summary>Warnings; None when there are none.</summary>
         public ResultFlags Flags => (ResultFlags)native.flags;
 
         /// <summary>Standard deviation of the radius, unit of length. This and what follows is that of the noise of the
