@@ -60,19 +60,27 @@ func (fitter *Fitter) Reserve(points, segments int) error {
 	})
 }
 
-// Clear forgets data and result; it keeps options, views with their cameras and poses, start model, callbacks and memory:
-// the way from one frame to the next.
+// Clear forgets the data, all views but the first, its pose and the result; it keeps options, the cameras of the first
+// view, start model, callbacks and memory: the way from one frame to the next.
 func (fitter *Fitter) Clear() error {
-	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status { return C.cylfuse_fitter_clear(handle) })
+	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		status := C.cylfuse_fitter_clear(handle)
+		if status == C.CYLFUSE_STATUS_OK {
+			fitter.state.Lock()
+			defer fitter.state.Unlock()
+			fitter.selected, fitter.cameras = 0, fitter.cameras[:1]
+		}
+		return status
+	})
 }
 
 // Input is data of a view, one bit each.
 type Input uint32
 
 const (
-	// InputPoints: clouds, of PushPoints.
+	// InputPoints: all points, those of clouds and those that were made of depth images.
 	InputPoints Input = C.CYLFUSE_INPUT_POINTS
-	// InputDepth: the depth images with their masks, of PushDepth and of a frame.
+	// InputDepth: the depth image and its mask, which completion and extent look at; the points made of it stay.
 	InputDepth Input = C.CYLFUSE_INPUT_DEPTH
 	// InputEdges: edge segments, of PushEdges.
 	InputEdges Input = C.CYLFUSE_INPUT_EDGES
@@ -185,9 +193,10 @@ func (fitter *Fitter) SetDepthCamera(camera *DepthCamera) error {
 	})
 }
 
-// UseFrame lets the selected view take its camera, its pose, its image and the points of the depth inside a mask (nil =
-// all pixels) from a frame, in place of what the view had of these. Clouds and edge segments of the view stay. The frame
-// can no longer be changed, and nothing of it is copied.
+// UseFrame lets the selected view take camera, depth camera, pose and images from a frame, in place of its own, and adds
+// the points of the depth image inside a mask (nil = all pixels), if there is one. Points and edge segments that were
+// pushed stay. The images are shared and not copied. The frame may be changed or closed afterwards, of which the fitter
+// sees nothing.
 func (fitter *Fitter) UseFrame(frame *Frame, mask *Mask) error {
 	return frame.open(func(native *native) error {
 		frame.state.Lock()
@@ -283,6 +292,7 @@ func (fitter *Fitter) Counts() (Counts, error) {
 		DroppedNoDepth:       uint64(c.dropped_no_depth),
 		DroppedOutOfRange:    uint64(c.dropped_out_of_range),
 		DroppedOutsideCamera: uint64(c.dropped_outside_camera),
+		DroppedHidden:        uint64(c.dropped_hidden),
 		SegmentsGiven:        uint64(c.segments_given),
 	}, nil
 }

@@ -11,8 +11,8 @@ import (
 // Frame is what one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one
 // frame without a copy, such as one for each cylinder of a scene. Made by NewFrame.
 //
-// A frame is filled first and used then: once a fitter uses it, it stays as it is. It may be closed while fitters use it,
-// which keep what they need. Any number of goroutines may use it at once.
+// A fitter takes what the frame holds at that time: what is set later, and Close, change nothing in fitters. Methods that
+// fill a frame run one at a time; any number of goroutines may use it at once.
 type Frame struct {
 	object
 	// state guards what follows.
@@ -72,8 +72,8 @@ func (frame *Frame) SetPose(pose Pose) error {
 	})
 }
 
-// SetDepthCamera gives the depth a camera of its own, for depth that is not registered to the colour image; it comes
-// before the depth. nil takes it away.
+// SetDepthCamera gives the depth a camera of its own, for depth that is not registered to the colour image. nil
+// takes it away.
 func (frame *Frame) SetDepthCamera(camera *DepthCamera) error {
 	c, err := camera.toC()
 	if err != nil {
@@ -84,7 +84,7 @@ func (frame *Frame) SetDepthCamera(camera *DepthCamera) error {
 	})
 }
 
-// SetDepth sets the depth image; intrinsics come before.
+// SetDepth sets the depth image, in place of an earlier one; intrinsics come before.
 func (frame *Frame) SetDepth(depth Depth) error {
 	view, err := depth.depthView()
 	if err != nil {
@@ -95,7 +95,7 @@ func (frame *Frame) SetDepth(depth Depth) error {
 	})
 }
 
-// SetImage sets the image, grey or in colour; intrinsics come before.
+// SetImage sets the image, grey or in colour, in place of an earlier one; intrinsics come before.
 func (frame *Frame) SetImage(image Image) error {
 	view, err := image.imageView()
 	if err != nil {

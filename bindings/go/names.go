@@ -37,7 +37,7 @@ func (model DistortionModel) String() string {
 
 // String names the reason.
 func (termination Termination) String() string {
-	return name(termination, 0, "none", "cost", "stalled", "max iterations", "radius ran away")
+	return name(termination, 0, "none", "cost", "stalled", "max iterations", "radius ran away", "gradient", "step")
 }
 
 // String names the residuals.
@@ -78,7 +78,7 @@ func (level LogLevel) String() string {
 func (flags Flags) String() string {
 	return bitNames(uint32(flags), "edges ignored", "segments unusable", "edges cross", "edges coincide", "edges behind",
 		"scale held", "weak radius", "resolution lost", "not converged", "hidden wall", "camera inside", "points not finite",
-		"points and limbs disagree", "radius at limit", "axis at limit")
+		"points and limbs disagree", "radius at limit", "axis at limit", "uncertainty unknown")
 }
 
 // bitNames are the names of the bits that are set, the lowest of which has the first name.

@@ -115,11 +115,11 @@ type Options struct {
 	MaxIterations uint32
 	// CostTolerance is the smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
 	CostTolerance float64
-	// GradientTolerance ends the iteration when the norm of half the gradient of the cost, in units of the size of the
-	// data, is not above it. Default 0.
+	// GradientTolerance ends the iteration where the cosine of the angle between the residuals and what a step can change
+	// of them is not above it, in [0, 1). Default 2^-52.
 	GradientTolerance float64
-	// StepTolerance ends the iteration when the norm of a step, in units of the size of the data, is not above it.
-	// Default 0.
+	// StepTolerance ends the iteration with a step that moves the surface at the data by not more than this part of their
+	// largest coordinate and of their size, in [0, 1). Default 2^-52.
 	StepTolerance float64
 	// InitialLambda is the damping of the first step, greater than 0. Default 1e-3.
 	InitialLambda float64
@@ -136,19 +136,25 @@ type Options struct {
 	// RANSACThreshold is the distance within which RANSAC counts a point as an inlier, in the unit of length.
 	// Default 0 = from the data.
 	RANSACThreshold float64
-	// IndependentPoints is how many points with independent noise the depth of one view is worth, by which points and
+	// IndependentPoints is how many points with independent noise the points of one view are worth, by which points and
 	// limbs are weighed against each other. Default 0 = from the data.
 	IndependentPoints float64
-	// DepthNoise is the standard deviation of the depth, in the unit of length. Default 0 = from the data.
+	// DepthNoise is the standard deviation of a point across the surface, in the unit of length. Default 0 = from the data.
 	DepthNoise float64
-	// ImageNoise is the standard deviation of the values of the image, in their unit. Default 0 = from the image.
+	// ImageNoise is the standard deviation of the values of the image, in their unit where that is linear in light.
+	// Default 0 = from the image.
 	ImageNoise float64
-	// EdgeNoise is the standard deviation of an endpoint of a given edge segment across its limb, in pixels.
-	// Default 0 = that of edges set by hand.
+	// EdgeNoise is the standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels.
+	// Default 0 = 0.5, that of edges set by hand.
 	EdgeNoise float64
-	// MaskNoise is the standard deviation of the boundary of the mask, in pixels. Default 0 = that of masks drawn by
-	// hand.
+	// MaskNoise is the standard deviation of a side of the mask as a whole across its limb, in drawn pixels. Default 0 =
+	// 1.6, that of masks drawn by hand.
 	MaskNoise float64
+	// ImageBlur is the blur of the image, the standard deviation of a Gauss curve in pixels. Default 0 = from the image.
+	ImageBlur float64
+	// DrawnPixel is the size of a pixel of the drawing in which edges and masks were made, in pixels of the image. Default
+	// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
+	DrawnPixel float64
 	// RadiusMin is the smallest radius, which the returned cylinder keeps. Default 0 = no limit.
 	RadiusMin float64
 	// RadiusMax is the largest radius, equal to RadiusMin for a radius that is known. Default 0 = no limit.
@@ -195,6 +201,8 @@ func (options *Options) toC() C.cylfuse_options {
 	c.image_noise = C.double(options.ImageNoise)
 	c.edge_noise = C.double(options.EdgeNoise)
 	c.mask_noise = C.double(options.MaskNoise)
+	c.image_blur = C.double(options.ImageBlur)
+	c.drawn_pixel = C.double(options.DrawnPixel)
 	c.radius_min = C.double(options.RadiusMin)
 	c.radius_max = C.double(options.RadiusMax)
 	c.axis = vectorToC(options.Axis)
@@ -228,6 +236,8 @@ func optionsFromC(c *C.cylfuse_options) Options {
 		ImageNoise:          float64(c.image_noise),
 		EdgeNoise:           float64(c.edge_noise),
 		MaskNoise:           float64(c.mask_noise),
+		ImageBlur:           float64(c.image_blur),
+		DrawnPixel:          float64(c.drawn_pixel),
 		RadiusMin:           float64(c.radius_min),
 		RadiusMax:           float64(c.radius_max),
 		Axis:                vectorFromC(c.axis),

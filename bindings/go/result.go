@@ -22,6 +22,10 @@ const (
 	TerminationMaxIterations Termination = C.CYLFUSE_TERMINATION_MAX_ITERATIONS
 	// TerminationRadiusRanAway: the radius left all proportion to the data, they are flat.
 	TerminationRadiusRanAway Termination = C.CYLFUSE_TERMINATION_RADIUS_RAN_AWAY
+	// TerminationGradient: the gradient fell below its tolerance.
+	TerminationGradient Termination = C.CYLFUSE_TERMINATION_GRADIENT
+	// TerminationStep: the step fell below its tolerance.
+	TerminationStep Termination = C.CYLFUSE_TERMINATION_STEP
 )
 
 // Flags are warnings about a result, one bit each. None of them is an error.
@@ -58,6 +62,8 @@ const (
 	FlagRadiusAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT
 	// FlagAxisAtLimit: the axis is on the border of its cone.
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
+	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
+	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
 )
 
 // Has says whether all of these warnings are there.
@@ -104,10 +110,10 @@ type Result struct {
 	SegmentsGiven, SegmentsUsed uint32
 	// PointsUsed took part of the PointsGiven; Counts says why the others were left out.
 	PointsGiven, PointsUsed uint64
-	// IndependentPoints is how many points with independent noise the points are worth: the noise of neighbours in a
-	// depth image is alike.
+	// IndependentPoints is how many points with independent noise the points of all views are worth: the noise of
+	// neighbours in a depth image is alike.
 	IndependentPoints float64
-	// PointDeviation is the robust standard deviation of the points from the surface, unit of length.
+	// PointDeviation is the standard deviation of the points from the surface by their median, unit of length.
 	PointDeviation float64
 	// PointRMS is the root mean square distance of the points from the surface, unit of length.
 	PointRMS float64
@@ -202,6 +208,8 @@ type Counts struct {
 	DroppedOutOfRange uint64
 	// DroppedOutsideCamera: the camera model has no ray for the pixel.
 	DroppedOutsideCamera uint64
+	// DroppedHidden: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of its own.
+	DroppedHidden uint64
 	// SegmentsGiven counts edge segments that were pushed.
 	SegmentsGiven uint64
 }
@@ -367,10 +375,10 @@ type Extent struct {
 	StartState, EndState EndState
 	// StartSource and EndSource are what the positions were taken from.
 	StartSource, EndSource EndSource
-	// StartView and EndView are the views that the ends were found in.
+	// StartView and EndView are the views that tell most of the ends.
 	StartView, EndView uint32
-	// LimbsKnown: the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the mask was read
-	// off at them.
+	// LimbsKnown: the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias of
+	// the mask was read off at them.
 	LimbsKnown bool
 	// Start and End are points on the axis, Center the middle of them.
 	Start, End, Center [3]float64
