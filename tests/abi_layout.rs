@@ -51,12 +51,13 @@ fn layouts() -> Vec<Layout> {
             struct_size, method, objective, start, near_wall, chart, edge_use, extent_rule, max_threads,
             max_iterations, cost_tolerance, gradient_tolerance, step_tolerance, initial_lambda, lambda_factor,
             max_lambda, edge_weight, seed, ransac_max_iterations, ransac_threshold, independent_points,
-            depth_noise, image_noise, edge_noise, mask_noise, radius_min, radius_max, axis, axis_max_angle,
+            depth_noise, image_noise, edge_noise, mask_noise, image_blur, drawn_pixel, radius_min, radius_max,
+            axis, axis_max_angle,
         }
         cylfuse_counts {
             struct_size, view, points_given, points_used, dropped_not_finite, dropped_zero_weight,
             dropped_outside_mask, dropped_no_depth, dropped_out_of_range, dropped_outside_camera,
-            segments_given,
+            dropped_hidden, segments_given,
         }
         cylfuse_result {
             struct_size, flags, termination, iterations, rejected_steps, limbs_located, segments_given,

@@ -145,8 +145,8 @@ typedef struct cylfuse_fitter cylfuse_fitter;
  * What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame
  * without a copy, such as one for each cylinder of a scene. Opaque; made by `cylfuse_frame_create`.
  *
- * A frame is filled first and used then: once a fitter uses it, it stays as it is. It may be destroyed while fitters
- * use it, which keep what they need. Calls that fill it run one at a time; any number of threads may use it at once.
+ * A fitter takes what the frame holds at that time: what is set later, and its destruction, change nothing in fitters.
+ * Calls that fill a frame run one at a time; any number of threads may use it at once.
  */
 typedef struct cylfuse_frame cylfuse_frame;
 
@@ -427,13 +427,14 @@ typedef struct cylfuse_options {
      */
     double cost_tolerance;
     /**
-     * The iteration ends when the norm of half the gradient of the cost, in units of the size of the data, is not
-     * above this; 0 or greater. Default 0.
+     * The iteration ends when the norm of half the gradient of the cost is not above this part of what the residuals
+     * The iteration ends where the cosine of the angle between the residuals and what a step can change of them is not
+     * above this, in [0, 1). Default 2^-52.
      */
     double gradient_tolerance;
     /**
-     * The iteration ends when the norm of a step, in units of the size of the data, is not above this; 0 or greater.
-     * Default 0.
+     * The iteration ends with a step that moves the surface at the data by not more than this part of their largest
+     * coordinate and of their size, in [0, 1). Default 2^-52.
      */
     double step_tolerance;
     /**
@@ -467,28 +468,39 @@ typedef struct cylfuse_options {
      */
     double ransac_threshold;
     /**
-     * How many points with independent noise the depth of one view is worth, by which points and limbs are weighed
+     * How many points with independent noise the points of one view are worth, by which points and limbs are weighed
      * against each other; 0 or greater. Default 0 = from the data.
      */
     double independent_points;
     /**
-     * Standard deviation of the depth, in the unit of length, 0 or greater. Default 0 = from the data.
+     * Standard deviation of a point across the surface, in the unit of length, 0 or greater. Default 0 = from the data.
      */
     double depth_noise;
     /**
-     * Standard deviation of the values of the image, in their unit, 0 or greater. Default 0 = from the image.
+     * Standard deviation of the values of the image, in their unit where that is linear in light, 0 or greater. Default
+     * 0 = from the image.
      */
     double image_noise;
     /**
-     * Standard deviation of an endpoint of a given edge segment across its limb, in pixels, 0 or greater. Default 0
-     * = that of edges set by hand.
+     * Standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels, 0 or greater. Default
+     * 0 = 0.5, that of edges set by hand.
      */
     double edge_noise;
     /**
-     * Standard deviation of the boundary of the mask, in pixels, 0 or greater. Default 0 = that of masks drawn by
-     * hand.
+     * Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater. Default 0 =
+     * 1.6, that of masks drawn by hand.
      */
     double mask_noise;
+    /**
+     * Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from the image.
+     */
+    double image_blur;
+    /**
+     * Size of a pixel of the drawing in which edges and masks were made, in pixels of the image, 0 or greater: people
+     * and networks draw on a grid of some hundred columns, whatever the size of the image. Default 0 = 1 up to
+     * 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
+     */
+    double drawn_pixel;
     /**
      * The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
      * start. Default 0 = no limit.
@@ -964,6 +976,10 @@ typedef struct cylfuse_counts {
      */
     uint64_t dropped_outside_camera;
     /**
+     * Left out: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of its own.
+     */
+    uint64_t dropped_hidden;
+    /**
      * Edge segments that were pushed; `segments_used` of a result says how many count.
      */
     uint64_t segments_given;
@@ -1036,6 +1052,11 @@ typedef uint32_t cylfuse_result_flags;
  * The axis is on the border of its cone: the data want another one. Not for a direction that is known.
  */
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
+/**
+ * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
+ * are independent, or some degree of freedom is not determined.
+ */
+#define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
 
 /**
  * Why an iteration ended.
@@ -1061,6 +1082,14 @@ typedef int32_t cylfuse_termination;
  * The radius left all proportion to the data: they are flat.
  */
 #define CYLFUSE_TERMINATION_RADIUS_RAN_AWAY 4
+/**
+ * The gradient fell below its tolerance.
+ */
+#define CYLFUSE_TERMINATION_GRADIENT 5
+/**
+ * The step fell below its tolerance.
+ */
+#define CYLFUSE_TERMINATION_STEP 6
 
 /**
  * The outcome of a fit with the numbers to judge it, whatever shape was fitted. NaN stands for what does not apply.
@@ -1108,13 +1137,13 @@ typedef struct cylfuse_result {
      */
     uint64_t points_used;
     /**
-     * How many points with independent noise the points are worth: the noise of neighbours in a depth image is
-     * alike. NaN where the objective does not ask.
+     * How many points with independent noise the points of all views are worth: the noise of neighbours in a depth
+     * image is alike.
      */
     double independent_points;
     /**
-     * Robust standard deviation of the points from the surface, unit of length: points beyond some of it lose their
-     * weight. NaN where the objective has none.
+     * Standard deviation of the points from the surface by their median, unit of length: points beyond some of it lose
+     * their weight in the objective ROBUST.
      */
     double point_deviation;
     /**
@@ -1406,16 +1435,16 @@ typedef struct cylfuse_extent {
      */
     cylfuse_end_source end_source;
     /**
-     * The view that the start was found in.
+     * The view that tells most of the start.
      */
     uint32_t start_view;
     /**
-     * The view that the end was found in.
+     * The view that tells most of the end.
      */
     uint32_t end_view;
     /**
-     * 1 when the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the mask was
-     * read off at them; else 0.
+     * 1 when the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias of
+     * the mask was read off at them; else 0.
      */
     uint32_t limbs_known;
     /**
@@ -1467,11 +1496,11 @@ typedef struct cylfuse_extent {
  */
 typedef uint32_t cylfuse_input;
 /**
- * Clouds, of `cylfuse_fitter_push_points`.
+ * All points: those of clouds and those that were made of depth images.
  */
 #define CYLFUSE_INPUT_POINTS 1
 /**
- * The depth images with their masks, of `cylfuse_fitter_push_depth` and of a frame.
+ * The depth image and its mask, which completion and extent look at; the points that were made of it stay.
  */
 #define CYLFUSE_INPUT_DEPTH 2
 /**
@@ -1972,8 +2001,8 @@ cylfuse_status cylfuse_fitter_reserve(struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Forgets data and result; keeps options, views with their cameras and poses, start model, callbacks and memory: the
- * way from one frame to the next.
+ * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
+ * start model, callbacks and memory: the way from one frame to the next.
  *
  * @param fitter the fitter
  */
@@ -2010,7 +2039,8 @@ const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve. When no
+ * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+ * sample. When no
  * call is running it does nothing. May be called from any thread and from callbacks.
  *
  * @param fitter the fitter
@@ -2093,7 +2123,8 @@ CYLFUSE_NOEXCEPT;
  * @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
  * @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
  * @param translation 3 doubles, in the unit of length
- * @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; the old depth camera stays then
+ * @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with a depth image that was pushed
+ *   (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old depth camera stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_set_depth_camera(struct cylfuse_fitter *fitter,
@@ -2108,7 +2139,8 @@ CYLFUSE_NOEXCEPT;
  *
  * @param fitter the fitter
  * @param intrinsics copied
- * @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; the old camera stays then
+ * @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that was
+ *   pushed (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old camera stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_set_intrinsics(struct cylfuse_fitter *fitter,
@@ -2177,8 +2209,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Adds the points of a depth image of the selected view; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
- * a depth, out of range or outside the mask are left out and counted. The image and the mask are kept, in place
- * of earlier ones, for completion and extent.
+ * a depth, out of range, outside the mask or hidden from the colour camera are left out and counted. The image and the
+ * mask are kept, in place of earlier ones, for completion and extent.
  *
  * @param fitter the fitter
  * @param depth read during the call only
@@ -2269,11 +2301,12 @@ const char *cylfuse_frame_last_error(const struct cylfuse_frame *frame)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Sets the colour camera of a frame; it comes before depth and image.
+ * Sets the colour camera of a frame; it comes before depth and image, which must have its size.
  *
  * @param frame the frame
  * @param intrinsics copied
- * @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; BAD_STATE when the frame is in use
+ * @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that the
+ *   frame has, OUT_OF_MEMORY; the old camera stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_frame_set_intrinsics(struct cylfuse_frame *frame,
@@ -2286,8 +2319,7 @@ CYLFUSE_NOEXCEPT;
  * @param frame the frame
  * @param rotation 9 doubles, a rotation matrix row by row, to 1e-6; rounding is mended
  * @param translation 3 doubles, in the unit of length
- * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; BAD_STATE when the frame is in
- *   use
+ * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_frame_set_pose(struct cylfuse_frame *frame,
@@ -2296,13 +2328,15 @@ cylfuse_status cylfuse_frame_set_pose(struct cylfuse_frame *frame,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Gives the depth of a frame a camera of its own; it comes before the depth. See `cylfuse_fitter_set_depth_camera`.
+ * Gives the depth of a frame a camera of its own, whose size the depth image must have. See
+ * `cylfuse_fitter_set_depth_camera`.
  *
  * @param frame the frame
  * @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
  * @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
  * @param translation 3 doubles, in the unit of length
- * @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; BAD_STATE when the frame is in use
+ * @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with the depth image that the frame has,
+ *   OUT_OF_MEMORY; the old depth camera stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_frame_set_depth_camera(struct cylfuse_frame *frame,
@@ -2312,12 +2346,12 @@ cylfuse_status cylfuse_frame_set_depth_camera(struct cylfuse_frame *frame,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Sets the depth image of a frame.
+ * Sets the depth image of a frame, in place of an earlier one.
  *
  * @param frame the frame, with intrinsics
  * @param depth copied
- * @return BAD_STATE without intrinsics and when the frame is in use, SIZE_MISMATCH, NO_DEPTH when no pixel is usable,
- *   INVALID_ARGUMENT for a bad scale, range or stride, OUT_OF_MEMORY
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale, range or stride,
+ *   OUT_OF_MEMORY; the earlier image stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_frame_set_depth(struct cylfuse_frame *frame,
@@ -2325,12 +2359,12 @@ cylfuse_status cylfuse_frame_set_depth(struct cylfuse_frame *frame,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Sets the image of a frame, grey or in colour.
+ * Sets the image of a frame, grey or in colour, in place of an earlier one.
  *
  * @param frame the frame, with intrinsics
  * @param image copied
- * @return BAD_STATE without intrinsics and when the frame is in use, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride
- *   or gamma, or a value that is not finite or that the gamma forbids, OUT_OF_MEMORY
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or gamma, or a value that is
+ *   not finite or that the gamma forbids, OUT_OF_MEMORY; the earlier image stays then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_frame_set_image(struct cylfuse_frame *frame,
@@ -2338,14 +2372,15 @@ cylfuse_status cylfuse_frame_set_image(struct cylfuse_frame *frame,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Lets the selected view of a fitter take its camera, its pose, its image and the points of the depth inside a mask
- * from a frame, in place of what the view had of these. Clouds and edge segments of the view stay.
+ * Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and
+ * adds the points of the depth image, if there is one. Points and edge segments that were pushed stay
+ * (`cylfuse_fitter_clear_input`). The images are shared and not copied.
  *
  * @param fitter the fitter
- * @param frame the frame, with intrinsics: it can no longer be changed, and nothing of it is copied
+ * @param frame the frame, with intrinsics; it may be changed or destroyed afterwards, of which the fitter sees nothing
  * @param mask in the pixels of the colour image, copied; NULL = all pixels
- * @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel in the mask is usable, BUSY
- *   when the frame is being filled, OUT_OF_MEMORY; the view stays as it was then
+ * @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel of the depth image in the
+ *   mask is usable, BUSY when the frame is being filled, OUT_OF_MEMORY; the view stays as it was then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_use_frame(struct cylfuse_fitter *fitter,
@@ -2448,16 +2483,16 @@ cylfuse_status cylfuse_fitter_residuals(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Lists what the last fit gave each point of the selected view to say, in the order of the residuals POINTS.
+ * Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the residuals
+ * POINTS: by the weights of the objective ROBUST, whatever was minimised.
  *
  * @param fitter the fitter
- * @param out_weights room for `capacity` doubles, of any alignment: the part of each point in the fit, from 1 for a
- *   point near the surface down to 0 for an outlier, times the weight that it was given. NULL = not wanted.
- * @param out_inliers room for `capacity` bytes: 1 for a point within the reach of the robust weights (of RANSAC: its
- *   threshold), else 0. NULL = not wanted.
+ * @param out_weights room for `capacity` doubles, of any alignment: from 1 for a point on the surface down to 0 for an
+ *   outlier, without the weight that the point was given. NULL = not wanted.
+ * @param out_inliers room for `capacity` bytes: 1 for a point whose weight is above 0, else 0. NULL = not wanted.
  * @param capacity `points_used` of `cylfuse_fitter_counts` is enough
  * @param out_count how many there are; set after BUFFER_TOO_SMALL too
- * @return BAD_STATE without a result, BUFFER_TOO_SMALL
+ * @return BAD_STATE without a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_point_weights(const struct cylfuse_fitter *fitter,
@@ -2469,7 +2504,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
- * they were not.
+ * they were not. All are NOT_SEARCHED once data or options have changed since.
  *
  * @param fitter the fitter
  * @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
@@ -2489,7 +2524,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used and refused; all
- * samples of a limb that was not located in the end are refused. Empty when the image was not searched.
+ * samples of a limb that was not located in the end are refused. Empty when the image was not searched, and once data or
+ * options have changed since.
  *
  * @param fitter the fitter
  * @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
@@ -2508,8 +2544,8 @@ cylfuse_status cylfuse_fitter_limb_samples(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the image of the selected view:
- * first those of the start, then those of the end. There are none for an end whose source is not IMAGE.
+ * Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+ * those of the start, then those of the end. There are none for an end that the image of a view does not show.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model, in the reference frame; NULL = that of the last fit
@@ -2550,8 +2586,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with
- * the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the camera frame of the
- * view.
+ * the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame,
+ * so that those of all views go together.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model, in the reference frame; NULL = that of the last fit
@@ -2574,8 +2610,8 @@ cylfuse_status cylfuse_fitter_complete(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Completes the depth image of the selected view, on the pixels of its colour image: writes the z of every point of `cylfuse_fitter_complete`, and 0 where there is
- * none.
+ * Completes the depth image of the selected view, on the pixels of its colour image: writes the z in its camera frame of
+ * every point of `cylfuse_fitter_complete`, and 0 where there is none.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model, in the reference frame; NULL = that of the last fit
@@ -2596,11 +2632,13 @@ cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
+ * Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options, in all views that
+ * have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
+ * none is the outermost of what they show.
  *
  * @param fitter the fitter, with intrinsics
  * @param model the model, in the reference frame; NULL = that of the last fit
- * @param mask the region, of the size of the intrinsics; NULL = the mask of the view
+ * @param mask the region in the selected view, of the size of its intrinsics; NULL = the mask of the view
  * @param out_extent where the extent goes; `cylfuse_extent_init` comes before
  * @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
  *   the mask meets the cylinder

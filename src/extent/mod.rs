@@ -58,6 +58,9 @@ pub struct Extent {
     pub start_view: usize,
     /// The same for the end.
     pub end_view: usize,
+    /// Whether the limbs of the model were taken as known in these views, so that the bias of the mask was read off at
+    /// them.
+    pub limbs_known: bool,
     /// The uncertainty of ends, centre and length together with that of the fit. It is that of the visible piece: of
     /// an end that is not [`EndState::Seen`] the cylinder may well go on. `None` for extremes, from inside a pipe, for
     /// a model that the caller gave, and when the fit has none.
@@ -68,6 +71,7 @@ pub struct Extent {
 struct EndsOfView {
     view: usize,
     into_view: RigidMotion,
+    limbs_known: bool,
     ends: [End; 2],
 }
 
@@ -139,6 +143,7 @@ impl Fitter {
             end_deviation: end.deviation,
             start_view: start_view.view,
             end_view: end_view.view,
+            limbs_known: start_view.limbs_known && end_view.limbs_known,
             uncertainty,
         };
         let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); self.view_count()];
@@ -171,7 +176,7 @@ impl Fitter {
         };
         let locates_ends = self.options().locates_ends();
         let ends = if locates_ends { locate_ends(&search, &seen) } else { extreme_ends(&search, &seen) };
-        Some(EndsOfView { view: index, into_view, ends: ends? })
+        Some(EndsOfView { view: index, into_view, limbs_known: search.limbs_known, ends: ends? })
     }
 }
 

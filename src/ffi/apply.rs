@@ -3,6 +3,7 @@
 use super::constants::cylfuse_layout;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
+use super::options::saturated;
 use super::results::{cylfuse_completion, cylfuse_extent};
 use super::sized::{Output, read, zeroed};
 use super::status::{Failure, cylfuse_status};
@@ -52,8 +53,8 @@ fn bound(region: &Region<'_>, organised: bool) -> usize {
 }
 
 /// Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with
-/// the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the camera frame of the
-/// view.
+/// the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame,
+/// so that those of all views go together.
 ///
 /// @param fitter the fitter, with intrinsics
 /// @param model the model, in the reference frame; NULL = that of the last fit
@@ -83,11 +84,12 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
             match complete(&content.fitter, model.as_ref(), mask.as_ref(), organised, &out) {
                 Ok((count, counts)) => {
-                    out_completion.write(&completion(count, &counts, 0));
+                    out_completion.write(&completion(&content.fitter, count, &counts, 0));
                     Ok(())
                 }
                 Err(Failure::BufferTooSmall { name, capacity, needed }) => {
-                    out_completion.write(&cylfuse_completion { count: needed as u64, ..zeroed() });
+                    let view = saturated(content.fitter.selected_view());
+                    out_completion.write(&cylfuse_completion { view, count: needed as u64, ..zeroed() });
                     Err(Failure::BufferTooSmall { name, capacity, needed })
                 }
                 Err(failure) => Err(failure),
@@ -96,10 +98,15 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
     }
 }
 
-fn completion(count: usize, counts: &CompletionCounts, out_of_range: u64) -> cylfuse_completion {
+fn completion(
+    fitter: &Fitter,
+    count: usize,
+    counts: &CompletionCounts,
+    out_of_range: u64,
+) -> cylfuse_completion {
     cylfuse_completion {
         struct_size: 0,
-        view: 0,
+        view: saturated(fitter.selected_view()),
         count: count as u64,
         hits: counts.hits as u64,
         misses: counts.misses as u64,
@@ -173,8 +180,8 @@ unsafe fn write_point(at: *mut u8, scalar: Scalar, point: &Vector3<f64>) {
     }
 }
 
-/// Completes the depth image of the selected view, on the pixels of its colour image: writes the z of every point of `cylfuse_fitter_complete`, and 0 where there is
-/// none.
+/// Completes the depth image of the selected view, on the pixels of its colour image: writes the z in its camera frame of
+/// every point of `cylfuse_fitter_complete`, and 0 where there is none.
 ///
 /// @param fitter the fitter, with intrinsics
 /// @param model the model, in the reference frame; NULL = that of the last fit
@@ -241,7 +248,7 @@ unsafe fn complete_depth(
         // SAFETY: (column, row) is a pixel of the image, which the checked grid covers.
         unsafe { write_depth(out.data.cast::<u8>().offset(grid.offset(column, row)), format, stored) };
     })?;
-    Ok(completion(count, &counts, out_of_range))
+    Ok(completion(fitter, count, &counts, out_of_range))
 }
 
 /// What a pixel can hold of a depth in its unit; 0 when it cannot.
@@ -284,9 +291,9 @@ impl From<&Extent> for cylfuse_extent {
             end_state: extent.end_state.into(),
             start_source: extent.start_source.into(),
             end_source: extent.end_source.into(),
-            start_view: 0,
-            end_view: 0,
-            limbs_known: 0,
+            start_view: saturated(extent.start_view),
+            end_view: saturated(extent.end_view),
+            limbs_known: extent.limbs_known.into(),
             start: extent.start.into(),
             end: extent.end.into(),
             center: extent.center.into(),
@@ -301,11 +308,13 @@ impl From<&Extent> for cylfuse_extent {
     }
 }
 
-/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
+/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options, in all views that
+/// have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
+/// none is the outermost of what they show.
 ///
 /// @param fitter the fitter, with intrinsics
 /// @param model the model, in the reference frame; NULL = that of the last fit
-/// @param mask the region, of the size of the intrinsics; NULL = the mask of the view
+/// @param mask the region in the selected view, of the size of its intrinsics; NULL = the mask of the view
 /// @param out_extent where the extent goes; `cylfuse_extent_init` comes before
 /// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
 ///   the mask meets the cylinder

@@ -47,7 +47,8 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
             }
             // Without a list in between, for which memory may run out.
             let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
-            let distances = content.fitter.cloud().points().map(|point| cylinder.distance(&point));
+            let seen = content.fitter.pose().inverse().cylinder(&cylinder);
+            let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
             write_numbers(distances, out, capacity, &count)
         })
     }
@@ -78,16 +79,16 @@ unsafe fn write_numbers(
     Ok(())
 }
 
-/// Lists what the last fit gave each point of the selected view to say, in the order of the residuals POINTS.
+/// Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the residuals
+/// POINTS: by the weights of the objective ROBUST, whatever was minimised.
 ///
 /// @param fitter the fitter
-/// @param out_weights room for `capacity` doubles, of any alignment: the part of each point in the fit, from 1 for a
-///   point near the surface down to 0 for an outlier, times the weight that it was given. NULL = not wanted.
-/// @param out_inliers room for `capacity` bytes: 1 for a point within the reach of the robust weights (of RANSAC: its
-///   threshold), else 0. NULL = not wanted.
+/// @param out_weights room for `capacity` doubles, of any alignment: from 1 for a point on the surface down to 0 for an
+///   outlier, without the weight that the point was given. NULL = not wanted.
+/// @param out_inliers room for `capacity` bytes: 1 for a point whose weight is above 0, else 0. NULL = not wanted.
 /// @param capacity `points_used` of `cylfuse_fitter_counts` is enough
 /// @param out_count how many there are; set after BUFFER_TOO_SMALL too
-/// @return BAD_STATE without a result, BUFFER_TOO_SMALL
+/// @return BAD_STATE without a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     fitter: *const cylfuse_fitter,
@@ -99,17 +100,31 @@ pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     // SAFETY: the contract of the header.
     unsafe {
         enter_to_read(fitter, |content, _| {
-            let _count = Slot::new(out_count, "out_count")?;
-            let _outputs = (out_weights, out_inliers, capacity);
+            let count = Slot::new(out_count, "out_count")?;
             last_result(&content.fitter, "listing weights")?;
-            let remedy = "take the residuals of the points";
-            Err(Failure::unsupported("weights of points are not told yet", remedy))
+            let weights = content.fitter.point_weights(None)?;
+            let needed = weights.len();
+            count.write(needed);
+            if needed > capacity {
+                let name = "the output";
+                return Err(Failure::BufferTooSmall { name, capacity, needed });
+            }
+            for (index, weight) in weights.into_iter().enumerate() {
+                // The index is below the capacity; no alignment is assumed.
+                if !out_weights.is_null() {
+                    out_weights.add(index).write_unaligned(weight);
+                }
+                if !out_inliers.is_null() {
+                    out_inliers.add(index).write((weight > 0.0).into());
+                }
+            }
+            Ok(())
         })
     }
 }
 
 /// Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
-/// they were not.
+/// they were not. All are NOT_SEARCHED once data or options have changed since.
 ///
 /// @param fitter the fitter
 /// @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
@@ -131,13 +146,16 @@ pub unsafe extern "C" fn cylfuse_fitter_limbs(
         enter_to_read(fitter, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;
             last_result(&content.fitter, "listing limbs")?;
-            let seen = content.fitter.limbs();
-            out.write((0..2).map(|limb| describe(limb, seen.map(|limbs| &limbs[limb as usize]))))
+            let (fitter, views) = (&content.fitter, content.fitter.view_count());
+            out.write((0..views).flat_map(|view| {
+                let seen = fitter.limbs_in(view);
+                [0, 1].map(|limb| describe(view, limb, seen.map(|limbs| &limbs[limb])))
+            }))
         })
     }
 }
 
-fn describe(limb: u32, seen: Option<&LimbObservation>) -> cylfuse_limb {
+fn describe(view: usize, limb: usize, seen: Option<&LimbObservation>) -> cylfuse_limb {
     let line = seen.map(|seen| seen.line);
     let status = match line {
         None => cylfuse_limb_status::NOT_SEARCHED,
@@ -146,8 +164,8 @@ fn describe(limb: u32, seen: Option<&LimbObservation>) -> cylfuse_limb {
     };
     let line = line.and_then(Result::ok);
     cylfuse_limb {
-        view: 0,
-        limb,
+        view: saturated(view),
+        limb: saturated(limb),
         status,
         samples: saturated(seen.map_or(0, |seen| seen.samples.len())),
         line: line.map_or([f64::NAN; 4], |l| [l.ends[0].x, l.ends[0].y, l.ends[1].x, l.ends[1].y]),
@@ -156,7 +174,8 @@ fn describe(limb: u32, seen: Option<&LimbObservation>) -> cylfuse_limb {
 }
 
 /// Lists what the last fit saw of the limbs in the image of the selected view, piece by piece, used and refused; all
-/// samples of a limb that was not located in the end are refused. Empty when the image was not searched.
+/// samples of a limb that was not located in the end are refused. Empty when the image was not searched, and once data or
+/// options have changed since.
 ///
 /// @param fitter the fitter
 /// @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
@@ -181,9 +200,10 @@ pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
             let Some((limbs, camera)) = content.fitter.limbs().zip(content.fitter.camera()) else {
                 return out.write(std::iter::empty());
             };
+            let view = saturated(content.fitter.selected_view());
             out.write((0..).zip(limbs).flat_map(move |(limb, observation)| {
                 let samples = observation.samples.iter();
-                samples.filter_map(move |sample| limb_sample(camera, limb, observation, sample))
+                samples.filter_map(move |sample| limb_sample(camera, (view, limb), observation, sample))
             }))
         })
     }
@@ -192,17 +212,17 @@ pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
 /// `None` when a camera that was set after the fit does not see the place.
 fn limb_sample(
     camera: &Camera,
-    limb: u32,
+    (view, limb): (u32, u32),
     observation: &LimbObservation,
     sample: &LimbSample,
 ) -> Option<cylfuse_limb_sample> {
     let pixel = camera.project(&camera.ideal_ray(&sample.position))?;
     let weight = if observation.uses(sample) { sample.weight } else { 0.0 };
-    Some(cylfuse_limb_sample { view: 0, limb, pixel: pixel.into(), deviation: sample.sigma, weight })
+    Some(cylfuse_limb_sample { view, limb, pixel: pixel.into(), deviation: sample.sigma, weight })
 }
 
-/// Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the image of the selected view:
-/// first those of the start, then those of the end. There are none for an end whose source is not IMAGE.
+/// Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+/// those of the start, then those of the end. There are none for an end that the image of a view does not show.
 ///
 /// @param fitter the fitter, with intrinsics
 /// @param model the model, in the reference frame; NULL = that of the last fit

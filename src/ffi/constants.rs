@@ -2,7 +2,7 @@
 
 use super::status::Failure;
 use crate::fitter::{
-    ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, ResidualKind, StartKind,
+    ChartChoice, EdgeUse, ExtentRule, Inputs, Method, NearWall, ObjectiveKind, ResidualKind, StartKind,
 };
 use crate::observations::{ImageFormat, Pixels, Scalar};
 
@@ -77,9 +77,10 @@ impl cylfuse_image_format {
             Self::U8 => Ok(ImageFormat::U8),
             Self::U16 => Ok(ImageFormat::U16),
             Self::F32 => Ok(ImageFormat::F32),
-            Self::RGB8 | Self::BGR8 | Self::RGBA8 | Self::BGRA8 => {
-                Err(Failure::unsupported("images in colour are not read yet", "convert the image to grey"))
-            }
+            Self::RGB8 => Ok(ImageFormat::Rgb8),
+            Self::BGR8 => Ok(ImageFormat::Bgr8),
+            Self::RGBA8 => Ok(ImageFormat::Rgba8),
+            Self::BGRA8 => Ok(ImageFormat::Bgra8),
             _ => {
                 unknown(field, self.0, "1 (U8), 2 (U16), 3 (F32), 4 (RGB8), 5 (BGR8), 6 (RGBA8) or 7 (BGRA8)")
             }
@@ -370,22 +371,18 @@ impl From<ExtentRule> for cylfuse_extent_rule {
 pub struct cylfuse_input(pub u32);
 
 impl cylfuse_input {
-    /// Clouds, of `cylfuse_fitter_push_points`.
+    /// All points: those of clouds and those that were made of depth images.
     pub const POINTS: cylfuse_input = cylfuse_input(1);
-    /// The depth images with their masks, of `cylfuse_fitter_push_depth` and of a frame.
+    /// The depth image and its mask, which completion and extent look at; the points that were made of it stay.
     pub const DEPTH: cylfuse_input = cylfuse_input(2);
     /// Edge segments, of `cylfuse_fitter_push_edges`.
     pub const EDGES: cylfuse_input = cylfuse_input(4);
     /// The image, of `cylfuse_fitter_push_image` and of a frame.
     pub const IMAGE: cylfuse_input = cylfuse_input(8);
 
-    pub(super) fn check(self, name: &str) -> Result<(), Failure> {
-        let known = Self::POINTS.0 | Self::DEPTH.0 | Self::EDGES.0 | Self::IMAGE.0;
-        if self.0 & !known == 0 {
-            return Ok(());
-        }
+    pub(super) fn read(self, name: &str) -> Result<Inputs, Failure> {
         let requirement = "be a sum of 1 (POINTS), 2 (DEPTH), 4 (EDGES) and 8 (IMAGE)";
-        Err(Failure::argument(name, self.0, requirement))
+        Inputs::from_bits(self.0).ok_or_else(|| Failure::argument(name, self.0, requirement))
     }
 }
 

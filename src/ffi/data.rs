@@ -24,7 +24,7 @@ pub(super) unsafe fn optional_mask<'a>(
     mask.map(|mask| unsafe { views::mask_view(&mask) }).transpose()
 }
 
-fn log_points(content: &Content, what: &str) {
+pub(super) fn log_points(content: &Content, what: &str) {
     content.log.write(cylfuse_log_level::INFO, || {
         let cloud = content.fitter.cloud();
         format!("{what} pushed: {} of {} points so far are usable", cloud.len(), cloud.given())
@@ -59,8 +59,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_points(
 }
 
 /// Adds the points of a depth image of the selected view; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
-/// a depth, out of range or outside the mask are left out and counted. The image and the mask are kept, in place
-/// of earlier ones, for completion and extent.
+/// a depth, out of range, outside the mask or hidden from the colour camera are left out and counted. The image and the
+/// mask are kept, in place of earlier ones, for completion and extent.
 ///
 /// @param fitter the fitter
 /// @param depth read during the call only
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
             let dropped = cloud.dropped();
             out.write(&cylfuse_counts {
                 struct_size: 0,
-                view: 0,
+                view: content.fitter.selected_view() as u32,
                 points_given: cloud.given() as u64,
                 points_used: cloud.len() as u64,
                 dropped_not_finite: dropped.not_finite as u64,
@@ -160,6 +160,7 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
                 dropped_out_of_range: dropped.out_of_range as u64,
                 dropped_outside_camera: dropped.outside_camera as u64,
                 segments_given: content.fitter.segments().len() as u64,
+                dropped_hidden: dropped.hidden as u64,
             });
             Ok(())
         })

@@ -1,6 +1,6 @@
 //! What a camera delivered at one time, for any number of fits.
 
-use super::data::optional_mask;
+use super::data::{log_points, optional_mask};
 use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, stateless};
 use super::handle::{change, read as look};
 use super::library::create;
@@ -9,19 +9,18 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view};
 use super::views;
 use crate::camera::Camera;
+use crate::error::Error;
+use crate::observations::{DepthCamera, Frame};
 use std::ffi::c_char;
 
 /// What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame
 /// without a copy, such as one for each cylinder of a scene. Opaque; made by `cylfuse_frame_create`.
 ///
-/// A frame is filled first and used then: once a fitter uses it, it stays as it is. It may be destroyed while fitters
-/// use it, which keep what they need. Calls that fill it run one at a time; any number of threads may use it at once.
-pub struct cylfuse_frame(Handle<Content>);
+/// A fitter takes what the frame holds at that time: what is set later, and its destruction, change nothing in fitters.
+/// Calls that fill a frame run one at a time; any number of threads may use it at once.
+pub struct cylfuse_frame(Handle<Frame>);
 
-#[derive(Default)]
-struct Content {}
-
-impl Logs for Content {}
+impl Logs for Frame {}
 
 /// Runs a call that fills a frame.
 ///
@@ -29,17 +28,13 @@ impl Logs for Content {}
 /// `frame` is NULL or a frame that was created and not destroyed.
 unsafe fn enter(
     frame: *mut cylfuse_frame,
-    call: impl FnOnce(&mut Content) -> Result<(), Failure>,
+    call: impl FnOnce(&mut Frame) -> Result<(), Failure>,
 ) -> cylfuse_status {
     // SAFETY: the caller's obligation.
     match unsafe { frame.as_ref() } {
-        Some(frame) => change(&frame.0, |content, _| call(content)),
+        Some(handle) => change(&handle.0, |frame, _| call(frame)),
         None => stateless(|| Err(Failure::NullPointer { name: "frame" })),
     }
-}
-
-fn not_yet() -> Failure {
-    Failure::unsupported("frames are not used yet", "push the data into the fitter")
 }
 
 /// Makes a frame at the identity, without a camera and data.
@@ -89,11 +84,12 @@ pub unsafe extern "C" fn cylfuse_frame_last_error(frame: *const cylfuse_frame) -
     }
 }
 
-/// Sets the colour camera of a frame; it comes before depth and image.
+/// Sets the colour camera of a frame; it comes before depth and image, which must have its size.
 ///
 /// @param frame the frame
 /// @param intrinsics copied
-/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; BAD_STATE when the frame is in use
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that the
+///   frame has, OUT_OF_MEMORY; the old camera stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
     frame: *mut cylfuse_frame,
@@ -101,9 +97,9 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |_| {
-            let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            Err(not_yet())
+        enter(frame, |frame| {
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            Ok(frame.set_camera(camera)?)
         })
     }
 }
@@ -113,8 +109,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
 /// @param frame the frame
 /// @param rotation 9 doubles, a rotation matrix row by row, to 1e-6; rounding is mended
 /// @param translation 3 doubles, in the unit of length
-/// @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; BAD_STATE when the frame is in
-///   use
+/// @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_set_pose(
     frame: *mut cylfuse_frame,
@@ -123,20 +118,22 @@ pub unsafe extern "C" fn cylfuse_frame_set_pose(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |_| {
-            let _motion = views::motion(rotation, translation)?;
-            Err(not_yet())
+        enter(frame, |frame| {
+            frame.set_pose(views::motion(rotation, translation)?);
+            Ok(())
         })
     }
 }
 
-/// Gives the depth of a frame a camera of its own; it comes before the depth. See `cylfuse_fitter_set_depth_camera`.
+/// Gives the depth of a frame a camera of its own, whose size the depth image must have. See
+/// `cylfuse_fitter_set_depth_camera`.
 ///
 /// @param frame the frame
 /// @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
 /// @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
 /// @param translation 3 doubles, in the unit of length
-/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; BAD_STATE when the frame is in use
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with the depth image that the frame has,
+///   OUT_OF_MEMORY; the old depth camera stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
     frame: *mut cylfuse_frame,
@@ -146,22 +143,18 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |_| {
-            if !intrinsics.is_null() {
-                let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-                let _motion = views::motion(rotation, translation)?;
-            }
-            Err(not_yet())
+        enter(frame, |frame| {
+            Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
         })
     }
 }
 
-/// Sets the depth image of a frame.
+/// Sets the depth image of a frame, in place of an earlier one.
 ///
 /// @param frame the frame, with intrinsics
 /// @param depth copied
-/// @return BAD_STATE without intrinsics and when the frame is in use, SIZE_MISMATCH, NO_DEPTH when no pixel is usable,
-///   INVALID_ARGUMENT for a bad scale, range or stride, OUT_OF_MEMORY
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale, range or stride,
+///   OUT_OF_MEMORY; the earlier image stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_set_depth(
     frame: *mut cylfuse_frame,
@@ -169,19 +162,19 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |_| {
-            let _depth = views::depth_view(&read(depth, "depth")?)?;
-            Err(not_yet())
+        enter(frame, |frame| {
+            let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
+            Ok(frame.set_depth(&depth, &range)?)
         })
     }
 }
 
-/// Sets the image of a frame, grey or in colour.
+/// Sets the image of a frame, grey or in colour, in place of an earlier one.
 ///
 /// @param frame the frame, with intrinsics
 /// @param image copied
-/// @return BAD_STATE without intrinsics and when the frame is in use, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride
-///   or gamma, or a value that is not finite or that the gamma forbids, OUT_OF_MEMORY
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or gamma, or a value that is
+///   not finite or that the gamma forbids, OUT_OF_MEMORY; the earlier image stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_set_image(
     frame: *mut cylfuse_frame,
@@ -189,21 +182,19 @@ pub unsafe extern "C" fn cylfuse_frame_set_image(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |_| {
-            let _image = views::image_view(&read(image, "image")?)?;
-            Err(not_yet())
-        })
+        enter(frame, |frame| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?))
     }
 }
 
-/// Lets the selected view of a fitter take its camera, its pose, its image and the points of the depth inside a mask
-/// from a frame, in place of what the view had of these. Clouds and edge segments of the view stay.
+/// Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and
+/// adds the points of the depth image, if there is one. Points and edge segments that were pushed stay
+/// (`cylfuse_fitter_clear_input`). The images are shared and not copied.
 ///
 /// @param fitter the fitter
-/// @param frame the frame, with intrinsics: it can no longer be changed, and nothing of it is copied
+/// @param frame the frame, with intrinsics; it may be changed or destroyed afterwards, of which the fitter sees nothing
 /// @param mask in the pixels of the colour image, copied; NULL = all pixels
-/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel in the mask is usable, BUSY
-///   when the frame is being filled, OUT_OF_MEMORY; the view stays as it was then
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel of the depth image in the
+///   mask is usable, BUSY when the frame is being filled, OUT_OF_MEMORY; the view stays as it was then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_use_frame(
     fitter: *mut cylfuse_fitter,
@@ -212,11 +203,47 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_change(fitter, |_, _| {
-            let Some(frame) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
-            let _mask = optional_mask(mask)?;
-            let _ = look(&frame.0, |_, _| Ok(()));
-            Err(not_yet())
+        enter_to_change(fitter, |content, _| {
+            let Some(handle) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let mask = optional_mask(mask)?;
+            let frame = content_of(handle)?;
+            if frame.camera().is_none() {
+                let remedy = "set the intrinsics of the frame first";
+                return Err(Error::BadState { call: "using a frame", missing: "intrinsics", remedy }.into());
+            }
+            content.fitter.use_frame(&frame, mask.as_ref())?;
+            log_points(content, "frame");
+            Ok(())
         })
     }
+}
+
+/// What a frame holds; its images are shared.
+fn content_of(handle: &cylfuse_frame) -> Result<Frame, Failure> {
+    let mut content = None;
+    let status = look(&handle.0, |frame, _| {
+        content = Some(frame.clone());
+        Ok(())
+    });
+    content.ok_or(Failure::Frame { status })
+}
+
+/// A depth camera of its own, or none where `intrinsics` is NULL.
+///
+/// # Safety
+/// `intrinsics` is NULL or intrinsics, and `rotation` and `translation` are as [`views::motion`] needs them then.
+pub(super) unsafe fn depth_camera(
+    intrinsics: *const cylfuse_intrinsics,
+    rotation: *const f64,
+    translation: *const f64,
+) -> Result<Option<DepthCamera>, Failure> {
+    if intrinsics.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller's obligation.
+    let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+    let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+    // SAFETY: the caller's obligation.
+    let to_color = unsafe { views::motion(rotation, translation) }?;
+    Ok(Some(DepthCamera { camera, to_color }))
 }

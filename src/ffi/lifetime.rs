@@ -57,8 +57,8 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
     unsafe { enter_to_change(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?)) }
 }
 
-/// Forgets data and result; keeps options, views with their cameras and poses, start model, callbacks and memory: the
-/// way from one frame to the next.
+/// Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
+/// start model, callbacks and memory: the way from one frame to the next.
 ///
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
@@ -84,10 +84,9 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_change(fitter, |_, _| {
-            inputs.check("inputs")?;
-            let remedy = "clear the fitter and push what is to stay";
-            Err(Failure::unsupported("clearing one input is not done yet", remedy))
+        enter_to_change(fitter, |content, _| {
+            content.fitter.clear_inputs(inputs.read("inputs")?);
+            Ok(())
         })
     }
 }
@@ -111,7 +110,8 @@ pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter
     }
 }
 
-/// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve. When no
+/// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+/// sample. When no
 /// call is running it does nothing. May be called from any thread and from callbacks.
 ///
 /// @param fitter the fitter

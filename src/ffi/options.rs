@@ -4,13 +4,14 @@ use super::status::Failure;
 use super::structs::cylfuse_options;
 use crate::fitter::Options;
 use crate::geometry::{AxisCone, CylinderLimits};
+use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
 use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
 impl cylfuse_options {
     /// The options of the library.
     pub(super) fn read(&self) -> Result<Options, Failure> {
-        self.check_known()?;
+        self.check_samples()?;
         Ok(Options {
             method: self.method.read("options.method")?,
             objective: self.objective.read("options.objective")?,
@@ -23,7 +24,8 @@ impl cylfuse_options {
                 lambda_factor: self.lambda_factor,
                 max_lambda: self.max_lambda,
                 cost_tolerance: self.cost_tolerance,
-                ..IterationLimits::default()
+                gradient_tolerance: self.gradient_tolerance,
+                step_tolerance: self.step_tolerance,
             },
             chart: self.chart.read("options.chart")?,
             threads: self.max_threads.max(1) as usize,
@@ -37,35 +39,47 @@ impl cylfuse_options {
             },
             edge_use: self.edge_use.read("options.edge_use")?,
             extent_rule: self.extent_rule.read("options.extent_rule")?,
-            ..Options::default()
+            noise: self.read_noise()?,
+            independent_points: self.independent_points,
         })
     }
 
-    /// Refuses what the fitter cannot be told yet.
-    fn check_known(&self) -> Result<(), Failure> {
+    /// The library counts samples in `usize`.
+    fn check_samples(&self) -> Result<(), Failure> {
         let most = LARGEST_MAX_ITERATIONS as u64;
         if !(1..=most).contains(&self.ransac_max_iterations) {
             let (value, requirement) = (self.ransac_max_iterations, format!("lie in [1, {most}]"));
             return Err(Failure::argument("options.ransac_max_iterations", value, requirement));
         }
-        let estimated = [
-            ("options.gradient_tolerance", self.gradient_tolerance),
-            ("options.step_tolerance", self.step_tolerance),
-            ("options.independent_points", self.independent_points),
+        Ok(())
+    }
+
+    /// The standard deviations that a user may know, 0 where not.
+    fn read_noise(&self) -> Result<NoiseModel, Failure> {
+        let told = [
             ("options.depth_noise", self.depth_noise),
             ("options.image_noise", self.image_noise),
             ("options.edge_noise", self.edge_noise),
             ("options.mask_noise", self.mask_noise),
+            ("options.image_blur", self.image_blur),
+            ("options.drawn_pixel", self.drawn_pixel),
         ];
-        for (name, value) in estimated {
+        for (name, value) in told {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Failure::argument(name, value, "be finite and at least 0"));
             }
-            if value != 0.0 {
-                return Err(Failure::unsupported(format!("{name} is not used yet"), "leave it 0"));
-            }
         }
-        Ok(())
+        let usual = NoiseModel::default();
+        let or_usual = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
+        Ok(NoiseModel {
+            drawn_pixel: self.drawn_pixel,
+            edge_endpoint: or_usual(self.edge_noise, usual.edge_endpoint),
+            mask_side: or_usual(self.mask_noise, usual.mask_side),
+            depth: self.depth_noise,
+            image: self.image_noise,
+            blur: self.image_blur,
+            ..usual
+        })
     }
 
     fn read_axis(&self) -> Result<Option<AxisCone>, Failure> {
@@ -83,7 +97,9 @@ impl cylfuse_options {
 
 impl From<&Options> for cylfuse_options {
     fn from(options: &Options) -> Self {
-        let Options { limits, cylinder_limits, .. } = options;
+        let Options { limits, cylinder_limits, noise, .. } = options;
+        let usual = NoiseModel::default();
+        let unless_usual = |told: f64, usual: f64| if told == usual { 0.0 } else { told };
         Self {
             struct_size: size_of::<Self>() as u32,
             method: options.method.into(),
@@ -96,8 +112,8 @@ impl From<&Options> for cylfuse_options {
             max_threads: saturated(options.threads.max(1)),
             max_iterations: saturated(limits.max_iterations),
             cost_tolerance: limits.cost_tolerance,
-            gradient_tolerance: 0.0,
-            step_tolerance: 0.0,
+            gradient_tolerance: limits.gradient_tolerance,
+            step_tolerance: limits.step_tolerance,
             initial_lambda: limits.initial_lambda,
             lambda_factor: limits.lambda_factor,
             max_lambda: limits.max_lambda,
@@ -105,11 +121,11 @@ impl From<&Options> for cylfuse_options {
             seed: options.seed,
             ransac_max_iterations: options.ransac_iterations as u64,
             ransac_threshold: options.ransac_threshold,
-            independent_points: 0.0,
-            depth_noise: 0.0,
-            image_noise: 0.0,
-            edge_noise: 0.0,
-            mask_noise: 0.0,
+            independent_points: options.independent_points,
+            depth_noise: noise.depth,
+            image_noise: noise.image,
+            edge_noise: unless_usual(noise.edge_endpoint, usual.edge_endpoint),
+            mask_noise: unless_usual(noise.mask_side, usual.mask_side),
             radius_min: cylinder_limits.radius_min,
             radius_max: if cylinder_limits.radius_max < f64::INFINITY {
                 cylinder_limits.radius_max
@@ -118,6 +134,8 @@ impl From<&Options> for cylfuse_options {
             },
             axis: cylinder_limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
             axis_max_angle: cylinder_limits.axis.map_or(0.0, |cone| cone.max_angle),
+            image_blur: noise.blur,
+            drawn_pixel: noise.drawn_pixel,
         }
     }
 }
@@ -147,7 +165,8 @@ mod tests {
                 lambda_factor: 3.0,
                 max_lambda: 1e6,
                 cost_tolerance: 1e-9,
-                ..IterationLimits::default()
+                gradient_tolerance: 1e-8,
+                step_tolerance: 1e-7,
             },
             chart: ChartChoice::Orthonormal,
             threads: 5,
@@ -161,7 +180,16 @@ mod tests {
             },
             edge_use: EdgeUse::AsGiven,
             extent_rule: ExtentRule::Located,
-            ..Options::default()
+            noise: NoiseModel {
+                drawn_pixel: 2.0,
+                edge_endpoint: 0.6,
+                mask_side: 1.7,
+                depth: 0.01,
+                image: 0.02,
+                blur: 0.8,
+                ..NoiseModel::default()
+            },
+            independent_points: 99.0,
         }
     }
 

@@ -20,13 +20,19 @@ impl cylfuse_termination {
     pub const MAX_ITERATIONS: cylfuse_termination = cylfuse_termination(3);
     /// The radius left all proportion to the data: they are flat.
     pub const RADIUS_RAN_AWAY: cylfuse_termination = cylfuse_termination(4);
+    /// The gradient fell below its tolerance.
+    pub const GRADIENT: cylfuse_termination = cylfuse_termination(5);
+    /// The step fell below its tolerance.
+    pub const STEP: cylfuse_termination = cylfuse_termination(6);
 }
 
 impl From<Option<Termination>> for cylfuse_termination {
     fn from(termination: Option<Termination>) -> Self {
         match termination {
             None => Self::NONE,
-            Some(Termination::Cost | Termination::Gradient | Termination::Step) => Self::COST,
+            Some(Termination::Cost) => Self::COST,
+            Some(Termination::Gradient) => Self::GRADIENT,
+            Some(Termination::Step) => Self::STEP,
             Some(Termination::Stalled) => Self::STALLED,
             Some(Termination::MaxIterations) => Self::MAX_ITERATIONS,
             Some(Termination::RadiusRanAway) => Self::RADIUS_RAN_AWAY,
@@ -179,4 +185,7 @@ impl cylfuse_result_flags {
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
     /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
+    /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
+    /// are independent, or some degree of freedom is not determined.
+    pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
 }

@@ -33,6 +33,8 @@ pub struct cylfuse_counts {
     pub dropped_out_of_range: u64,
     /// Left out: the camera model has no ray for the pixel.
     pub dropped_outside_camera: u64,
+    /// Left out: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of its own.
+    pub dropped_hidden: u64,
     /// Edge segments that were pushed; `segments_used` of a result says how many count.
     pub segments_given: u64,
 }
@@ -62,11 +64,11 @@ pub struct cylfuse_result {
     pub points_given: u64,
     /// Points that took part.
     pub points_used: u64,
-    /// How many points with independent noise the points are worth: the noise of neighbours in a depth image is
-    /// alike. NaN where the objective does not ask.
+    /// How many points with independent noise the points of all views are worth: the noise of neighbours in a depth
+    /// image is alike.
     pub independent_points: f64,
-    /// Robust standard deviation of the points from the surface, unit of length: points beyond some of it lose their
-    /// weight. NaN where the objective has none.
+    /// Standard deviation of the points from the surface by their median, unit of length: points beyond some of it lose
+    /// their weight in the objective ROBUST.
     pub point_deviation: f64,
     /// Root mean square distance of the points from the surface, unit of length.
     pub point_rms: f64,
@@ -201,12 +203,12 @@ pub struct cylfuse_extent {
     pub start_source: cylfuse_end_source,
     /// What the position of the end was taken from.
     pub end_source: cylfuse_end_source,
-    /// The view that the start was found in.
+    /// The view that tells most of the start.
     pub start_view: u32,
-    /// The view that the end was found in.
+    /// The view that tells most of the end.
     pub end_view: u32,
-    /// 1 when the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the mask was
-    /// read off at them; else 0.
+    /// 1 when the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias of
+    /// the mask was read off at them; else 0.
     pub limbs_known: u32,
     /// The end against the direction, a point on the axis.
     pub start: [f64; 3],

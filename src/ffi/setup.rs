@@ -2,12 +2,12 @@
 
 use super::callbacks::{Callback, Log, cylfuse_log_fn, cylfuse_progress_fn};
 use super::constants::cylfuse_log_level;
+use super::frame::depth_camera;
 use super::handle::{cylfuse_fitter, enter_to_change, enter_to_read};
 use super::sized::{Output, read};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_options};
 use super::views::{self, Slot};
-use crate::camera::Camera;
 use std::ffi::c_void;
 
 /// Replaces the options.
@@ -62,10 +62,13 @@ pub unsafe extern "C" fn cylfuse_fitter_select_view(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_change(fitter, |_, _| match index {
-            0 => Ok(()),
-            1 => Err(Failure::unsupported("more than one view cannot be fitted yet", "use one view")),
-            _ => Err(Failure::argument("index", index, "be at most the number of views, 1")),
+        enter_to_change(fitter, |content, _| {
+            let count = content.fitter.view_count();
+            if index > count || u32::try_from(index).is_err() {
+                let requirement = format!("be at most the number of views, {count}, which adds one");
+                return Err(Failure::argument("index", index, requirement));
+            }
+            Ok(content.fitter.select_view(index)?)
         })
     }
 }
@@ -81,8 +84,8 @@ pub unsafe extern "C" fn cylfuse_fitter_view_count(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(fitter, |_, _| {
-            Slot::new(out_count, "out_count")?.write(1);
+        enter_to_read(fitter, |content, _| {
+            Slot::new(out_count, "out_count")?.write(content.fitter.view_count());
             Ok(())
         })
     }
@@ -102,11 +105,9 @@ pub unsafe extern "C" fn cylfuse_fitter_set_pose(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_change(fitter, |_, _| {
-            if views::motion(rotation, translation)?.is_identity() {
-                return Ok(());
-            }
-            Err(Failure::unsupported("views away from the identity cannot be fitted yet", "use one view"))
+        enter_to_change(fitter, |content, _| {
+            content.fitter.set_pose(views::motion(rotation, translation)?);
+            Ok(())
         })
     }
 }
@@ -120,7 +121,8 @@ pub unsafe extern "C" fn cylfuse_fitter_set_pose(
 /// @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
 /// @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
 /// @param translation 3 doubles, in the unit of length
-/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; the old depth camera stays then
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with a depth image that was pushed
+///   (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old depth camera stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
     fitter: *mut cylfuse_fitter,
@@ -130,16 +132,8 @@ pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_change(fitter, |_, _| {
-            if intrinsics.is_null() {
-                return Ok(());
-            }
-            let _camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let _motion = views::motion(rotation, translation)?;
-            Err(Failure::unsupported(
-                "a depth camera of its own is not used yet",
-                "register the depth to the colour image",
-            ))
+        enter_to_change(fitter, |content, _| {
+            Ok(content.fitter.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
         })
     }
 }
@@ -149,7 +143,8 @@ pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
 ///
 /// @param fitter the fitter
 /// @param intrinsics copied
-/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; the old camera stays then
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that was
+///   pushed (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old camera stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
     fitter: *mut cylfuse_fitter,

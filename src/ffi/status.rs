@@ -108,6 +108,8 @@ pub(super) enum Failure {
     ElementSize { given: usize, requirement: String },
     #[error("{name} holds {capacity} but {needed} are needed; give a larger buffer")]
     BufferTooSmall { name: &'static str, capacity: usize, needed: usize },
+    #[error("the frame is busy in another call, or met a defect; wait until the call has returned")]
+    Frame { status: cylfuse_status },
     #[error(
         "abi_version is {given}; this library has {CYLFUSE_ABI_VERSION}; use header and library of one release"
     )]
@@ -124,17 +126,13 @@ impl Failure {
         Self::Library(Error::argument(name, value, requirement))
     }
 
-    /// Something that the interface describes and the library cannot do.
-    pub fn unsupported(what: impl Into<String>, remedy: &'static str) -> Self {
-        Self::Library(Error::Unsupported { what: what.into(), remedy })
-    }
-
     pub fn status(&self) -> cylfuse_status {
         match self {
             Failure::Library(error) => cylfuse_status(error.code()),
             Failure::NullPointer { .. } => cylfuse_status::NULL_POINTER,
             Failure::StructSize { .. } | Failure::ElementSize { .. } => cylfuse_status::STRUCT_SIZE,
             Failure::BufferTooSmall { .. } => cylfuse_status::BUFFER_TOO_SMALL,
+            Failure::Frame { status } => *status,
             Failure::AbiMismatch { .. } => cylfuse_status::ABI_MISMATCH,
         }
     }

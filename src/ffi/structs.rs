@@ -246,11 +246,12 @@ pub struct cylfuse_options {
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
     pub cost_tolerance: f64,
-    /// The iteration ends when the norm of half the gradient of the cost, in units of the size of the data, is not
-    /// above this; 0 or greater. Default 0.
+    /// The iteration ends when the norm of half the gradient of the cost is not above this part of what the residuals
+    /// The iteration ends where the cosine of the angle between the residuals and what a step can change of them is not
+    /// above this, in [0, 1). Default 2^-52.
     pub gradient_tolerance: f64,
-    /// The iteration ends when the norm of a step, in units of the size of the data, is not above this; 0 or greater.
-    /// Default 0.
+    /// The iteration ends with a step that moves the surface at the data by not more than this part of their largest
+    /// coordinate and of their size, in [0, 1). Default 2^-52.
     pub step_tolerance: f64,
     /// Damping of the first step, greater than 0. Default 1e-3.
     pub initial_lambda: f64,
@@ -268,19 +269,26 @@ pub struct cylfuse_options {
     /// Distance within which RANSAC counts a point as an inlier, in the unit of length, 0 or greater. Default 0
     /// = from the data.
     pub ransac_threshold: f64,
-    /// How many points with independent noise the depth of one view is worth, by which points and limbs are weighed
+    /// How many points with independent noise the points of one view are worth, by which points and limbs are weighed
     /// against each other; 0 or greater. Default 0 = from the data.
     pub independent_points: f64,
-    /// Standard deviation of the depth, in the unit of length, 0 or greater. Default 0 = from the data.
+    /// Standard deviation of a point across the surface, in the unit of length, 0 or greater. Default 0 = from the data.
     pub depth_noise: f64,
-    /// Standard deviation of the values of the image, in their unit, 0 or greater. Default 0 = from the image.
+    /// Standard deviation of the values of the image, in their unit where that is linear in light, 0 or greater. Default
+    /// 0 = from the image.
     pub image_noise: f64,
-    /// Standard deviation of an endpoint of a given edge segment across its limb, in pixels, 0 or greater. Default 0
-    /// = that of edges set by hand.
+    /// Standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels, 0 or greater. Default
+    /// 0 = 0.5, that of edges set by hand.
     pub edge_noise: f64,
-    /// Standard deviation of the boundary of the mask, in pixels, 0 or greater. Default 0 = that of masks drawn by
-    /// hand.
+    /// Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater. Default 0 =
+    /// 1.6, that of masks drawn by hand.
     pub mask_noise: f64,
+    /// Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from the image.
+    pub image_blur: f64,
+    /// Size of a pixel of the drawing in which edges and masks were made, in pixels of the image, 0 or greater: people
+    /// and networks draw on a grid of some hundred columns, whatever the size of the image. Default 0 = 1 up to
+    /// 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
+    pub drawn_pixel: f64,
     /// The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method and the
     /// start. Default 0 = no limit.
     pub radius_min: f64,

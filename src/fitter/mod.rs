@@ -46,6 +46,13 @@ use start::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+/// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
+/// random samples, or places, cells and residuals for the correlation.
+const BYTES_OF_FIT: usize = 96;
+
+/// The same for a diagnosis: rows of six numbers, gathered, stacked, and factorised in place of a copy.
+const BYTES_OF_DIAGNOSIS: usize = 320;
+
 /// Estimates one cylinder from one view or several. Set intrinsics, push observations, call [`Fitter::fit`]; whatever
 /// fails leaves everything as it was.
 ///
@@ -125,7 +132,12 @@ impl Fitter {
     /// image, for edges as given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.held.as_ref()?.view(self.selected)?.limbs.as_ref()
+        self.limbs_in(self.selected)
+    }
+
+    /// The same in any view.
+    pub(crate) fn limbs_in(&self, view: usize) -> Option<&[LimbObservation; 2]> {
+        self.held.as_ref()?.view(view)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
@@ -150,6 +162,7 @@ impl Fitter {
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
         let seconds = || clock.elapsed().as_secs_f64();
+        self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
         if report(&Iteration::before_start()).is_break() {
             return Err(Error::Cancelled { iterations: 0 });
@@ -176,6 +189,7 @@ impl Fitter {
     /// # Errors
     /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
     pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
+        self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
         let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
         describe::describe(&data, &self.held(&data), &start, cylinder)
@@ -211,6 +225,7 @@ impl Fitter {
     /// `BadState` without a model and a result, `TooFewPoints` and the like as in [`Fitter::fit`].
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
+        self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
         let scales = data.scales(&cylinder);
         let mut views = data.views.iter().zip(&scales.views);
@@ -233,6 +248,7 @@ impl Fitter {
     /// `BadState` without a model and a result, `EdgeGeometry` where the cost is infinite, `Numerical`.
     pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Diagnosis> {
         let cylinder = self.model_or_result("diagnosing", cylinder)?;
+        self.check_memory(BYTES_OF_DIAGNOSIS)?;
         let data = self.data()?;
         describe::diagnose(&data, &self.held(&data), &cylinder)
     }
@@ -245,6 +261,18 @@ impl Fitter {
     ) -> Result<Cylinder> {
         let missing = Error::BadState { call, missing: "a model", remedy: "give one or fit first" };
         cylinder.copied().or(self.result.map(|result| result.cylinder)).ok_or(missing)
+    }
+
+    /// Asks for the memory of lists over all points, and gives it back at once: so that a call that could not have it
+    /// fails before it begins, and does not end the process in the middle.
+    fn check_memory(&self, bytes_of_point: usize) -> Result<()> {
+        let points = self.views.iter().map(|view| view.cloud.len()).sum::<usize>();
+        let bytes = points.saturating_mul(bytes_of_point);
+        let mut memory: Vec<u8> = Vec::new();
+        let asked = memory.try_reserve_exact(bytes);
+        // What nobody looks at need not be allocated.
+        std::hint::black_box(&memory);
+        asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
     fn data(&self) -> Result<Data<'_>> {

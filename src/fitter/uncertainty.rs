@@ -4,7 +4,7 @@ use super::data::Data;
 use super::held::Held;
 use super::objective::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
-use crate::residuals::Sandwich;
+use crate::residuals::{Sandwich, root};
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// The step of central differences in standard deviations: small against any curvature, large against rounding.
@@ -98,10 +98,10 @@ impl Uncertainty {
     /// length, and along the axis the point only moves as the tilt moves it.
     #[must_use]
     pub fn covariance(&self) -> SMatrix<f64, 7, 7> {
-        let jacobian = self.jacobian();
-        let covariance = jacobian * self.tangent * jacobian.transpose();
-        // Symmetric to the last bit, which rounding is not.
-        (covariance + covariance.transpose()) * 0.5
+        // The tangent was made of such a root: there is one. The product of a matrix with its transpose is symmetric to the
+        // last bit, its variances are not negative and its correlations are at most 1.
+        let root = self.jacobian() * root(&self.tangent).unwrap_or_default();
+        root * root.transpose()
     }
 
     /// The derivative of (axis point, unit direction, radius) in the tangent of the frame.

@@ -28,6 +28,7 @@ pub use point_terms::{LossInFrame, Robust};
 pub(crate) use points::PointRows;
 pub use points::PointTerm;
 pub use robust::{RobustScales, RobustView, robust_objective};
+pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
 pub use terms::{Source, Sum, Summand, Term};
 

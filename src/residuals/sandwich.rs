@@ -6,6 +6,10 @@
 //! they only have to be the ones that were used.
 
 use crate::geometry::{Tangent, TangentMap};
+use nalgebra::SymmetricEigen;
+
+/// What rounding leaves of nothing in sums of squares over thousands of points, as a part of their terms.
+const ROUNDING: f64 = 1e-13;
 
 /// What one kind of residuals adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,9 +66,34 @@ impl Sandwich {
             }
             derivative[(k, k)] = 1.0;
         }
+        if !is_determined(&derivative) {
+            return None;
+        }
         let inverse = derivative.cholesky()?.inverse();
-        let covariance = inverse * of_gradient * inverse;
-        let covariance = (covariance + covariance.transpose()) * 0.5;
-        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
+        let root = root(&(inverse * of_gradient * inverse))?;
+        Some(root * root.transpose())
     }
+}
+
+/// Whether what is known of every degree of freedom stands out of the rounding of the sums, each in its own unit.
+fn is_determined(derivative: &TangentMap) -> bool {
+    let Some(scaled) = scaled(derivative) else { return false };
+    scaled.1.symmetric_eigenvalues().min() > ROUNDING
+}
+
+/// A matrix L with L Lᵀ = C for a covariance C, where rounding made its small variances negative too; `None` where a
+/// number is not finite.
+pub(crate) fn root(covariance: &TangentMap) -> Option<TangentMap> {
+    let (sizes, correlation) = scaled(covariance)?;
+    let SymmetricEigen { eigenvalues, eigenvectors } = correlation.symmetric_eigen();
+    let roots = eigenvalues.map(|variance| variance.max(0.0).sqrt());
+    Some(TangentMap::from_diagonal(&sizes) * eigenvectors * TangentMap::from_diagonal(&roots))
+}
+
+/// The roots of the diagonal, and the symmetric matrix in units of them; where the diagonal is not positive the row is 0.
+fn scaled(matrix: &TangentMap) -> Option<(Tangent, TangentMap)> {
+    let sizes = matrix.diagonal().map(|variance| variance.max(0.0).sqrt());
+    let inverse = TangentMap::from_diagonal(&sizes.map(|size| if size > 0.0 { size.recip() } else { 0.0 }));
+    let scaled = inverse * (matrix + matrix.transpose()) * inverse * 0.5;
+    (sizes.iter().chain(&scaled).all(|x| x.is_finite())).then_some((sizes, scaled))
 }
