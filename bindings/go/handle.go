@@ -28,9 +28,9 @@ type native struct {
 func (native *native) free() { native.destroy(native.handle) }
 
 // own takes a handle that was just created.
-func (object *object) own(native *native) {
-	object.native = native
-	runtime.SetFinalizer(native, (*native).free)
+func (object *object) own(held *native) {
+	object.native = held
+	runtime.SetFinalizer(held, (*native).free)
 }
 
 // close frees the handle, unless a call on it is running.
