@@ -125,6 +125,8 @@ void print_options(const run *r, const cylfuse_options *options)
     PRINT(r, *options, image_noise);
     PRINT(r, *options, edge_noise);
     PRINT(r, *options, mask_noise);
+    PRINT(r, *options, image_blur);
+    PRINT(r, *options, drawn_pixel);
     PRINT(r, *options, radius_min);
     PRINT(r, *options, radius_max);
     PRINT_LIST(r, *options, axis);
@@ -152,6 +154,7 @@ void print_counts(const run *r, const cylfuse_counts *counts)
     PRINT(r, *counts, dropped_no_depth);
     PRINT(r, *counts, dropped_out_of_range);
     PRINT(r, *counts, dropped_outside_camera);
+    PRINT(r, *counts, dropped_hidden);
     PRINT(r, *counts, segments_given);
 }
 
