@@ -21,8 +21,8 @@ function check(status) {
 }
 
 /**
- * Throws for a call on a fitter that failed on another thread. Its text is with the fitter, and is read by a thread whose
- * own last call was on something else.
+ * Throws for a call on a fitter that failed on another thread. Its text is with the fitter, and is read by a thread
+ * whose own last call was on something else.
  */
 function checkElsewhere(status, fitter) {
   if (status === 0) return;

@@ -310,7 +310,8 @@ class Fitter {
   }
 
   /**
-   * Begins the one call that may run. The library would answer BUSY by itself, but not before a fit on the pool has begun.
+   * Begins the one call that may run. The library would answer BUSY by itself, but not before a fit on the pool has
+   * begun.
    */
   #start() {
     const handle = this.#open();

@@ -263,8 +263,8 @@ function loadLibrary() {
 const library = loadLibrary();
 
 /**
- * The fit on a thread of the pool. Its outputs are memory of koffi.alloc: the collector does not move it, and nothing is
- * converted when the fit ends after the JavaScript of its worker.
+ * The fit on a thread of the pool. Its outputs are memory of koffi.alloc: the collector does not move it, and nothing
+ * is converted when the fit ends after the JavaScript of its worker.
  */
 const fitAsync = library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *', 'void *']).async;
 

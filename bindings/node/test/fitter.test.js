@@ -236,15 +236,18 @@ for (const [name, run] of [['fit', (fitter) => fitter.fit()], ['fitSync', async 
     const lines = [];
     fitter.setLog('info', (level, message) => lines.push([level, message]));
     let solves = 0;
+    let last;
     fitter.setProgress((progress) => {
+      assert.ok(progress.phase === 'solve' || progress.cylinder === null);
       if (progress.phase !== 'solve') return;
       solves += 1;
-      assert.ok(progress.cylinder.radius > 0);
+      last = progress.cylinder;
       assert.throws(() => fitter.counts(), coded('BUSY'));
       assert.throws(() => fitter.close(), coded('BUSY'));
     });
     const { cylinder } = await run(fitter);
     assert.ok(solves > 0 && lines.length > 0);
+    assert.ok(Math.abs(last.radius - cylinder.radius) < 1e-6, JSON.stringify(last));
     assert.ok(lines.every(([level, message]) => ['error', 'warning', 'info'].includes(level) && message.length > 0));
 
     fitter.setProgress(() => false);
