@@ -35,14 +35,14 @@ fn link_shared(name: &str, shared_library: &Path, mut compiler: Command) -> Path
 }
 
 fn compile(flags: &[&str]) -> Command {
-    let mut sources: Vec<_> =
-        std::fs::read_dir(root().join("tests/c")).unwrap().map(|entry| entry.unwrap().path()).collect();
-    sources.retain(|path| path.extension().is_some_and(|extension| extension == "c"));
-    sources.sort();
-    compile_sources(flags, &sources)
+    compile_folder(flags, "tests/c")
 }
 
-fn compile_sources(flags: &[&str], sources: &[PathBuf]) -> Command {
+fn compile_folder(flags: &[&str], folder: &str) -> Command {
+    let mut sources: Vec<_> =
+        std::fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
+    sources.retain(|path| path.extension().is_some_and(|extension| extension == "c"));
+    sources.sort();
     let mut compiler = c_compiler();
     compiler
         .args(["-std=c99", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-g"])
@@ -105,7 +105,7 @@ fn the_walk_holds_under_valgrind() {
 /// Runs one part of tests/c/defects: nothing but its own line may be printed, by the library neither.
 fn defect(arguments: &[&str]) {
     let name = format!("c_defect_{}", arguments.join("_"));
-    let compiler = compile_sources(&["-O1"], &[root().join("tests/c/defects/defects.c")]);
+    let compiler = compile_folder(&["-O1"], "tests/c/defects");
     let program = link_shared(&name, &library("libcylfuse.so"), compiler);
     let output = start(program).args(arguments).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

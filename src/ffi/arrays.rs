@@ -148,7 +148,7 @@ pub unsafe extern "C" fn cylfuse_fitter_limbs(
             last_result(&content.fitter, "listing limbs")?;
             let (fitter, views) = (&content.fitter, content.fitter.view_count());
             out.write((0..views).flat_map(|view| {
-                let seen = fitter.limbs_in(view);
+                let seen = fitter.limbs_of(view);
                 [0, 1].map(|limb| describe(view, limb, seen.map(|limbs| &limbs[limb])))
             }))
         })

@@ -143,9 +143,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |frame| {
-            Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
-        })
+        enter(frame, |frame| Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?))
     }
 }
 
@@ -181,9 +179,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_image(
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe {
-        enter(frame, |frame| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?))
-    }
+    unsafe { enter(frame, |frame| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?)) }
 }
 
 /// Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and

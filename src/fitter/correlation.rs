@@ -64,6 +64,9 @@ impl Lattice {
     /// A grid with about one position a cell.
     fn of_positions(positions: &[Vector2<f64>]) -> Option<Self> {
         let count = positions.len();
+        if count == 0 {
+            return None;
+        }
         let bounds = [0, 1].map(|axis| {
             let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();
             let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;

@@ -132,11 +132,12 @@ impl Fitter {
     /// image, for edges as given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.limbs_in(self.selected)
+        self.limbs_of(self.selected)
     }
 
-    /// The same in any view.
-    pub(crate) fn limbs_in(&self, view: usize) -> Option<&[LimbObservation; 2]> {
+    /// The same for any view.
+    #[must_use]
+    pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
         self.held.as_ref()?.view(view)?.limbs.as_ref()
     }
 

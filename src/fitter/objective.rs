@@ -340,8 +340,23 @@ impl Data<'_> {
 
     /// By the median absolute deviation. Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
     fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
-        let floor = 64.0 * f64::EPSILON * self.center.amax().max(self.unit);
-        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(floor)
+        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
+    }
+
+    /// What rounding leaves of the residuals of exact data.
+    fn rounding(&self) -> f64 {
+        64.0 * f64::EPSILON * self.center.amax().max(self.unit)
+    }
+
+    /// The number of independent points that count at a cylinder: those that are not outliers.
+    pub fn independent_inliers(&self, cylinder: &Cylinder, scales: &Scales) -> f64 {
+        let of_view = |(view, scales): (&ViewData<'_>, &RobustScales)| {
+            let residuals = view.distances(cylinder, &self.center);
+            let cutoff = if self.is_paper() { f64::INFINITY } else { TUKEY_EFFICIENT * scales.point };
+            let inliers = residuals.iter().filter(|residual| residual.abs() <= cutoff).count();
+            scales.independent_points * inliers as f64 / residuals.len().max(1) as f64
+        };
+        self.views.iter().zip(&scales.views).map(of_view).sum()
     }
 
     pub fn scales(&self, cylinder: &Cylinder) -> Scales {
@@ -391,6 +406,8 @@ impl Data<'_> {
         let independent = match (self.options.independent_points, &view.lattice) {
             (told, _) if told > 0.0 => told.min(count),
             _ if residuals.is_empty() => 1.0,
+            // What rounding leaves is alike everywhere and no noise.
+            _ if scale <= self.rounding() => count,
             (_, Some(lattice)) => lattice.independent_points(residuals, cutoff),
             (_, None) => {
                 let frame = self.frame(cylinder).moved(&view.into_view);

@@ -39,8 +39,7 @@ impl Data<'_> {
         scales: &Scales,
     ) -> (Option<Uncertainty>, Option<RadiusComparison>) {
         let frame = self.frame(&self.canonical(cylinder));
-        let independent: f64 = scales.views.iter().map(|scales| scales.independent_points).sum();
-        if independent < LEAST_INDEPENDENT {
+        if self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
             return (None, None);
         }
         let Some(sandwich) = self.sandwich(held, cylinder, scales, &frame) else { return (None, None) };

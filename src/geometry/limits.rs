@@ -105,7 +105,8 @@ impl CylinderLimits {
         if let Some((name, limit)) =
             finite.into_iter().find(|(_, limit)| limit.is_finite() && *limit > LARGEST_LIMIT)
         {
-            let requirement = format!("be at most {LARGEST_LIMIT:e}; without radius_max there is no upper limit");
+            let requirement =
+                format!("be at most {LARGEST_LIMIT:e}; without radius_max there is no upper limit");
             return Err(Error::argument(name, limit, requirement));
         }
         let Some(AxisCone { direction, max_angle }) = axis else { return Ok(()) };

@@ -97,3 +97,65 @@ fn scaled(matrix: &TangentMap) -> Option<(Tangent, TangentMap)> {
     let scaled = inverse * (matrix + matrix.transpose()) * inverse * 0.5;
     (sizes.iter().chain(&scaled).all(|x| x.is_finite())).then_some((sizes, scaled))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(derivative: TangentMap, covariance: TangentMap) -> SandwichPart {
+        SandwichPart { gradient: Tangent::zeros(), derivative, covariance }
+    }
+
+    fn of_points(derivative: TangentMap, covariance: TangentMap) -> Sandwich {
+        Sandwich { points: part(derivative, covariance), image: SandwichPart::zero() }
+    }
+
+    /// Six rows, of which five are independent, in units as different as can be.
+    fn derivative(last: f64) -> TangentMap {
+        let units = Tangent::new(1.0, 1e-5, 1e4, 1.0, last);
+        let row =
+            |k: u32| Tangent::from_fn(|i, _| (f64::from(k) * (1.3 + i as f64)).sin()).component_mul(&units);
+        (1..=6).map(row).map(|row| row * row.transpose()).sum()
+    }
+
+    #[test]
+    fn the_root_of_a_covariance_gives_it_back() {
+        let covariance = derivative(1e-3);
+        let root = root(&covariance).unwrap();
+        let difference = root * root.transpose() - covariance;
+        for (row, column) in (0..5).flat_map(|row| (0..5).map(move |column| (row, column))) {
+            let size = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
+            assert!(difference[(row, column)].abs() <= 1e-14 * size, "{row} {column}");
+        }
+    }
+
+    #[test]
+    fn variances_that_rounding_made_negative_are_none() {
+        let mut covariance = TangentMap::identity();
+        (covariance[(0, 1)], covariance[(1, 0)]) = (1.0 + 1e-9, 1.0 + 1e-9);
+        covariance[(4, 4)] = -1e-20;
+        let root = root(&covariance).unwrap();
+        let mended = root * root.transpose();
+        assert!(mended.diagonal().iter().all(|variance| *variance >= 0.0));
+        assert!(mended[(0, 1)].powi(2) <= (1.0 + 1e-15) * mended[(0, 0)] * mended[(1, 1)]);
+        covariance[(2, 2)] = f64::NAN;
+        assert!(super::root(&covariance).is_none());
+    }
+
+    #[test]
+    fn what_nothing_determines_has_no_covariance() {
+        let known = [false; 5];
+        let sandwich = of_points(derivative(1e-3), TangentMap::identity());
+        assert!(sandwich.covariance(&known).is_some());
+        // Two rows alike but for rounding.
+        let mut singular = derivative(1e-3);
+        for k in 0..5 {
+            singular[(4, k)] = singular[(3, k)] * 1e-3;
+            singular[(k, 4)] = singular[(4, k)];
+        }
+        singular[(4, 4)] = singular[(3, 3)] * 1e-6 * (1.0 + 1e-15);
+        let sandwich = of_points(singular, TangentMap::identity());
+        assert_eq!(sandwich.covariance(&known), None);
+        assert!(sandwich.covariance(&[false, false, false, false, true]).is_some());
+    }
+}

@@ -191,7 +191,7 @@ static void inputs_are_cleared_one_by_one(void)
     cylfuse_result kept;
     CHECK_OK(cylfuse_result_init(&kept, sizeof kept));
     CHECK_OK(cylfuse_fitter_get_result(fitter, &kept));
-    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, NULL, NULL), TOO_FEW_POINTS, "");
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, NULL, NULL), TOO_FEW_POINTS, "0 of 0 points are usable");
     destroy(fitter);
 }
 

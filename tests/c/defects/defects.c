@@ -1,147 +1,6 @@
 /* Ten defects that random calls once found, each with what happens instead. Run with the number of one; prints what
  * fails and returns 1 then. A signal or a printed line of the library is a failure too. */
-#include <cylfuse/cylfuse.h>
-
-#include <math.h>
-#include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/resource.h>
-#include <time.h>
-#include <unistd.h>
-
-static int failures = 0;
-
-#define CHECK(condition) check((condition) != 0, #condition, __LINE__)
-#define CHECK_STATUS(call, status) check_status((call), CYLFUSE_STATUS_##status, #call, __LINE__)
-
-static int check(int holds, const char *what, int line)
-{
-    if (!holds) {
-        failures++;
-        printf("line %d: failed: %s\n", line, what);
-        fflush(stdout);
-    }
-    return holds;
-}
-
-static int check_status(cylfuse_status got, cylfuse_status expected, const char *call, int line)
-{
-    if (got != expected) {
-        failures++;
-        printf("line %d: %s\n    returned %s (%s)\n    instead of %s\n", line, call, cylfuse_status_string(got),
-               cylfuse_fitter_last_error(NULL), cylfuse_status_string(expected));
-        fflush(stdout);
-    }
-    return got == expected;
-}
-
-static cylfuse_fitter *new_fitter(void)
-{
-    cylfuse_fitter *fitter = NULL;
-    CHECK_STATUS(cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &fitter), OK);
-    return fitter;
-}
-
-static void destroy(cylfuse_fitter *fitter)
-{
-    CHECK_STATUS(cylfuse_fitter_destroy(fitter), OK);
-}
-
-static cylfuse_points_view view_of(const void *points, size_t count)
-{
-    cylfuse_points_view view;
-    CHECK_STATUS(cylfuse_points_view_init(&view, sizeof view), OK);
-    view.scalar = CYLFUSE_SCALAR_F64;
-    view.data = points;
-    view.width = count;
-    return view;
-}
-
-static cylfuse_status push(cylfuse_fitter *fitter, const double *points, size_t count)
-{
-    cylfuse_points_view view = view_of(points, count);
-    return cylfuse_fitter_push_points(fitter, &view, NULL);
-}
-
-static cylfuse_status set_camera(cylfuse_fitter *fitter, uint32_t width, uint32_t height, double fx, double fy)
-{
-    cylfuse_intrinsics camera;
-    CHECK_STATUS(cylfuse_intrinsics_init(&camera, sizeof camera), OK);
-    camera.width = width;
-    camera.height = height;
-    camera.fx = fx;
-    camera.fy = fy;
-    camera.cx = 0.5 * (width - 1);
-    camera.cy = 0.5 * (height - 1);
-    return cylfuse_fitter_set_intrinsics(fitter, &camera);
-}
-
-static cylfuse_mask_view mask_of(const uint8_t *data, uint32_t width, uint32_t height)
-{
-    cylfuse_mask_view mask;
-    CHECK_STATUS(cylfuse_mask_view_init(&mask, sizeof mask), OK);
-    mask.data = data;
-    mask.width = width;
-    mask.height = height;
-    return mask;
-}
-
-static cylfuse_options defaults(void)
-{
-    cylfuse_options options;
-    CHECK_STATUS(cylfuse_options_init(&options, sizeof options), OK);
-    return options;
-}
-
-typedef struct {
-    cylfuse_status status;
-    cylfuse_result result;
-    cylfuse_cylinder_estimate estimate;
-} outcome;
-
-static outcome fit(cylfuse_fitter *fitter)
-{
-    outcome found;
-    CHECK_STATUS(cylfuse_result_init(&found.result, sizeof found.result), OK);
-    CHECK_STATUS(cylfuse_cylinder_estimate_init(&found.estimate, sizeof found.estimate), OK);
-    found.status = cylfuse_fitter_fit(fitter, &found.result, &found.estimate);
-    return found;
-}
-
-/* Points all around a cylinder of radius 0.3. */
-static double *cylinder_points(size_t count)
-{
-    double *points = malloc(3 * sizeof(double) * count);
-    if (points == NULL) {
-        exit(2);
-    }
-    for (size_t k = 0; k < count; k++) {
-        points[3 * k] = 0.1 + 0.3 * cos(0.7 * (double)k);
-        points[3 * k + 1] = 0.02 * (double)(k % 50) - 0.5;
-        points[3 * k + 2] = 2.0 + 0.3 * sin(0.7 * (double)k);
-    }
-    return points;
-}
-
-static const cylfuse_cylinder CYLINDER = {{0.1, 0.0, 2.0}, {0.0, 1.0, 0.0}, 0.3};
-
-static double seconds(clockid_t of)
-{
-    struct timespec now;
-    clock_gettime(of, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static double uniform(void)
-{
-    static uint64_t state = 88172645463325252u;
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    return (double)(state >> 11) / 9007199254740992.0;
-}
+#include "defects.h"
 
 /* A mask without pixels is refused wherever one is taken. */
 static void empty_masks(void)
@@ -275,7 +134,7 @@ static void short_memory(const char *call)
 /* Where a thread cannot be started the work is done without it. */
 static void no_threads(void)
 {
-    size_t count = 400000;
+    size_t count = 9000;
     double *points = cylinder_points(count);
     cylfuse_fitter *fitter = new_fitter();
     CHECK_STATUS(push(fitter, points, count), OK);
@@ -283,91 +142,12 @@ static void no_threads(void)
     cylfuse_options options = defaults();
     options.method = CYLFUSE_METHOD_POINTS;
     options.max_threads = 4;
+    /* Room for the lists of a fit and three stacks. */
+    limit_memory(15u << 19);
     CHECK_STATUS(cylfuse_fitter_set_options(fitter, &options), OK);
-    /* No more processes and threads, and no room for the stack of one. */
-    limit_memory(16u << 20);
     CHECK_STATUS(fit(fitter).status, OK);
     CHECK_STATUS(cylfuse_fitter_clear(fitter), OK);
     destroy(fitter);
-}
-
-/* A covariance that can be one, or NaN: variances of 0 or more, correlations of at most 1. */
-static void check_covariance(const outcome *found, const char *what)
-{
-    const double *covariance = found->estimate.covariance;
-    int can_be = 1;
-    for (int i = 0; i < 7; i++) {
-        double variance = covariance[8 * i];
-        can_be &= isnan(variance) || variance >= 0.0;
-        for (int j = 0; j < i; j++) {
-            double square = covariance[7 * i + j] * covariance[7 * i + j];
-            can_be &= !(square > (1.0 + 1e-6) * variance * covariance[8 * j]);
-        }
-    }
-    double deviation = found->estimate.radius_deviation;
-    /* A deviation far below what double can tell of the radius is none. */
-    can_be &= isnan(deviation) || deviation > 1e-15 * found->estimate.model.radius || found->result.point_rms < 1e-12;
-    if (!CHECK(can_be)) {
-        printf("    %s: radius %g +- %g, rms %g, flags %u\n", what, found->estimate.model.radius, deviation,
-               found->result.point_rms, (unsigned)found->result.flags);
-    }
-}
-
-static void impossible_variances(void)
-{
-    static const double seven[7][3] = {
-        {0.10582885845113781, 0.17928612782569511, 0.00038473359716296979},
-        {0.10547858403342507, 0.17955363425729012, -0.00010047747444059247},
-        {0.10520933556306819, 0.17939516812789422, -0.00015713532137325175},
-        {0.10528984815572857, 0.17975115318647325, 0.00010746370702587293},
-        {0.10524718568835509, 0.17884557158761477, 5.6138678160365602e-05},
-        {0.10565868128689393, 0.17928870381151166, 0.00049752086103494082},
-        {0.10561020421464976, 0.17887917157309926, 0.0002190252710213053},
-    };
-    cylfuse_fitter *fitter = new_fitter();
-    CHECK_STATUS(push(fitter, seven[0], 7), OK);
-    outcome found = fit(fitter);
-    if (found.status == CYLFUSE_STATUS_OK) {
-        check_covariance(&found, "seven points");
-    }
-    destroy(fitter);
-
-    for (int round = 0; round < 400; round++) {
-        double points[20][3];
-        int count = 6 + round % 8 * 2;
-        double arc = 0.2 + 6.0 * uniform(), noise = round % 3 != 0 ? 0.01 * uniform() : 0.0;
-        for (int k = 0; k < count; k++) {
-            double angle = arc * uniform();
-            points[k][0] = 0.3 * cos(angle) + noise * uniform();
-            points[k][1] = uniform();
-            points[k][2] = 2.0 + 0.3 * sin(angle) + noise * uniform();
-        }
-        fitter = new_fitter();
-        CHECK_STATUS(push(fitter, points[0], (size_t)count), OK);
-        found = fit(fitter);
-        if (found.status == CYLFUSE_STATUS_OK) {
-            check_covariance(&found, "few points");
-        }
-        destroy(fitter);
-    }
-
-    /* A known radius in the wrong unit is nothing that points can agree with. */
-    double *points = cylinder_points(500);
-    for (double radius = 1e3; radius < 1e8; radius *= 10.0) {
-        fitter = new_fitter();
-        CHECK_STATUS(push(fitter, points, 500), OK);
-        cylfuse_options options = defaults();
-        options.radius_min = options.radius_max = radius;
-        if (cylfuse_fitter_set_options(fitter, &options) == CYLFUSE_STATUS_OK) {
-            found = fit(fitter);
-            if (found.status == CYLFUSE_STATUS_OK) {
-                check_covariance(&found, "a known radius");
-                CHECK(found.result.flags != 0);
-            }
-        }
-        destroy(fitter);
-    }
-    free(points);
 }
 
 typedef struct {
@@ -611,7 +391,7 @@ int main(int count, char **arguments)
     case 2: endless_extents(); break;
     case 3: short_memory(count > 2 ? arguments[2] : "fit"); break;
     case 4: no_threads(); break;
-    case 5: impossible_variances(); break;
+    case 5: impossible_variances(); intrinsics_in_a_wrong_unit(); break;
     case 6: deaf_ransac(); break;
     case 7: endless_limits(); break;
     case 8: statuses_and_overflow(); break;
