@@ -9,6 +9,46 @@ use crate::error::{Error, Result};
 /// were measured.
 const DRAWN_PIXELS: f64 = 640.0 * 480.0;
 
+constants! {
+    /// The default of [`NoiseModel::edge_endpoint`].
+    EDGE_ENDPOINT = 0.5, "drawn px";
+
+    /// The default of [`NoiseModel::mask_side`].
+    MASK_SIDE = 1.6, "drawn px";
+
+    /// The default of [`NoiseModel::mask_unevenness`].
+    MASK_UNEVENNESS = 1.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_growth`].
+    MASK_GROWTH = 3.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_boundary`].
+    MASK_BOUNDARY = 0.8, "drawn px";
+
+    /// The default of [`NoiseModel::mask_correlation`].
+    MASK_CORRELATION = 10.0, "drawn px";
+
+    /// The default of [`NoiseModel::limb_of_points`].
+    LIMB_OF_POINTS = 2.0, "drawn px";
+}
+
+#[cfg(feature = "sensitivity")]
+/// The defaults of the standard deviations.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    CONSTANTS.to_vec()
+}
+
+/// A blur of so many pixels, a standard deviation, leaves less than a tenth of the contrast at the finest pattern that
+/// pixels can hold, exp(−π² σ² / 2): more pixels show nothing more.
+const RESOLVED_BLUR: f64 = 0.7;
+
+/// The blur that boxes of `factor` pixels add to that of a pixel, in pixels: both are apertures, of variance w² / 12.
+#[must_use]
+pub fn box_blur(factor: usize) -> f64 {
+    ((factor as f64).powi(2) - 1.0).sqrt() / 12.0_f64.sqrt()
+}
+
 /// Standard deviations of the data. Where 0 says so, it stands for an estimate from the data.
 ///
 /// Edges and masks are drawn by people on a screen, or by networks on a grid of some hundred columns, whatever the
@@ -51,13 +91,13 @@ impl Default for NoiseModel {
     fn default() -> Self {
         Self {
             drawn_pixel: 0.0,
-            edge_endpoint: 0.5,
-            mask_side: 1.6,
-            mask_unevenness: 1.0,
-            mask_growth: 3.0,
-            mask_boundary: 0.8,
-            mask_correlation: 10.0,
-            limb_of_points: 2.0,
+            edge_endpoint: EDGE_ENDPOINT.get(),
+            mask_side: MASK_SIDE.get(),
+            mask_unevenness: MASK_UNEVENNESS.get(),
+            mask_growth: MASK_GROWTH.get(),
+            mask_boundary: MASK_BOUNDARY.get(),
+            mask_correlation: MASK_CORRELATION.get(),
+            limb_of_points: LIMB_OF_POINTS.get(),
             depth: 0.0,
             image: 0.0,
             blur: 0.0,
@@ -103,7 +143,7 @@ impl NoiseModel {
 
     /// The deviations in an image of some columns and rows.
     #[must_use]
-    pub fn in_image(&self, width: usize, height: usize) -> ImageNoise {
+    pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
         let pixel = if self.drawn_pixel > 0.0 {
             self.drawn_pixel
         } else {
@@ -150,6 +190,42 @@ pub struct ImageNoise {
 }
 
 impl ImageNoise {
+    /// The same in an image whose pixels are the means of boxes of `factor` columns and rows.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> Self {
+        let ratio = factor as f64;
+        Self {
+            pixel: self.pixel / ratio,
+            endpoint: self.endpoint / ratio,
+            side: self.side / ratio,
+            unevenness: self.unevenness / ratio,
+            growth: self.growth / ratio,
+            boundary: self.boundary / ratio,
+            correlation: self.correlation / ratio,
+            limb_of_points: self.limb_of_points / ratio,
+            value: self.value / ratio,
+            blur: if self.blur > 0.0 { self.blur.hypot(box_blur(factor)) / ratio } else { 0.0 },
+        }
+    }
+
+    /// Columns and rows of the boxes that lose nothing of an image of some blur: the told blur, else a measured one,
+    /// else that of an image which shows no more than the drawing. They are no larger than a pixel of the drawing: on the
+    /// grid on which edges and masks are known to a pixel there is time enough, and where a limb is hardly to be seen the
+    /// measured blur may be anything.
+    #[must_use]
+    pub fn factor(&self, measured: Option<f64>) -> usize {
+        let blur = if self.blur > 0.0 { Some(self.blur) } else { measured };
+        let factor = blur.map_or(self.pixel, |blur| blur / RESOLVED_BLUR);
+        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(1))
+    }
+
+    /// How far beyond the boundary of a mask, and within it, its surroundings are looked at: past the reach of a boundary
+    /// that is off by five deviations, as the growth of masks and matching windows of depth may make it, yet beside it.
+    #[must_use]
+    pub fn beyond(&self) -> [f64; 4] {
+        [5.0, 7.5, 10.0, 12.5].map(|deviations| deviations * self.boundary)
+    }
+
     /// The limbs of a fit to hand-set segments: two deviations of an endpoint, as depth draws such a fit, too.
     #[must_use]
     pub fn limb_of_segments(&self) -> f64 {
@@ -183,12 +259,12 @@ mod tests {
     #[test]
     fn deviations_grow_with_the_image_and_never_shrink() {
         let model = NoiseModel::default();
-        assert_eq!(model.in_image(640, 480).endpoint, 0.5);
-        assert_eq!(model.in_image(320, 240).endpoint, 0.5);
-        let large = model.in_image(2560, 1920);
+        assert_eq!(model.in_image((640, 480)).endpoint, 0.5);
+        assert_eq!(model.in_image((320, 240)).endpoint, 0.5);
+        let large = model.in_image((2560, 1920));
         assert_eq!((large.endpoint, large.side, large.growth), (2.0, 6.4, 12.0));
         let told = NoiseModel { drawn_pixel: 1.0, ..model };
-        assert_eq!(told.in_image(2560, 1920).endpoint, 0.5);
+        assert_eq!(told.in_image((2560, 1920)).endpoint, 0.5);
     }
 
     #[test]

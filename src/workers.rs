@@ -26,7 +26,7 @@ impl Workers {
     }
 
     /// How many threads work.
-    #[must_use]
+    #[cfg(test)]
     pub fn threads(&self) -> usize {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
 const LAYERS: [&[&str]; 13] = [
-    &["error", "statistics", "workers"],
+    &["constant", "error", "statistics", "workers"],
     &["noise"],
     &["geometry"],
     &["camera"],

@@ -11,6 +11,7 @@ mod support;
 mod disturbance;
 mod frame;
 mod rows;
+mod scaled;
 mod table;
 mod views;
 
@@ -30,13 +31,14 @@ struct Sets {
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 11] = [
+const ROWS: [Row; 12] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
     ("no-image", rows::no_image),
     ("disturbed", rows::disturbed),
     ("images", rows::images),
+    ("scaled", rows::scaled),
     ("repeat", rows::repeat),
     ("real", rows::real),
     ("never-worse", rows::never_worse),

@@ -216,6 +216,26 @@ impl Camera {
         &self.intrinsics
     }
 
+    /// The camera of an image whose pixels are boxes of `factor` columns and rows of this one's, those that the border
+    /// cuts left out.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> Self {
+        let ratio = factor.max(1) as f64;
+        let Intrinsics { width, height, fx, fy, cx, cy, distortion } = self.intrinsics;
+        let count = |pixels: u32| (f64::from(pixels) / ratio) as u32;
+        let place = |place: f64| (place + 0.5) / ratio - 0.5;
+        let intrinsics = Intrinsics {
+            width: count(width),
+            height: count(height),
+            fx: fx / ratio,
+            fy: fy / ratio,
+            cx: place(cx),
+            cy: place(cy),
+            distortion,
+        };
+        Self { intrinsics, lens: self.lens.clone() }
+    }
+
     /// Columns and rows of the image.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {

@@ -19,13 +19,10 @@ use crate::error::{Error, Result};
 use crate::fitter::ExtentRule;
 use crate::fitter::{FitResult, Fitter};
 use crate::geometry::{Cylinder, RigidMotion};
+use crate::limb_location::blur_of;
 use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
 pub use uncertainty::ExtentUncertainty;
-
-/// Limbs that pass that near to the segments, root mean square in pixels, are taken as known: twice what a hand-set edge
-/// is off.
-const KNOWN_PIXELS: f64 = 1.0;
 
 const CALL: &str = "finding the extent";
 
@@ -164,7 +161,10 @@ impl Fitter {
         let view = &self.views()[index];
         let into_view = view.pose().inverse();
         let seen = into_view.cylinder(cylinder);
-        let near = |result: &FitResult| result.edge_rms_pixels.is_some_and(|rms| rms <= KNOWN_PIXELS);
+        let noise = self.options().noise.in_image(camera.size());
+        // Limbs that pass that near to the segments are taken as known.
+        let near =
+            |result: &FitResult| result.edge_rms_pixels.is_some_and(|rms| rms <= noise.limb_of_segments());
         let search = EndSearch {
             camera,
             mask,
@@ -173,6 +173,8 @@ impl Fitter {
             tolerance: depth_tolerance(&view.cloud, &seen),
             limbs_known: limbs_known
                 .unwrap_or_else(|| self.limbs_known(index) || self.result().is_some_and(near)),
+            noise,
+            blur: self.limbs_of(index).and_then(blur_of),
         };
         let locates_ends = self.options().locates_ends();
         let ends = if locates_ends { locate_ends(&search, &seen) } else { extreme_ends(&search, &seen) };

@@ -3,6 +3,7 @@
 use super::scene::{SIZE, Scene};
 use super::*;
 use crate::fitter::{ExtentRule, Method, ObjectiveKind, Options};
+use crate::noise::NoiseModel;
 use crate::observations::ImageView;
 use nalgebra::Vector2;
 
@@ -150,6 +151,8 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
         image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),
         limbs_known: true,
+        noise: NoiseModel::default().in_image(camera.size()),
+        blur: None,
     };
     let axis = scene.cylinder.axis;
     let [start, end] = locate_ends(&search, &scene.cylinder).unwrap().map(|end| end.samples);

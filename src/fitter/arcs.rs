@@ -9,6 +9,7 @@ use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
+use crate::limb_location::blur_of;
 use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
 use nalgebra::{Matrix3, Vector3};
 
@@ -79,6 +80,8 @@ fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<Arc
         image: Some(view.view.image()?),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
         limbs_known: held.given + held.located > 0,
+        noise: view.noise,
+        blur: held.limbs.as_ref().and_then(blur_of),
     };
     let ends = locate_ends(&search, cylinder)?;
     let endpoint = view.noise.endpoint;

@@ -18,6 +18,9 @@ const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 /// farther apart is no noise but a misfit.
 const LONGEST_CORRELATION: usize = 11;
 
+/// Fewest pairs of neighbours that tell a correlation: of fewer even one of 0.5 is chance.
+const LEAST_PAIRS: f64 = 36.0;
+
 /// The part of the points that bounds a grid made from where they are: single far points don't widen it.
 const CENTRAL_PART: f64 = 0.98;
 
@@ -134,7 +137,7 @@ impl Lattice {
             let mut range = 1.0;
             for k in 1..=LONGEST_CORRELATION {
                 let pairs = self.pairs[axis][k - 1];
-                let Some(ahead) = values.get(k * step..).filter(|_| pairs > 0.0) else { break };
+                let Some(ahead) = values.get(k * step..).filter(|_| pairs >= LEAST_PAIRS) else { break };
                 let correlation = dot(&values, ahead) / (pairs * variance);
                 if correlation < UNCORRELATED.max(UNCORRELATED_DEVIATIONS / pairs.sqrt()) {
                     break;

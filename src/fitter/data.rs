@@ -360,8 +360,8 @@ impl<'a> ViewData<'a> {
             NearWall::On => true,
             NearWall::Off => false,
         };
-        let (width, height) = view.camera().map_or((0, 0), Camera::size);
-        let noise = options.noise.in_image(width, height);
+        let size = view.camera().map_or((1, 1), Camera::size);
+        let noise = options.noise.in_image(size);
         let segments: &[EdgeSegment] = if fused { &view.segments } else { &[] };
         Self {
             index,
@@ -369,7 +369,7 @@ impl<'a> ViewData<'a> {
             into_view: view.pose().inverse(),
             points: PointTerm::new(&view.cloud, Some(workers)),
             lattice: Lattice::of_cloud(&view.cloud, observed),
-            edges: UsableEdges::new(view.camera(), segments, noise.endpoint),
+            edges: UsableEdges::new(view.camera(), segments, &noise),
             observed,
             noise,
         }

@@ -3,12 +3,10 @@
 use super::result::Flags;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::{LimbPair, PixelSegment, PixelTerm};
 use nalgebra::{Vector2, Vector3};
-
-/// Two limbs of a cylinder that can be measured are farther apart than so many standard deviations of an endpoint.
-const SAME_LIMB_DEVIATIONS: f64 = 4.0;
 
 /// The usable segments, without distortion.
 #[derive(Debug, Clone)]
@@ -19,9 +17,8 @@ pub(super) struct UsableEdges {
 }
 
 impl UsableEdges {
-    /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason. `endpoint` is the standard
-    /// deviation of an endpoint in pixels.
-    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment], endpoint: f64) -> Self {
+    /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason.
+    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment], noise: &ImageNoise) -> Self {
         let mut usable = Self { segments: Vec::new(), rays: Vec::new(), flags: Flags::empty() };
         for segment in segments.iter().filter(|segment| segment.weight > 0.0) {
             let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
@@ -39,7 +36,7 @@ impl UsableEdges {
         }
         if let [first, second] = &mut usable.segments[..] {
             (first.limb, second.limb) = (Some(0), Some(1));
-            let warning = if coincide(first, second, SAME_LIMB_DEVIATIONS * endpoint) {
+            let warning = if coincide(first, second, noise.apart()) {
                 Flags::EDGES_COINCIDE
             } else if cross(first, second) {
                 Flags::EDGES_CROSS

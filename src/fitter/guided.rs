@@ -19,9 +19,6 @@ use crate::limb_location::{Outline, axial_range};
 use crate::residuals::PixelSegment;
 use crate::start::limbs::from_limbs;
 
-/// A limb by segments that were set by hand, in standard deviations of an endpoint: what a fit to them is off.
-pub(super) const GIVEN_DEVIATIONS: f64 = 2.0;
-
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
 pub(super) const CONTRADICTION: f64 = 1.5;
@@ -221,7 +218,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         let given = self.view().edges.segments.clone();
         let own_flags = self.view().edges.flags;
         let first = self.attempt(Guides::given(&given), candidates)?;
-        let by_hand = GIVEN_DEVIATIONS * self.view().noise.endpoint;
+        let by_hand = self.view().noise.limb_of_segments();
         let Some(camera) = self.view().view.camera() else {
             return Ok(Guided { flags: own_flags, ..first?.guided(None, by_hand) });
         };
@@ -232,8 +229,9 @@ impl<'a> View<'_, 'a, '_, '_> {
             guided.flags.set(Flags::POINTS_AND_LIMBS_DISAGREE, contradicted);
             guided
         } else {
-            let view = self.view().view;
-            let outline = view.mask.as_ref().and_then(|mask| Outline::new(mask, view.depth(), camera));
+            let (view, noise) = (self.view().view, self.view().noise);
+            let outline =
+                view.mask.as_ref().and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
             match outline {
                 Some(outline) => self.by_mask(camera, &outline, &given, candidates, first)?,
                 None => self.by_segments(camera, &given, candidates, first)?,
@@ -259,7 +257,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         first: Result<Attempt>,
     ) -> Result<Guided> {
         let noise = self.view().noise;
-        let by_hand = GIVEN_DEVIATIONS * noise.endpoint;
+        let by_hand = noise.limb_of_segments();
         let view = self.view().clone();
         let sides_of = |fit: &Attempt| Sides::new(outline, camera, &view.seen(fit.cylinder()), &noise);
         if let Ok(fit) = &first
@@ -333,7 +331,7 @@ impl<'a> View<'_, 'a, '_, '_> {
             let of_starts = candidates.iter().map(|candidate| self.data.point_scale(&candidate.cylinder));
             if fit.scale() <= GIVEN_CONTRADICTION * of_starts.fold(beside, f64::min) {
                 let range = self.view().range_of_given(camera, fit.cylinder());
-                return Ok(fit.guided(range, GIVEN_DEVIATIONS * noise.endpoint));
+                return Ok(fit.guided(range, noise.limb_of_segments()));
             }
         }
         let alone = self.alone(candidates)?;

@@ -7,12 +7,6 @@ use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
 
-/// Segments within so many standard deviations of hand and mask together of the sides of the mask agree with them.
-const AGREEMENT_DEVIATIONS: f64 = 1.2;
-
-/// A segment farther from its side than so many standard deviations of a hand-set endpoint is grossly wrong.
-const GROSS_DEVIATIONS: f64 = 10.0;
-
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Guides {
@@ -191,7 +185,7 @@ impl Sides {
             let told = if self.sides[side].cut { 0.0 } else { 1.0 };
             told * (((a - growth).powi(2) + (b - growth).powi(2)) / 2.0).sqrt()
         };
-        let limit = AGREEMENT_DEVIATIONS * self.noise.endpoint.hypot(self.noise.side);
+        let limit = self.noise.agreement();
         Some(Agreement { apart: outward.iter().zip(&sides).map(apart).collect(), sides, total, limit })
     }
 
@@ -200,7 +194,7 @@ impl Sides {
         let mut given = segments.to_vec();
         if let Some(agreement) = self.compare(segments) {
             let ImageNoise { endpoint, unevenness, .. } = self.noise;
-            let gross = GROSS_DEVIATIONS * endpoint;
+            let gross = self.noise.gross();
             // One hand sets all segments alike, those apart that are grossly wrong.
             let alike: Vec<f64> = agreement.apart.iter().copied().filter(|&apart| apart < gross).collect();
             let pooled = alike.iter().map(|apart| apart * apart).sum::<f64>() / alike.len().max(1) as f64;

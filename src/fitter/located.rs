@@ -1,7 +1,7 @@
 //! Third stage: the limbs, located in the images.
 
 use super::data::{Data, ViewData};
-use super::guided::{CONTRADICTION, GIVEN_DEVIATIONS, Guided, GuidedView, moved};
+use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision, Run};
 use super::options::EdgeUse;
@@ -39,7 +39,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         fit = fit_to(data, guided, &lines, run)?;
         if let Some(fit) = &fit {
             // One limb tells where to look for the other.
-            let by_hand = |view: usize| GIVEN_DEVIATIONS * data.views[view].noise.endpoint;
+            let by_hand = |view: usize| data.views[view].noise.limb_of_segments();
             for (view, lines) in lines.iter_mut().enumerate().filter(|(_, lines)| one_limb(lines)) {
                 let missing = usize::from(lines[0].is_some());
                 let again = observe_view(data, guided, view, fit.minimum.cylinder(), by_hand(view));
@@ -100,7 +100,8 @@ fn observe_view(
     let range = moved(&guided.views[view].range?, guided.minimum.cylinder(), cylinder);
     let view = &data.views[view];
     let (image, camera) = (view.view.image()?, view.view.camera()?);
-    let search = LimbSearch { range, reach: [REACH_DEVIATIONS * deviation; 2], deviation: [deviation; 2] };
+    let reach = [REACH_DEVIATIONS * deviation; 2];
+    let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
     Some(locate_limbs(image, camera, &view.seen(cylinder), &search))
 }
 

@@ -23,6 +23,8 @@ mod start;
 mod uncertainty;
 mod view;
 
+pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
+pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
@@ -34,9 +36,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
-use crate::limb_location::LimbObservation;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
-use crate::solver::Iteration;
 use crate::workers::Workers;
 use data::Data;
 use edges::UsableEdges;
@@ -207,9 +207,8 @@ impl Fitter {
             ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p))),
             ResidualKind::Edges => {
                 let Some(camera) = view.camera() else { return Ok(Vec::new()) };
-                let (width, height) = camera.size();
-                let endpoint = self.options.noise.in_image(width, height).endpoint;
-                let edges = UsableEdges::new(Some(camera), &view.segments, endpoint);
+                let noise = self.options.noise.in_image(camera.size());
+                let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
                 edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",

@@ -22,6 +22,10 @@ const SCALE_TOLERANCE: f64 = 1e-4;
 const ROUGH_TOLERANCE: f64 = 1e-2;
 const ROUGH_COST_TOLERANCE: f64 = 1e-5;
 
+/// The part by which a number of independent points may change without another minimum: it is an estimate, good to
+/// a tenth at best.
+const INFORMATION_TOLERANCE: f64 = 0.1;
+
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
@@ -91,6 +95,13 @@ pub(super) struct Scales {
 }
 
 impl Scales {
+    /// Whether the numbers of independent points are the same to within what their estimate is good for.
+    fn same_information(&self, before: &Self) -> bool {
+        let count = |scales: &RobustScales| scales.independent_points;
+        let mut pairs = self.views.iter().zip(&before.views);
+        pairs.all(|(next, before)| (count(next) / count(before) - 1.0).abs() <= INFORMATION_TOLERANCE)
+    }
+
     fn differ_by_less_than(&self, part: f64, before: &Self) -> bool {
         let mut pairs = self.views.iter().zip(&before.views);
         pairs.all(|(next, before)| (next.point - before.point).abs() <= part * before.point)
@@ -130,17 +141,11 @@ impl Data<'_> {
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
         // The numbers of independent points matter for the covariance only.
         let objective = self.paper_objective(held, start, None);
-        let mut convergence = self.iterate(&objective, start, Precision::Full, usize::MAX, run)?;
+        let mut convergence = self.iterate(&objective, start, Precision::Full, 0, run)?;
         if convergence.termination == Termination::MaxIterations {
             // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
-            let bottom = self.iterate_in(
-                Chart::Local,
-                &objective,
-                &convergence.cylinder,
-                Precision::Full,
-                usize::MAX,
-                run,
-            )?;
+            let bottom =
+                self.iterate_in(Chart::Local, &objective, &convergence.cylinder, Precision::Full, 0, run)?;
             self.check_radius(&bottom.cylinder)?;
         }
         if held.edge_weight == 1.0 {
@@ -184,12 +189,18 @@ impl Data<'_> {
             let next = self.scales_again(&cylinder, &scales);
             let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
             scales = next;
-            if ended || settled && current == precision {
+            if ended {
                 break;
             }
             if settled {
-                // The correlation changes far less than the scale: once it has settled is enough.
-                (current, scales) = (precision, self.scales(&cylinder));
+                // The correlation changes far less than the scale: it is looked at where that has settled.
+                let counted = self.scales(&cylinder);
+                let same = counted.same_information(&scales);
+                scales = counted;
+                if same && current == precision {
+                    break;
+                }
+                current = precision;
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
@@ -292,7 +303,6 @@ impl Data<'_> {
         solves_before: usize,
         run: &mut Run<'_>,
     ) -> Result<Convergence> {
-        let solves_before = if solves_before == usize::MAX { 0 } else { solves_before };
         self.iterate_in(self.chart(start), objective, start, precision, solves_before, run)
     }
 

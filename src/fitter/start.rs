@@ -15,10 +15,6 @@ use nalgebra::Vector3;
 /// Points that starts are judged on: a start needs no more.
 const SAMPLE: usize = 500;
 
-/// A distance from the limb line beyond which an endpoint contradicts a start altogether, in standard deviations of a
-/// hand-set endpoint.
-const CONTRADICTION_DEVIATIONS: f64 = 10.0;
-
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
 const EXPLAINED: f64 = 0.1;
@@ -153,7 +149,7 @@ impl Data<'_> {
                 cost += 1.0;
             }
             let Some(lines) = &held.lines else { continue };
-            let contradiction = CONTRADICTION_DEVIATIONS * view.noise.endpoint;
+            let contradiction = view.noise.gross();
             cost += lines.distances(&seen).map_or(1.0, |distances| {
                 let count = 2 * distances.len();
                 distances.iter().flatten().map(|d| truncated(d / contradiction)).sum::<f64>() / count as f64

@@ -85,7 +85,7 @@ impl LimbTerm {
     }
 
     /// Distances in ideal pixels of the endpoints from the projected limb lines they go with, by segment.
-    #[must_use]
+    #[cfg(test)]
     pub fn pixel_distances(&self, cylinder: &Cylinder) -> Option<[[f64; 2]; 2]> {
         let limbs = LimbFrame::new(cylinder)?;
         let direct = self.associate(&limbs);

@@ -18,11 +18,9 @@ mod terms;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
-pub use loss::{
-    Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Tukey, Wall,
-};
+pub use loss::{Loss, Progress, Reweighted, Reweighting, Scale, TUKEY_EFFICIENT, Truncated, Wall};
 pub use paper::paper_objective;
-pub use pixel_terms::{PixelResiduals, PixelRow, PixelScale};
+pub use pixel_terms::PixelResiduals;
 pub use pixels::{PixelSegment, PixelTerm};
 pub use point_terms::{LossInFrame, Robust};
 pub(crate) use points::PointRows;
@@ -30,7 +28,7 @@ pub use points::PointTerm;
 pub use robust::{RobustScales, RobustView, robust_objective};
 pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
-pub use terms::{Source, Sum, Summand, Term};
+pub use terms::{Sum, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 

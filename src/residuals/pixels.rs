@@ -74,12 +74,6 @@ impl PixelTerm {
         Self { segments, line_projection }
     }
 
-    /// The segments.
-    #[must_use]
-    pub fn segments(&self) -> &[PixelSegment] {
-        &self.segments
-    }
-
     /// Signed pixel distances of the endpoints from the limb lines, by segment; `None` where there are no limbs.
     #[must_use]
     pub fn distances(&self, cylinder: &Cylinder) -> Option<Vec<[f64; 2]>> {

@@ -52,12 +52,6 @@ impl<'a> PointTerm<'a> {
         self.cloud.len()
     }
 
-    /// The points.
-    #[must_use]
-    pub fn cloud(&self) -> &'a PointCloud {
-        self.cloud
-    }
-
     /// The sum of their weights.
     #[must_use]
     pub fn total_weight(&self) -> f64 {

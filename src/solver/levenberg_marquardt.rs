@@ -98,14 +98,8 @@ pub struct Convergence {
     pub termination: Termination,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the frame.
-    pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the frame.
     pub step_norm: f64,
-    /// The frame at the minimum.
-    pub frame: LocalFrame,
-    /// The linearisation at the minimum.
-    pub equations: NormalEquations,
 }
 
 impl Convergence {
@@ -279,10 +273,7 @@ pub fn minimise(
         rejected_steps,
         termination,
         lambda,
-        gradient_norm: cylinder_limits.free_gradient(&frame, &equations.gradient).norm(),
         step_norm,
-        frame,
-        equations,
     })
 }
 

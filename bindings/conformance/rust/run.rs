@@ -179,8 +179,12 @@ impl<'a> Runner<'a> {
     }
 
     fn mask(&self, step: &Value) -> Option<Array> {
-        let (name, label) = (&step["mask"], step["label"].as_u64().unwrap_or(0) as u8);
-        (!name.is_null()).then(|| Array { label, ..Array::read(self.file, name) })
+        if step["mask"].is_null() {
+            return None;
+        }
+        let mut mask = Array::read(self.file, &step["mask"]);
+        mask.label = step["label"].as_u64().unwrap_or(0) as u8;
+        Some(mask)
     }
 
     fn segments(&self, step: &Value) -> Vec<EdgeSegment> {

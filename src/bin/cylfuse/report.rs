@@ -3,13 +3,13 @@
 use crate::failure::Failure;
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{EndState, Extent};
+use cylfuse::fitter::Termination;
 use cylfuse::fitter::{
     FitResult, Flags, Method, ObjectiveKind, Options, RadiusComparison, StartKind, Uncertainty,
 };
+use cylfuse::fitter::{LimbObservation, NotVisible};
 use cylfuse::geometry::{Cylinder, CylinderLimits};
-use cylfuse::limb_location::{LimbObservation, NotVisible};
 use cylfuse::observations::Dropped;
-use cylfuse::solver::Termination;
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::path::Path;
