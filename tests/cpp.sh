@@ -173,8 +173,10 @@ check "doxygen" env OUTPUT="$work/doxygen" doxygen docs/Doxyfile
 check "the reference is there" test -s "$work/doxygen/html/index.html"
 block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
 block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
+block docs/from-pcl.md cpp 3 > "$work/with_image.cpp"
 check "the page from PCL, PCL" compiles g++ c++14 "$work/with_pcl.cpp"
 check "the page from PCL, cylfuse" compiles g++ c++14 "$work/with_cylfuse.cpp"
+check "the page from PCL, image" compiles g++ c++14 "$work/with_image.cpp"
 
 printf '\ncpp: %s passed, %s failed\n' $passed $failed
 [ $failed = 0 ]
