@@ -7,8 +7,8 @@ use super::options::ChartChoice;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    NormalEquations, Objective, PixelResiduals, RobustScales, RobustView, Sandwich, Sum, TUKEY_EFFICIENT,
-    Term, paper_objective, robust_objective,
+    NormalEquations, Objective, PixelResiduals, PointRows, RobustScales, RobustView, Sandwich, Squared, Sum,
+    TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
@@ -412,19 +412,33 @@ impl Data<'_> {
         scale: f64,
     ) -> f64 {
         let count = residuals.len() as f64;
-        let cutoff = TUKEY_EFFICIENT * scale;
-        let independent = match (self.options.independent_points, &view.lattice) {
-            (told, _) if told > 0.0 => told.min(count),
-            _ if residuals.is_empty() => 1.0,
-            // What rounding leaves is alike everywhere and no noise.
-            _ if scale <= self.rounding() => count,
-            (_, Some(lattice)) => lattice.independent_points(residuals, cutoff),
-            (_, None) => {
-                let frame = self.frame(cylinder).moved(&view.into_view);
-                let lattice = Lattice::on_surface(&view.view.cloud, &frame);
-                lattice.map_or(count, |lattice| lattice.independent_points(residuals, cutoff))
-            }
+        let told = self.options.independent_points;
+        if told > 0.0 {
+            return told.min(count).max(1.0);
+        }
+        // What rounding leaves is alike everywhere and no noise.
+        if residuals.is_empty() || scale <= self.rounding() {
+            return count.max(1.0);
+        }
+        let frame = self.frame(cylinder).moved(&view.into_view);
+        // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
+        // the minimum of the points would take away is no noise.
+        let freed = if self.is_paper() { without_misfit(view, &frame, residuals) } else { None };
+        let residuals = freed.as_deref().unwrap_or(residuals);
+        let of_surface = match &view.lattice {
+            Some(_) => None,
+            None => Lattice::on_surface(&view.view.cloud, &frame),
         };
-        independent.max(1.0)
+        let Some(lattice) = view.lattice.as_ref().or(of_surface.as_ref()) else { return count };
+        lattice.independent_points(residuals, TUKEY_EFFICIENT * scale).max(1.0)
     }
+}
+
+/// Residuals less the part that a step to the minimum of the points would take away; `None` where that is not determined.
+fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame, residuals: &[f64]) -> Option<Vec<f64>> {
+    let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
+    let step = -hessian.cholesky()?.solve(&gradient) * frame.unit;
+    let rows = PointRows::new(frame);
+    let changes = view.view.cloud.points().map(|point| rows.row(&point).1.dot(&step));
+    Some(residuals.iter().zip(changes).map(|(residual, change)| residual + change).collect())
 }

@@ -18,7 +18,7 @@ mod terms;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
-pub use loss::{Loss, Progress, Reweighted, Reweighting, Scale, TUKEY_EFFICIENT, Truncated, Wall};
+pub use loss::{Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Wall};
 pub use paper::paper_objective;
 pub use pixel_terms::PixelResiduals;
 pub use pixels::{PixelSegment, PixelTerm};
