@@ -85,7 +85,11 @@ fn points_of_every_kind() -> Vec<Value> {
             "rows and columns with NaN and a mask",
             vec![organised, call("counts"), call("fit"), residuals("POINTS")],
         ),
-        case("points_weighted", "weights of which some are 0", vec![weighted, call("counts"), call("fit"), call("point_weights")]),
+        case(
+            "points_weighted",
+            "weights of which some are 0",
+            vec![weighted, call("counts"), call("fit"), call("point_weights")],
+        ),
         case(
             "points_twice",
             "two clouds one after the other, then the next frame on the same fitter",

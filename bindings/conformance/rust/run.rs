@@ -21,11 +21,11 @@ use cylfuse::error::{Error, Result};
 use cylfuse::fitter::{Fitter, ResidualKind};
 use cylfuse::geometry::{Cylinder, RigidMotion};
 use cylfuse::observations::{
-    DepthCamera, DepthRange, DepthView, EdgeSegment, Frame, ImageFormat, ImageView, MaskView, Pixels, PointsView,
-    VectorsView,
+    DepthCamera, DepthRange, DepthView, EdgeSegment, Frame, ImageFormat, ImageView, MaskView, Pixels,
+    PointsView, VectorsView,
 };
-use names::INPUTS;
 use nalgebra::{Matrix3, Vector2, Vector3};
+use names::INPUTS;
 use read::{Array, count, cylinder, number, optional_cylinder};
 use serde_json::Value;
 use write::{Fields, Output};
@@ -231,15 +231,18 @@ impl<'a> Runner<'a> {
             if step["format"] == "U16" { (65535.0, true) } else { (f64::from(f32::MAX), false) };
         let scale = number(&step["scale"]);
         let (mut pixels, mut count, mut out_of_range, mask) = (Vec::new(), 0, 0, self.mask(step));
-        let counts =
-            self.fitter.complete_depth(model, mask.as_ref().map(mask_view).as_ref(), &mut |_, _, depth| {
+        let counts = self.fitter.complete_depth(
+            model,
+            mask.as_ref().map(mask_view).as_ref(),
+            &mut |_, _, depth| {
                 let value = depth.map_or(0.0, |z| z / scale);
                 let stored = if whole { value.round() } else { f64::from(value as f32) };
                 let stored = if stored <= largest { stored } else { 0.0 };
                 count += usize::from(stored > 0.0);
                 out_of_range += usize::from(depth.is_some() && stored <= 0.0);
                 pixels.push(stored);
-            })?;
+            },
+        )?;
         Ok(Output::default()
             .count("view", self.fitter.selected_view())
             .count("count", count)

@@ -244,7 +244,8 @@ fn clouds(arrays: &mut Map<String, Value>) {
     arrays.insert("not_finite".into(), f64_array(&[6, 3], [f64::NAN; 18]));
     arrays.insert("none".into(), f64_array(&[0, 3], []));
     // In the image, beyond its border, far beyond, behind the camera, not finite.
-    let beside = [[0.1, -0.05, 0.5], [0.3, 0.2, 0.4], [9.0, 0.0, 0.1], [0.1, 0.1, -0.5], [f64::NAN, 0.0, 1.0]];
+    let beside =
+        [[0.1, -0.05, 0.5], [0.3, 0.2, 0.4], [9.0, 0.0, 0.1], [0.1, 0.1, -0.5], [f64::NAN, 0.0, 1.0]];
     arrays.insert("beside_f64".into(), f64_array(&[5, 3], beside.concat()));
     let negative = (0..100).map(|k| if k == 7 { -1.0 } else { 1.0 });
     arrays.insert("negative_weight".into(), f64_array(&[100, 1], negative));
@@ -269,7 +270,8 @@ fn images(arrays: &mut Map<String, Value>) {
     // A red cylinder on blue, of about the same red and green: grey by the wrong weights it is another image.
     let mut noise = Noise(7);
     let colors = first.parts().into_iter().flat_map(|part| {
-        [60.0 + 150.0 * part, 80.0 + 20.0 * part, 150.0 - 110.0 * part].map(|value| value + 2.0 * noise.normal())
+        [60.0 + 150.0 * part, 80.0 + 20.0 * part, 150.0 - 110.0 * part]
+            .map(|value| value + 2.0 * noise.normal())
     });
     let colors: Vec<f64> = colors.collect();
     let with_alpha = colors.chunks(3).enumerate().flat_map(|(k, c)| [c[2], c[1], c[0], (k % 256) as f64]);
