@@ -50,7 +50,7 @@ impl Runner<'_> {
                     Some(Err(why)) => reason(why),
                 });
                 samples.push(seen.map_or(0.0, |seen| seen.samples.len() as f64));
-                let line = line.and_then(|line| line.ok());
+                let line = line.and_then(std::result::Result::ok);
                 lines.extend(
                     line.map_or([f64::NAN; 4], |l| [l.ends[0].x, l.ends[0].y, l.ends[1].x, l.ends[1].y]),
                 );
