@@ -75,12 +75,12 @@ struct EndsOfView {
 impl Fitter {
     /// The ends of the visible cylinder in all views with a camera and a mask, found by the [`ExtentRule`] of the options.
     /// `model` stands in for the last fit, `mask` for the mask of the last depth image of the selected view; the depth
-    /// image also tells what the ends are. An end that is seen in several views is their mean by their variances; one
-    /// that is seen in none is the outermost of what they show.
+    /// image also tells what the ends are. An end that several views show is their mean by their variances; one
+    /// that none shows is the outermost of where they lose it.
     ///
     /// # Errors
-    /// `BadState` without a model, intrinsics or mask; `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no ray of
-    /// the mask meets the cylinder.
+    /// `BadState` without a model, intrinsics or mask (of one view); `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no
+    /// ray of a mask meets the cylinder.
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
         Ok(self.extent_and_arcs(model, mask)?.0)
     }
@@ -105,20 +105,21 @@ impl Fitter {
         limbs_known: Option<bool>,
     ) -> Result<(Extent, Vec<[Vec<ArcSample>; 2]>)> {
         let cylinder = self.model_or_result(CALL, model)?;
-        let region = Region::new(CALL, self, mask)?;
+        // Of several views any may show the ends; of one, what is missing has a name.
+        let region = Region::new(CALL, self, mask);
+        let region = if self.view_count() == 1 { Some(region?) } else { region.ok() };
         let mut views = Vec::new();
         for (index, view) in self.views().iter().enumerate() {
             let selected = index == self.selected_view();
-            let mask = if selected { Some(region.mask()) } else { view.mask.as_ref() };
-            let Some((camera, mask)) = view.camera().zip(mask) else { continue };
-            let found = self.ends_of(index, camera, mask, &cylinder, limbs_known);
-            if selected && found.is_none() {
-                return Err(Error::EdgeGeometry {
-                    reason: "no ray of the mask meets the cylinder".into(),
-                    remedy: "check that mask and model belong to the same image",
-                });
-            }
-            views.extend(found);
+            let own = region.as_ref().filter(|_| selected).map(Region::mask);
+            let Some((camera, mask)) = view.camera().zip(own.or(view.mask.as_ref())) else { continue };
+            views.extend(self.ends_of(index, camera, mask, &cylinder, limbs_known));
+        }
+        if views.is_empty() {
+            return Err(Error::EdgeGeometry {
+                reason: "no ray of a mask meets the cylinder".into(),
+                remedy: "check that mask and model belong to the same image",
+            });
         }
         let [start, end] = [0, 1].map(|side| combine(&views, side));
         // The error of a given model is not known.
@@ -186,24 +187,33 @@ impl Fitter {
 fn combine(views: &[EndsOfView], side: usize) -> (End, &EndsOfView) {
     let outward = [-1.0, 1.0][side];
     let end = |of_view: &EndsOfView| of_view.ends[side].clone();
-    let seen = || views.iter().filter(|of_view| of_view.ends[side].state == EndState::Seen);
-    let deviation = |of_view: &&EndsOfView| of_view.ends[side].deviation.unwrap_or(f64::INFINITY);
-    let best = seen().min_by(|a, b| deviation(a).total_cmp(&deviation(b)));
+    let seen = |of_view: &EndsOfView| of_view.ends[side].state == EndState::Seen;
+    // Without depth beyond it, the image still shows an end.
+    let shown = |of_view: &EndsOfView| {
+        let end = &of_view.ends[side];
+        seen(of_view) || end.state == EndState::Unknown && end.source == EndSource::Image
+    };
+    let told = || views.iter().filter(|of_view| shown(of_view));
+    let deviation = |of_view: &EndsOfView| of_view.ends[side].deviation.unwrap_or(f64::INFINITY);
+    let best = told().min_by(|a, b| {
+        // What is seen says more about the state than what is shown.
+        seen(b).cmp(&seen(a)).then(deviation(a).total_cmp(&deviation(b)))
+    });
     let outermost = |a: &&EndsOfView, b: &&EndsOfView| {
         (outward * a.ends[side].position).total_cmp(&(outward * b.ends[side].position))
     };
     let Some(best) = best else {
-        // There is at least the selected view.
+        // There is at least one view.
         let last = views.iter().max_by(outermost).unwrap_or(&views[0]);
         return (end(last), last);
     };
     let (mut information, mut sum) = (0.0, 0.0);
-    for of_view in seen() {
-        let weight = deviation(&of_view).powi(-2);
+    for of_view in told() {
+        let weight = deviation(of_view).powi(-2);
         information += weight;
         sum += weight * of_view.ends[side].position;
     }
-    if seen().count() == 1 || !(information > 0.0) {
+    if told().count() == 1 || !(information > 0.0) {
         return (end(best), best);
     }
     let mean = End { position: sum / information, deviation: Some(information.sqrt().recip()), ..end(best) };

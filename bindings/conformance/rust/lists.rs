@@ -4,7 +4,7 @@ use super::read::optional_cylinder;
 use super::write::{Fields, Output};
 use super::{Array, Runner, mask_view};
 use cylfuse::error::{Error, Result};
-use cylfuse::limb_location::NotVisible;
+use cylfuse::fitter::NotVisible;
 use serde_json::Value;
 
 /// The number of `CYLFUSE_LIMB_STATUS_...`; those below 2 are no reasons.
@@ -34,15 +34,13 @@ impl Runner<'_> {
         Ok(Output::default().list("weights", &weights).list("inliers", &inliers).0)
     }
 
-    pub fn limbs(&mut self) -> Result<Fields> {
+    pub fn limbs(&self) -> Result<Fields> {
         self.need_result("listing limbs")?;
         let (mut views, mut limbs, mut statuses, mut samples) = (vec![], vec![], vec![], vec![]);
         let (mut lines, mut deviations) = (vec![], vec![]);
-        let selected = self.fitter.selected_view();
         for view in 0..self.fitter.view_count() {
-            self.fitter.select_view(view)?;
             for limb in 0..2 {
-                let seen = self.fitter.limbs().map(|limbs| &limbs[limb]);
+                let seen = self.fitter.limbs_of(view).map(|limbs| &limbs[limb]);
                 let line = seen.map(|seen| seen.line);
                 views.push(view as f64);
                 limbs.push(limb as f64);
@@ -59,7 +57,6 @@ impl Runner<'_> {
                 deviations.push(line.map_or(f64::NAN, |line| line.sigma));
             }
         }
-        self.fitter.select_view(selected)?;
         Ok(Output::default()
             .list("view", &views)
             .list("limb", &limbs)

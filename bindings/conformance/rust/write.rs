@@ -2,10 +2,9 @@
 
 use super::names::*;
 use cylfuse::extent::{EndSource, EndState, Extent};
-use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Uncertainty};
+use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Termination, Uncertainty};
 use cylfuse::geometry::Cylinder;
 use cylfuse::noise::NoiseModel;
-use cylfuse::solver::Termination;
 use nalgebra::{Matrix3, Vector3};
 
 /// The numbers of every output.

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::images::{self, Role};
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::geometry::RigidMotion;
-use cylfuse::observations::{self, DepthCamera, DepthRange, DepthView, EdgeSegment, ImageView};
+use cylfuse::observations::{self, DepthCamera, DepthRange, DepthView, EdgeSegment};
 use image::DynamicImage;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::Deserialize;
@@ -204,7 +204,6 @@ impl View {
         self.camera.size()
     }
 
-    #[expect(dead_code, reason = "the fit takes one view by its parts until the fitter takes frames")]
     /// What the library takes of it: cameras, pose, depth and image.
     pub fn observed(&self) -> cylfuse::error::Result<observations::Frame> {
         let mut frame = observations::Frame::new(self.camera.clone());
@@ -214,8 +213,7 @@ impl View {
         frame
             .set_depth(&DepthView::from_u16(&self.depth, size, self.depth_scale)?, &DepthRange::default())?;
         if let Some(image) = &self.image {
-            let grey = image.to_luma16();
-            frame.set_image(&ImageView::from_u16(&grey, self.size())?.with_gamma(self.image_gamma)?)?;
+            images::give(image, self.image_gamma, &mut frame)?;
         }
         Ok(frame)
     }

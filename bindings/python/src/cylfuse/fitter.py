@@ -15,7 +15,7 @@ from ._arrays import Array
 from ._callbacks import Callbacks
 from ._native import lib, make
 from .enums import Input, LogLevel
-from .errors import CylfuseError, fail, from_status
+from .errors import fail, from_status
 from .frame import Frame, depth_camera
 from .geometry import Cylinder, Intrinsics, Pose
 from .options import Options
@@ -226,19 +226,13 @@ class Fitter(Questions):
 
     def fit(self) -> Result:
         """Estimates the cylinder from everything that was pushed into all views, and its extent where a mask was."""
-        result = self._result(lib.cylfuse_fitter_fit, changes=True)
-        if self._selected in self._masked:
-            try:
-                # Now, for the next frame takes the data away.
-                result.extent
-            except CylfuseError:
-                pass
-        return result
-
-    def _result(self, function: Any, changes: bool = False) -> Result:
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
-        self._call(function, byref(structs[0]), byref(structs[1]), changes=changes)
-        return self._made(structs)
+        self._call(lib.cylfuse_fitter_fit, byref(structs[0]), byref(structs[1]), changes=True)
+        result = self._made(structs)
+        if self._selected in self._masked:
+            # Now, for the next frame takes the data away.
+            result._find_extent()
+        return result
 
     def _made(self, structs: tuple[Any, Any]) -> Result:
         result = Result(structs, self, self._revision)

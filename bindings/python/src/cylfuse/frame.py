@@ -22,10 +22,14 @@ class Frame(Closable):
 
     _what = "frame"
 
-    def __init__(self, intrinsics: Intrinsics, pose: Optional[Pose | npt.ArrayLike] = None) -> None:
+    def __init__(
+        self, intrinsics: Optional[Intrinsics] = None, pose: Optional[Pose | npt.ArrayLike] = None
+    ) -> None:
         super().__init__(lib.cylfuse_frame_create, lib.cylfuse_frame_destroy)
+        self._intrinsics: Optional[Intrinsics] = None
         self._pose = Pose()
-        self.intrinsics = intrinsics
+        if intrinsics is not None:
+            self.intrinsics = intrinsics
         if pose is not None:
             self.set_pose(pose)
 
@@ -36,8 +40,8 @@ class Frame(Closable):
             fail_on_frame(status, handle.pointer)
 
     @property
-    def intrinsics(self) -> Intrinsics:
-        """The colour camera, whose size the image has."""
+    def intrinsics(self) -> Optional[Intrinsics]:
+        """The colour camera, which comes before depth and image."""
         return self._intrinsics
 
     @intrinsics.setter

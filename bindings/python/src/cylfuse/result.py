@@ -304,12 +304,20 @@ class Result(_Record):
         self._fitter, self._revision = fitter, revision
         #: The cameras of the views that were fitted.
         self.views: tuple[View, ...] = ()
-        self._extent: Optional[Extent] = None
+        self._extent: Optional[Extent | CylfuseError] = None
         self._diagnostics: Optional[CylinderDiagnosis] = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Copies and what is pickled are the numbers, the extent, and the diagnostics where they were asked for."""
         return {**self.__dict__, "_fitter": None}
+
+    def _find_extent(self) -> None:
+        """Finds the extent, or why there is none, while the fitter has the data."""
+        try:
+            self._extent = self._source().extent()
+        except CylfuseError as error:
+            # The traceback would keep the fitter.
+            self._extent = error.with_traceback(None)
 
     def _let_go(self) -> Result:
         """Lets go of the fitter, and with it of the data."""
@@ -335,6 +343,8 @@ class Result(_Record):
         """The visible piece, found together with the fit; needs intrinsics and a mask."""
         if self._extent is None:
             self._extent = self._source().extent()
+        if isinstance(self._extent, CylfuseError):
+            raise self._extent
         return self._extent
 
     @property
