@@ -30,8 +30,8 @@ func (fitter *Fitter) Residuals(model *Cylinder, kind ResidualKind) ([]float64, 
 }
 
 // PointWeights lists how much each point of the selected view counts at the cylinder of the last fit, in the order of
-// ResidualPoints, by the weights of ObjectiveRobust, whatever was minimised: from 1 for a point on the surface down to 0
-// for an outlier, without the weight that it was given; an inlier is a point whose weight is above 0.
+// ResidualPoints, by the weights of ObjectiveRobust, whatever was minimised: from 1 for a point on the surface down to
+// 0 for an outlier, without the weight that it was given; an inlier is a point whose weight is above 0.
 func (fitter *Fitter) PointWeights() (weights []float64, inliers []bool, err error) {
 	var bytes []uint8
 	err = fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
@@ -113,8 +113,8 @@ func (fitter *Fitter) LimbSamples() ([]LimbSample, error) {
 	return samples, nil
 }
 
-// EndSamples lists the places on the arcs of both ends that Extent finds in the images, view after view: first those of the
-// start, then those of the end. There are none for an end that the image of a view does not show.
+// EndSamples lists the places on the arcs of both ends that Extent finds in the images, view after view: first those of
+// the start, then those of the end. There are none for an end that the image of a view does not show.
 func (fitter *Fitter) EndSamples(model *Cylinder, mask *Mask) ([]EndSample, error) {
 	cylinder := model.optional()
 	var raw []C.cylfuse_end_sample
@@ -164,8 +164,9 @@ func (fitter *Fitter) Diagnose(model *Cylinder) (Diagnosis, error) {
 	return diagnosis, nil
 }
 
-// Complete casts the ray of every pixel of a mask (nil = that of the selected view) and takes its first meeting with a model
-// (nil = that of the last fit): x, y, z of point after point in the reference frame, so that those of all views go together.
+// Complete casts the ray of every pixel of a mask (nil = that of the selected view) and takes its first meeting with a
+// model (nil = that of the last fit): x, y, z of point after point in the reference frame, so that those of all views
+// go together.
 func Complete[T float32 | float64](fitter *Fitter, model *Cylinder, mask *Mask, layout Layout) ([]T, Completion, error) {
 	c := model.optional()
 	var points []T
@@ -193,8 +194,8 @@ func Complete[T float32 | float64](fitter *Fitter, model *Cylinder, mask *Mask, 
 	return points, completionFromC(&completion), nil
 }
 
-// CompleteDepth writes the z of every point of Complete, in the camera frame of the selected view, into a depth image on the
-// pixels of its colour camera, in units of `scale` lengths, and 0 where there is none.
+// CompleteDepth writes the z of every point of Complete, in the camera frame of the selected view, into a depth image
+// on the pixels of its colour camera, in units of `scale` lengths, and 0 where there is none.
 func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Mask, scale float64) (DepthImage[T], Completion, error) {
 	c := model.optional()
 	var image DepthImage[T]
@@ -219,10 +220,10 @@ func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Ma
 	return image, completionFromC(&completion), nil
 }
 
-// Extent finds the visible piece of a model (nil = that of the last fit) and what its ends are, by Options.ExtentRule, in all
-// views that have a camera and a mask; `mask` stands for that of the selected view (nil = the one that was pushed). An end
-// that is seen in several views is their mean by their variances; one that is seen in none is the outermost of what they
-// show.
+// Extent finds the visible piece of a model (nil = that of the last fit) and what its ends are, by Options.ExtentRule,
+// in all views that have a camera and a mask; `mask` stands for that of the selected view (nil = the one that was
+// pushed). An end that is seen in several views is their mean by their variances; one that is seen in none is the
+// outermost of what they show.
 func (fitter *Fitter) Extent(model *Cylinder, mask *Mask) (Extent, error) {
 	c := model.optional()
 	var out C.cylfuse_extent

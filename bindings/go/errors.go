@@ -23,8 +23,8 @@ const (
 	StatusABIMismatch Status = C.CYLFUSE_STATUS_ABI_MISMATCH
 	// StatusBadState: the call came before something that it needs.
 	StatusBadState Status = C.CYLFUSE_STATUS_BAD_STATE
-	// StatusBusy: another call on the same fitter or frame is running, in another goroutine or around a callback, and one of
-	// the two may change it.
+	// StatusBusy: another call on the same fitter or frame is running, in another goroutine or around a callback, and
+	// one of the two may change it.
 	StatusBusy Status = C.CYLFUSE_STATUS_BUSY
 	// StatusBufferTooSmall: a buffer for an output is too small.
 	StatusBufferTooSmall Status = C.CYLFUSE_STATUS_BUFFER_TOO_SMALL

@@ -46,8 +46,8 @@ func NewFitter() (*Fitter, error) {
 	return fitter, nil
 }
 
-// Close frees the fitter. A second Close does nothing. StatusBusy when a call on the fitter is running: nothing is freed
-// then.
+// Close frees the fitter. A second Close does nothing. StatusBusy when a call on the fitter is running: nothing is
+// freed then.
 func (fitter *Fitter) Close() error { return fitter.close() }
 
 // Reserve makes room, so that pushing that many more points and segments into the selected view needs no memory.
@@ -164,8 +164,8 @@ func (fitter *Fitter) SetPose(pose Pose) error {
 	})
 }
 
-// SetIntrinsics sets the colour camera of the selected view, which depth images, images and edges need. Points that were
-// pushed before stay as they are.
+// SetIntrinsics sets the colour camera of the selected view, which depth images, images and edges need. Points that
+// were pushed before stay as they are.
 func (fitter *Fitter) SetIntrinsics(intrinsics Intrinsics) error {
 	c, err := intrinsics.toC()
 	if err != nil {
@@ -180,9 +180,9 @@ func (fitter *Fitter) SetIntrinsics(intrinsics Intrinsics) error {
 	})
 }
 
-// SetDepthCamera gives the depth of the selected view a camera of its own, for depth that is not registered to the colour
-// image: depth images that are pushed later are then in its pixels; mask, image and edges stay in those of the colour
-// camera. nil takes it away.
+// SetDepthCamera gives the depth of the selected view a camera of its own, for depth that is not registered to the
+// colour image: depth images that are pushed later are then in its pixels; mask, image and edges stay in those of the
+// colour camera. nil takes it away.
 func (fitter *Fitter) SetDepthCamera(camera *DepthCamera) error {
 	c, err := camera.toC()
 	if err != nil {
@@ -193,10 +193,10 @@ func (fitter *Fitter) SetDepthCamera(camera *DepthCamera) error {
 	})
 }
 
-// UseFrame lets the selected view take camera, depth camera, pose and images from a frame, in place of its own, and adds
-// the points of the depth image inside a mask (nil = all pixels), if there is one. Points and edge segments that were
-// pushed stay. The images are shared and not copied. The frame may be changed or closed afterwards, of which the fitter
-// sees nothing.
+// UseFrame lets the selected view take camera, depth camera, pose and images from a frame, in place of its own, and
+// adds the points of the depth image inside a mask (nil = all pixels), if there is one. Points and edge segments that
+// were pushed stay. The images are shared and not copied. The frame may be changed or closed afterwards, of which the
+// fitter sees nothing.
 func (fitter *Fitter) UseFrame(frame *Frame, mask *Mask) error {
 	return frame.open(func(native *native) error {
 		frame.state.Lock()
@@ -227,8 +227,8 @@ func (fitter *Fitter) SetStartModel(model *Cylinder) error {
 	})
 }
 
-// PushPoints adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or extent matter, else in any
-// frame. The mask selects points of an organised cloud; nil = all.
+// PushPoints adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or extent
+// matter, else in any frame. The mask selects points of an organised cloud; nil = all.
 func (fitter *Fitter) PushPoints(points PointCloud, mask *Mask) error {
 	call, err := points.pointsView()
 	if err != nil {
@@ -239,8 +239,9 @@ func (fitter *Fitter) PushPoints(points PointCloud, mask *Mask) error {
 	})
 }
 
-// PushDepth adds the points of a depth image of the selected view; SetIntrinsics comes before. The mask is in the pixels of
-// the colour image; nil = all pixels. Image and mask are kept, in place of earlier ones, for completion and extent.
+// PushDepth adds the points of a depth image of the selected view; SetIntrinsics comes before. The mask is in the
+// pixels of the colour image; nil = all pixels. Image and mask are kept, in place of earlier ones, for completion and
+// extent.
 func (fitter *Fitter) PushDepth(depth Depth, mask *Mask) error {
 	call, err := depth.depthView()
 	if err != nil {
@@ -274,7 +275,8 @@ func (fitter *Fitter) PushEdges(edges Edges) error {
 	})
 }
 
-// Counts says what was pushed into the selected view since the fitter was made or cleared, and what was left out by reason.
+// Counts says what was pushed into the selected view since the fitter was made or cleared, and what was left out by
+// reason.
 func (fitter *Fitter) Counts() (Counts, error) {
 	var c C.cylfuse_counts
 	C.cylfuse_counts_init(&c, C.sizeof_cylfuse_counts)
@@ -297,8 +299,8 @@ func (fitter *Fitter) Counts() (Counts, error) {
 	}, nil
 }
 
-// Fit estimates the cylinder from everything that was pushed into all views. When it fails the last result stays. Lack of
-// convergence and other warnings are not errors but Flags of the result.
+// Fit estimates the cylinder from everything that was pushed into all views. When it fails the last result stays. Lack
+// of convergence and other warnings are not errors but Flags of the result.
 func (fitter *Fitter) Fit() (Result, error) {
 	if !fitter.last.TryLock() {
 		return Result{}, busy()

@@ -69,8 +69,8 @@ const (
 // Has says whether all of these warnings are there.
 func (flags Flags) Has(warnings Flags) bool { return flags&warnings == warnings }
 
-// Result is the outcome of a fit: the cylinder, how certain it is, and the numbers to judge it. NaN stands for what does
-// not apply.
+// Result is the outcome of a fit: the cylinder, how certain it is, and the numbers to judge it. NaN stands for what
+// does not apply.
 //
 // Deviations and covariance are those of the noise of the data; errors that all data share (calibration, a scale of the
 // depth) are not in them. They are NaN for RANSAC and Eberly, for an edge weight of 1, and where the data do not
@@ -84,7 +84,8 @@ type Result struct {
 	StartKind Start
 	// RadiusDeviation is the standard deviation of the radius, unit of length.
 	RadiusDeviation float64
-	// DirectionDeviation is the standard deviation of the direction in radians, in the plane in which it is least certain.
+	// DirectionDeviation is the standard deviation of the direction in radians, in the plane in which it is least
+	// certain.
 	DirectionDeviation float64
 	// PositionDeviation is the standard deviation of the axis across itself at Cylinder.Point, where it is least
 	// certain, unit of length.
@@ -208,7 +209,8 @@ type Counts struct {
 	DroppedOutOfRange uint64
 	// DroppedOutsideCamera: the camera model has no ray for the pixel.
 	DroppedOutsideCamera uint64
-	// DroppedHidden: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of its own.
+	// DroppedHidden: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of
+	// its own.
 	DroppedHidden uint64
 	// SegmentsGiven counts edge segments that were pushed.
 	SegmentsGiven uint64
@@ -259,8 +261,8 @@ type Limb struct {
 	Status LimbStatus
 	// Samples is how many pieces of it LimbSamples lists.
 	Samples uint32
-	// Line is x1, y1, x2, y2: the two points of the located line whose errors across it are independent and equally large,
-	// in ideal pixels. NaN when the limb was not located.
+	// Line is x1, y1, x2, y2: the two points of the located line whose errors across it are independent and equally
+	// large, in ideal pixels. NaN when the limb was not located.
 	Line [4]float64
 	// Deviation is the standard deviation of either point across the line, in ideal pixels; NaN likewise.
 	Deviation float64
@@ -294,8 +296,8 @@ type EndSample struct {
 	Deviation float64
 }
 
-// Diagnosis is what the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
-// freedom, in units of the size of the data.
+// Diagnosis is what the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees
+// of freedom, in units of the size of the data.
 type Diagnosis struct {
 	// Rank counts the singular values that stand out of the rounding error; 5 when everything is determined.
 	Rank uint32
@@ -377,8 +379,8 @@ type Extent struct {
 	StartSource, EndSource EndSource
 	// StartView and EndView are the views that tell most of the ends.
 	StartView, EndView uint32
-	// LimbsKnown: the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias of
-	// the mask was read off at them.
+	// LimbsKnown: the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias
+	// of the mask was read off at them.
 	LimbsKnown bool
 	// Start and End are points on the axis, Center the middle of them.
 	Start, End, Center [3]float64

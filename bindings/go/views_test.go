@@ -270,8 +270,11 @@ func TestClearInput(t *testing.T) {
 	if result := fit(); result.SegmentsGiven != 0 || result.PointsUsed != all.PointsUsed {
 		t.Errorf("%d segments, %d points", result.SegmentsGiven, result.PointsUsed)
 	}
+	must(t, fitter.ClearInput(InputPoints|InputDepth))
+	_, err := fitter.Fit()
+	wantStatus(t, err, StatusTooFewPoints, "")
 	// The last result stays.
-	_, err := fitter.Result()
+	_, err = fitter.Result()
 	must(t, err)
 	wantStatus(t, fitter.ClearInput(1<<20), StatusInvalidArgument, "")
 
