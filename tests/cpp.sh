@@ -151,7 +151,7 @@ tested() { # tested FOLDER: counts each test of CTest
     passed=$((passed + ${all:-0} - ${bad:-0}))
     failed=$((failed + ${bad:-1}))
 }
-sanitize="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
+sanitize="-DEIGEN_MALLOC_ALREADY_ALIGNED=1 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
 strict="-Wall -Wextra -Wpedantic -Werror"
 check "examples build" built examples examples-cpp -DCMAKE_C_FLAGS="$strict -g" -DCMAKE_CXX_FLAGS="$strict -g"
 check "tests build" built tests tests/cpp -DEXAMPLES="$work/examples" -DVALGRIND=ON

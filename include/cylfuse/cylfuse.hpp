@@ -93,9 +93,9 @@ public:
      */
     cylfuse_fitter *release() noexcept
     {
-        if ((progress_ && cylfuse_fitter_set_progress(handle_, nullptr, nullptr) == CYLFUSE_STATUS_BUSY) ||
-            (log_ &&
-             cylfuse_fitter_set_log(handle_, CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr) == CYLFUSE_STATUS_BUSY)) {
+        const auto busy = [](cylfuse_status status) { return status == CYLFUSE_STATUS_BUSY; };
+        if ((progress_ && busy(cylfuse_fitter_set_progress(handle_, nullptr, nullptr))) ||
+            (log_ && busy(cylfuse_fitter_set_log(handle_, CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr)))) {
             return nullptr;
         }
         progress_.reset();
@@ -108,7 +108,7 @@ public:
     {
         return finish(cylfuse_fitter_reserve(handle(), points, segments));
     }
-    /** Forgets data, result, all views but the first and its pose; keeps options, cameras, start model, callbacks, memory. */
+    /** Forgets data, result, all views but the first, and its pose; keeps what else was set, and memory. */
     Returned<void> clear() { return finish(cylfuse_fitter_clear(handle())); }
     /** Forgets some of the data of the selected view: `clear_input(Input::Depth | Input::Image)`. */
     Returned<void> clear_input(Input inputs)

@@ -265,9 +265,10 @@ static void a_running_callback_is_not_replaced()
     const std::weak_ptr<int> alive = witness;
     int refused = 0, ran = 0;
     fitter.set_progress([&, held = std::move(witness)](const cylfuse::Progress &) {
-        for (int k = 0; k < 2; ++k) {
+        const cylfuse::ProgressCallback stop = [](const cylfuse::Progress &) { return false; };
+        for (const auto &other : {cylfuse::ProgressCallback(), stop}) {
             try {
-                fitter.set_progress(k == 0 ? nullptr : cylfuse::ProgressCallback([](const cylfuse::Progress &) { return false; }));
+                fitter.set_progress(other);
             } catch (const cylfuse::Error &error) {
                 refused += error.status() == cylfuse::Status::Busy;
             }
@@ -332,7 +333,8 @@ static void exceptions_of_callbacks_come_out()
     fitter.set_progress(nullptr);
     fitter.cancel(); // Nothing runs: nothing is cancelled.
     CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-9);
-    fitter.set_log(cylfuse::LogLevel::Info, [](cylfuse::LogLevel, const char *) { throw std::logic_error("from the log"); });
+    fitter.set_log(cylfuse::LogLevel::Info,
+                   [](cylfuse::LogLevel, const char *) { throw std::logic_error("from the log"); });
     caught.clear();
     try {
         fitter.fit();
