@@ -246,7 +246,6 @@ pub struct cylfuse_options {
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
     pub cost_tolerance: f64,
-    /// The iteration ends when the norm of half the gradient of the cost is not above this part of what the residuals
     /// The iteration ends where the cosine of the angle between the residuals and what a step can change of them is not
     /// above this, in [0, 1). Default 2^-52.
     pub gradient_tolerance: f64,

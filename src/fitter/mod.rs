@@ -165,10 +165,10 @@ impl Fitter {
         let seconds = || clock.elapsed().as_secs_f64();
         self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
-        if report(&Iteration::before_start()).is_break() {
+        let mut run = Run::new(report);
+        if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
-        let mut run = Run { report, solves: 0 };
         let mut started = 0.0;
         let fit = fit::fit(&data, &mut run, || started = seconds())?;
         let ended = seconds();

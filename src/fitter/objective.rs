@@ -46,14 +46,20 @@ pub(super) enum Precision {
 
 /// A fit under way: who hears of every linear solve and may stop it, and how many there were.
 pub(super) struct Run<'a> {
-    pub report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-    pub solves: usize,
+    report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    /// The last iteration that was reported.
+    last: Iteration,
+    solves: usize,
 }
 
-impl Run<'_> {
-    /// Asks whether to go on while there is no iteration to report.
+impl<'a> Run<'a> {
+    pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
+        Self { report, last: Iteration::before_start(), solves: 0 }
+    }
+
+    /// Asks whether to go on while there is no new iteration to report.
     pub fn poll(&mut self) -> ControlFlow<()> {
-        (self.report)(&Iteration::before_start())
+        (self.report)(&self.last)
     }
 }
 
@@ -326,7 +332,12 @@ impl Data<'_> {
         }
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
-        let convergence = minimise(objective, &self.within_limits(start), &domain, &limits, run.report)?;
+        let Run { report, last, .. } = &mut *run;
+        let convergence =
+            minimise(objective, &self.within_limits(start), &domain, &limits, &mut |iteration| {
+                *last = *iteration;
+                report(iteration)
+            })?;
         run.solves += convergence.iterations;
         Ok(convergence)
     }
