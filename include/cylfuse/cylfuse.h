@@ -427,7 +427,6 @@ typedef struct cylfuse_options {
      */
     double cost_tolerance;
     /**
-     * The iteration ends when the norm of half the gradient of the cost is not above this part of what the residuals
      * The iteration ends where the cosine of the angle between the residuals and what a step can change of them is not
      * above this, in [0, 1). Default 2^-52.
      */
@@ -2103,7 +2102,7 @@ CYLFUSE_NOEXCEPT;
  * Sets the pose of the selected view: x_reference = rotation * x_camera + translation. The identity at first.
  *
  * @param fitter the fitter
- * @param rotation 9 doubles, a rotation matrix row by row, to 1e-6; rounding is mended
+ * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
  * @param translation 3 doubles, the position of the camera in the reference frame, in the unit of length
  * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
  */
@@ -2317,7 +2316,7 @@ CYLFUSE_NOEXCEPT;
  * Sets the pose of a frame: x_reference = rotation * x_camera + translation. The identity at first.
  *
  * @param frame the frame
- * @param rotation 9 doubles, a rotation matrix row by row, to 1e-6; rounding is mended
+ * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
  * @param translation 3 doubles, in the unit of length
  * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
  */

@@ -6,7 +6,7 @@ namespace Cylfuse
     /// numbers.</summary>
     public sealed class RigidMotion
     {
-        /// <summary>A rotation matrix, 3 x 3, to 1e-6.</summary>
+        /// <summary>A rotation matrix, 3 x 3, to 1e-4.</summary>
         public double[,] Rotation { get; }
 
         /// <summary>The translation, in the unit of length.</summary>

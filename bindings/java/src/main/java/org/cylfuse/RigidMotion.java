@@ -14,7 +14,7 @@ public final class RigidMotion {
     /**
      * A motion.
      *
-     * @param rotation a rotation matrix of 3 rows, to 1e-6, copied
+     * @param rotation a rotation matrix of 3 rows, to 1e-4, copied
      * @param translation the translation, in the unit of length
      * @throws IllegalArgumentException when the matrix is not 3 x 3
      */
