@@ -64,7 +64,7 @@ fn main() {
         frames.into_iter().step_by(every).collect::<Vec<_>>()
     });
     let mut constants: Vec<Constant> =
-        [cylfuse::noise::constants(), cylfuse::fitter::constants(), cylfuse::end_location::constants()]
+        [cylfuse::noise::constants(), cylfuse::limb_location::constants(), cylfuse::end_location::constants()]
             .concat();
     constants.retain(|constant| words.is_empty() || words.iter().any(|word| constant.name.contains(word)));
     let before = sets.each_ref().map(|frames| means(frames));

@@ -44,14 +44,20 @@ pub mod constant;
 
 pub mod camera;
 pub mod completion;
+#[cfg(not(feature = "sensitivity"))]
 mod end_location;
+#[cfg(feature = "sensitivity")]
+pub mod end_location;
 pub mod error;
 pub mod extent;
 #[allow(unsafe_code)]
 pub mod ffi;
 pub mod fitter;
 pub mod geometry;
+#[cfg(not(feature = "sensitivity"))]
 mod limb_location;
+#[cfg(feature = "sensitivity")]
+pub mod limb_location;
 pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]
