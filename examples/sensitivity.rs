@@ -63,9 +63,12 @@ fn main() {
         let frames = read_set(&shared, set);
         frames.into_iter().step_by(every).collect::<Vec<_>>()
     });
-    let mut constants: Vec<Constant> =
-        [cylfuse::noise::constants(), cylfuse::limb_location::constants(), cylfuse::end_location::constants()]
-            .concat();
+    let mut constants: Vec<Constant> = [
+        cylfuse::noise::constants(),
+        cylfuse::limb_location::constants(),
+        cylfuse::end_location::constants(),
+    ]
+    .concat();
     constants.retain(|constant| words.is_empty() || words.iter().any(|word| constant.name.contains(word)));
     let before = sets.each_ref().map(|frames| means(frames));
     println!(

@@ -1,7 +1,7 @@
 //! The finite extent of the visible cylinder (the paper's section 4.5.2) and what its ends look like.
 //!
 //! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
-//! Here the ends are located from all generators together, see [`crate::end_location`].
+//! Here the ends are located from all generators together, see `src/end_location`.
 
 mod uncertainty;
 

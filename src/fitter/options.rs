@@ -1,8 +1,6 @@
 //! The settings of a fit, each with its default, unit and reason.
 
 use crate::error::{Error, Result};
-#[cfg(doc)]
-use crate::geometry::Chart;
 use crate::geometry::CylinderLimits;
 use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
@@ -63,9 +61,9 @@ pub enum ChartChoice {
     /// the orthonormal one has no footing: without a camera at the origin, and around a camera inside the pipe.
     #[default]
     Auto,
-    /// Always [`Chart::Local`].
+    /// Always shift and tilt of the axis at the data.
     Local,
-    /// Always [`Chart::Orthonormal`].
+    /// Always the orthonormal representation of the paper (6).
     Orthonormal,
 }
 

@@ -6,8 +6,8 @@
 //! |---|---|
 //! | d̂, direction of the axis | `direction` |
 //! | c, axis point nearest the origin | [`Line::nearest_to_origin`] |
-//! | m = c × d̂, moment (5) | [`PluckerLine::moment`] |
-//! | {U, W}, orthonormal representation (6) | [`OrthonormalLine`] |
+//! | m = c × d̂, moment (5) | `PluckerLine::moment` |
+//! | {U, W}, orthonormal representation (6) | `OrthonormalLine` |
 //! | r | `radius` |
 //! | γ, half the angle between the limb planes (11) | [`LimbFrame`] |
 
