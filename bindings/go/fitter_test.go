@@ -120,7 +120,7 @@ func TestPointsOfEitherTypeAndAnyStride(t *testing.T) {
 	packed, err := FitPoints(xyz)
 	must(t, err)
 	if math.Abs(packed.Cylinder.Radius-0.5) > 1e-9 || packed.Flags != 0 || packed.PointsUsed != 200 {
-		t.Fatalf("radius %v, doubts %v, %d points", packed.Cylinder.Radius, packed.Flags, packed.PointsUsed)
+		t.Fatalf("radius %v, warnings %v, %d points", packed.Cylinder.Radius, packed.Flags, packed.PointsUsed)
 	}
 	single := make([]float32, len(xyz))
 	padded := make([]float64, 0, 5*200)

@@ -209,7 +209,7 @@ fn images_without_content_have_their_own_status() {
 }
 
 #[test]
-fn edges_that_are_no_limbs_are_a_doubt_and_no_error() {
+fn edges_that_are_no_limbs_are_a_warning_and_no_error() {
     let mut copy = Copy::new();
     let edges = copy.json["edges"].as_array().unwrap().clone();
     copy.json["edges"] = vec![edges[0].clone(), edges[0].clone()].into();

@@ -263,7 +263,7 @@ class LogLevel(_Choice):
 class ResultFlags(IntFlag):
     """Doubts about a result. None of them is an error."""
 
-    #: No doubts.
+    #: No warnings.
     NONE = 0
     #: Segments were given but none of them counts; the other flags and the counts say why.
     EDGES_IGNORED = 1

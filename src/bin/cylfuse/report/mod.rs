@@ -133,7 +133,7 @@ pub struct SecondsValues {
 impl Measurement {
     /// What a fit gives.
     pub fn new(options: &Options, result: &FitResult) -> Self {
-        let notes = result.flags.iter().map(|flag| doubt(flag, result)).collect();
+        let notes = result.flags.iter().map(|flag| explain(flag, result)).collect();
         Self {
             cylinder: (&result.cylinder).into(),
             uncertainty: result.uncertainty.as_ref().map(UncertaintyValues::from),
@@ -186,7 +186,7 @@ impl Measurement {
 }
 
 /// A flag in words.
-fn doubt(flag: Flags, result: &FitResult) -> String {
+fn explain(flag: Flags, result: &FitResult) -> String {
     let text = match flag {
         Flags::EDGES_IGNORED => "the edge segments do not count",
         Flags::SEGMENTS_UNUSABLE => {
@@ -235,7 +235,7 @@ mod tests {
     fn every_flag_has_words() {
         let result = cylfuse_result();
         for flag in Flags::all().iter() {
-            assert!(!doubt(flag, &result).starts_with("flag"), "{flag:?}");
+            assert!(!explain(flag, &result).starts_with("flag"), "{flag:?}");
         }
     }
 
