@@ -123,7 +123,7 @@ pub struct FitResult {
     pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the size of the data.
     pub step_norm: f64,
-    /// Doubts.
+    /// Warnings: reasons to look twice.
     pub flags: Flags,
     /// Time spent.
     pub seconds: Seconds,

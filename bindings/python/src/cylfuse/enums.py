@@ -261,7 +261,7 @@ class LogLevel(_Choice):
 
 
 class ResultFlags(IntFlag):
-    """Doubts about a result. None of them is an error."""
+    """Warnings about a result. None of them is an error."""
 
     #: No warnings.
     NONE = 0

@@ -63,7 +63,7 @@ pub struct Measurement {
     pub view: ViewValues,
     /// The same of each view where there are several.
     pub views: Option<Vec<ViewValues>>,
-    /// Doubts and what is missing, in words.
+    /// Warnings and what is missing, in words.
     pub notes: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
