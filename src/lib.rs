@@ -37,6 +37,7 @@
 
 pub mod camera;
 pub mod completion;
+pub mod detection;
 pub mod end_location;
 pub mod error;
 pub mod extent;

@@ -6,13 +6,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
-const LAYERS: [&[&str]; 11] = [
+const LAYERS: [&[&str]; 12] = [
     &["error", "statistics"],
     &["geometry"],
     &["camera"],
     &["observations"],
     &["residuals"],
     &["solver", "start", "limb_location", "end_location"],
+    &["detection"],
     &["fitter"],
     &["completion"],
     &["extent"],

@@ -343,7 +343,7 @@ fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
     }
 }
 
-fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
+pub(crate) fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
     for (below, above) in pixel.0.iter_mut().zip([r, g, b]) {
         let (old, new, part) = (u32::from(*below), u32::from(above), u32::from(opacity));
         *below = ((old * (255 - part) + new * part) / 255) as u8;
@@ -352,7 +352,7 @@ fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
 
 /// Grey levels of 16-bit values, spread over the range that is in use: sensors fill 10 or 12 of the bits, and
 /// depths a part of theirs. Zero stays black where it stands for no measurement.
-fn grey_levels((width, height): (u32, u32), values: &[u16], depth: bool) -> RgbaImage {
+pub(crate) fn grey_levels((width, height): (u32, u32), values: &[u16], depth: bool) -> RgbaImage {
     let mut sorted: Vec<u16> = values.iter().copied().filter(|&value| value > 0 || !depth).collect();
     sorted.sort_unstable();
     // One value in fifty at either side may be an outlier.
