@@ -30,6 +30,8 @@ pub struct Evidence {
     pub side_samples: f64,
     /// What the cells cover across the axis, in radii from −1 to 1: where they begin and end.
     pub across: [f64; 2],
+    /// How far cells lie beyond the limbs, in pixels.
+    pub overhang: f64,
     /// What they cover along it, in radii.
     pub length: f64,
     /// The root mean square distance in standard deviations.
@@ -46,7 +48,10 @@ const TAPERED: f64 = 0.2;
 const LID: f64 = 0.04;
 
 /// A cone is a rarer body than a cylinder, and what depth does next to outlines looks like one: logarithm of the odds.
-const CONE_PRIOR: f64 = 5.0;
+const CONE_PRIOR: f64 = 3.0;
+
+/// Evidence that is left where nothing lies beyond the limbs, and where three pixels do is none.
+const OVERHANG: f64 = 10.0;
 
 impl Evidence {
     /// The evidence that there is a cylinder, in the measure of a logarithm of odds: the least of what speaks against
@@ -61,9 +66,21 @@ impl Evidence {
         let cone = if self.taper.abs() > TAPERED { self.over_cone + CONE_PRIOR } else { f64::INFINITY };
         // Less than half of the width tells little of a circle; from inside the whole wall may be seen.
         let covered = 12.0 * (self.across[1] - self.across[0] - 0.8);
-        [self.gain, covered, self.over_plane, self.over_edge, self.over_sphere, cone, sides, through]
-            .into_iter()
-            .fold(f64::INFINITY, f64::min)
+        // Cells beyond the limbs: fattening makes two pixels of them, an edge that is taken for a thin cylinder more.
+        let overhang = OVERHANG - 3.0 * self.overhang;
+        [
+            self.gain,
+            covered,
+            overhang,
+            self.over_plane,
+            self.over_edge,
+            self.over_sphere,
+            cone,
+            sides,
+            through,
+        ]
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -86,6 +103,9 @@ impl Scene<'_> {
         evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
         evidence.length = (last - first) / cylinder.radius;
         evidence.across = [left, right];
+        let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
+        let pixels = cylinder.radius / (depth * self.optics.pixel);
+        evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
         self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
         let sides = outline(self, &cylinder, &candidate.cells, mark);
         let part = |beyond: Beyond| {

@@ -40,6 +40,11 @@ impl Cell {
     }
 }
 
+/// Pixels along the side of a cell of an image.
+pub(super) fn side_of_cells((width, height): (usize, usize)) -> usize {
+    (width.max(height) as f64 / CELLS_ACROSS as f64).round().max(1.0) as usize
+}
+
 /// The cells of a depth image, row by row.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
@@ -57,9 +62,9 @@ impl Grid {
     pub fn new(
         (width, height): (usize, usize),
         spacing: f64,
+        side: usize,
         point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
     ) -> Self {
-        let side = (width.max(height) as f64 / CELLS_ACROSS as f64).round().max(1.0) as usize;
         let (columns, rows) = (width / side, height / side);
         let spacing = spacing * side as f64;
         let mut cells = Vec::with_capacity(columns * rows);

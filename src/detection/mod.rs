@@ -1,22 +1,25 @@
 //! All cylinders of a scene: from a depth image, with or without a grey image, or from a bare cloud.
 
 mod candidate;
+mod cloud;
 mod evidence;
 mod grid;
 mod noise;
 mod outline;
+mod parts;
 mod patch;
 mod planes;
 mod search;
 mod surface;
 
+pub use cloud::detect_points;
 pub use evidence::Evidence;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::{DepthImage, GreyImage};
-use grid::Grid;
+use grid::{Grid, side_of_cells};
 use nalgebra::{Vector2, Vector3};
 
 /// The settings of a search.
@@ -101,7 +104,7 @@ pub fn detect(
         let p = points[y * width + x];
         (p.z > 0.0).then(|| p.cast::<f64>())
     };
-    let mut grid = Grid::new((width, height), pixel, &point);
+    let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height)), &point);
     let found = search::search(&mut grid, pixel, options);
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
     Ok(search::label(&grid, found, (width, height), pixel, &point, &ray))

@@ -110,6 +110,7 @@ impl Scene<'_> {
         let end = |beyond: Beyond, before: usize| Side { beyond, ray: ray(&grid.cells[before]) };
         let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
         let mut before = k;
+        let mut smooth = 0;
         for distance in 1..=4 {
             let (x, y) =
                 ((column + dx * f64::from(distance)).round(), (row + dy * f64::from(distance)).round());
@@ -137,7 +138,12 @@ impl Scene<'_> {
             // Steep ramps between an outline and the background are no surface.
             let steep = normal.dot(&cell.point.normalize()).abs() < 0.3;
             if place.distance > 0.0 && !steep && -normal.dot(&place.normal) > 0.3 {
-                return end(Beyond::Smooth, before);
+                // A single cell within the outline may be the last of the cylinder itself.
+                smooth +=
+                    if passes(cylinder, cell.x, cell.y).is_some_and(|p| p.0.abs() > 1.0) { 2 } else { 1 };
+                if smooth >= 2 {
+                    return end(Beyond::Smooth, k);
+                }
             }
             before = next;
         }

@@ -6,12 +6,16 @@ use super::grid::Grid;
 use super::noise::Noise;
 use super::outline::passes;
 use super::surface::{Optics, REACH, Surface};
-use super::{Detection, DetectionOptions, Detections, patch, planes};
+use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
 use nalgebra::Vector3;
 
 /// Half the side of a patch in cells. The smallest is that of a cylinder 15 pixels wide, the largest bends enough for
 /// a cylinder as wide as the image.
 const SIZES: [usize; 4] = [2, 4, 8, 14];
+
+/// The least radius in cells: where a body is less than 10 pixels wide, depth mixes it with what is beside it, and the
+/// edge of a box is as round.
+const THINNEST: f64 = 1.7;
 
 /// Patches must have this part of the cells of a full one, or lie on a narrow body.
 const FEWEST: usize = 12;
@@ -39,7 +43,8 @@ pub(super) fn search(grid: &mut Grid, pixel: f64, options: &DetectionOptions) ->
     };
     let mut marks = Marks::new(grid.cells.len());
     let mut found = candidates(&scene, options, &mut marks);
-    join(&scene, &mut found, options, &mut marks);
+    parts::join(&scene, &mut found, options, &mut marks);
+    parts::divide(&scene, &mut found, options, &mut marks);
     select(&scene, &mut found, options, &mut marks)
 }
 
@@ -87,87 +92,20 @@ fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) 
 }
 
 /// Whether a candidate is worth a closer look.
-fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
+pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
     let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
+    let depth = scene.grid.cells[candidate.cells[0]].point.z;
     candidate.gain > 5.0
+        && cylinder.radius >= THINNEST * scene.grid.spacing * depth
         && cylinder.radius >= options.limits.radius_min
         && cylinder.radius <= options.limits.radius_max
         && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
 }
 
 /// The probability that a candidate is a cylinder.
-fn score(evidence: &Evidence) -> f64 {
+pub(super) fn score(evidence: &Evidence) -> f64 {
     let logit = SLOPE * (evidence.total() - EVEN);
     1.0 / (1.0 + (-logit).exp())
-}
-
-/// Joins parts of one cylinder that something in front divides.
-fn join(scene: &Scene<'_>, found: &mut Vec<Judged>, options: &DetectionOptions, marks: &mut Marks) {
-    found.sort_by(|a, b| b.candidate.gain.total_cmp(&a.candidate.gain));
-    let mut first = 0;
-    while first < found.len() {
-        let mut second = first + 1;
-        while second < found.len() {
-            if let Some(joint) = joined(scene, &found[first], &found[second], options, marks) {
-                found[first] = joint;
-                found.remove(second);
-                second = first + 1;
-            } else {
-                second += 1;
-            }
-        }
-        first += 1;
-    }
-}
-
-/// One cylinder in place of two, where that explains the cells of both no worse.
-fn joined(
-    scene: &Scene<'_>,
-    a: &Judged,
-    b: &Judged,
-    options: &DetectionOptions,
-    marks: &mut Marks,
-) -> Option<Judged> {
-    let (Surface::Cylinder(one, _), Surface::Cylinder(other, _)) =
-        (&a.candidate.surface, &b.candidate.surface)
-    else {
-        return None;
-    };
-    let change = one.compare(other);
-    let radius = one.radius.max(other.radius);
-    // Short parts know their direction badly.
-    if change.angle > 0.35 || one.radius.min(other.radius) < 0.6 * radius || change.axis_distance > radius {
-        return None;
-    }
-    let middle = b.candidate.cells.iter().map(|&k| scene.grid.cells[k].point).sum::<Vector3<f64>>()
-        / b.candidate.cells.len() as f64;
-    if one.axis.distance(&middle) > 1.5 * radius {
-        return None;
-    }
-    marks.next();
-    let mut cells = Vec::new();
-    for &k in a.candidate.cells.iter().chain(&b.candidate.cells) {
-        if marks.set(k) {
-            cells.push(k);
-        }
-    }
-    // Overlapping candidates explain the same cells in two ways; that is for the choice to decide.
-    if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
-        return None;
-    }
-    let surface = scene.refit(&a.candidate.surface, &cells, marks)?;
-    cells.retain(|&k| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH);
-    let gain = scene.gain(&surface, &cells) - scene.penalty(&surface, cells.len());
-    // What the second five numbers would have to bring to be worth having.
-    if gain < a.candidate.gain + b.candidate.gain - 3.0 {
-        return None;
-    }
-    let candidate = Candidate { surface, cells, gain };
-    if !plausible(scene, &candidate, options) {
-        return None;
-    }
-    let evidence = scene.judge(&candidate, marks)?;
-    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: score(&evidence) })
 }
 
 /// Candidates that do not share cells, the one that explains most first.

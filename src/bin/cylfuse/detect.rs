@@ -7,10 +7,11 @@ use crate::frame::Frame;
 use crate::inputs::Input;
 use crate::report::{Fitted, Measurement};
 use crate::scene_picture::ScenePicture;
-use cylfuse::detection::{Detection, DetectionOptions, Detections, detect};
+use cylfuse::detection::{Detection, DetectionOptions, Detections, detect, detect_points};
 use cylfuse::extent::ExtentOptions;
 use cylfuse::fitter::{FitResult, Fitter, Options, StartKind};
-use cylfuse::observations::{DepthImage, DepthRange, DepthView, GreyImage, ImageView, MaskView, PointsView};
+use cylfuse::geometry::{Cylinder, Line};
+use cylfuse::observations::{DepthImage, DepthRange, DepthView, GreyImage, ImageView, MaskView};
 use image::{ImageBuffer, ImageFormat, Luma};
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -115,16 +116,32 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         .transpose()?;
     let grey = image.as_ref().map(GreyImage::copy).transpose()?;
     let started = Instant::now();
-    let found = detect(&frame.camera, &depth, grey.as_ref(), &settings.detection)?;
+    let mut options = settings.detection;
+    if grey.is_some() {
+        // The image may raise a low score.
+        options.min_score = logistic(logit(options.min_score) - LIMBS_MOST);
+        options.max_count = usize::MAX;
+    }
+    let mut found = detect(&frame.camera, &depth, grey.as_ref(), &options)?;
     let detected = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let mut cylinders = Vec::new();
     for (index, detection) in found.cylinders.iter().enumerate() {
         let mask: Vec<u8> =
             found.labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect();
-        let measurement = fit_region(&frame, &view, image.as_ref(), &mask, detection, settings)?;
-        cylinders.push(Found { score: detection.score, pixels: detection.pixels, measurement });
+        // A region without any measured pixel of its own cannot be fitted.
+        let Ok(measurement) = fit_region(&frame, &view, image.as_ref(), &mask, detection, settings) else {
+            continue;
+        };
+        let located = measurement.result.limbs_located;
+        let score = if image.is_some() { with_limbs(detection.score, located) } else { detection.score };
+        cylinders.push((index as u16 + 1, Found { score, pixels: detection.pixels, measurement }));
     }
+    cylinders.retain(|(_, found)| found.score >= settings.detection.min_score);
+    cylinders.sort_by(|a, b| b.1.score.total_cmp(&a.1.score));
+    cylinders.truncate(settings.detection.max_count);
+    renumber(&mut found.labels, cylinders.iter().map(|(label, _)| *label));
+    let cylinders: Vec<Found> = cylinders.into_iter().map(|(_, found)| found).collect();
     let fit = started.elapsed().as_secs_f64();
     let total = clock.elapsed().as_secs_f64();
     if let Some(folder) = folder {
@@ -135,6 +152,15 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     }
     let out = folder.map(|folder| folder.display().to_string());
     Ok(Scene { cylinders, out, seconds: SceneSeconds { read, detect: detected, fit, total } })
+}
+
+/// Gives labels the numbers in a new order; those that are not in it become 0.
+fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
+    let mut new = vec![0; usize::from(u16::MAX) + 1];
+    for (number, label) in (1..).zip(order) {
+        new[usize::from(label)] = number;
+    }
+    labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
 }
 
 /// Fits the region of a detection, from the cylinder that was found.
@@ -172,26 +198,85 @@ fn fit_region(
     Ok(measurement)
 }
 
-/// The fit, or the detected cylinder where the fit leads to another one: within twice the radius, a radian and half a
-/// radius it is the same.
+/// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
+/// the search for limbs in the image reaches.
+const RADII: [f64; 3] = [1.0, 0.9, 1.1];
+
+/// The fit that locates most limbs, or the detected cylinder where none locates any: depth alone is off next to the
+/// limbs, which the detection allows for and a fit of all points does not.
 fn fit_or_keep(fitter: &mut Fitter, detection: &Detection) -> Result<FitResult, Failure> {
-    // Depth alone is off next to the limbs, which the detection allows for and a fit of all points does not.
-    if let (true, Ok(result)) = (fitter.image().is_some(), fitter.fit()) {
-        let change = detection.cylinder.compare(&result.cylinder);
-        if change.radius_relative.abs() < 0.5
-            && change.angle < 0.3
-            && change.axis_distance < detection.cylinder.radius
-        {
-            return Ok(result);
+    let found = detection.cylinder;
+    let mut best: Option<(usize, Cylinder)> = None;
+    for factor in if fitter.image().is_some() { &RADII[..] } else { &[] } {
+        let radius = factor * found.radius;
+        // The wall that is seen stays where it is.
+        let away = found.axis.nearest_to_origin().normalize() * (radius - found.radius);
+        let start = Cylinder { axis: Line { point: found.axis.point + away, ..found.axis }, radius };
+        fitter.set_start(Some(start));
+        let Ok(result) = fitter.fit() else { continue };
+        let change = found.compare(&result.cylinder);
+        let same =
+            change.radius_relative.abs() < 0.4 && change.angle < 0.3 && change.axis_distance < found.radius;
+        if same && result.limbs_located > best.map_or(0, |(most, _)| most) {
+            best = Some((result.limbs_located, start));
+            if result.limbs_located == 2 {
+                return Ok(result);
+            }
         }
     }
-    Ok(fitter.evaluate(&detection.cylinder)?)
+    if let Some((_, start)) = best {
+        fitter.set_start(Some(start));
+        return Ok(fitter.fit()?);
+    }
+    fitter.set_start(Some(found));
+    Ok(fitter.evaluate(&found)?)
 }
 
-fn search_cloud(path: &Path, _settings: &Settings) -> Result<Scene, Failure> {
+/// What the image adds to the evidence: where it shows both limbs where depth sees a cylinder there hardly is anything
+/// else; boxes and scraps show none.
+fn with_limbs(score: f64, located: usize) -> f64 {
+    let evidence = [-2.0, 1.0, LIMBS_MOST][located.min(2)];
+    logistic(logit(score) + evidence)
+}
+
+/// What two located limbs add to the logarithm of the odds.
+const LIMBS_MOST: f64 = 3.0;
+
+fn logit(probability: f64) -> f64 {
+    let probability = probability.clamp(1e-12, 1.0 - 1e-12);
+    (probability / (1.0 - probability)).ln()
+}
+
+fn logistic(logit: f64) -> f64 {
+    1.0 / (1.0 + (-logit).exp())
+}
+
+fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
+    let clock = Instant::now();
     let cloud = Cloud::read(path)?;
-    let _: PointsView<'_> = cloud.view();
-    Err(Failure::bad_cloud(path, "clouds are not searched yet"))
+    let read = clock.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let found = detect_points(&cloud.view(), &settings.detection)?;
+    let detect = started.elapsed().as_secs_f64();
+    let started = Instant::now();
+    let mut cylinders = Vec::new();
+    for (index, detection) in found.cylinders.iter().enumerate() {
+        let mask: Vec<u8> =
+            found.labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect();
+        let mut fitter = Fitter::new();
+        let options = Options { start: StartKind::Model, threads: 1, ..Options::default() };
+        fitter.set_options(options)?;
+        let mask = MaskView::from_u8(&mask, (found.labels.len(), 1))?;
+        if fitter.push_points(&cloud.view(), Some(&mask)).is_err() {
+            continue;
+        }
+        let Ok(result) = fit_or_keep(&mut fitter, detection) else { continue };
+        let measurement = Measurement::new(Fitted::Cloud, &options, &result);
+        cylinders.push(Found { score: detection.score, pixels: detection.pixels, measurement });
+    }
+    let fit = started.elapsed().as_secs_f64();
+    let seconds = SceneSeconds { read, detect, fit, total: clock.elapsed().as_secs_f64() };
+    Ok(Scene { cylinders, out: None, seconds })
 }
 
 fn write_labels(path: &Path, (width, height): (usize, usize), found: &Detections) -> Result<(), Failure> {
