@@ -18,7 +18,7 @@ pub struct Evidence {
     pub over_edge: f64,
     /// How much better than the best sphere.
     pub over_sphere: f64,
-    /// How much better than the best cone; 0 where that hardly tapers.
+    /// How much better than the best cone, which counts where that tapers.
     pub over_cone: f64,
     /// The part of the lines along the axis at whose side the surface goes on smoothly instead of ending at the limb.
     pub open_sides: f64,
@@ -44,6 +44,12 @@ pub struct Evidence {
 /// more, and depth next to outlines bends a short cylinder by nearly as much.
 const TAPERED: f64 = 0.2;
 
+/// The sides of a cylinder tell as much as this many independent samples at most.
+const MOST_SAMPLES: f64 = 8.0;
+
+/// The least slope of the side of a cup or a cone: 1.7 degrees.
+const SLOPE: f64 = 0.03;
+
 /// Lids are wider than their cans by this part of the radius.
 const LID: f64 = 0.04;
 
@@ -53,17 +59,23 @@ const CONE_PRIOR: f64 = 3.0;
 /// Evidence that is left where nothing lies beyond the limbs, and where three pixels do is none.
 const OVERHANG: f64 = 10.0;
 
+/// Evidence with which a candidate need not be looked at any more.
+const HOPELESS: f64 = -8.0;
+
 impl Evidence {
     /// The evidence that there is a cylinder, in the measure of a logarithm of odds: the least of what speaks against
     /// each of the alternatives.
     pub fn total(&self) -> f64 {
-        let samples = self.side_samples;
+        // Along a contact with another body, or a long straight side, neighbouring lines end in the same way.
+        let samples = self.side_samples.min(MOST_SAMPLES);
         // One side in twenty of a cylinder, but three in five of an edge seem to go on smoothly; the logarithms of the
         // likelihood ratios are ln(0.95 / 0.4) and ln(0.05 / 0.6).
         let sides = samples * (0.87 * (1.0 - self.open_sides) - 2.48 * self.open_sides);
         // Likewise one cell in twenty, or one in three.
         let through = samples * (0.35 * (1.0 - self.seen_through) - 2.2 * self.seen_through);
-        let cone = if self.taper.abs() > TAPERED { self.over_cone + CONE_PRIOR } else { f64::INFINITY };
+        // Depth that drifts over a long pipe tapers it as well, but not by a degree or two.
+        let tapers = self.taper.abs() > TAPERED && self.taper.abs() > SLOPE * self.length;
+        let cone = if tapers { self.over_cone + CONE_PRIOR } else { f64::INFINITY };
         // Less than half of the width tells little of a circle; from inside the whole wall may be seen.
         let covered = 12.0 * (self.across[1] - self.across[0] - 0.8);
         // Cells beyond the limbs: fattening makes two pixels of them, an edge that is taken for a thin cylinder more.
@@ -106,7 +118,6 @@ impl Scene<'_> {
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
         let pixels = cylinder.radius / (depth * self.optics.pixel);
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
-        self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
         let sides = outline(self, &cylinder, &candidate.cells, mark);
         let part = |beyond: Beyond| {
             sides.iter().filter(|side| side.beyond == beyond).count() as f64 / sides.len().max(1) as f64
@@ -115,6 +126,10 @@ impl Scene<'_> {
         evidence.open_sides = part(Beyond::Smooth);
         evidence.closed_sides = part(Beyond::Farther);
         self.see_through(&cylinder, candidate, [first, last], &mut evidence);
+        // What the sides rule out needs no other surface, which would take most of the time.
+        if evidence.total() > HOPELESS {
+            self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
+        }
         Some(evidence)
     }
 
@@ -153,9 +168,7 @@ impl Scene<'_> {
             margin(Surface::Sphere(on_axis, cylinder.radius)).map_or(own, |(margin, _)| margin);
         if let Some((margin, Surface::Cone(cone, taper))) = margin(Surface::Cone(cylinder, 0.0)) {
             evidence.taper = taper * length / cone.radius;
-            if evidence.taper.abs() > TAPERED {
-                evidence.over_cone = margin;
-            }
+            evidence.over_cone = margin;
         }
     }
 

@@ -109,3 +109,6 @@ pub fn detect(
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
     Ok(search::label(&grid, found, (width, height), pixel, &point, &ray))
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,10 @@ const SIZES: [usize; 4] = [2, 4, 8, 14];
 /// edge of a box is as round.
 const THINNEST: f64 = 1.7;
 
+/// How far the direction of a short cylinder may be off, in radians: the fit has to keep to a known direction, the
+/// search does not.
+const DIRECTION_ERROR: f64 = 0.1;
+
 /// Patches must have this part of the cells of a full one, or lie on a narrow body.
 const FEWEST: usize = 12;
 
@@ -95,7 +99,12 @@ fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) 
 pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
     let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
     let depth = scene.grid.cells[candidate.cells[0]].point.z;
-    candidate.gain > 5.0
+    let allowed = options.limits.axis.is_none_or(|cone| {
+        let line = crate::geometry::Line::new(cylinder.axis.point, cone.direction);
+        cylinder.axis.angle(&line) <= cone.max_angle + DIRECTION_ERROR
+    });
+    allowed
+        && candidate.gain > 5.0
         && cylinder.radius >= THINNEST * scene.grid.spacing * depth
         && cylinder.radius >= options.limits.radius_min
         && cylinder.radius <= options.limits.radius_max

@@ -55,12 +55,19 @@ impl Surface {
         }
     }
 
-    /// The derivative of the distance by the parameters.
-    fn gradient(&self, place: &Place) -> SVector<f64, 6> {
+    /// Two directions across the axis, in which it shifts and tilts.
+    fn across(&self) -> (Vector3<f64>, Vector3<f64>) {
         match self {
-            Self::Cylinder(cylinder, _) | Self::Cone(cylinder, _) => {
-                let (u, v) = any_orthogonal(&cylinder.axis.direction);
-                let (nu, nv) = (place.normal.dot(&u), place.normal.dot(&v));
+            Self::Cylinder(cylinder, _) | Self::Cone(cylinder, _) => any_orthogonal(&cylinder.axis.direction),
+            Self::Sphere(..) => (Vector3::x(), Vector3::y()),
+        }
+    }
+
+    /// The derivative of the distance by the parameters.
+    fn gradient(&self, place: &Place, (u, v): (&Vector3<f64>, &Vector3<f64>)) -> SVector<f64, 6> {
+        match self {
+            Self::Cylinder(..) | Self::Cone(..) => {
+                let (nu, nv) = (place.normal.dot(u), place.normal.dot(v));
                 SVector::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, -place.along])
             }
             Self::Sphere(..) => {
@@ -209,6 +216,7 @@ pub(super) fn fit(
         let mut matrix = SMatrix::<f64, 6, 6>::zeros();
         let mut vector = SVector::<f64, 6>::zeros();
         let mut count = 0;
+        let (u, v) = surface.across();
         for cell in cells {
             let (place, distance, sigma, shape) = surface.residual(cell, optics.pixel);
             let ratio = distance / sigma;
@@ -219,7 +227,7 @@ pub(super) fn fit(
             // Tukey's weight: what is nearly out counts little.
             let part = 1.0 - (ratio / reach).powi(2);
             let weight = part * part / (sigma * sigma * optics.cells_per_sample);
-            let mut row = surface.gradient(&place);
+            let mut row = surface.gradient(&place, (&u, &v));
             if matches!(surface, Surface::Cylinder(..)) {
                 row[5] = -shape;
             }
@@ -250,7 +258,7 @@ pub(super) fn fit(
                 let part = 1.0 - (ratio / reach).powi(2);
                 // What a sensor does to an outline it does all along: each of the two sides is one measurement.
                 let weight = 2.0 * part * part / (sigma * sigma * outline.len() as f64);
-                let row = surface.gradient(&place);
+                let row = surface.gradient(&place, (&u, &v));
                 let mut row = row;
                 row[5] = 0.0;
                 for i in 0..6 {
