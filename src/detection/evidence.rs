@@ -72,7 +72,7 @@ impl Evidence {
         // likelihood ratios are ln(0.95 / 0.4) and ln(0.05 / 0.6).
         let sides = samples * (0.87 * (1.0 - self.open_sides) - 2.48 * self.open_sides);
         // Likewise one cell in twenty, or one in three.
-        let through = samples * (0.35 * (1.0 - self.seen_through) - 2.2 * self.seen_through);
+        let through = self.side_samples * (0.35 * (1.0 - self.seen_through) - 2.2 * self.seen_through);
         // Depth that drifts over a long pipe tapers it as well, but not by a degree or two.
         let tapers = self.taper.abs() > TAPERED && self.taper.abs() > SLOPE * self.length;
         let cone = if tapers { self.over_cone + CONE_PRIOR } else { f64::INFINITY };

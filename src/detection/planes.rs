@@ -17,6 +17,10 @@ const FEWEST: usize = 4 * BLOCK * BLOCK;
 /// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · REACH that it spans.
 const FLAT: f64 = 1.5;
 
+/// The most that the cells of a plane may spread, in standard deviations: where the plane only passes through curved
+/// bodies side by side, cells fill its reach evenly, which gives 1.7.
+const SPREAD: f64 = 1.4;
+
 /// Sums for w = a + b x + c y.
 #[derive(Clone, Copy)]
 struct Sums {
@@ -158,6 +162,7 @@ fn settle(
     owner: &[u16],
 ) -> Option<Vec<usize>> {
     let mut cells = Vec::new();
+    let mut spread = 0.0;
     for _ in 0..2 {
         cells = flood(grid, noise, &plane, (column, row), owner);
         if cells.len() < FEWEST {
@@ -168,7 +173,12 @@ fn settle(
             let cell = &grid.cells[k];
             sums.add(cell.x, cell.y, cell.w);
         }
-        plane = sums.solve()?.0;
+        let (fitted, rms) = sums.solve()?;
+        plane = fitted;
+        spread = rms;
+    }
+    if spread > SPREAD * noise.deviation {
+        return None;
     }
     (bend(grid, &cells)? <= FLAT * noise.deviation).then_some(cells)
 }

