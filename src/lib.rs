@@ -28,7 +28,7 @@
 //!
 //! # Layers
 //! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`fitter`], then what follows a fit:
+//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`detection`], [`fitter`], then what follows a fit:
 //! [`completion`] and [`extent`], and on top the C interface, [`ffi`], and, with the feature `opencv`, the images of
 //! OpenCV.
 

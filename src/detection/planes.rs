@@ -21,6 +21,10 @@ const FLAT: f64 = 1.5;
 /// bodies side by side, cells fill its reach evenly, which gives 1.7.
 const SPREAD: f64 = 1.4;
 
+/// The least width of a plane in cells. Strips that bend less than [`FLAT`] are facets of any cylinder with a radius of
+/// up to 125 pixels, but narrower than this.
+const NARROWEST: f64 = 10.0;
+
 /// Sums for w = a + b x + c y.
 #[derive(Clone, Copy)]
 struct Sums {
@@ -235,6 +239,10 @@ fn bend(grid: &Grid, cells: &[usize]) -> Option<f64> {
         spread += offset * offset.transpose() / count;
     }
     let eigen = spread.symmetric_eigen();
+    // The width of a uniform stretch is 2 √3 standard deviations.
+    if (12.0 * eigen.eigenvalues.min()).sqrt() < NARROWEST * grid.spacing {
+        return None;
+    }
     let mut matrix = SMatrix::<f64, 6, 6>::zeros();
     let mut vector = SVector::<f64, 6>::zeros();
     for &k in cells {
