@@ -2,7 +2,7 @@
 
 use super::grid::{Cell, Grid};
 use super::noise::Noise;
-use super::outline::outline;
+use super::outline::{Side, outline};
 use super::surface::{Optics, REACH, Surface, fit};
 use nalgebra::Vector3;
 
@@ -89,7 +89,7 @@ impl Scene<'_> {
     /// The rays along the sides of a cylinder where nothing nearer hides them.
     fn outline_rays(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> Vec<Vector3<f64>> {
         let Surface::Cylinder(cylinder, _) = surface else { return Vec::new() };
-        outline(self, cylinder, cells, mark).iter().filter_map(|side| side.limb()).collect()
+        outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect()
     }
 
     /// Fits a surface to cells again, all of them within reach at first.

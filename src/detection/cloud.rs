@@ -72,7 +72,7 @@ pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Resul
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
     };
-    let seen = label(&grid, found, size, image.spacing, &point, &ray);
+    let seen = label(&grid, &found, size, image.spacing, &point, &ray);
     let mut labels = vec![0; count];
     for &k in &usable {
         let Some(pixel) = image.pixel(&points[k]) else { continue };

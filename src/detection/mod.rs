@@ -107,7 +107,7 @@ pub fn detect(
     let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height)), &point);
     let found = search::search(&mut grid, pixel, options);
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
-    Ok(search::label(&grid, found, (width, height), pixel, &point, &ray))
+    Ok(search::label(&grid, &found, (width, height), pixel, &point, &ray))
 }
 
 #[cfg(test)]

@@ -103,6 +103,9 @@ pub(super) fn divide(
     }
 }
 
+/// A surface and its cells.
+type Part = (Surface, Vec<usize>);
+
 /// The parts of a candidate, where two cylinders explain its cells better than one.
 fn divided(
     scene: &Scene<'_>,
@@ -119,7 +122,7 @@ fn divided(
         cells.iter().map(|&k| (surface.place(&scene.grid.cells[k].point).along, k)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: Vec<usize> = order.into_iter().map(|(_, k)| k).collect();
-    let mut best: Option<(f64, [(Surface, Vec<usize>); 2])> = None;
+    let mut best: Option<(f64, [Part; 2])> = None;
     for eighths in 2..=6 {
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {

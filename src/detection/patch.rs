@@ -146,5 +146,5 @@ pub(super) fn hypothesis(
     let center = point + Vector3::new(solution[0], solution[1], solution[2]);
     let radius = solution[3].abs();
     (radius > 0.0 && radius.is_finite() && center.iter().all(|x| x.is_finite()))
-        .then(|| Cylinder { axis: Line { point: center, direction }, radius })
+        .then_some(Cylinder { axis: Line { point: center, direction }, radius })
 }

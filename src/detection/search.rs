@@ -154,7 +154,7 @@ fn select(
 /// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing.
 pub(super) fn label(
     grid: &Grid,
-    found: Vec<Judged>,
+    found: &[Judged],
     (width, height): (usize, usize),
     pixel: f64,
     point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,

@@ -12,7 +12,7 @@ use cylfuse::extent::ExtentOptions;
 use cylfuse::fitter::{FitResult, Fitter, Options, StartKind};
 use cylfuse::geometry::{Cylinder, Line};
 use cylfuse::observations::{DepthImage, DepthRange, DepthView, GreyImage, ImageView, MaskView};
-use image::{ImageBuffer, ImageFormat, Luma};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma};
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -109,7 +109,7 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     let size = frame.size();
     let view = DepthView::from_u16(&frame.depth, size, frame.depth_scale)?;
     let depth = DepthImage::copy(&view)?;
-    let light = frame.image.as_ref().map(|image| image.to_luma16());
+    let light = frame.image.as_ref().map(DynamicImage::to_luma16);
     let image = light
         .as_ref()
         .map(|light| ImageView::from_u16(light, size)?.with_gamma(frame.image_gamma))
