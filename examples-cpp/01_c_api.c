@@ -84,17 +84,21 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s\n", cylfuse_status_string(status));
         return 1;
     }
-    cylfuse_result result = {.struct_size = sizeof result};
-    cylfuse_extent extent = {.struct_size = sizeof extent};
+    cylfuse_result result;
+    cylfuse_result_init(&result, sizeof result);
+    cylfuse_cylinder_estimate cylinder;
+    cylfuse_cylinder_estimate_init(&cylinder, sizeof cylinder);
+    cylfuse_extent extent;
+    cylfuse_extent_init(&extent, sizeof extent);
     if ((status = cylfuse_fitter_set_intrinsics(fitter, &intrinsics)) == CYLFUSE_STATUS_OK &&
         (status = cylfuse_fitter_push_depth(fitter, &depth, &mask)) == CYLFUSE_STATUS_OK &&
         (status = cylfuse_fitter_push_edges(fitter, &segments)) == CYLFUSE_STATUS_OK &&
-        (status = cylfuse_fitter_fit(fitter, &result)) == CYLFUSE_STATUS_OK &&
+        (status = cylfuse_fitter_fit(fitter, &result, &cylinder)) == CYLFUSE_STATUS_OK &&
         (status = cylfuse_fitter_extent(fitter, NULL, NULL, &extent)) == CYLFUSE_STATUS_OK) {
-        const double *direction = result.model.direction;
-        printf("radius %.2f mm, length %.2f mm, axis %.4f %.4f %.4f\n", 1e3 * result.model.radius, 1e3 * extent.length,
-               direction[0], direction[1], direction[2]);
-        printf("%llu of %llu points used, doubts %u\n", (unsigned long long)result.points_used,
+        const double *direction = cylinder.model.direction;
+        printf("radius %.2f +- %.2f mm, length %.2f mm, axis %.4f %.4f %.4f\n", 1e3 * cylinder.model.radius,
+               1e3 * cylinder.radius_deviation, 1e3 * extent.length, direction[0], direction[1], direction[2]);
+        printf("%llu of %llu points used, warnings %u\n", (unsigned long long)result.points_used,
                (unsigned long long)result.points_given, (unsigned)result.flags);
     } else {
         fprintf(stderr, "%s: %s\n", cylfuse_status_string(status), cylfuse_fitter_last_error(fitter));

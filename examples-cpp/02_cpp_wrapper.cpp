@@ -11,33 +11,30 @@ try {
     }
     const Frame frame(argv[1]);
     cylfuse::Fitter fitter;
-    fitter.set_log(CYLFUSE_LOG_LEVEL_WARNING, [](cylfuse_log_level, const char *line) { std::puts(line); });
+    fitter.set_log(cylfuse::LogLevel::Warning, [](cylfuse::LogLevel, const char *line) { std::puts(line); });
     fitter.set_intrinsics(frame.camera);
     fitter.push_depth(frame.depth_view(), frame.mask_view());
     fitter.push_edges(frame.edges);
 
     // With and without the edges, and as the paper does it.
     cylfuse::Options options;
-    for (const auto method : {CYLFUSE_METHOD_RANSAC, CYLFUSE_METHOD_POINTS, CYLFUSE_METHOD_FUSED}) {
-        options.method = method;
-        fitter.set_options(options);
-        std::printf("method %d: radius %.2f mm\n", int(method), 1e3 * fitter.fit().model.radius);
+    for (const auto method : {cylfuse::Method::Ransac, cylfuse::Method::Points, cylfuse::Method::Fused}) {
+        fitter.set_options(options.method(method));
+        std::printf("method %d: radius %.2f mm\n", int(method), 1e3 * fitter.fit().cylinder.model.radius);
     }
-    options.objective = CYLFUSE_OBJECTIVE_PAPER;
-    fitter.set_options(options);
-    std::printf("the paper: radius %.2f mm\n", 1e3 * fitter.fit().model.radius);
+    fitter.set_options(options.objective(cylfuse::Objective::Paper));
+    std::printf("the paper: radius %.2f mm\n", 1e3 * fitter.fit().cylinder.model.radius);
 
     fitter.set_options(cylfuse::Options());
-    const cylfuse::Result result = fitter.fit();
+    const cylfuse::CylinderFit fit = fitter.fit();
     const cylfuse::Extent extent = fitter.extent();
-    std::vector<double> residuals(static_cast<std::size_t>(result.points_used));
-    fitter.residuals(CYLFUSE_RESIDUAL_KIND_POINTS, residuals);
+    const std::vector<double> residuals = fitter.residuals(cylfuse::ResidualKind::Points);
     std::size_t within = 0;
     for (const double residual : residuals) {
         within += residual > -0.002 && residual < 0.002;
     }
-    std::printf("radius %.2f mm, length %.2f mm, converged %s\n", 1e3 * result.model.radius, 1e3 * extent.length,
-                result.has(CYLFUSE_RESULT_FLAGS_NOT_CONVERGED) ? "no" : "yes");
+    std::printf("radius %.2f mm, length %.2f mm, converged %s\n", 1e3 * fit.cylinder.model.radius, 1e3 * extent.length,
+                fit.result.has(cylfuse::ResultFlags::NotConverged) ? "no" : "yes");
     std::printf("%zu of %zu points within 2 mm\n", within, residuals.size());
     return 0;
 } catch (const cylfuse::Error &error) {

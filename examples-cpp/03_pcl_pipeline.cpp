@@ -66,6 +66,9 @@ try {
     segmentation.setInputCloud(cloud);
     segmentation.setIndices(rest);
     segmentation.segment(inliers, coefficients);
+    if (coefficients.values.empty()) {
+        return 1; // The class has said why, as PCL's does.
+    }
     std::printf("cylinder: %zu inliers, radius %.1f mm\n", inliers.indices.size(), 1e3 * coefficients.values[6]);
 
     // How far the inliers reach along the axis.
@@ -87,7 +90,7 @@ try {
     const std::vector<std::uint8_t> everywhere(cloud->size(), 255);
     const cylfuse::MaskView mask(everywhere.data(), cloud->width, cloud->height);
     pcl::PointCloud<PointT> surface, completed;
-    cylfuse::complete(fitter, surface, &model, &mask);
+    cylfuse::complete(fitter, surface, model, mask);
     for (const PointT &point : surface) {
         if (along(point) >= low && along(point) <= high) {
             completed.push_back(point);

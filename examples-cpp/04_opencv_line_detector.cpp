@@ -17,7 +17,7 @@ try {
     const std::string folder(argv[1]);
     const cv::Mat depth = cv::imread(folder + "/depth.pgm", cv::IMREAD_UNCHANGED);
     const cv::Mat mask = cv::imread(folder + "/mask.pgm", cv::IMREAD_GRAYSCALE);
-    const cv::Mat image = cv::imread(folder + "/image.pgm", cv::IMREAD_GRAYSCALE);
+    const cv::Mat image = cv::imread(folder + "/image.pgm", cv::IMREAD_COLOR); // BGR goes in as it is.
     int width = 0, height = 0;
     double unit = 0.0;
     cv::Matx33d camera_matrix = cv::Matx33d::eye();
@@ -29,24 +29,23 @@ try {
     cylfuse::Fitter fitter;
     fitter.set_intrinsics(intrinsics);
     fitter.push_depth(cylfuse::depth_view(depth, unit), cylfuse::mask_view(mask));
-    cylfuse::Options options;
-    options.method = CYLFUSE_METHOD_RANSAC; // Looks at nothing but the points.
-    fitter.set_options(options);
-    const cylfuse::Result points_alone = fitter.fit();
-    std::printf("points alone: radius %.2f mm\n", 1e3 * points_alone.model.radius);
+    // Random samples look at nothing but the points.
+    fitter.set_options(cylfuse::Options().method(cylfuse::Method::Ransac));
+    std::printf("points alone: radius %.2f mm\n", 1e3 * fitter.fit().cylinder.model.radius);
 
     const std::vector<cv::Vec4f> edges = cylfuse::propose_edges(fitter, image);
     fitter.push_edges(cylfuse::segments_view(edges));
-    cylfuse::push_image(fitter, image); // In it limbs and ends are located more precisely than the detector does.
+    // In it limbs and ends are located more precisely than the detector does.
+    fitter.push_image(cylfuse::image_view(image));
     fitter.set_options(cylfuse::Options());
-    const cylfuse::Result result = fitter.fit();
+    const cylfuse::CylinderFit fit = fitter.fit();
     const cylfuse::Extent extent = fitter.extent();
     std::printf("with %zu edges: radius %.2f +- %.2f mm, length %.2f mm, %u limbs located\n", edges.size(),
-                1e3 * result.model.radius, 1e3 * result.radius_deviation, 1e3 * extent.length, result.limbs_located);
+                1e3 * fit.cylinder.model.radius, 1e3 * fit.cylinder.radius_deviation, 1e3 * extent.length,
+                fit.result.limbs_located);
 
-    cv::Mat overlay;
-    cv::cvtColor(image, overlay, cv::COLOR_GRAY2BGR);
-    cylfuse::draw(overlay, result.model, extent, intrinsics);
+    cv::Mat overlay = image.clone();
+    cylfuse::draw(overlay, fit.cylinder.model, extent, intrinsics);
     if (!cv::imwrite(argv[2], overlay)) {
         std::fprintf(stderr, "%s cannot be written\n", argv[2]);
         return 1;

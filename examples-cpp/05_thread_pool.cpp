@@ -1,5 +1,7 @@
 // Many fits on a pool of threads, each with one fitter that it uses again and again: 05_thread_pool FOLDER FITS
 //
+// All fitters use one frame, of which nothing is copied.
+//
 // The fits differ by errors of half a pixel that are added to the edges: how much does the radius move?
 #include "frame.hpp"
 
@@ -17,6 +19,9 @@ try {
         return 2;
     }
     const Frame frame(argv[1]);
+    cylfuse::Frame shared;
+    shared.set_intrinsics(frame.camera);
+    shared.set_depth(frame.depth_view());
     std::vector<double> radius(static_cast<std::size_t>(std::atoi(argv[2])));
     std::atomic<std::size_t> next{0};
     std::exception_ptr failure;
@@ -25,10 +30,6 @@ try {
     const auto work = [&] {
         try {
             cylfuse::Fitter fitter;
-            cylfuse::Options options;
-            options.max_threads = 1; // The pool has the processor already.
-            fitter.set_options(options);
-            fitter.set_intrinsics(frame.camera);
             for (std::size_t job; !failed && (job = next++) < radius.size();) {
                 // Seeded by the job: the same results whichever thread takes it.
                 std::mt19937 random(static_cast<std::mt19937::result_type>(job));
@@ -40,9 +41,9 @@ try {
                     }
                 }
                 fitter.clear();
-                fitter.push_depth(frame.depth_view(), frame.mask_view());
+                fitter.use_frame(shared, frame.mask_view());
                 fitter.push_edges(edges);
-                radius[job] = fitter.fit().model.radius;
+                radius[job] = fitter.fit().cylinder.model.radius;
             }
         } catch (...) {
             if (!failed.exchange(true)) {

@@ -11,12 +11,12 @@
 
 using PointT = pcl::PointXYZRGB;
 
-static const char *name(cylfuse_end_state state)
+static const char *name(cylfuse::EndState state)
 {
     switch (state) {
-    case CYLFUSE_END_STATE_SEEN: return "seen";
-    case CYLFUSE_END_STATE_CUT: return "cut by the border of the image";
-    case CYLFUSE_END_STATE_HIDDEN: return "hidden";
+    case cylfuse::EndState::Seen: return "seen";
+    case cylfuse::EndState::Cut: return "cut by the border of the image";
+    case cylfuse::EndState::Hidden: return "hidden";
     default: return "unknown";
     }
 }
@@ -32,7 +32,7 @@ try {
     fitter.set_intrinsics(frame.camera);
     fitter.push_depth(frame.depth_view(), frame.mask_view());
     fitter.push_edges(frame.edges);
-    const cylfuse::Result result = fitter.fit();
+    const cylfuse::CylinderFit fit = fitter.fit();
 
     pcl::PointCloud<PointT> cloud;
     const cylfuse::Completion completion = cylfuse::complete(fitter, cloud);
@@ -48,9 +48,9 @@ try {
     }
     pcl::io::savePCDFileBinary(argv[2], cloud);
 
-    std::printf("radius %.2f mm, length %.2f mm\n", 1e3 * result.model.radius, 1e3 * extent.length);
-    std::printf("one end %s, the other %s\n", name(extent.start_state), name(extent.end_state));
-    std::printf("%llu points measured, %llu completed, %llu rays miss\n", (unsigned long long)result.points_used,
+    std::printf("radius %.2f mm, length %.2f mm\n", 1e3 * fit.cylinder.model.radius, 1e3 * extent.length);
+    std::printf("one end %s, the other %s\n", name(extent.start_state()), name(extent.end_state()));
+    std::printf("%llu points measured, %llu completed, %llu rays miss\n", (unsigned long long)fit.result.points_used,
                 (unsigned long long)completion.count, (unsigned long long)completion.misses);
     return 0;
 } catch (const std::exception &error) {

@@ -36,10 +36,10 @@ control() {
     (cd "$staged" && find usr -type f -exec md5sum {} + | sort -k 2 > DEBIAN/md5sums)
 }
 
-control "$runtime" "$depends" libs "measures a cylinder from one RGB-D view, shared library"
+control "$runtime" "$depends" libs "measures a cylinder from RGB-D views, shared library"
 printf 'libcylfuse %s %s (>= %s)\n' "$soversion" "$runtime" "$version" > "$folder/$runtime/DEBIAN/shlibs"
 printf 'activate-noawait ldconfig\n' > "$folder/$runtime/DEBIAN/triggers"
-control libcylfuse-dev "$runtime (= $version)" libdevel "measures a cylinder from one RGB-D view, development files"
+control libcylfuse-dev "$runtime (= $version)" libdevel "measures a cylinder from RGB-D views, development files"
 
 for name in "$runtime" libcylfuse-dev; do
     dpkg-deb --root-owner-group --build "$folder/$name" "$folder/${name}_${version}_$architecture.deb"

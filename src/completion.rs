@@ -19,10 +19,10 @@ pub struct CompletionCounts {
 }
 
 impl Fitter {
-    /// Casts the ray of every pixel of a mask and takes its first meeting with the cylinder: the near wall from
-    /// outside, the far one from inside a pipe. `model` and `mask` stand in for the last fit and the mask of the
-    /// last depth image. `emit` gets every pixel of the image, row by row, as (column, row, point), with `None`
-    /// outside the mask and where no surface is met.
+    /// Casts the ray of every pixel of a mask of the selected view and takes its first meeting with the cylinder: the near
+    /// wall from outside, the far one from inside a pipe. `model` and `mask` stand in for the last fit and the mask of the
+    /// last depth image. `emit` gets every pixel of the image, row by row, as (column, row, point in the reference frame),
+    /// with `None` outside the mask and where no surface is met.
     ///
     /// # Errors
     /// `BadState` without a model, intrinsics or mask; `SizeMismatch` for a mask of another size than the image;
@@ -33,40 +33,46 @@ impl Fitter {
         mask: Option<&MaskView<'_>>,
         emit: &mut dyn FnMut(usize, usize, Option<Vector3<f64>>),
     ) -> Result<CompletionCounts> {
-        let cylinder = self.model_or_result("completing the points", model)?;
-        let region = Region::new("completing the points", self, mask)?;
+        let pose = *self.pose();
+        self.cast("completing the points", model, mask, &mut |column, row, point| {
+            emit(column, row, point.map(|point| pose.point(&point)));
+        })
+    }
+
+    /// The same for the depth image of the selected view: `emit` gets the depth z along the axis of its camera.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::complete`].
+    pub fn complete_depth(
+        &self,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        emit: &mut dyn FnMut(usize, usize, Option<f64>),
+    ) -> Result<CompletionCounts> {
+        self.cast("completing the depth image", model, mask, &mut |column, row, point| {
+            emit(column, row, point.map(|point| point.z));
+        })
+    }
+
+    /// Points in the coordinates of the view.
+    fn cast(
+        &self,
+        call: &'static str,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        emit: &mut dyn FnMut(usize, usize, Option<Vector3<f64>>),
+    ) -> Result<CompletionCounts> {
+        let seen = self.pose().inverse().cylinder(&self.model_or_result(call, model)?);
+        let region = Region::new(call, self, mask)?;
         let mut counts = CompletionCounts::default();
         for row in 0..region.mask().height() {
             for column in 0..region.mask().width() {
-                let point = if region.mask().contains(column, row) {
-                    cast(region.camera, &cylinder, column, row, &mut counts)
-                } else {
-                    None
-                };
-                emit(column, row, point);
+                let inside = region.mask().contains(column, row);
+                emit(column, row, inside.then(|| region.cast(&seen, column, row, &mut counts)).flatten());
             }
         }
         Ok(counts)
     }
-}
-
-fn cast(
-    camera: &Camera,
-    cylinder: &Cylinder,
-    column: usize,
-    row: usize,
-    counts: &mut CompletionCounts,
-) -> Option<Vector3<f64>> {
-    let Some(ray) = camera.unproject(&Vector2::new(column as f64, row as f64)) else {
-        counts.outside_camera += 1;
-        return None;
-    };
-    let hit = cylinder.first_hit(&ray);
-    match hit {
-        Some(_) => counts.hits += 1,
-        None => counts.misses += 1,
-    }
-    hit
 }
 
 /// A camera and a mask on its image: what completion and extent look at.
@@ -92,6 +98,26 @@ impl<'a> Region<'a> {
         let region = Self { camera, given, kept };
         region.mask().check_size("the image of the intrinsics", camera.size())?;
         Ok(region)
+    }
+
+    /// Where the ray of a pixel first meets a cylinder.
+    fn cast(
+        &self,
+        cylinder: &Cylinder,
+        column: usize,
+        row: usize,
+        counts: &mut CompletionCounts,
+    ) -> Option<Vector3<f64>> {
+        let Some(ray) = self.camera.unproject(&Vector2::new(column as f64, row as f64)) else {
+            counts.outside_camera += 1;
+            return None;
+        };
+        let hit = cylinder.first_hit(&ray);
+        match hit {
+            Some(_) => counts.hits += 1,
+            None => counts.misses += 1,
+        }
+        hit
     }
 
     pub fn mask(&self) -> &Mask {

@@ -168,8 +168,8 @@ impl Error {
     ) -> Self {
         Error::InvalidArgument {
             name: name.into(),
-            value: value.to_string(),
-            requirement: requirement.into(),
+            value: readable(&value.to_string()),
+            requirement: readable(&requirement.into()),
         }
     }
 
@@ -215,5 +215,40 @@ impl Error {
             Error::Numerical { .. } => "NUMERICAL",
             Error::Cancelled { .. } => "CANCELLED",
         }
+    }
+}
+
+/// The longest number that is written digit by digit: any `u64`.
+const MOST_DIGITS: usize = 20;
+
+/// A text with its long numbers in scientific notation: 1e300 has 301 digits otherwise, and pushes the remedy out of
+/// the buffer.
+fn readable(text: &str) -> String {
+    let mut readable = String::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let (before, from) = rest.split_at(start);
+        let end = from.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(from.len());
+        let (number, after) = from.split_at(end);
+        readable += before;
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > MOST_DIGITS => readable += &format!("{value:e}"),
+            _ => readable += number,
+        }
+        rest = after;
+    }
+    readable + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_leave_room_for_limit_and_remedy() {
+        let error = Error::argument("max lambda", 1e299, format!("be at least {} and {}", 1e300, 2.5e-300));
+        assert_eq!(error.to_string(), "max lambda is 1e299; it must be at least 1e300 and 2.5e-300");
+        assert_eq!(readable("-1.25, 18446744073709551615 of v2."), "-1.25, 18446744073709551615 of v2.");
+        assert_eq!(readable(&(-1e30).to_string()), "-1e30");
     }
 }

@@ -26,18 +26,28 @@
 //! integer coordinates. Angles are radians. Lengths come out in the unit that went in. Results have the same
 //! bits from run to run and for any number of threads.
 //!
-//! # Layers
-//! Each imports only those before it: [`error`], [`geometry`], [`camera`], [`observations`], [`residuals`],
-//! [`solver`], [`start`], [`limb_location`] and [`end_location`], [`detection`], [`fitter`], then what follows a fit:
-//! [`completion`] and [`extent`], and on top the C interface, [`ffi`], and, with the feature `opencv`, the images of
-//! OpenCV.
+//! # Where to begin
+//! [`fitter::Fitter`] is the whole of it; [`observations`] are what it takes, [`fitter::FitResult`] is what it gives, and
+//! [`extent`] and [`completion`] follow a fit; [`detection`] finds all cylinders of a scene. [`ffi`] is the C interface and, with the feature `opencv`, the module
+//! `opencv` takes its images. `docs/architecture.md` shows the inside.
 
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
 
+// First, for its macro.
+#[cfg(not(feature = "sensitivity"))]
+#[macro_use]
+mod constant;
+#[cfg(feature = "sensitivity")]
+#[macro_use]
+pub mod constant;
+
 pub mod camera;
 pub mod completion;
 pub mod detection;
+#[cfg(not(feature = "sensitivity"))]
+mod end_location;
+#[cfg(feature = "sensitivity")]
 pub mod end_location;
 pub mod error;
 pub mod extent;
@@ -45,14 +55,19 @@ pub mod extent;
 pub mod ffi;
 pub mod fitter;
 pub mod geometry;
+#[cfg(not(feature = "sensitivity"))]
+mod limb_location;
+#[cfg(feature = "sensitivity")]
 pub mod limb_location;
+pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]
 pub mod opencv;
-pub mod residuals;
-pub mod solver;
-pub mod start;
+mod residuals;
+mod solver;
+mod start;
 mod statistics;
+mod workers;
 
 /// Runs the Rust program of the README as a test.
 #[cfg(doctest)]

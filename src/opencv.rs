@@ -135,28 +135,23 @@ pub fn push_points(fitter: &mut Fitter, points: &impl MatTraitConst, mask: Optio
     with_mask(mask, |mask| fitter.push_points(&view, mask))
 }
 
-/// Pushes a grey image `CV_8UC1`, `CV_16UC1` or `CV_32FC1`, or a colour image `CV_8UC3` or `CV_8UC4` (blue first),
-/// which is made grey; `gamma` is 1 for values linear in light and 2.2 for sRGB, in which cameras and image files
-/// usually come. See [`Fitter::push_image`] and [`ImageView::with_gamma`].
+/// Pushes an image to the selected view: grey, `CV_8UC1`, `CV_16UC1` or `CV_32FC1`, or in colour as OpenCV has it,
+/// `CV_8UC3` (BGR) or `CV_8UC4` (BGRA). `gamma` is 1 for values linear in light and 2.2 for sRGB, in which cameras and
+/// image files usually come. See [`Fitter::push_image`] and [`ImageView::with_gamma`].
 ///
 /// # Errors
 /// `InvalidArgument` for an empty matrix or one of another type, and those of [`Fitter::push_image`] and
 /// [`ImageView::with_gamma`].
-pub fn push_image(
-    fitter: &mut Fitter,
-    image: &(impl MatTraitConst + ToInputArray),
-    gamma: f64,
-) -> Result<()> {
-    let types = [CV_8UC1, CV_16UC1, CV_32FC1, CV_8UC3, CV_8UC4];
-    Elements::of(image, "the image", &types)?;
-    let grey = grey(image)?;
-    let grey = Elements::of(&grey, "the image", &types)?;
-    let format = match grey.kind {
+pub fn push_image(fitter: &mut Fitter, image: &impl MatTraitConst, gamma: f64) -> Result<()> {
+    let image = Elements::of(image, "the image", &[CV_8UC1, CV_16UC1, CV_32FC1, CV_8UC3, CV_8UC4])?;
+    let format = match image.kind {
         CV_8UC1 => ImageFormat::U8,
         CV_16UC1 => ImageFormat::U16,
-        _ => ImageFormat::F32,
+        CV_32FC1 => ImageFormat::F32,
+        CV_8UC3 => ImageFormat::Bgr8,
+        _ => ImageFormat::Bgra8,
     };
-    fitter.push_image(&ImageView::new(grey.grid()?, format).with_gamma(gamma)?)
+    fitter.push_image(&ImageView::new(image.grid()?, format).with_gamma(gamma)?)
 }
 
 /// A copy of an image in grey.
@@ -208,18 +203,18 @@ pub fn intrinsics(camera_matrix: &Mat, distortion: &Mat, (width, height): (u32, 
     Ok(Intrinsics { width, height, fx: k(0, 0)?, fy: k(1, 1)?, cx: k(0, 2)?, cy: k(1, 2)?, distortion })
 }
 
-/// The depth image completed by a model, or by the last fit, over a mask `CV_8UC1`, or over that of the last depth
-/// image: `CV_32FC1` in the unit of length, 0 = none. See [`Fitter::complete`].
+/// The depth image of the selected view, completed by a model, or by the last fit, over a mask `CV_8UC1`, or over that
+/// of the last depth image: `CV_32FC1` in the unit of length, 0 = none. See [`Fitter::complete_depth`].
 ///
 /// # Errors
-/// `InvalidArgument` for a mask of another type, and those of [`Fitter::complete`].
+/// `InvalidArgument` for a mask of another type, and those of [`Fitter::complete_depth`].
 pub fn complete_depth(fitter: &Fitter, model: Option<&Cylinder>, mask: Option<&Mat>) -> Result<Mat> {
     let mut depths: Vec<f32> = Vec::new();
     let mut width = 0;
     with_mask(mask, |mask| {
-        fitter.complete(model, mask, &mut |column, _, point| {
+        fitter.complete_depth(model, mask, &mut |column, _, depth| {
             width = width.max(column + 1);
-            depths.push(point.map_or(0.0, |p| p.z as f32));
+            depths.push(depth.map_or(0.0, |z| z as f32));
         })
     })?;
     let rows = depths.chunks(width.max(1)).collect::<Vec<_>>();

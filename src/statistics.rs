@@ -14,13 +14,23 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
 
 /// The upper median of the absolute values of numbers, 0 for none.
 pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
+    size_at(numbers, 2)
+}
+
+/// The absolute value that a quarter of those of numbers lie below, 0 for none.
+pub(crate) fn lower_quartile_size(numbers: impl Iterator<Item = f64>) -> f64 {
+    size_at(numbers, 4)
+}
+
+/// The absolute value that one part in `parts` of those of numbers lie below, 0 for none.
+fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     // Numbers without sign are ordered as their bits are, which are quicker to compare.
     let mut sizes: Vec<u64> = numbers.map(|number| number.abs().to_bits()).collect();
     if sizes.is_empty() {
         return 0.0;
     }
-    let middle = sizes.len() / 2;
-    f64::from_bits(*sizes.select_nth_unstable(middle).1)
+    let place = sizes.len() / parts;
+    f64::from_bits(*sizes.select_nth_unstable(place).1)
 }
 
 #[cfg(test)]
@@ -40,5 +50,7 @@ mod tests {
         let mut sizes = numbers.map(f64::abs);
         assert_eq!(median_size(numbers.into_iter()), median(&mut sizes));
         assert_eq!(median_size(std::iter::empty()), 0.0);
+        assert_eq!(lower_quartile_size([5.0, -2.0, 3.0, -1.0].into_iter()), 2.0);
+        assert_eq!(lower_quartile_size(std::iter::empty()), 0.0);
     }
 }

@@ -34,49 +34,55 @@ macro_rules! layouts {
 fn layouts() -> Vec<Layout> {
     layouts! {
         cylfuse_cylinder { point, direction, radius }
-        cylfuse_limb_sample { pixel, sigma, weight, limb, reserved }
-        cylfuse_intrinsics {
-            struct_size, distortion_model, width, height, fx, fy, cx, cy, distortion,
-        }
+        cylfuse_intrinsics { struct_size, distortion_model, width, height, fx, fy, cx, cy, distortion }
         cylfuse_points_view {
             struct_size, scalar, data, width, height, point_stride, row_stride, weights, weight_stride,
             weight_row_stride, normals, normal_stride, normal_row_stride,
         }
-        cylfuse_points_out { struct_size, scalar, data, capacity, point_stride, row_stride, layout, reserved }
+        cylfuse_points_out { struct_size, scalar, data, capacity, point_stride, row_stride }
         cylfuse_depth_view {
             struct_size, format, data, width, height, row_stride, pixel_stride, scale, min_depth, max_depth,
         }
         cylfuse_depth_out { struct_size, format, data, width, height, row_stride, pixel_stride, scale }
-        cylfuse_mask_view { struct_size, reserved, data, width, height, row_stride, pixel_stride }
+        cylfuse_mask_view { struct_size, width, height, label, data, row_stride, pixel_stride }
         cylfuse_image_view { struct_size, format, data, width, height, row_stride, pixel_stride, gamma }
         cylfuse_segments_view { struct_size, scalar, data, count, segment_stride, weights }
         cylfuse_options {
-            struct_size, method, objective, start, near_wall, chart, max_iterations, max_threads, edge_weight,
-            initial_lambda, lambda_factor, max_lambda, cost_tolerance, ransac_threshold, seed,
-            ransac_max_iterations, reserved, edge_use, extent_rule, radius_min, radius_max, axis, axis_max_angle,
+            struct_size, method, objective, start, near_wall, chart, edge_use, extent_rule, max_threads,
+            max_iterations, cost_tolerance, gradient_tolerance, step_tolerance, initial_lambda, lambda_factor,
+            max_lambda, edge_weight, seed, ransac_max_iterations, ransac_threshold, independent_points,
+            depth_noise, image_noise, edge_noise, mask_noise, image_blur, drawn_pixel, radius_min, radius_max,
+            axis, axis_max_angle,
         }
         cylfuse_counts {
-            struct_size, reserved, points_given, points_used, dropped_not_finite, dropped_zero_weight,
-            dropped_outside_mask, dropped_no_depth, dropped_out_of_range, dropped_outside_camera, segments_given,
+            struct_size, view, points_given, points_used, dropped_not_finite, dropped_zero_weight,
+            dropped_outside_mask, dropped_no_depth, dropped_out_of_range, dropped_outside_camera,
+            dropped_hidden, segments_given,
         }
         cylfuse_result {
-            struct_size, termination, start_kind, flags, iterations, rejected_steps, segments_used,
-            segments_given, points_used, points_given, model, start_model, initial_cost, cost, energy_points,
-            energy_edges, edge_weight, point_rms, edge_rms_pixels, near_wall_fraction, condition, lambda,
-            gradient_norm, step_norm, seconds_start, seconds_solve, seconds_total, radius_deviation,
-            direction_deviation, position_deviation, radius_from_points, radius_from_points_deviation,
-            radius_from_limbs, radius_from_limbs_deviation, radius_z_score, covariance,
-            limbs_located, reserved,
+            struct_size, flags, termination, iterations, rejected_steps, limbs_located, segments_given,
+            segments_used, points_given, points_used, independent_points, point_deviation, point_rms,
+            edge_rms_pixels, near_wall_fraction, initial_cost, cost, energy_points, energy_edges, edge_weight,
+            condition, gradient_norm, step_norm, lambda, seconds_start, seconds_solve, seconds_total,
         }
-        cylfuse_diagnosis {
+        cylfuse_cylinder_estimate {
+            struct_size, start_kind, model, start_model, radius_deviation, direction_deviation,
+            position_deviation, radius_from_points, radius_from_points_deviation, radius_from_limbs,
+            radius_from_limbs_deviation, radius_z_score, covariance,
+        }
+        cylfuse_cylinder_diagnosis {
             struct_size, rank, singular_values, condition, weakest_shift, weakest_tilt, weakest_radius,
         }
-        cylfuse_completion { struct_size, reserved, count, hits, misses, outside_camera, out_of_range }
+        cylfuse_completion { struct_size, view, count, hits, misses, outside_camera, out_of_range }
         cylfuse_extent {
-            struct_size, start_state, end_state, reserved, start, end, center, length, start_deviation,
-            end_deviation, length_deviation, start_covariance, end_covariance, center_covariance,
+            struct_size, start_state, end_state, start_source, end_source, start_view, end_view, limbs_known,
+            start, end, center, length, start_deviation, end_deviation, length_deviation, start_covariance,
+            end_covariance, center_covariance,
         }
-        cylfuse_progress { struct_size, phase, iteration, max_iterations, cost, lambda, model }
+        cylfuse_progress { struct_size, phase, iteration, max_iterations, cost, lambda, cylinder }
+        cylfuse_limb { view, limb, status, samples, line, deviation }
+        cylfuse_limb_sample { view, limb, pixel, deviation, weight }
+        cylfuse_end_sample { view, end, pixel, normal, deviation }
     }
 }
 

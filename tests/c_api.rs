@@ -19,6 +19,10 @@ const ASAN_OPTIONS: &str = "allocator_may_return_null=1:detect_stack_use_after_r
 
 /// The program linked with the shared library, next to which it finds it.
 fn build(name: &str, shared_library: &Path, flags: &[&str]) -> PathBuf {
+    link_shared(name, shared_library, compile(flags))
+}
+
+fn link_shared(name: &str, shared_library: &Path, mut compiler: Command) -> PathBuf {
     let folder = scratch(name);
     // The linker looks for the first name, the loader for the soname, which begins with it.
     let link = |file: &str| std::os::unix::fs::symlink(shared_library, folder.join(file)).unwrap();
@@ -26,13 +30,17 @@ fn build(name: &str, shared_library: &Path, flags: &[&str]) -> PathBuf {
     link(&soname());
     let program = folder.join("walk");
     let rpath = format!("-Wl,-rpath,{}", folder.display());
-    run(compile(flags).arg("-o").arg(&program).arg("-L").arg(&folder).args(["-lcylfuse", "-lm", &rpath]));
+    run(compiler.arg("-o").arg(&program).arg("-L").arg(&folder).args(["-lcylfuse", "-lm", &rpath]));
     program
 }
 
 fn compile(flags: &[&str]) -> Command {
+    compile_folder(flags, "tests/c")
+}
+
+fn compile_folder(flags: &[&str], folder: &str) -> Command {
     let mut sources: Vec<_> =
-        std::fs::read_dir(root().join("tests/c")).unwrap().map(|entry| entry.unwrap().path()).collect();
+        std::fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
     sources.retain(|path| path.extension().is_some_and(|extension| extension == "c"));
     sources.sort();
     let mut compiler = c_compiler();
@@ -92,6 +100,69 @@ fn the_walk_holds_under_valgrind() {
     let suppressions = format!("--suppressions={}", root().join("tests/c/valgrind.supp").display());
     let valgrind = ["-q", "--error-exitcode=99", "--leak-check=full", leaks, &suppressions];
     assert_eq!(run(start("valgrind").args(valgrind).arg(program)), "all checks hold\n");
+}
+
+/// Runs one part of tests/c/defects: nothing but its own line may be printed, by the library neither.
+fn defect(arguments: &[&str]) {
+    let name = format!("c_defect_{}", arguments.join("_"));
+    let compiler = compile_folder(&["-O1"], "tests/c/defects");
+    let program = link_shared(&name, &library("libcylfuse.so"), compiler);
+    let output = start(program).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!((stdout.as_str(), stderr.as_str()), ("all checks hold\n", ""), "{}", output.status);
+}
+
+#[test]
+fn a_mask_without_pixels_is_refused() {
+    defect(&["1"]);
+}
+
+#[test]
+fn an_extent_takes_bounded_time() {
+    defect(&["2"]);
+}
+
+#[test]
+fn memory_that_runs_out_is_told() {
+    for call in ["push", "residuals", "fit", "diagnose"] {
+        defect(&["3", call]);
+    }
+}
+
+#[test]
+fn a_thread_that_cannot_be_started_is_done_without() {
+    defect(&["4"]);
+}
+
+#[test]
+fn variances_are_possible_or_unknown() {
+    defect(&["5"]);
+}
+
+#[test]
+fn ransac_can_be_cancelled() {
+    defect(&["6"]);
+}
+
+#[test]
+fn limits_that_no_arithmetic_keeps_are_named() {
+    defect(&["7"]);
+}
+
+#[test]
+fn calls_return_what_they_list() {
+    defect(&["8"]);
+}
+
+#[test]
+fn texts_are_those_of_the_last_call_and_whole() {
+    defect(&["9"]);
+}
+
+#[test]
+fn evaluate_agrees_with_fit() {
+    defect(&["10"]);
 }
 
 #[test]

@@ -40,8 +40,10 @@ check "make install" "${make[@]}" install PREFIX="$prefix"
 listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
-check "what was installed" test "$listing" = "./include/cylfuse/cylfuse.h ./include/cylfuse/cylfuse.hpp \
-./include/cylfuse/eigen.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp ./include/cylfuse/types.hpp \
+check "what was installed" test "$listing" = "./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
+./include/cylfuse/cylfuse.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp ./include/cylfuse/error.hpp \
+./include/cylfuse/frame.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
 # From here on it is somewhere else: nothing may remember where it was.
@@ -55,7 +57,16 @@ warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only)
 compiles() { # compiles COMPILER STANDARD FILE: twice the headers in one unit, with every warning.
     "$1" "-std=$2" "${warnings[@]}" -I "$prefix/include" "${opencv[@]}" "${pcl[@]}" "$3"
 }
-for header in cylfuse types eigen opencv pcl; do
+every_constant() { # every_constant: enums.hpp has all constants of the C interface that are enumerated
+    local missing
+    missing=$(grep -oE '^#define CYLFUSE_[A-Z0-9_]+ [(0-9-]' include/cylfuse/cylfuse.h | cut -d ' ' -f 2 |
+        grep -vE '^CYLFUSE_(VERSION_|ABI_VERSION|SCALAR_)' | while read -r name; do
+            grep -qE " = $name," include/cylfuse/enums.hpp || echo "$name"
+        done)
+    [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
+}
+check "enumerations" every_constant
+for header in callbacks cylfuse eigen enums error frame opencv pcl pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done
@@ -140,7 +151,7 @@ tested() { # tested FOLDER: counts each test of CTest
     passed=$((passed + ${all:-0} - ${bad:-0}))
     failed=$((failed + ${bad:-1}))
 }
-sanitize="-O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
+sanitize="-DEIGEN_MALLOC_ALREADY_ALIGNED=1 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"
 strict="-Wall -Wextra -Wpedantic -Werror"
 check "examples build" built examples examples-cpp -DCMAKE_C_FLAGS="$strict -g" -DCMAKE_CXX_FLAGS="$strict -g"
 check "tests build" built tests tests/cpp -DEXAMPLES="$work/examples" -DVALGRIND=ON
@@ -162,8 +173,10 @@ check "doxygen" env OUTPUT="$work/doxygen" doxygen docs/Doxyfile
 check "the reference is there" test -s "$work/doxygen/html/index.html"
 block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
 block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
+block docs/from-pcl.md cpp 3 > "$work/with_image.cpp"
 check "the page from PCL, PCL" compiles g++ c++14 "$work/with_pcl.cpp"
 check "the page from PCL, cylfuse" compiles g++ c++14 "$work/with_cylfuse.cpp"
+check "the page from PCL, image" compiles g++ c++14 "$work/with_image.cpp"
 
 printf '\ncpp: %s passed, %s failed\n' $passed $failed
 [ $failed = 0 ]

@@ -10,18 +10,25 @@ use common::{c_compiler, cpp_compiler, header, root, run, scratch};
 use std::process::Command;
 
 /// The files of src/ffi in the order of the header. `panic_test` is not part of it.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 18] = [
     "status",
     "constants",
+    "outcomes",
     "structs",
+    "results",
     "handle",
+    "callbacks",
     "library",
+    "defaults",
     "lifetime",
     "setup",
     "data",
+    "frame",
     "solve",
+    "arrays",
     "apply",
     "cylinder",
+    "camera",
 ];
 
 fn version_macros() -> String {
@@ -57,7 +64,16 @@ fn generate() -> String {
     }
     let mut header = Vec::new();
     builder.generate().unwrap().write(&mut header);
-    String::from_utf8(header).unwrap()
+    parenthesise(&String::from_utf8(header).unwrap())
+}
+
+/// The generator writes negative numbers without parentheses.
+fn parenthesise(header: &str) -> String {
+    let line = |line: &str| match line.split(' ').collect::<Vec<_>>()[..] {
+        ["#define", name, value] if value.starts_with('-') => format!("#define {name} ({value})\n"),
+        _ => format!("{line}\n"),
+    };
+    header.lines().map(line).collect()
 }
 
 #[test]
@@ -112,10 +128,28 @@ fn the_header_is_c99() {
 #[test]
 fn the_header_is_cpp11_and_throws_nothing() {
     let text = "static_assert(noexcept(cylfuse_abi_version()), \"\");\n\
-                static_assert(noexcept(cylfuse_fitter_fit(nullptr, nullptr)), \"\");\n\
+                static_assert(noexcept(cylfuse_fitter_fit(nullptr, nullptr, nullptr)), \"\");\n\
                 extern \"C\" int32_t progress(const cylfuse_progress *, void *) { return 0; }\n\
                 int main() { return cylfuse_fitter_set_progress(nullptr, progress, nullptr); }\n";
     compile(&mut cpp_compiler(), "-std=c++11", "program.cpp", text);
+}
+
+/// The program at the top of the header.
+#[test]
+fn the_smallest_program_compiles() {
+    let header = header();
+    let program: Vec<&str> = header
+        .lines()
+        .take_while(|line| *line != " */")
+        .filter_map(|line| line.strip_prefix(" *     "))
+        .collect();
+    assert!(program.len() > 20, "the program has gone");
+    let text = format!(
+        "#include <stdio.h>\nvoid measure(const uint16_t *depth_pixels, const uint8_t *mask_pixels);\n\
+         void measure(const uint16_t *depth_pixels, const uint8_t *mask_pixels) {{\n{}\n}}\n",
+        program.join("\n")
+    );
+    compile(&mut c_compiler(), "-std=c99", "smallest.c", &text);
 }
 
 /// Every function and constant of the interface is described.

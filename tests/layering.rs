@@ -6,13 +6,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
-const LAYERS: [&[&str]; 12] = [
-    &["error", "statistics"],
+const LAYERS: [&[&str]; 14] = [
+    &["constant", "error", "statistics", "workers"],
+    &["noise"],
     &["geometry"],
     &["camera"],
     &["observations"],
     &["residuals"],
-    &["solver", "start", "limb_location", "end_location"],
+    &["solver"],
+    &["start", "limb_location", "end_location"],
     &["detection"],
     &["fitter"],
     &["completion"],

@@ -10,7 +10,8 @@ mod support;
 mod frames;
 
 use cylfuse::fitter::{NearWall, ObjectiveKind, Options, StartKind};
-use cylfuse::geometry::{Cylinder, exp_so3};
+use cylfuse::geometry::Cylinder;
+use nalgebra::Rotation3;
 use std::path::{Path, PathBuf};
 use support::Noise;
 
@@ -36,7 +37,7 @@ fn successes(folder: &Path, [sigma_d, sigma_p, sigma_r]: [f64; 3], near_wall: Ne
     fitter.set_options(options).unwrap();
     let mut noise = Noise::new(33);
     let reached = |_: &usize| {
-        let turn = exp_so3(&(noise.vector() * sigma_d.to_radians()));
+        let turn = Rotation3::new(noise.vector() * sigma_d.to_radians());
         let (direction, shift) = (turn * truth.axis.direction, noise.vector() * sigma_p);
         let start = truth.radius * (1.0 + sigma_r * noise.normal());
         let Ok(start) = Cylinder::new(truth.axis.point + shift, direction, start) else { return false };

@@ -24,16 +24,18 @@ block() { awk -v number="$1" '/^```/ { inside = /csharp/ && ++count == number; n
     echo '} }'
 } >"$project/smallest.cs"
 compile -out:"$project/smallest.exe" "$project/smallest.cs"
-# The one with a camera compiles.
+# The ones with a camera and with views compile.
 {
     echo 'using Cylfuse; static class WithCamera {'
-    echo 'static void Use(Fitter fitter, ushort[,] depth, byte[,] mask, double[,] edges, byte[,] image) {'
+    echo 'static void Use(Fitter fitter, ushort[,] depth, byte[,] mask, byte[,,] image) {'
     block 2
+    echo '} static void Views(Fitter fitter, Fitter[] fitters, ushort[,] depth, byte[,] mask, double[,] rotation) {'
+    block 3
     echo '} }'
 } >"$project/camera.cs"
 compile -nowarn:219 -target:library -out:"$project/camera.dll" "$project/camera.cs"
 printed=$(env -u CYLFUSE_LIBRARY mono "$project/smallest.exe")
-if [ "$printed" != "radius 0.500000, doubts None" ]; then
+if [ "$printed" != "radius 0.500000, warnings None" ]; then
     echo "the program of the README printed: $printed"
     exit 1
 fi

@@ -58,13 +58,14 @@ cylfuse_status bridge_complete_bound(cylfuse_fitter *fitter, const cylfuse_mask_
 }
 
 cylfuse_status bridge_complete(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
-                               const uint8_t *mask_data, const cylfuse_points_out *out, uint8_t *data,
-                               cylfuse_completion *out_completion)
+                               const uint8_t *mask_data, cylfuse_layout layout, const cylfuse_points_out *out,
+                               uint8_t *data, cylfuse_completion *out_completion)
 {
     cylfuse_mask_view mask_copy;
     cylfuse_points_out buffer = *out;
     buffer.data = data;
-    return cylfuse_fitter_complete(fitter, model, with_pixels(&mask_copy, mask, mask_data), &buffer, out_completion);
+    return cylfuse_fitter_complete(fitter, model, with_pixels(&mask_copy, mask, mask_data), layout, &buffer,
+                                   out_completion);
 }
 
 cylfuse_status bridge_complete_depth(cylfuse_fitter *fitter, const cylfuse_cylinder *model,
@@ -85,6 +86,44 @@ cylfuse_status bridge_extent(cylfuse_fitter *fitter, const cylfuse_cylinder *mod
     return cylfuse_fitter_extent(fitter, model, with_pixels(&mask_copy, mask, mask_data), out_extent);
 }
 
+cylfuse_status bridge_end_samples(cylfuse_fitter *fitter, const cylfuse_cylinder *model, const cylfuse_mask_view *mask,
+                                  const uint8_t *mask_data, cylfuse_end_sample *out, size_t capacity,
+                                  size_t *out_count)
+{
+    cylfuse_mask_view mask_copy;
+    return cylfuse_fitter_end_samples(fitter, model, with_pixels(&mask_copy, mask, mask_data), out, sizeof *out, capacity,
+                                      out_count);
+}
+
+cylfuse_status bridge_use_frame(cylfuse_fitter *fitter, const cylfuse_frame *frame, const cylfuse_mask_view *mask,
+                                const uint8_t *mask_data)
+{
+    cylfuse_mask_view mask_copy;
+    return cylfuse_fitter_use_frame(fitter, frame, with_pixels(&mask_copy, mask, mask_data));
+}
+
+cylfuse_status bridge_frame_set_depth(cylfuse_frame *frame, const cylfuse_depth_view *depth, const uint8_t *data)
+{
+    cylfuse_depth_view view = *depth;
+    view.data = data;
+    return cylfuse_frame_set_depth(frame, &view);
+}
+
+cylfuse_status bridge_frame_set_image(cylfuse_frame *frame, const cylfuse_image_view *image, const uint8_t *data)
+{
+    cylfuse_image_view view = *image;
+    view.data = data;
+    return cylfuse_frame_set_image(frame, &view);
+}
+
+cylfuse_status bridge_intrinsics_project(const cylfuse_intrinsics *intrinsics, const cylfuse_points_view *points,
+                                         const uint8_t *data, double *out, size_t capacity)
+{
+    cylfuse_points_view view = *points;
+    view.data = data;
+    return cylfuse_intrinsics_project(intrinsics, &view, out, capacity);
+}
+
 cylfuse_status bridge_distances(const cylfuse_cylinder *model, const cylfuse_points_view *points, const uint8_t *data,
                                 double *out, size_t capacity)
 {
@@ -102,22 +141,34 @@ cylfuse_status bridge_select_edges(cylfuse_fitter *fitter, const cylfuse_cylinde
     return cylfuse_fitter_select_edges(fitter, model, &view, reach, out_limbs, capacity);
 }
 
+/* The call on a fitter that this thread is in: a handle of Go, 0 for none. */
+static _Thread_local uintptr_t current;
+
+uintptr_t bridge_enter(uintptr_t call)
+{
+    uintptr_t outer = current;
+    current = call;
+    return outer;
+}
+
 static int32_t hear_progress(const cylfuse_progress *progress, void *user_data)
 {
-    return cylfuseGoProgress((cylfuse_progress *)progress, user_data);
+    (void)user_data;
+    return cylfuseGoProgress((cylfuse_progress *)progress, current);
 }
 
 static void hear_log(cylfuse_log_level level, const char *message, void *user_data)
 {
-    cylfuseGoLog(level, (char *)message, user_data);
+    (void)user_data;
+    cylfuseGoLog(level, (char *)message, current);
 }
 
 cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on)
 {
-    return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, fitter);
+    return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, NULL);
 }
 
 cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on)
 {
-    return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, fitter);
+    return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, NULL);
 }

@@ -3,7 +3,7 @@ package cylfuse
 // #include "bridge.h"
 import "C"
 
-import "unsafe"
+import "runtime/cgo"
 
 // Phase is what a fit is doing.
 type Phase int32
@@ -27,7 +27,7 @@ type Progress struct {
 	Cost float64
 	// Lambda is the damping of the next step; 0 in PhaseStart.
 	Lambda float64
-	// Cylinder is the best so far; of radius 0 in PhaseStart.
+	// Cylinder is the best so far; of radius 0 in PhaseStart, which has none.
 	Cylinder Cylinder
 }
 
@@ -39,7 +39,7 @@ const (
 	LogOff LogLevel = C.CYLFUSE_LOG_LEVEL_OFF
 	// LogError: calls that failed.
 	LogError LogLevel = C.CYLFUSE_LOG_LEVEL_ERROR
-	// LogWarning: doubts about a result.
+	// LogWarning: warnings about a result.
 	LogWarning LogLevel = C.CYLFUSE_LOG_LEVEL_WARNING
 	// LogInfo: what was pushed, which start was taken, how a fit ended.
 	LogInfo LogLevel = C.CYLFUSE_LOG_LEVEL_INFO
@@ -55,18 +55,22 @@ func (fitter *Fitter) SetProgress(callback func(Progress) bool) error {
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
 		status := C.bridge_set_progress(handle, truth(callback != nil))
 		if status == C.CYLFUSE_STATUS_OK {
+			fitter.state.Lock()
+			defer fitter.state.Unlock()
 			fitter.progress = callback
 		}
 		return status
 	})
 }
 
-// SetLog sets what takes log lines up to a level, in the goroutine of the call; nil for nothing. The rules of SetProgress
-// hold here too.
+// SetLog sets what takes log lines up to a level, in the goroutine of the call, so in several at once when several
+// goroutines call; nil for nothing. The rules of SetProgress hold here too.
 func (fitter *Fitter) SetLog(maxLevel LogLevel, callback func(level LogLevel, message string)) error {
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
 		status := C.bridge_set_log(handle, C.cylfuse_log_level(maxLevel), truth(callback != nil))
 		if status == C.CYLFUSE_STATUS_OK {
+			fitter.state.Lock()
+			defer fitter.state.Unlock()
 			fitter.log = callback
 		}
 		return status
@@ -74,45 +78,49 @@ func (fitter *Fitter) SetLog(maxLevel LogLevel, callback func(level LogLevel, me
 }
 
 //export cylfuseGoProgress
-func cylfuseGoProgress(c *C.cylfuse_progress, handle unsafe.Pointer) (stop C.int32_t) {
-	fitter := caller(handle)
-	defer fitter.catch(&stop)
-	if fitter.thrown != nil {
+func cylfuseGoProgress(c *C.cylfuse_progress, key C.uintptr_t) (stop C.int32_t) {
+	call := cgo.Handle(key).Value().(*running)
+	defer call.catch(&stop)
+	callback, _ := call.fitter.callbacks()
+	if call.thrown != nil {
 		return 1
 	}
-	if fitter.progress(Progress{
+	if callback == nil {
+		return 0
+	}
+	progress := Progress{
 		Phase:         Phase(c.phase),
 		Iteration:     uint32(c.iteration),
 		MaxIterations: uint32(c.max_iterations),
 		Cost:          float64(c.cost),
 		Lambda:        float64(c.lambda),
-		Cylinder:      cylinderFromC(&c.model),
-	}) {
-		return 0
 	}
-	return 1
+	if c.cylinder != nil {
+		progress.Cylinder = cylinderFromC(c.cylinder)
+	}
+	return truth(!callback(progress))
 }
 
 //export cylfuseGoLog
-func cylfuseGoLog(level C.cylfuse_log_level, message *C.char, handle unsafe.Pointer) {
-	fitter := caller(handle)
+func cylfuseGoLog(level C.cylfuse_log_level, message *C.char, key C.uintptr_t) {
+	call := cgo.Handle(key).Value().(*running)
 	var stop C.int32_t
-	defer fitter.catch(&stop)
-	if fitter.log != nil && fitter.thrown == nil {
-		fitter.log(LogLevel(level), C.GoString(message))
+	defer call.catch(&stop)
+	if _, callback := call.fitter.callbacks(); callback != nil && call.thrown == nil {
+		callback(LogLevel(level), C.GoString(message))
 	}
 }
 
-// caller is the fitter whose call the library is in.
-func caller(handle unsafe.Pointer) *Fitter {
-	fitter, _ := calling.Load(handle)
-	return fitter.(*Fitter)
+func (fitter *Fitter) callbacks() (func(Progress) bool, func(LogLevel, string)) {
+	fitter.state.Lock()
+	defer fitter.state.Unlock()
+	return fitter.progress, fitter.log
 }
 
 // catch keeps a panic of a callback, which must not run through the library, for the call to go on with.
-func (fitter *Fitter) catch(stop *C.int32_t) {
+func (call *running) catch(stop *C.int32_t) {
 	if thrown := recover(); thrown != nil {
-		fitter.thrown = thrown
+		call.thrown = thrown
 		*stop = 1
 	}
 }

@@ -2,8 +2,6 @@ package cylfuse
 
 import (
 	"bufio"
-	"encoding/base64"
-	"encoding/binary"
 	"encoding/json"
 	"errors"
 	"fmt"
@@ -16,259 +14,7 @@ import (
 	"time"
 )
 
-// The golden cases of bindings/conformance, whose README describes the format.
-
-// number is a number of the file, where null is NaN.
-type number float64
-
-func (n *number) UnmarshalJSON(text []byte) error {
-	if string(text) == "null" {
-		*n = number(math.NaN())
-		return nil
-	}
-	return json.Unmarshal(text, (*float64)(n))
-}
-
-type caseModel struct {
-	Point, Direction [3]number
-	Radius           number
-}
-
-type caseColumns struct {
-	Array  string
-	Column int
-}
-
-type casePoints struct {
-	caseColumns
-	Weights, Normals *caseColumns
-}
-
-type caseStep struct {
-	Call           string
-	Options        map[string]json.RawMessage
-	Camera         string
-	Model, A, B    *caseModel
-	Points         json.RawMessage
-	Segments       json.RawMessage
-	Reach          float64
-	Weights        []float64
-	Mask           string
-	Depth, Image   string
-	Scale          number
-	MinDepth       number `json:"min_depth"`
-	MaxDepth       number `json:"max_depth"`
-	Kind           string
-	Layout         string
-	Scalar, Format string
-}
-
-type caseFile struct {
-	Arrays map[string]struct {
-		Type  string
-		Shape []int
-		Data  string
-	}
-	Cameras map[string]struct {
-		DistortionModel string `json:"distortion_model"`
-		Width, Height   int
-		FX, FY, CX, CY  number
-		Distortion      [8]number
-	}
-	Cases []struct {
-		Name  string
-		Steps []caseStep
-	}
-}
-
-// The names of the enumerations, by their numbers.
-var caseNames = map[string][]string{
-	"method":           {"FUSED", "POINTS", "RANSAC", "EBERLY"},
-	"objective":        {"ROBUST", "PAPER"},
-	"start":            {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL"},
-	"near_wall":        {"AUTO", "ON", "OFF"},
-	"chart":            {"AUTO", "LOCAL", "ORTHONORMAL"},
-	"edge_use":         {"REFINE", "AS_GIVEN"},
-	"extent_rule":      {"AUTO", "EXTREMES", "LOCATED"},
-	"distortion_model": {"NONE", "BROWN_CONRADY", "KANNALA_BRANDT"},
-	"kind":             {"", "POINTS", "EDGES"},
-	"layout":           {"PACKED", "ORGANISED"},
-}
-
-func caseEnumeration(kind, name string) int64 {
-	for value, known := range caseNames[kind] {
-		if known == name {
-			return int64(value)
-		}
-	}
-	panic(kind + " has no " + name)
-}
-
-func vectorOf(v [3]number) [3]float64 {
-	return [3]float64{float64(v[0]), float64(v[1]), float64(v[2])}
-}
-
-func (model *caseModel) cylinder() *Cylinder {
-	if model == nil {
-		return nil
-	}
-	return &Cylinder{vectorOf(model.Point), vectorOf(model.Direction), float64(model.Radius)}
-}
-
-// array decodes the elements of an array into the type of them.
-func (file *caseFile) array(name string) (elements any, shape []int) {
-	stored, ok := file.Arrays[name]
-	if !ok {
-		panic("no array " + name)
-	}
-	bytes, err := base64.StdEncoding.DecodeString(stored.Data)
-	if err != nil {
-		panic(err)
-	}
-	switch stored.Type {
-	case "u8":
-		return bytes, stored.Shape
-	case "u16":
-		values := make([]uint16, len(bytes)/2)
-		for i := range values {
-			values[i] = binary.LittleEndian.Uint16(bytes[2*i:])
-		}
-		return values, stored.Shape
-	case "f32":
-		values := make([]float32, len(bytes)/4)
-		for i := range values {
-			values[i] = math.Float32frombits(binary.LittleEndian.Uint32(bytes[4*i:]))
-		}
-		return values, stored.Shape
-	case "f64":
-		values := make([]float64, len(bytes)/8)
-		for i := range values {
-			values[i] = math.Float64frombits(binary.LittleEndian.Uint64(bytes[8*i:]))
-		}
-		return values, stored.Shape
-	}
-	panic("no type " + stored.Type)
-}
-
-func pointsOfCase[T float32 | float64](file *caseFile, given casePoints) PointCloud {
-	columns := func(of *caseColumns) (data []T, width, height, stride int) {
-		elements, shape := file.array(of.Array)
-		if len(shape) == 2 {
-			shape = []int{1, shape[0], shape[1]}
-		}
-		return elements.([]T)[of.Column:], shape[1], shape[0], shape[2]
-	}
-	var points Points[T]
-	points.Data, points.Width, points.Height, points.PointStride = columns(&given.caseColumns)
-	points.RowStride = points.Width * points.PointStride
-	if given.Weights != nil {
-		var width int
-		points.Weights, width, _, points.WeightStride = columns(given.Weights)
-		points.WeightRowStride = width * points.WeightStride
-	}
-	if given.Normals != nil {
-		var width int
-		points.Normals, width, _, points.NormalStride = columns(given.Normals)
-		points.NormalRowStride = width * points.NormalStride
-	}
-	return points
-}
-
-func (file *caseFile) points(text json.RawMessage) PointCloud {
-	var given casePoints
-	if err := json.Unmarshal(text, &given); err != nil {
-		panic(err)
-	}
-	if file.Arrays[given.Array].Type == "f32" {
-		return pointsOfCase[float32](file, given)
-	}
-	return pointsOfCase[float64](file, given)
-}
-
-func (file *caseFile) mask(name string) *Mask {
-	if name == "" {
-		return nil
-	}
-	elements, shape := file.array(name)
-	return &Mask{Data: elements.([]uint8), Width: shape[1], Height: shape[0]}
-}
-
-func (file *caseFile) depth(step *caseStep) Depth {
-	elements, shape := file.array(step.Depth)
-	scale, min, max := float64(step.Scale), float64(step.MinDepth), float64(step.MaxDepth)
-	if stored, ok := elements.([]uint16); ok {
-		return DepthImage[uint16]{Data: stored, Width: shape[1], Height: shape[0], Scale: scale, MinDepth: min, MaxDepth: max}
-	}
-	return DepthImage[float32]{Data: elements.([]float32), Width: shape[1], Height: shape[0], Scale: scale, MinDepth: min, MaxDepth: max}
-}
-
-func (file *caseFile) image(name string) Image {
-	elements, shape := file.array(name)
-	switch stored := elements.(type) {
-	case []uint8:
-		return GreyImage[uint8]{Data: stored, Width: shape[1], Height: shape[0]}
-	case []uint16:
-		return GreyImage[uint16]{Data: stored, Width: shape[1], Height: shape[0]}
-	}
-	return GreyImage[float32]{Data: elements.([]float32), Width: shape[1], Height: shape[0]}
-}
-
-func (file *caseFile) intrinsics(name string) Intrinsics {
-	camera, ok := file.Cameras[name]
-	if !ok {
-		panic("no camera " + name)
-	}
-	intrinsics := Intrinsics{Width: camera.Width, Height: camera.Height, FX: float64(camera.FX), FY: float64(camera.FY),
-		CX: float64(camera.CX), CY: float64(camera.CY),
-		DistortionModel: DistortionModel(caseEnumeration("distortion_model", camera.DistortionModel))}
-	for i, coefficient := range camera.Distortion {
-		intrinsics.Distortion[i] = float64(coefficient)
-	}
-	return intrinsics
-}
-
-func (step *caseStep) options() Options {
-	options := DefaultOptions()
-	target := reflect.ValueOf(&options).Elem()
-	for i := 0; i < target.NumField(); i++ {
-		name := snake(target.Type().Field(i).Name)
-		text, ok := step.Options[name]
-		if !ok {
-			continue
-		}
-		delete(step.Options, name)
-		var value number
-		var text2 string
-		field := target.Field(i)
-		switch {
-		case caseNames[name] != nil:
-			if err := json.Unmarshal(text, &text2); err != nil {
-				panic(err)
-			}
-			field.SetInt(caseEnumeration(name, text2))
-			continue
-		case name == "axis":
-			var axis [3]number
-			if err := json.Unmarshal(text, &axis); err != nil {
-				panic(err)
-			}
-			options.Axis = vectorOf(axis)
-			continue
-		}
-		if err := value.UnmarshalJSON(text); err != nil {
-			panic(err)
-		}
-		if field.CanUint() {
-			field.SetUint(uint64(value))
-		} else {
-			field.SetFloat(float64(value))
-		}
-	}
-	for name := range step.Options {
-		panic("no option " + name)
-	}
-	return options
-}
+// Runs the golden cases of bindings/conformance.
 
 var (
 	afterSmall   = regexp.MustCompile(`([a-z])([A-Z])`)
@@ -287,6 +33,12 @@ func (out outputs) add(name string, value any) {
 	v := reflect.ValueOf(value)
 	switch {
 	case v.Type() == reflect.TypeOf(time.Duration(0)):
+	case v.Kind() == reflect.Bool:
+		bit := 0.0
+		if v.Bool() {
+			bit = 1
+		}
+		out[name] = append(out[name], bit)
 	case v.CanFloat():
 		out[name] = append(out[name], v.Float())
 	case v.CanInt():
@@ -315,122 +67,214 @@ func (out outputs) addFields(prefix string, value any) {
 	}
 }
 
-func (step *caseStep) segments() (Segments[float64], error) {
-	var rows [][4]number
-	err := json.Unmarshal(step.Segments, &rows)
-	segments := Segments[float64]{Weights: step.Weights}
-	for _, row := range rows {
-		for _, value := range row {
-			segments.Data = append(segments.Data, float64(value))
-		}
+// addItems lists each field of the items of a slice.
+func (out outputs) addItems(items any) {
+	v := reflect.ValueOf(items)
+	for i := 0; i < v.Type().Elem().NumField(); i++ {
+		out[snake(v.Type().Elem().Field(i).Name)] = []float64{}
 	}
-	return segments, err
+	for i := 0; i < v.Len(); i++ {
+		out.addFields("", v.Index(i).Interface())
+	}
 }
 
-func (file *caseFile) run(fitter *Fitter, step *caseStep) (out outputs, err error) {
+// ofEstimate are the fields of a result that C has in cylfuse_cylinder_estimate.
+var ofEstimate = regexp.MustCompile("^(model|start_|radius_|direction_|position_|covariance)")
+
+// caseRun has what the steps of a case work on.
+type caseRun struct {
+	*caseFile
+	fitter *Fitter
+	frame  *Frame
+}
+
+// renew puts a new fitter and a new frame, those that are wanted, in the place of the old ones.
+func (run *caseRun) renew(fitter, frame bool) (err error) {
+	if fitter {
+		if run.fitter != nil {
+			err = run.fitter.Close()
+		}
+		if err == nil {
+			run.fitter, err = NewFitter()
+		}
+	}
+	if frame && err == nil {
+		if run.frame != nil {
+			err = run.frame.Close()
+		}
+		if err == nil {
+			run.frame, err = NewFrame()
+		}
+	}
+	return err
+}
+
+// set runs the steps without outputs; `known` is false for others.
+func (run *caseRun) set(step *caseStep) (known bool, err error) {
+	fitter, frame := run.fitter, run.frame
+	switch step.Call {
+	case "new_fitter":
+		return true, run.renew(true, false)
+	case "new_frame":
+		return true, run.renew(false, true)
+	case "set_options":
+		return true, fitter.SetOptions(step.options())
+	case "select_view":
+		return true, fitter.SelectView(step.Index)
+	case "set_pose":
+		return true, fitter.SetPose(step.pose())
+	case "frame_set_pose":
+		return true, frame.SetPose(step.pose())
+	case "set_intrinsics":
+		return true, fitter.SetIntrinsics(run.intrinsics(step))
+	case "frame_set_intrinsics":
+		return true, frame.SetIntrinsics(run.intrinsics(step))
+	case "set_depth_camera":
+		return true, fitter.SetDepthCamera(run.depthCamera(step))
+	case "frame_set_depth_camera":
+		return true, frame.SetDepthCamera(run.depthCamera(step))
+	case "set_start_model":
+		return true, fitter.SetStartModel(step.Model.cylinder())
+	case "reserve":
+		var points, segments int
+		if err := json.Unmarshal(step.Points, &points); err != nil {
+			return true, err
+		}
+		if err := json.Unmarshal(step.Segments, &segments); err != nil {
+			return true, err
+		}
+		return true, fitter.Reserve(points, segments)
+	case "clear":
+		return true, fitter.Clear()
+	case "clear_input":
+		var inputs Input
+		for _, name := range step.Inputs {
+			inputs |= 1 << caseEnumeration("input", name)
+		}
+		return true, fitter.ClearInput(inputs)
+	case "cancel":
+		return true, fitter.Cancel()
+	case "push_points":
+		return true, fitter.PushPoints(run.points(step.Points), run.mask(step))
+	case "push_depth":
+		return true, fitter.PushDepth(run.depth(step), run.mask(step))
+	case "frame_set_depth":
+		return true, frame.SetDepth(run.depth(step))
+	case "push_image":
+		return true, fitter.PushImage(run.image(step))
+	case "frame_set_image":
+		return true, frame.SetImage(run.image(step))
+	case "push_edges":
+		segments, err := step.segments()
+		if err != nil {
+			return true, err
+		}
+		return true, fitter.PushEdges(segments)
+	case "use_frame":
+		return true, fitter.UseFrame(frame, run.mask(step))
+	}
+	return false, nil
+}
+
+// get runs the steps with outputs.
+func (run *caseRun) get(step *caseStep) (out outputs, err error) {
 	out = outputs{}
 	// The outputs of a call, unless it failed.
 	fields := func(value any, failure error) (outputs, error) {
 		out.addFields("", value)
 		return out, failure
 	}
-	model := step.Model.cylinder()
+	items := func(value any, failure error) (outputs, error) {
+		out.addItems(value)
+		return out, failure
+	}
+	// list has only one, of this name.
+	list := func(name string, value any, failure error) (outputs, error) {
+		out.add(name, value)
+		return out, failure
+	}
+	fitter, model := run.fitter, step.Model.cylinder()
 	switch step.Call {
-	case "set_options":
-		return out, fitter.SetOptions(step.options())
 	case "get_options":
 		return fields(fitter.Options())
-	case "set_intrinsics":
-		return out, fitter.SetIntrinsics(file.intrinsics(step.Camera))
-	case "set_start_model":
-		return out, fitter.SetStartModel(model)
-	case "reserve":
-		var points, segments int
-		if err := json.Unmarshal(step.Points, &points); err != nil {
-			return nil, err
-		}
-		if err := json.Unmarshal(step.Segments, &segments); err != nil {
-			return nil, err
-		}
-		return out, fitter.Reserve(points, segments)
-	case "clear":
-		return out, fitter.Clear()
-	case "cancel":
-		return out, fitter.Cancel()
-	case "push_points":
-		return out, fitter.PushPoints(file.points(step.Points), file.mask(step.Mask))
-	case "push_depth":
-		return out, fitter.PushDepth(file.depth(step), file.mask(step.Mask))
-	case "push_image":
-		return out, fitter.PushImage(file.image(step.Image))
-	case "push_edges":
-		segments, err := step.segments()
-		if err != nil {
-			return nil, err
-		}
-		return out, fitter.PushEdges(segments)
+	case "view_count":
+		count, err := fitter.ViewCount()
+		return list("count", count, err)
 	case "select_edges":
 		segments, err := step.segments()
 		if err != nil {
 			return nil, err
 		}
 		limbs, err := fitter.SelectEdges(segments, model, step.Reach)
-		out.add("selected", limbs)
-		return out, err
+		return list("selected", limbs, err)
 	case "counts":
 		return fields(fitter.Counts())
 	case "fit":
 		return fields(fitter.Fit())
-	case "get_result":
-		return fields(fitter.Result())
+	case "get_result", "get_cylinder":
+		out, err := fields(fitter.Result())
+		for name := range out {
+			if ofEstimate.MatchString(name) != (step.Call == "get_cylinder") {
+				delete(out, name)
+			}
+		}
+		return out, err
 	case "evaluate":
 		return fields(fitter.Evaluate(*model))
 	case "residuals":
 		residuals, err := fitter.Residuals(model, ResidualKind(caseEnumeration("kind", step.Kind)))
-		out.add("residuals", residuals)
-		return out, err
+		return list("residuals", residuals, err)
+	case "point_weights":
+		weights, inliers, err := fitter.PointWeights()
+		out.add("weights", weights)
+		return list("inliers", inliers, err)
+	case "limbs":
+		return items(fitter.Limbs())
 	case "limb_samples":
-		samples, err := fitter.LimbSamples()
-		for _, name := range []string{"pixel", "sigma", "weight", "limb"} {
-			out[name] = []float64{}
-		}
-		for _, sample := range samples {
-			out.addFields("", sample)
-		}
-		return out, err
+		return items(fitter.LimbSamples())
+	case "end_samples":
+		return items(fitter.EndSamples(model, run.mask(step)))
 	case "diagnose":
 		return fields(fitter.Diagnose(model))
 	case "complete":
 		layout := Layout(caseEnumeration("layout", step.Layout))
 		if step.Scalar == "F32" {
-			points, completion, err := Complete[float32](fitter, model, file.mask(step.Mask), layout)
+			points, completion, err := Complete[float32](fitter, model, run.mask(step), layout)
 			out.add("points", points)
 			return fields(completion, err)
 		}
-		points, completion, err := Complete[float64](fitter, model, file.mask(step.Mask), layout)
+		points, completion, err := Complete[float64](fitter, model, run.mask(step), layout)
 		out.add("points", points)
 		return fields(completion, err)
 	case "complete_depth":
 		if step.Format == "U16" {
-			image, completion, err := CompleteDepth[uint16](fitter, model, file.mask(step.Mask), float64(step.Scale))
+			image, completion, err := CompleteDepth[uint16](fitter, model, run.mask(step), float64(step.Scale))
 			out.add("depth", image.Data)
 			return fields(completion, err)
 		}
-		image, completion, err := CompleteDepth[float32](fitter, model, file.mask(step.Mask), float64(step.Scale))
+		image, completion, err := CompleteDepth[float32](fitter, model, run.mask(step), float64(step.Scale))
 		out.add("depth", image.Data)
 		return fields(completion, err)
 	case "extent":
-		return fields(fitter.Extent(model, file.mask(step.Mask)))
+		return fields(fitter.Extent(model, run.mask(step)))
 	case "distances":
-		distances, err := model.Distances(file.points(step.Points))
-		out.add("distances", distances)
-		return out, err
+		distances, err := model.Distances(run.points(step.Points))
+		return list("distances", distances, err)
 	case "project":
-		lines, err := model.Project(file.intrinsics(step.Camera))
-		out.add("lines", lines)
-		return out, err
+		lines, err := model.Project(run.intrinsics(step))
+		return list("lines", lines, err)
 	case "compare":
 		return fields(step.A.cylinder().Compare(*step.B.cylinder()))
+	case "intrinsics_project":
+		pixels, err := run.intrinsics(step).Project(run.points(step.Points))
+		return list("pixels", pixels, err)
+	case "intrinsics_unproject":
+		pixels := make([][2]float64, len(step.Pixels))
+		for i, pixel := range step.Pixels {
+			pixels[i] = [2]float64{float64(pixel[0]), float64(pixel[1])}
+		}
+		rays, err := run.intrinsics(step).Unproject(pixels)
+		return list("rays", rays, err)
 	}
 	return nil, fmt.Errorf("no call %s", step.Call)
 }
@@ -451,10 +295,15 @@ func TestConformance(t *testing.T) {
 	defer results.Close()
 	writer := bufio.NewWriter(results)
 	for _, golden := range file.Cases {
-		fitter := newFitter(t)
+		run := caseRun{caseFile: &file}
+		must(t, run.renew(true, true))
 		for index := range golden.Steps {
 			step := &golden.Steps[index]
-			out, err := file.run(fitter, step)
+			var out outputs
+			known, err := run.set(step)
+			if !known {
+				out, err = run.get(step)
+			}
 			var failure *Error
 			if errors.As(err, &failure) {
 				status, _, _ := strings.Cut(failure.Status.Error(), ":")
@@ -477,6 +326,8 @@ func TestConformance(t *testing.T) {
 				fmt.Fprintf(writer, "%s\t%d\t%s\t%s\n", golden.Name, index, name, strings.Join(words, " "))
 			}
 		}
+		must(t, run.fitter.Close())
+		must(t, run.frame.Close())
 	}
 	must(t, writer.Flush())
 }

@@ -1,21 +1,23 @@
-// Package cylfuse measures a cylinder (a pipe, a can, a shaft, a trunk) from one RGB-D view: axis, radius and visible
+// Package cylfuse measures a cylinder (a pipe, a can, a shaft, a trunk) from RGB-D views: axis, radius and visible
 // extent, from points or a depth image together with the two limb lines in the image.
 //
-// A Fitter holds options, camera and data. Push what there is, fit, read the result; Clear leads to the next frame.
-// FitPoints does it in one call for a bare cloud.
+// A Fitter holds options, views and data. Push what there is, fit, read the result; Clear leads to the next frame.
+// SelectView leads to another view of the same cylinder, and a Frame is shared by the fitters of many cylinders. FitPoints
+// does it in one call for a bare cloud.
 //
 // Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. The camera frame is x to the
-// right, y down, z forward, with its origin in the centre of projection. Pixel centres are at integer coordinates.
+// right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the reference
+// frame; with one view at the identity, as at first, the two are the same. Pixel centres are at integer coordinates.
 //
 // Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels outside
 // the mask are left out and counted. Anything else that is not finite is an error.
 //
 // Errors. What the library refuses is an *Error with its Status and message; a slice that does not hold what its
 // description says is an ErrShape, raised before the library is called. A call that fails changes nothing. A result
-// that did not converge, or of which something else is doubtful, is not an error: Result.Flags tells.
+// that did not converge, or that needs care for another reason, is not an error: Result.Flags tells.
 //
-// Goroutines. A Fitter runs one call at a time; a second one gets StatusBusy. Only Cancel may come while another call
-// is running. Different fitters run in parallel.
+// Goroutines. Methods that only read run side by side on a Fitter; one that changes something runs alone. What would
+// disturb another call gets StatusBusy at once. Only Cancel always goes through. Different fitters run in parallel.
 package cylfuse
 
 // #cgo CFLAGS: -I${SRCDIR}/../../include/cylfuse

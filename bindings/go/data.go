@@ -47,7 +47,7 @@ type PointCloud interface {
 type DepthImage[T uint16 | float32] struct {
 	// Data holds the first row at its beginning.
 	Data []T
-	// Width and Height must be those of the intrinsics.
+	// Width and Height must be those of the intrinsics, of the depth camera where there is one.
 	Width, Height int
 	// RowStride is the distance of a row from the next one, in numbers; 0 = Width * PixelStride.
 	RowStride int
@@ -76,24 +76,57 @@ type GreyImage[T uint8 | uint16 | float32] struct {
 	Width, Height int
 	// RowStride is the distance of a row from the next one, in numbers; 0 = Width * PixelStride.
 	RowStride int
-	// PixelStride is the distance of a pixel from the next one, in numbers; 0 = 1. With 3 the first channel of packed
-	// colours.
+	// PixelStride is the distance of a pixel from the next one, in numbers; 0 = 1.
 	PixelStride int
-	// Gamma is the power of the value that is light: 2.2 for sRGB, in which cameras and image files usually come; 0 = 1.
+	// Gamma: light is the value to this power, from 0.1 to 10; 0 = 1, values linear in light. 2.2 is about sRGB.
 	Gamma float64
 }
 
-// Image is a GreyImage of uint8, uint16 or float32.
+// ColourOrder is how the colours of a pixel follow each other, each a byte; a fourth byte (alpha) is ignored.
+type ColourOrder int32
+
+const (
+	// ColourRGB: red, green, blue.
+	ColourRGB ColourOrder = C.CYLFUSE_IMAGE_FORMAT_RGB8
+	// ColourBGR: blue, green, red, as OpenCV reads image files.
+	ColourBGR ColourOrder = C.CYLFUSE_IMAGE_FORMAT_BGR8
+	// ColourRGBA: red, green, blue, alpha.
+	ColourRGBA ColourOrder = C.CYLFUSE_IMAGE_FORMAT_RGBA8
+	// ColourBGRA: blue, green, red, alpha.
+	ColourBGRA ColourOrder = C.CYLFUSE_IMAGE_FORMAT_BGRA8
+)
+
+// ColourImage is what the camera saw, in colour, in memory of the caller, which is read during the call only.
+type ColourImage struct {
+	// Data holds the first row at its beginning.
+	Data []uint8
+	// Order says what the bytes of a pixel are.
+	Order ColourOrder
+	// Width and Height must be those of the intrinsics.
+	Width, Height int
+	// RowStride is the distance of a row from the next one, in bytes; 0 = Width * PixelStride.
+	RowStride int
+	// PixelStride is the distance of a pixel from the next one, in bytes; 0 = 3, or 4 with alpha.
+	PixelStride int
+	// Gamma is as that of a GreyImage.
+	Gamma float64
+}
+
+// Image is a ColourImage or a GreyImage of uint8, uint16 or float32.
 type Image interface {
 	imageView() (imageView, error)
 }
 
-// Mask selects pixels: non-zero = visible lateral surface of the cylinder. Its boundary may be some pixels off.
+// Mask says which pixels of the colour image show the lateral surface of the cylinder. Its boundary may be some pixels
+// off: it is a hint and never measured.
 type Mask struct {
 	// Data holds the first row at its beginning.
 	Data []uint8
 	// Width and Height are those of the image or organised cloud that it belongs to.
 	Width, Height int
+	// Label is that of the cylinder in an image of labels: the pixels of this value are its surface. 0 = all pixels that
+	// are not 0.
+	Label uint8
 	// RowStride is the distance of a row from the next one, in bytes; 0 = Width * PixelStride.
 	RowStride int
 	// PixelStride is the distance of a pixel from the next one, in bytes; 0 = 1.
@@ -186,7 +219,7 @@ func (points Points[T]) pointsView() (pointsView, error) {
 }
 
 func (depth DepthImage[T]) depthView() (depthView, error) {
-	pixels, err := pixelsOf("depth", depth.Data, depth.Width, depth.Height, depth.RowStride, depth.PixelStride)
+	pixels, err := pixelsOf("depth", depth.Data, depth.Width, depth.Height, depth.RowStride, depth.PixelStride, 1)
 	if err != nil {
 		return depthView{}, err
 	}
@@ -202,24 +235,48 @@ func (depth DepthImage[T]) depthView() (depthView, error) {
 }
 
 func (image GreyImage[T]) imageView() (imageView, error) {
-	pixels, err := pixelsOf("image", image.Data, image.Width, image.Height, image.RowStride, image.PixelStride)
+	pixels, err := pixelsOf("image", image.Data, image.Width, image.Height, image.RowStride, image.PixelStride, 1)
 	if err != nil {
 		return imageView{}, err
 	}
-	call := imageView{data: pixels.data}
-	C.cylfuse_image_view_init(&call.view, C.sizeof_cylfuse_image_view)
 	switch unsafe.Sizeof(*new(T)) {
 	case 1:
-		call.view.format = C.CYLFUSE_IMAGE_FORMAT_U8
+		return pixels.image(C.CYLFUSE_IMAGE_FORMAT_U8, image.Gamma), nil
 	case 2:
-		call.view.format = C.CYLFUSE_IMAGE_FORMAT_U16
-	default:
-		call.view.format = C.CYLFUSE_IMAGE_FORMAT_F32
+		return pixels.image(C.CYLFUSE_IMAGE_FORMAT_U16, image.Gamma), nil
 	}
+	return pixels.image(C.CYLFUSE_IMAGE_FORMAT_F32, image.Gamma), nil
+}
+
+func (image ColourImage) imageView() (imageView, error) {
+	var channels int
+	switch image.Order {
+	case ColourRGB, ColourBGR:
+		channels = 3
+	case ColourRGBA, ColourBGRA:
+		channels = 4
+	default:
+		return imageView{}, shapeError("image.Order is %d: give one of ColourRGB, ColourBGR, ColourRGBA and ColourBGRA",
+			image.Order)
+	}
+	pixels, err := pixelsOf("image", image.Data, image.Width, image.Height, image.RowStride, image.PixelStride, channels)
+	if err != nil {
+		return imageView{}, err
+	}
+	return pixels.image(C.cylfuse_image_format(image.Order), image.Gamma), nil
+}
+
+// image is the view of these pixels as an image; a gamma of 0 stands for 1.
+func (pixels pixels) image(format C.cylfuse_image_format, gamma float64) imageView {
+	call := imageView{data: pixels.data}
+	C.cylfuse_image_view_init(&call.view, C.sizeof_cylfuse_image_view)
+	call.view.format = format
 	call.view.width, call.view.height = pixels.width, pixels.height
 	call.view.row_stride, call.view.pixel_stride = pixels.rowStride, pixels.pixelStride
-	call.view.gamma = C.double(image.Gamma)
-	return call, nil
+	if gamma != 0 {
+		call.view.gamma = C.double(gamma)
+	}
+	return call
 }
 
 // maskView of nil is that of no mask.
@@ -227,13 +284,14 @@ func (mask *Mask) maskView() (maskView, error) {
 	if mask == nil {
 		return maskView{}, nil
 	}
-	pixels, err := pixelsOf("mask", mask.Data, mask.Width, mask.Height, mask.RowStride, mask.PixelStride)
+	pixels, err := pixelsOf("mask", mask.Data, mask.Width, mask.Height, mask.RowStride, mask.PixelStride, 1)
 	if err != nil {
 		return maskView{}, err
 	}
 	var view C.cylfuse_mask_view
 	C.cylfuse_mask_view_init(&view, C.sizeof_cylfuse_mask_view)
 	view.width, view.height = pixels.width, pixels.height
+	view.label = C.uint32_t(mask.Label)
 	view.row_stride, view.pixel_stride = pixels.rowStride, pixels.pixelStride
 	return maskView{&view, pixels.data}, nil
 }
@@ -262,11 +320,11 @@ type pixels struct {
 	rowStride, pixelStride C.ptrdiff_t
 }
 
-func pixelsOf[T uint8 | uint16 | float32](name string, data []T, width, height, rowStride, pixelStride int) (pixels, error) {
+func pixelsOf[T uint8 | uint16 | float32](name string, data []T, width, height, rowStride, pixelStride, item int) (pixels, error) {
 	if err := sides(name, width, height); err != nil {
 		return pixels{}, err
 	}
-	if err := holds(name+".Data", len(data), width, height, pixelStride, rowStride, 1); err != nil {
+	if err := holds(name+".Data", len(data), width, height, pixelStride, rowStride, item); err != nil {
 		return pixels{}, err
 	}
 	return pixels{

@@ -6,7 +6,6 @@ import "C"
 import (
 	"errors"
 	"fmt"
-	"runtime"
 )
 
 // Status says why a call failed. It is an error, for errors.Is(err, cylfuse.StatusTooFewPoints).
@@ -24,7 +23,8 @@ const (
 	StatusABIMismatch Status = C.CYLFUSE_STATUS_ABI_MISMATCH
 	// StatusBadState: the call came before something that it needs.
 	StatusBadState Status = C.CYLFUSE_STATUS_BAD_STATE
-	// StatusBusy: another call on the same fitter is running, in another goroutine or around a callback.
+	// StatusBusy: another call on the same fitter or frame is running, in another goroutine or around a callback, and
+	// one of the two may change it.
 	StatusBusy Status = C.CYLFUSE_STATUS_BUSY
 	// StatusBufferTooSmall: a buffer for an output is too small.
 	StatusBufferTooSmall Status = C.CYLFUSE_STATUS_BUFFER_TOO_SMALL
@@ -80,8 +80,9 @@ func (err *Error) Unwrap() error { return err.Status }
 // ErrShape is within every error about a slice that does not hold what its description says. Nothing was called then.
 var ErrShape = errors.New("cylfuse: wrong shape")
 
-// ErrClosed is the error of a call on a fitter that was closed, or that is no work of NewFitter.
-var ErrClosed = errors.New("cylfuse: the fitter is closed, or was not made by NewFitter: make a new one")
+// ErrClosed is the error of a call on a fitter or frame that was closed, or that is no work of NewFitter or NewFrame.
+var ErrClosed = errors.New("cylfuse: the fitter or frame is closed, or was not made by NewFitter or NewFrame: make a " +
+	"new one")
 
 func shapeError(format string, arguments ...any) error {
 	return fmt.Errorf("%w: %s", ErrShape, fmt.Sprintf(format, arguments...))
@@ -93,15 +94,4 @@ func statusError(status C.cylfuse_status) error {
 		return nil
 	}
 	return &Error{Status(status), Status(status).Error()}
-}
-
-// withoutFitter runs a call without a fitter. Its message is kept for the thread, so the goroutine stays on it.
-func withoutFitter(run func() C.cylfuse_status) error {
-	runtime.LockOSThread()
-	defer runtime.UnlockOSThread()
-	status := run()
-	if status == C.CYLFUSE_STATUS_OK {
-		return nil
-	}
-	return &Error{Status(status), C.GoString(C.cylfuse_fitter_last_error(nil))}
 }

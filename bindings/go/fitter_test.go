@@ -191,7 +191,7 @@ func TestFrame(t *testing.T) {
 	}
 	samples, err := fitter.LimbSamples()
 	must(t, err)
-	if len(samples) < 8 || samples[0].Sigma <= 0 {
+	if len(samples) < 8 || samples[0].Deviation <= 0 {
 		t.Errorf("%d samples", len(samples))
 	}
 	diagnosis, err := fitter.Diagnose(nil)
@@ -254,7 +254,9 @@ func TestOptionsComeBack(t *testing.T) {
 	options := Options{
 		Method: MethodRANSAC, Objective: ObjectivePaper, Start: StartMoments, NearWall: NearWallOff, Chart: ChartLocal,
 		EdgeUse: EdgeUseAsGiven, ExtentRule: ExtentRuleExtremes, MaxIterations: 7, MaxThreads: 2, EdgeWeight: 0.25,
-		InitialLambda: 0.5, LambdaFactor: 3, MaxLambda: 1e6, CostTolerance: 1e-9, RANSACThreshold: 0.125, Seed: 1<<63 + 5,
+		InitialLambda: 0.5, LambdaFactor: 3, MaxLambda: 1e6, CostTolerance: 1e-9, GradientTolerance: 1e-8, StepTolerance: 1e-7,
+		IndependentPoints: 50, DepthNoise: 0.001, ImageNoise: 2, EdgeNoise: 0.75, MaskNoise: 1.25, ImageBlur: 0.9,
+		DrawnPixel: 1.5, RANSACThreshold: 0.125, Seed: 1<<63 + 5,
 		RANSACMaxIterations: 77, RadiusMin: 0.01, RadiusMax: 0.75, Axis: [3]float64{0, 1, 0}, AxisMaxAngle: 0.3,
 	}
 	fitter := newFitter(t)
@@ -264,7 +266,7 @@ func TestOptionsComeBack(t *testing.T) {
 	if got != options {
 		t.Errorf("%+v\n%+v", got, options)
 	}
-	if defaults := DefaultOptions(); defaults.EdgeWeight != 0.6 || defaults.MaxIterations != 400 {
+	if defaults := DefaultOptions(); defaults.EdgeWeight != 0.6 || defaults.MaxIterations != 400 || defaults.MaxThreads != 1 {
 		t.Errorf("%+v", defaults)
 	}
 }
@@ -346,6 +348,11 @@ func TestCallbacks(t *testing.T) {
 	must(t, fitter.SetProgress(func(Progress) bool { return fitter.Cancel() == nil }))
 	_, err = fitter.Fit()
 	wantStatus(t, err, StatusCancelled, "")
+	// Between calls there is nothing to cancel.
+	must(t, fitter.SetProgress(nil))
+	must(t, fitter.Cancel())
+	_, err = fitter.Fit()
+	must(t, err)
 
 	// A panic of a callback reaches the caller of Fit, and the fitter stays usable.
 	must(t, fitter.SetProgress(func(Progress) bool { panic("of the caller") }))
@@ -423,18 +430,24 @@ func TestListingIsNoErrorForTheLog(t *testing.T) {
 
 func TestNames(t *testing.T) {
 	for got, want := range map[string]string{
-		StartRANSAC.String():              "RANSAC",
-		TerminationRadiusRanAway.String(): "radius ran away",
-		EndHidden.String():                "hidden",
-		PhaseSolve.String():               "solve",
-		LogDebug.String():                 "debug",
-		ResidualEdges.String():            "edges",
-		DistortionKannalaBrandt.String():  "Kannala-Brandt",
-		Method(99).String():               "99",
-		Phase(0).String():                 "0",
-		FlagAxisAtLimit.String():          "axis at limit",
-		(FlagEdgesIgnored | FlagNotConverged | 1<<15).String(): "edges ignored, not converged, 15",
-		Flags(0).String(): "",
+		StartRANSAC.String():                                   "RANSAC",
+		TerminationRadiusRanAway.String():                      "radius ran away",
+		EndHidden.String():                                     "hidden",
+		PhaseSolve.String():                                    "solve",
+		LogDebug.String():                                      "debug",
+		ResidualEdges.String():                                 "edges",
+		DistortionKannalaBrandt.String():                       "Kannala-Brandt",
+		Method(99).String():                                    "99",
+		Phase(0).String():                                      "0",
+		FlagAxisAtLimit.String():                               "axis at limit",
+		TerminationStep.String():                               "step",
+		LimbSameLine.String():                                  "same line",
+		EndFromBorder.String():                                 "border",
+		ColourBGRA.String():                                    "BGRA",
+		(InputPoints | InputImage).String():                    "points, image",
+		FlagUncertaintyUnknown.String():                        "uncertainty unknown",
+		(FlagEdgesIgnored | FlagNotConverged | 1<<16).String(): "edges ignored, not converged, 16",
+		Flags(0).String():                                      "",
 	} {
 		if got != want {
 			t.Errorf("%q is not %q", got, want)

@@ -49,6 +49,96 @@ func (intrinsics *Intrinsics) toC() (c C.cylfuse_intrinsics, err error) {
 	return c, nil
 }
 
+// Project gives the pixels of the (distorted) image at which the camera sees points of its frame, row by row of the
+// points; weights and normals are ignored. Pixels may lie beyond the border of the image; NaN for a point that is not
+// finite, not in front of the camera or outside the field of its model.
+func (intrinsics Intrinsics) Project(points PointCloud) ([][2]float64, error) {
+	camera, err := intrinsics.toC()
+	if err != nil {
+		return nil, err
+	}
+	view, err := points.pointsView()
+	if err != nil {
+		return nil, err
+	}
+	pixels := make([][2]float64, view.view.width*view.view.height)
+	out := (*C.double)(unsafe.Pointer(first(pixels)))
+	err = withoutHandle(func() C.cylfuse_status {
+		return C.bridge_intrinsics_project(&camera, &view.view, view.data, out, C.size_t(len(pixels)))
+	})
+	if err != nil {
+		return nil, err
+	}
+	return pixels, nil
+}
+
+// Unproject gives the rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its frame;
+// NaN for a pixel that is not finite or for which the model has no ray.
+//
+// The ray of an ideal pixel, as those of limb lines are, is that of the same intrinsics without distortion.
+func (intrinsics Intrinsics) Unproject(pixels [][2]float64) ([][3]float64, error) {
+	camera, err := intrinsics.toC()
+	if err != nil {
+		return nil, err
+	}
+	rays := make([][3]float64, len(pixels))
+	in, out := (*C.double)(unsafe.Pointer(first(pixels))), (*C.double)(unsafe.Pointer(first(rays)))
+	err = withoutHandle(func() C.cylfuse_status {
+		return C.cylfuse_intrinsics_unproject(&camera, in, C.size_t(len(pixels)), out)
+	})
+	if err != nil {
+		return nil, err
+	}
+	return rays, nil
+}
+
+// Pose leads from one frame to another: x' = Rotation x + Translation. The pose of a view leads from its camera frame to
+// the reference frame.
+type Pose struct {
+	// Rotation is a rotation matrix, row by row.
+	Rotation [3][3]float64
+	// Translation is in the unit of length.
+	Translation [3]float64
+}
+
+// Identity is the pose that moves nothing.
+func Identity() Pose { return Pose{Rotation: [3][3]float64{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}} }
+
+func (pose *Pose) toC() (rotation [9]C.double, translation [3]C.double) {
+	for i := range rotation {
+		rotation[i] = C.double(pose.Rotation[i/3][i%3])
+	}
+	return rotation, vectorToC(pose.Translation)
+}
+
+// DepthCamera is the camera of depth images that are not registered to the colour image.
+type DepthCamera struct {
+	// Intrinsics are those of the depth camera.
+	Intrinsics Intrinsics
+	// ToColour leads from the frame of the depth camera to that of the colour camera.
+	ToColour Pose
+}
+
+// depthCamera is a DepthCamera for C; without intrinsics it takes the depth camera away.
+type depthCamera struct {
+	intrinsics  *C.cylfuse_intrinsics
+	rotation    [9]C.double
+	translation [3]C.double
+}
+
+func (camera *DepthCamera) toC() (c depthCamera, err error) {
+	if camera == nil {
+		return c, nil
+	}
+	intrinsics, err := camera.Intrinsics.toC()
+	if err != nil {
+		return c, err
+	}
+	c.intrinsics = &intrinsics
+	c.rotation, c.translation = camera.ToColour.toC()
+	return c, nil
+}
+
 // Cylinder is an infinite cylinder.
 type Cylinder struct {
 	// Point is on the axis, in the unit of length of the data.
@@ -70,7 +160,7 @@ func (cylinder Cylinder) Distances(points PointCloud) ([]float64, error) {
 	model := cylinder.toC()
 	distances := make([]float64, view.view.width*view.view.height)
 	out := (*C.double)(unsafe.Pointer(first(distances)))
-	err = withoutFitter(func() C.cylfuse_status {
+	err = withoutHandle(func() C.cylfuse_status {
 		return C.bridge_distances(&model, &view.view, view.data, out, C.size_t(len(distances)))
 	})
 	if err != nil {
@@ -88,7 +178,7 @@ func (cylinder Cylinder) Project(intrinsics Intrinsics) ([2][3]float64, error) {
 		return lines, err
 	}
 	model := cylinder.toC()
-	err = withoutFitter(func() C.cylfuse_status {
+	err = withoutHandle(func() C.cylfuse_status {
 		return C.cylfuse_cylinder_project(&model, &camera, (*C.double)(unsafe.Pointer(&lines)))
 	})
 	return lines, err
@@ -108,7 +198,7 @@ type Comparison struct {
 func (cylinder Cylinder) Compare(other Cylinder) (Comparison, error) {
 	a, b := cylinder.toC(), other.toC()
 	var angle, distance, radius C.double
-	err := withoutFitter(func() C.cylfuse_status {
+	err := withoutHandle(func() C.cylfuse_status {
 		return C.cylfuse_cylinder_compare(&a, &b, &angle, &distance, &radius)
 	})
 	return Comparison{float64(angle), float64(distance), float64(radius)}, err

@@ -50,6 +50,10 @@ func TestShapesAreCheckedBeforeTheCall(t *testing.T) {
 		"mask":            fitter.PushPoints(Points[float64]{Data: xyz}, &Mask{Data: nil, Width: 4, Height: 1}),
 		"depth":           fitter.PushDepth(DepthImage[float32]{Data: make([]float32, 7), Width: 4, Height: 2}, nil),
 		"image":           fitter.PushImage(GreyImage[uint8]{Data: make([]uint8, 22), Width: 4, Height: 2, PixelStride: 3, RowStride: 13}),
+		"colours":         fitter.PushImage(ColourImage{Data: make([]uint8, 23), Order: ColourBGR, Width: 4, Height: 2}),
+		"narrow colours":  fitter.PushImage(ColourImage{Data: make([]uint8, 24), Order: ColourRGBA, Width: 4, Height: 2}),
+		"no order":        fitter.PushImage(ColourImage{Data: make([]uint8, 24), Width: 4, Height: 2}),
+		"view":            fitter.SelectView(-1),
 		"segments":        fitter.PushEdges(Segments[float32]{Data: make([]float32, 6)}),
 		"segment weights": fitter.PushEdges(Segments[float32]{Data: make([]float32, 8), Weights: []float64{1}}),
 		"reserve":         fitter.Reserve(-1, 0),
@@ -86,6 +90,9 @@ func TestClosed(t *testing.T) {
 		t.Error(err)
 	}
 	must(t, never.Close())
+	if err := fitter.UseFrame(new(Frame), nil); err != ErrClosed {
+		t.Error(err)
+	}
 }
 
 func TestOneFitterInTwoGoroutinesIsRefused(t *testing.T) {

@@ -37,7 +37,7 @@ func (model DistortionModel) String() string {
 
 // String names the reason.
 func (termination Termination) String() string {
-	return name(termination, 0, "none", "cost", "stalled", "max iterations", "radius ran away")
+	return name(termination, 0, "none", "cost", "stalled", "max iterations", "radius ran away", "gradient", "step")
 }
 
 // String names the residuals.
@@ -49,6 +49,23 @@ func (layout Layout) String() string { return name(layout, 0, "packed", "organis
 // String names the state.
 func (state EndState) String() string { return name(state, 0, "unknown", "seen", "cut", "hidden") }
 
+// String names the source.
+func (source EndSource) String() string { return name(source, 0, "extreme", "mask", "image", "border") }
+
+// String names the status.
+func (status LimbStatus) String() string {
+	return name(status, 0, "located", "not searched", "no limbs", "too short", "no edge", "out of reach", "uncertain",
+		"patchy", "same line")
+}
+
+// String names the order.
+func (order ColourOrder) String() string { return name(order, ColourRGB, "RGB", "BGR", "RGBA", "BGRA") }
+
+// String names the data, separated by commas.
+func (input Input) String() string {
+	return bitNames(uint32(input), "points", "depth", "edges", "image")
+}
+
 // String names the phase.
 func (phase Phase) String() string { return name(phase, PhaseStart, "start", "solve") }
 
@@ -57,17 +74,22 @@ func (level LogLevel) String() string {
 	return name(level, 0, "off", "error", "warning", "info", "debug")
 }
 
-// String names the doubts, separated by commas.
+// String names the warnings, separated by commas.
 func (flags Flags) String() string {
-	var names []string
-	for bit := 0; flags>>bit != 0; bit++ {
-		if flags>>bit&1 != 0 {
-			names = append(names, name(bit, 0, "edges ignored", "segments unusable", "edges cross", "edges coincide",
-				"edges behind", "scale held", "weak radius", "resolution lost", "not converged", "hidden wall", "camera inside",
-				"points not finite", "points and limbs disagree", "radius at limit", "axis at limit"))
+	return bitNames(uint32(flags), "edges ignored", "segments unusable", "edges cross", "edges coincide", "edges behind",
+		"scale held", "weak radius", "resolution lost", "not converged", "hidden wall", "camera inside", "points not finite",
+		"points and limbs disagree", "radius at limit", "axis at limit", "uncertainty unknown")
+}
+
+// bitNames are the names of the bits that are set, the lowest of which has the first name.
+func bitNames(bits uint32, names ...string) string {
+	var set []string
+	for bit := 0; bits>>bit != 0; bit++ {
+		if bits>>bit&1 != 0 {
+			set = append(set, name(bit, 0, names...))
 		}
 	}
-	return strings.Join(names, ", ")
+	return strings.Join(set, ", ")
 }
 
 // name is that of a value, the lowest of which has the first name; the number when a later library has made it up.

@@ -74,7 +74,7 @@ const (
 type EdgeUse int32
 
 const (
-	// EdgeUseRefine: a start; where there is a grey image, the limbs are located in it and join the fit.
+	// EdgeUseRefine: a start; where there is an image, the limbs are located in it and join the fit.
 	EdgeUseRefine EdgeUse = C.CYLFUSE_EDGE_USE_REFINE
 	// EdgeUseAsGiven: the measurement; no limbs are looked for in the image.
 	EdgeUseAsGiven EdgeUse = C.CYLFUSE_EDGE_USE_AS_GIVEN
@@ -88,12 +88,11 @@ const (
 	ExtentRuleAuto ExtentRule = C.CYLFUSE_EXTENT_RULE_AUTO
 	// ExtentRuleExtremes is the rule of the paper: the extreme positions along the axis of the completed points.
 	ExtentRuleExtremes ExtentRule = C.CYLFUSE_EXTENT_RULE_EXTREMES
-	// ExtentRuleLocated takes all lines along the surface together, in the mask and in the grey image.
+	// ExtentRuleLocated takes all lines along the surface together, in the mask and, when there is one, in the image.
 	ExtentRuleLocated ExtentRule = C.CYLFUSE_EXTENT_RULE_LOCATED
 )
 
-// Options are the settings of a fit. Start from DefaultOptions: 0 means the default for most fields, but not for
-// EdgeWeight and CostTolerance.
+// Options are the settings of a fit. Start from DefaultOptions: 0 is no default for some fields.
 type Options struct {
 	// Method is how the cylinder is estimated. Default MethodFused.
 	Method Method
@@ -109,29 +108,53 @@ type Options struct {
 	EdgeUse EdgeUse
 	// ExtentRule is how the ends of the visible cylinder are found. Default ExtentRuleAuto.
 	ExtentRule ExtentRule
-	// MaxIterations is the most linear solves. Default 400; 0 = default.
-	MaxIterations uint32
 	// MaxThreads is the most threads for the sums over the points; the result has the same bits for any number.
-	// Default 0 = as many as the machine has.
+	// Default 1: no thread is started.
 	MaxThreads uint32
-	// EdgeWeight is the weight w of the edges in ObjectivePaper, in [0, 1]. Default 0.6. Here 0 is a weight.
-	EdgeWeight float64
-	// InitialLambda is the damping of the first step, greater than 0. Default 1e-3; 0 = default.
-	InitialLambda float64
-	// LambdaFactor is the factor by which the damping changes, greater than 1. Default 10; 0 = default.
-	LambdaFactor float64
-	// MaxLambda is the damping at which no smaller step is tried any more. Default 1e12; 0 = default.
-	MaxLambda float64
+	// MaxIterations is the most linear solves, at least 1. Default 400.
+	MaxIterations uint32
 	// CostTolerance is the smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
-	// Here 0 is a tolerance: iterate until nothing decreases.
 	CostTolerance float64
+	// GradientTolerance ends the iteration where the cosine of the angle between the residuals and what a step can change
+	// of them is not above it, in [0, 1). Default 2^-52.
+	GradientTolerance float64
+	// StepTolerance ends the iteration with a step that moves the surface at the data by not more than this part of their
+	// largest coordinate and of their size, in [0, 1). Default 2^-52.
+	StepTolerance float64
+	// InitialLambda is the damping of the first step, greater than 0. Default 1e-3.
+	InitialLambda float64
+	// LambdaFactor is the factor by which the damping changes, greater than 1. Default 10.
+	LambdaFactor float64
+	// MaxLambda is the damping at which no smaller step is tried any more. Default 1e12.
+	MaxLambda float64
+	// EdgeWeight is the weight w of the edges in ObjectivePaper, in [0, 1]. Default 0.6; 0 is points only.
+	EdgeWeight float64
+	// Seed of the random samples of RANSAC: the same seed gives the same result. Default 0.
+	Seed uint64
+	// RANSACMaxIterations is the most random samples of RANSAC, 1 to 1,000,000. Default 1000.
+	RANSACMaxIterations uint64
 	// RANSACThreshold is the distance within which RANSAC counts a point as an inlier, in the unit of length.
 	// Default 0 = from the data.
 	RANSACThreshold float64
-	// Seed of the random samples of RANSAC: the same seed gives the same result. Default 0.
-	Seed uint64
-	// RANSACMaxIterations is the most random samples of RANSAC. Default 1000; 0 = default.
-	RANSACMaxIterations uint32
+	// IndependentPoints is how many points with independent noise the points of one view are worth, by which points and
+	// limbs are weighed against each other. Default 0 = from the data.
+	IndependentPoints float64
+	// DepthNoise is the standard deviation of a point across the surface, in the unit of length. Default 0 = from the data.
+	DepthNoise float64
+	// ImageNoise is the standard deviation of the values of the image, in their unit where that is linear in light.
+	// Default 0 = from the image.
+	ImageNoise float64
+	// EdgeNoise is the standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels.
+	// Default 0 = 0.5, that of edges set by hand.
+	EdgeNoise float64
+	// MaskNoise is the standard deviation of a side of the mask as a whole across its limb, in drawn pixels. Default 0 =
+	// 1.6, that of masks drawn by hand.
+	MaskNoise float64
+	// ImageBlur is the blur of the image, the standard deviation of a Gauss curve in pixels. Default 0 = from the image.
+	ImageBlur float64
+	// DrawnPixel is the size of a pixel of the drawing in which edges and masks were made, in pixels of the image. Default
+	// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
+	DrawnPixel float64
 	// RadiusMin is the smallest radius, which the returned cylinder keeps. Default 0 = no limit.
 	RadiusMin float64
 	// RadiusMax is the largest radius, equal to RadiusMin for a radius that is known. Default 0 = no limit.
@@ -161,16 +184,25 @@ func (options *Options) toC() C.cylfuse_options {
 	c.chart = C.cylfuse_chart(options.Chart)
 	c.edge_use = C.cylfuse_edge_use(options.EdgeUse)
 	c.extent_rule = C.cylfuse_extent_rule(options.ExtentRule)
-	c.max_iterations = C.uint32_t(options.MaxIterations)
 	c.max_threads = C.uint32_t(options.MaxThreads)
-	c.edge_weight = C.double(options.EdgeWeight)
+	c.max_iterations = C.uint32_t(options.MaxIterations)
+	c.cost_tolerance = C.double(options.CostTolerance)
+	c.gradient_tolerance = C.double(options.GradientTolerance)
+	c.step_tolerance = C.double(options.StepTolerance)
 	c.initial_lambda = C.double(options.InitialLambda)
 	c.lambda_factor = C.double(options.LambdaFactor)
 	c.max_lambda = C.double(options.MaxLambda)
-	c.cost_tolerance = C.double(options.CostTolerance)
-	c.ransac_threshold = C.double(options.RANSACThreshold)
+	c.edge_weight = C.double(options.EdgeWeight)
 	c.seed = C.uint64_t(options.Seed)
-	c.ransac_max_iterations = C.uint32_t(options.RANSACMaxIterations)
+	c.ransac_max_iterations = C.uint64_t(options.RANSACMaxIterations)
+	c.ransac_threshold = C.double(options.RANSACThreshold)
+	c.independent_points = C.double(options.IndependentPoints)
+	c.depth_noise = C.double(options.DepthNoise)
+	c.image_noise = C.double(options.ImageNoise)
+	c.edge_noise = C.double(options.EdgeNoise)
+	c.mask_noise = C.double(options.MaskNoise)
+	c.image_blur = C.double(options.ImageBlur)
+	c.drawn_pixel = C.double(options.DrawnPixel)
 	c.radius_min = C.double(options.RadiusMin)
 	c.radius_max = C.double(options.RadiusMax)
 	c.axis = vectorToC(options.Axis)
@@ -187,16 +219,25 @@ func optionsFromC(c *C.cylfuse_options) Options {
 		Chart:               Chart(c.chart),
 		EdgeUse:             EdgeUse(c.edge_use),
 		ExtentRule:          ExtentRule(c.extent_rule),
-		MaxIterations:       uint32(c.max_iterations),
 		MaxThreads:          uint32(c.max_threads),
-		EdgeWeight:          float64(c.edge_weight),
+		MaxIterations:       uint32(c.max_iterations),
+		CostTolerance:       float64(c.cost_tolerance),
+		GradientTolerance:   float64(c.gradient_tolerance),
+		StepTolerance:       float64(c.step_tolerance),
 		InitialLambda:       float64(c.initial_lambda),
 		LambdaFactor:        float64(c.lambda_factor),
 		MaxLambda:           float64(c.max_lambda),
-		CostTolerance:       float64(c.cost_tolerance),
-		RANSACThreshold:     float64(c.ransac_threshold),
+		EdgeWeight:          float64(c.edge_weight),
 		Seed:                uint64(c.seed),
-		RANSACMaxIterations: uint32(c.ransac_max_iterations),
+		RANSACMaxIterations: uint64(c.ransac_max_iterations),
+		RANSACThreshold:     float64(c.ransac_threshold),
+		IndependentPoints:   float64(c.independent_points),
+		DepthNoise:          float64(c.depth_noise),
+		ImageNoise:          float64(c.image_noise),
+		EdgeNoise:           float64(c.edge_noise),
+		MaskNoise:           float64(c.mask_noise),
+		ImageBlur:           float64(c.image_blur),
+		DrawnPixel:          float64(c.drawn_pixel),
 		RadiusMin:           float64(c.radius_min),
 		RadiusMax:           float64(c.radius_max),
 		Axis:                vectorFromC(c.axis),

@@ -3,7 +3,10 @@ package cylfuse
 // #include "bridge.h"
 import "C"
 
-import "time"
+import (
+	"time"
+	"unsafe"
+)
 
 // Termination is why an iteration ended.
 type Termination int32
@@ -19,9 +22,13 @@ const (
 	TerminationMaxIterations Termination = C.CYLFUSE_TERMINATION_MAX_ITERATIONS
 	// TerminationRadiusRanAway: the radius left all proportion to the data, they are flat.
 	TerminationRadiusRanAway Termination = C.CYLFUSE_TERMINATION_RADIUS_RAN_AWAY
+	// TerminationGradient: the gradient fell below its tolerance.
+	TerminationGradient Termination = C.CYLFUSE_TERMINATION_GRADIENT
+	// TerminationStep: the step fell below its tolerance.
+	TerminationStep Termination = C.CYLFUSE_TERMINATION_STEP
 )
 
-// Flags are doubts about a result, one bit each. None of them is an error.
+// Flags are warnings about a result, one bit each. None of them is an error.
 type Flags uint32
 
 const (
@@ -55,60 +62,30 @@ const (
 	FlagRadiusAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT
 	// FlagAxisAtLimit: the axis is on the border of its cone.
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
+	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
+	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
 )
 
-// Has says whether all of these doubts are there.
-func (flags Flags) Has(doubts Flags) bool { return flags&doubts == doubts }
+// Has says whether all of these warnings are there.
+func (flags Flags) Has(warnings Flags) bool { return flags&warnings == warnings }
 
-// Result is the outcome of a fit with the numbers to judge it. NaN stands for what does not apply.
+// Result is the outcome of a fit: the cylinder, how certain it is, and the numbers to judge it. NaN stands for what
+// does not apply.
+//
+// Deviations and covariance are those of the noise of the data; errors that all data share (calibration, a scale of the
+// depth) are not in them. They are NaN for RANSAC and Eberly, for an edge weight of 1, and where the data do not
+// determine the number.
 type Result struct {
-	// Cylinder has its axis point nearest to the middle of the points.
+	// Cylinder is in the reference frame; its axis point is the one nearest to the middle of the points.
 	Cylinder Cylinder
-	// StartCylinder is the model that the iteration started from, moved into the limits.
+	// StartCylinder is the cylinder that the iteration started from, moved into the limits.
 	StartCylinder Cylinder
-	// Termination is why the iteration ended.
-	Termination Termination
 	// StartKind is how the start was found.
 	StartKind Start
-	// Flags are the doubts; 0 when there are none.
-	Flags Flags
-	// Iterations counts the linear solves, RejectedSteps those whose step was rejected.
-	Iterations, RejectedSteps uint32
-	// SegmentsUsed took part of the SegmentsGiven.
-	SegmentsUsed, SegmentsGiven uint32
-	// PointsUsed took part of the PointsGiven; Counts says why the others were left out.
-	PointsUsed, PointsGiven uint64
-	// InitialCost is the cost of the start, unit of length squared.
-	InitialCost float64
-	// Cost is that of the cylinder, unit of length squared.
-	Cost float64
-	// EnergyPoints is E_P, the mean squared distance of the points from the surface, unit of length squared.
-	EnergyPoints float64
-	// EnergyEdges is E_L, the mean squared distance of the back-projected endpoints from the limb lines, unit of length
-	// squared; NaN without exactly two usable segments.
-	EnergyEdges float64
-	// EdgeWeight is the one that was used, 0 when no edges count; NaN where the objective has none.
-	EdgeWeight float64
-	// PointRMS is the root of E_P, unit of length.
-	PointRMS float64
-	// EdgeRMSPixels is the root mean square distance of the endpoints from the limb lines in ideal pixels.
-	EdgeRMSPixels float64
-	// NearWallFraction is the part of the points on the wall that the camera sees.
-	NearWallFraction float64
-	// Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
-	Condition float64
-	// Lambda is the last damping.
-	Lambda float64
-	// GradientNorm is that of half the gradient of the cost at the end, in units of the size of the data.
-	GradientNorm float64
-	// StepNorm is that of the last accepted step, in units of the size of the data.
-	StepNorm float64
-	// TimeStart, TimeSolve and TimeTotal are wall-clock times: to find the start, to iterate, of the whole fit.
-	TimeStart, TimeSolve, TimeTotal time.Duration
-	// RadiusDeviation is the standard deviation of the radius by the noise of the data, unit of length. NaN for RANSAC
-	// and Eberly, for an edge weight of 1, and where the data do not determine a cylinder.
+	// RadiusDeviation is the standard deviation of the radius, unit of length.
 	RadiusDeviation float64
-	// DirectionDeviation is the standard deviation of the direction in radians, where it is least certain.
+	// DirectionDeviation is the standard deviation of the direction in radians, in the plane in which it is least
+	// certain.
 	DirectionDeviation float64
 	// PositionDeviation is the standard deviation of the axis across itself at Cylinder.Point, where it is least
 	// certain, unit of length.
@@ -121,64 +98,103 @@ type Result struct {
 	RadiusZScore float64
 	// Covariance of (point, direction, radius), symmetric, of rank 5.
 	Covariance [7][7]float64
-	// LimbsLocated counts the limb lines that were located in the grey image and took part, 0 to 2.
+
+	// Flags are the warnings; 0 when there are none.
+	Flags Flags
+	// Termination is why the iteration ended.
+	Termination Termination
+	// Iterations counts the linear solves, RejectedSteps those whose step was rejected.
+	Iterations, RejectedSteps uint32
+	// LimbsLocated counts the limb lines that were located in the images and took part, at most 2 a view.
 	LimbsLocated uint32
+	// SegmentsUsed took part of the SegmentsGiven.
+	SegmentsGiven, SegmentsUsed uint32
+	// PointsUsed took part of the PointsGiven; Counts says why the others were left out.
+	PointsGiven, PointsUsed uint64
+	// IndependentPoints is how many points with independent noise the points of all views are worth: the noise of
+	// neighbours in a depth image is alike.
+	IndependentPoints float64
+	// PointDeviation is the standard deviation of the points from the surface by their median, unit of length.
+	PointDeviation float64
+	// PointRMS is the root mean square distance of the points from the surface, unit of length.
+	PointRMS float64
+	// EdgeRMSPixels is the root mean square distance of the given endpoints from the limb lines in ideal pixels.
+	EdgeRMSPixels float64
+	// NearWallFraction is the part of the points on the wall that the camera sees.
+	NearWallFraction float64
+	// InitialCost is the cost of the start, Cost that of the outcome, unit of length squared.
+	InitialCost, Cost float64
+	// EnergyPoints is E_P, the mean squared distance of the points from the surface, unit of length squared.
+	EnergyPoints float64
+	// EnergyEdges is E_L, the mean squared distance of the back-projected endpoints from the limb lines, unit of length
+	// squared; NaN without exactly two usable segments.
+	EnergyEdges float64
+	// EdgeWeight is the one that was used, 0 when no edges count; NaN where the objective has none.
+	EdgeWeight float64
+	// Condition number of the Jacobian at the outcome, in units of the size of the data; may be infinite.
+	Condition float64
+	// GradientNorm is that of half the gradient of the cost at the end, in units of the size of the data.
+	GradientNorm float64
+	// StepNorm is that of the last accepted step, in units of the size of the data.
+	StepNorm float64
+	// Lambda is the last damping.
+	Lambda float64
+	// TimeStart, TimeSolve and TimeTotal are wall-clock times: to find the start, to iterate, of the whole fit.
+	TimeStart, TimeSolve, TimeTotal time.Duration
 }
 
-func newResult() C.cylfuse_result {
-	return C.cylfuse_result{struct_size: C.sizeof_cylfuse_result}
-}
+func resultFromC(result *C.cylfuse_result, estimate *C.cylfuse_cylinder_estimate) Result {
+	return Result{
+		Cylinder:                  cylinderFromC(&estimate.model),
+		StartCylinder:             cylinderFromC(&estimate.start_model),
+		StartKind:                 Start(estimate.start_kind),
+		RadiusDeviation:           float64(estimate.radius_deviation),
+		DirectionDeviation:        float64(estimate.direction_deviation),
+		PositionDeviation:         float64(estimate.position_deviation),
+		RadiusFromPoints:          float64(estimate.radius_from_points),
+		RadiusFromPointsDeviation: float64(estimate.radius_from_points_deviation),
+		RadiusFromLimbs:           float64(estimate.radius_from_limbs),
+		RadiusFromLimbsDeviation:  float64(estimate.radius_from_limbs_deviation),
+		RadiusZScore:              float64(estimate.radius_z_score),
+		Covariance:                *(*[7][7]float64)(unsafe.Pointer(&estimate.covariance)),
 
-func resultFromC(c *C.cylfuse_result) Result {
-	result := Result{
-		Cylinder:                  cylinderFromC(&c.model),
-		StartCylinder:             cylinderFromC(&c.start_model),
-		Termination:               Termination(c.termination),
-		StartKind:                 Start(c.start_kind),
-		Flags:                     Flags(c.flags),
-		Iterations:                uint32(c.iterations),
-		RejectedSteps:             uint32(c.rejected_steps),
-		SegmentsUsed:              uint32(c.segments_used),
-		SegmentsGiven:             uint32(c.segments_given),
-		PointsUsed:                uint64(c.points_used),
-		PointsGiven:               uint64(c.points_given),
-		InitialCost:               float64(c.initial_cost),
-		Cost:                      float64(c.cost),
-		EnergyPoints:              float64(c.energy_points),
-		EnergyEdges:               float64(c.energy_edges),
-		EdgeWeight:                float64(c.edge_weight),
-		PointRMS:                  float64(c.point_rms),
-		EdgeRMSPixels:             float64(c.edge_rms_pixels),
-		NearWallFraction:          float64(c.near_wall_fraction),
-		Condition:                 float64(c.condition),
-		Lambda:                    float64(c.lambda),
-		GradientNorm:              float64(c.gradient_norm),
-		StepNorm:                  float64(c.step_norm),
-		TimeStart:                 duration(c.seconds_start),
-		TimeSolve:                 duration(c.seconds_solve),
-		TimeTotal:                 duration(c.seconds_total),
-		RadiusDeviation:           float64(c.radius_deviation),
-		DirectionDeviation:        float64(c.direction_deviation),
-		PositionDeviation:         float64(c.position_deviation),
-		RadiusFromPoints:          float64(c.radius_from_points),
-		RadiusFromPointsDeviation: float64(c.radius_from_points_deviation),
-		RadiusFromLimbs:           float64(c.radius_from_limbs),
-		RadiusFromLimbsDeviation:  float64(c.radius_from_limbs_deviation),
-		RadiusZScore:              float64(c.radius_z_score),
-		LimbsLocated:              uint32(c.limbs_located),
+		Flags:             Flags(result.flags),
+		Termination:       Termination(result.termination),
+		Iterations:        uint32(result.iterations),
+		RejectedSteps:     uint32(result.rejected_steps),
+		LimbsLocated:      uint32(result.limbs_located),
+		SegmentsGiven:     uint32(result.segments_given),
+		SegmentsUsed:      uint32(result.segments_used),
+		PointsGiven:       uint64(result.points_given),
+		PointsUsed:        uint64(result.points_used),
+		IndependentPoints: float64(result.independent_points),
+		PointDeviation:    float64(result.point_deviation),
+		PointRMS:          float64(result.point_rms),
+		EdgeRMSPixels:     float64(result.edge_rms_pixels),
+		NearWallFraction:  float64(result.near_wall_fraction),
+		InitialCost:       float64(result.initial_cost),
+		Cost:              float64(result.cost),
+		EnergyPoints:      float64(result.energy_points),
+		EnergyEdges:       float64(result.energy_edges),
+		EdgeWeight:        float64(result.edge_weight),
+		Condition:         float64(result.condition),
+		GradientNorm:      float64(result.gradient_norm),
+		StepNorm:          float64(result.step_norm),
+		Lambda:            float64(result.lambda),
+		TimeStart:         duration(result.seconds_start),
+		TimeSolve:         duration(result.seconds_solve),
+		TimeTotal:         duration(result.seconds_total),
 	}
-	for i, value := range c.covariance {
-		result.Covariance[i/7][i%7] = float64(value)
-	}
-	return result
 }
 
 func duration(seconds C.double) time.Duration {
 	return time.Duration(float64(seconds) * float64(time.Second))
 }
 
-// Counts says what was pushed, and what was left out by reason.
+// Counts says what was pushed into one view, and what was left out by reason.
 type Counts struct {
+	// View that the counts are of.
+	View uint32
 	// PointsGiven counts points and pixels that were pushed, PointsUsed those that a fit uses.
 	PointsGiven, PointsUsed uint64
 	// DroppedNotFinite: a coordinate or weight is not finite.
@@ -193,6 +209,9 @@ type Counts struct {
 	DroppedOutOfRange uint64
 	// DroppedOutsideCamera: the camera model has no ray for the pixel.
 	DroppedOutsideCamera uint64
+	// DroppedHidden: the mask is set there, but the colour camera sees something nearer. Only with a depth camera of
+	// its own.
+	DroppedHidden uint64
 	// SegmentsGiven counts edge segments that were pushed.
 	SegmentsGiven uint64
 }
@@ -208,20 +227,77 @@ const (
 	ResidualEdges ResidualKind = C.CYLFUSE_RESIDUAL_KIND_EDGES
 )
 
-// LimbSample is what a short piece of a limb in the grey image says.
-type LimbSample struct {
-	// Pixel is where the limb is seen, x and y in the (distorted) image.
-	Pixel [2]float64
-	// Sigma is the standard deviation across the limb in ideal pixels, by the noise of the image only.
-	Sigma float64
-	// Weight is what the sample counted, from 1 down to 0 for a refused one.
-	Weight float64
-	// Limb that it belongs to, 0 or 1.
+// LimbStatus says whether a limb was located in the image, or why not.
+type LimbStatus int32
+
+const (
+	// LimbLocated: it was located.
+	LimbLocated LimbStatus = C.CYLFUSE_LIMB_STATUS_LOCATED
+	// LimbNotSearched: there is no image, the edges were taken as given, or the objective does not look.
+	LimbNotSearched LimbStatus = C.CYLFUSE_LIMB_STATUS_NOT_SEARCHED
+	// LimbNoLimbs: the camera is inside the cylinder, or it lies behind.
+	LimbNoLimbs LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_LIMBS
+	// LimbTooShort: less than 24 rows or columns of the image show the limb.
+	LimbTooShort LimbStatus = C.CYLFUSE_LIMB_STATUS_TOO_SHORT
+	// LimbNoEdge: no line near the expected place has more of an edge than noise gives.
+	LimbNoEdge LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_EDGE
+	// LimbOutOfReach: the line left the expected place while it was refined.
+	LimbOutOfReach LimbStatus = C.CYLFUSE_LIMB_STATUS_OUT_OF_REACH
+	// LimbUncertain: the line would be less certain than one set by hand.
+	LimbUncertain LimbStatus = C.CYLFUSE_LIMB_STATUS_UNCERTAIN
+	// LimbPatchy: a small part of the line carries it all.
+	LimbPatchy LimbStatus = C.CYLFUSE_LIMB_STATUS_PATCHY
+	// LimbSameLine: the other limb was found at the same place, and more certainly.
+	LimbSameLine LimbStatus = C.CYLFUSE_LIMB_STATUS_SAME_LINE
+)
+
+// Limb is a limb of the cylinder in the image of one view: where it was located, or why it was not.
+type Limb struct {
+	// View, from 0.
+	View uint32
+	// Limb is 0 or 1, in the order of Cylinder.Project.
 	Limb uint32
+	// Status says whether the limb was located, or why not.
+	Status LimbStatus
+	// Samples is how many pieces of it LimbSamples lists.
+	Samples uint32
+	// Line is x1, y1, x2, y2: the two points of the located line whose errors across it are independent and equally
+	// large, in ideal pixels. NaN when the limb was not located.
+	Line [4]float64
+	// Deviation is the standard deviation of either point across the line, in ideal pixels; NaN likewise.
+	Deviation float64
 }
 
-// Diagnosis is what the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees of
-// freedom, in units of the size of the data.
+// LimbSample is what a short piece of a limb in the image says.
+type LimbSample struct {
+	// View, from 0.
+	View uint32
+	// Limb that it belongs to, 0 or 1, in the order of Cylinder.Project.
+	Limb uint32
+	// Pixel is where the limb is seen, x and y in the (distorted) image.
+	Pixel [2]float64
+	// Deviation is the standard deviation across the limb in ideal pixels, by the noise of the image only.
+	Deviation float64
+	// Weight is its part in the line, from 1 down to 0 for a refused one.
+	Weight float64
+}
+
+// EndSample is a place on the arc of an end of the cylinder in the image.
+type EndSample struct {
+	// View, from 0.
+	View uint32
+	// End is 0 for the start of the extent, 1 for its end.
+	End uint32
+	// Pixel is where the arc is seen, x and y in the (distorted) image.
+	Pixel [2]float64
+	// Normal is the unit vector across the arc in the image, away from the surface.
+	Normal [2]float64
+	// Deviation is the standard deviation along Normal, in pixels.
+	Deviation float64
+}
+
+// Diagnosis is what the data determine at a cylinder: the singular values of the stacked Jacobian of the five degrees
+// of freedom, in units of the size of the data.
 type Diagnosis struct {
 	// Rank counts the singular values that stand out of the rounding error; 5 when everything is determined.
 	Rank uint32
@@ -249,6 +325,8 @@ const (
 
 // Completion is what became of the pixels.
 type Completion struct {
+	// View whose pixels were completed.
+	View uint32
 	// Count is the number of points or pixels that were written.
 	Count uint64
 	// Hits are pixels of the mask whose ray meets the cylinder, Misses those whose ray passes it by.
@@ -260,7 +338,9 @@ type Completion struct {
 }
 
 func completionFromC(c *C.cylfuse_completion) Completion {
-	return Completion{uint64(c.count), uint64(c.hits), uint64(c.misses), uint64(c.outside_camera), uint64(c.out_of_range)}
+	return Completion{
+		uint32(c.view), uint64(c.count), uint64(c.hits), uint64(c.misses), uint64(c.outside_camera), uint64(c.out_of_range),
+	}
 }
 
 // EndState is what an end of the visible cylinder is.
@@ -277,10 +357,31 @@ const (
 	EndHidden EndState = C.CYLFUSE_END_STATE_HIDDEN
 )
 
-// Extent is the visible piece of the cylinder: End = Start + Length * direction of the model.
+// EndSource is what the position of an end was taken from.
+type EndSource int32
+
+const (
+	// EndFromExtreme: the extreme point completed over the mask.
+	EndFromExtreme EndSource = C.CYLFUSE_END_SOURCE_EXTREME
+	// EndFromMask: where the lines along the surface leave the mask.
+	EndFromMask EndSource = C.CYLFUSE_END_SOURCE_MASK
+	// EndFromImage: the arc of the end circle in the image.
+	EndFromImage EndSource = C.CYLFUSE_END_SOURCE_IMAGE
+	// EndFromBorder: the last of the surface inside the border of the image.
+	EndFromBorder EndSource = C.CYLFUSE_END_SOURCE_BORDER
+)
+
+// Extent is the visible piece of the cylinder, in the reference frame: End = Start + Length * direction of the model.
 type Extent struct {
 	// StartState is what the end against the direction is, EndState what the end along it is.
 	StartState, EndState EndState
+	// StartSource and EndSource are what the positions were taken from.
+	StartSource, EndSource EndSource
+	// StartView and EndView are the views that tell most of the ends.
+	StartView, EndView uint32
+	// LimbsKnown: the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias
+	// of the mask was read off at them.
+	LimbsKnown bool
 	// Start and End are points on the axis, Center the middle of them.
 	Start, End, Center [3]float64
 	// Length is the distance of the ends.
@@ -299,6 +400,11 @@ func extentFromC(c *C.cylfuse_extent) Extent {
 	return Extent{
 		StartState:       EndState(c.start_state),
 		EndState:         EndState(c.end_state),
+		StartSource:      EndSource(c.start_source),
+		EndSource:        EndSource(c.end_source),
+		StartView:        uint32(c.start_view),
+		EndView:          uint32(c.end_view),
+		LimbsKnown:       c.limbs_known != 0,
 		Start:            vectorFromC(c.start),
 		End:              vectorFromC(c.end),
 		Center:           vectorFromC(c.center),

@@ -44,11 +44,14 @@ block() { awk -v number="$1" '/^```/ { inside = /java/ && ++count == number; nex
     block 1
     echo '} }'
 } >"$project/src/main/java/Smallest.java"
-# The one with a camera compiles.
+# The ones with a camera and with views compile.
 {
     echo 'import org.cylfuse.*; class WithCamera {'
-    echo 'static void use(Fitter fitter, short[] depth, byte[] mask, double[] first, double[] second, byte[] image) {'
+    echo 'static void use(Fitter fitter, short[] depth, byte[] mask, byte[] image) {'
     block 2
+    echo '} static void views(Fitter fitter, Fitter[] fitters, Intrinsics camera, short[] depth, byte[] mask,'
+    echo 'double[][] rotation) {'
+    block 3
     echo '} }'
 } >"$project/src/main/java/WithCamera.java"
 cat >"$project/pom.xml" <<'POM'
@@ -70,7 +73,7 @@ POM
 (cd "$project" && maven compile)
 packages=$(echo "$build"/packages/org/cylfuse/cylfuse/*/*.jar):/usr/share/java/jna.jar
 printed=$(env -u CYLFUSE_LIBRARY java -cp "$project/target/classes:$packages" Smallest)
-if [ "$printed" != "radius 0.500000, doubts []" ]; then
+if [ "$printed" != "radius 0.500000, warnings []" ]; then
     echo "the program of the README printed: $printed"
     failed=1
 fi

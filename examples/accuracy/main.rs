@@ -11,7 +11,9 @@ mod support;
 mod disturbance;
 mod frame;
 mod rows;
+mod scaled;
 mod table;
+mod views;
 
 use frame::{Frame, read_set};
 use std::path::{Path, PathBuf};
@@ -22,23 +24,26 @@ struct Sets {
     wild: Vec<Frame>,
     repeat: Vec<Frame>,
     real: Vec<Frame>,
+    views: Vec<views::Views>,
     list: bool,
 }
 
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 10] = [
+const ROWS: [Row; 12] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
     ("no-image", rows::no_image),
     ("disturbed", rows::disturbed),
     ("images", rows::images),
+    ("scaled", rows::scaled),
     ("repeat", rows::repeat),
     ("real", rows::real),
     ("never-worse", rows::never_worse),
     ("methods", rows::methods),
+    ("views", views::views),
 ];
 
 fn main() {
@@ -64,6 +69,7 @@ fn main() {
         wild: read_set(&shared, "frames/wild"),
         repeat: read_set(&shared, "frames/repeat"),
         real: read_set(&shared, "real"),
+        views: views::read_views(&shared),
         list,
     };
     for (name, print) in ROWS {

@@ -3,6 +3,7 @@
 use crate::Sets;
 use crate::disturbance::Disturbance;
 use crate::frame::{Case, Edges, Errors, Frame, GIVEN, map};
+use crate::scaled::{SAME, Scale};
 use crate::table::{Summary, Target, columns, print_head, print_row, print_targets};
 use cylfuse::fitter::{Method, ObjectiveKind, Options, StartKind};
 
@@ -21,13 +22,16 @@ const REAL_GROWTH: i32 = 3;
 
 fn fit_all(sets: &Sets, name: &str, frames: &[Frame], case: &Case) -> Vec<Option<Errors>> {
     let all = map(frames, |frame| frame.errors_of(case));
-    if sets.list {
-        for (frame, errors) in frames.iter().zip(&all) {
-            let text = errors.map_or("failed".into(), |e| e.map(|x| format!("{x:7.3}")).join(" "));
-            eprintln!("{name:24} {:12} {text}", frame.name);
-        }
-    }
+    list(sets, name, frames, &all);
     all
+}
+
+/// Prints the errors of single frames, where they are asked for.
+fn list(sets: &Sets, name: &str, frames: &[Frame], all: &[Option<Errors>]) {
+    for (frame, errors) in frames.iter().zip(all).filter(|_| sets.list) {
+        let text = errors.map_or("failed".into(), |e| e.map(|x| format!("{x:7.3}")).join(" "));
+        eprintln!("{name:24} {:12} {text}", frame.name);
+    }
 }
 
 /// frames/paper with image and edges, the reference of the rows with worse inputs.
@@ -171,6 +175,29 @@ pub fn images(sets: &Sets) {
         for gamma in [1.0, 2.2] {
             let errors = radius_errors(sets, &Case { edges, gamma, ..Case::default() });
             print_real_row(&format!("{name}, gamma {gamma}"), &errors, "");
+        }
+    }
+}
+
+/// The same frames on other grids of pixels: errors may grow by a factor only.
+pub fn scaled(sets: &Sets) {
+    print_head("frames/paper, enlarged and reduced");
+    let mut same = [f64::NAN; 4];
+    let rows = [
+        ("as given", SAME, f64::INFINITY),
+        ("half the size", Scale { of_new: 1, of_old: 2 }, f64::INFINITY),
+        ("twice the size", Scale { of_new: 2, of_old: 1 }, 1.15),
+        ("four times the size", Scale { of_new: 4, of_old: 1 }, 1.3),
+    ];
+    for (name, scale, factor) in rows {
+        let errors = |frame: &Frame| scale.applied(frame).errors_of(&Case::default());
+        let all = map(&sets.paper, errors);
+        list(sets, name, &sets.paper, &all);
+        let targets =
+            same.map(|mean| if factor.is_finite() { Target::mean(factor * mean) } else { Target::NONE });
+        let columns = print_row(name, &all, &targets);
+        if scale == SAME {
+            same = columns.map(|column| column.mean);
         }
     }
 }

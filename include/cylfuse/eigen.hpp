@@ -14,11 +14,6 @@
 #include <Eigen/Geometry>
 
 namespace cylfuse {
-#ifdef CYLFUSE_NO_EXCEPTIONS
-inline namespace without_exceptions {
-#else
-inline namespace with_exceptions {
-#endif
 
 /** The point on the axis, in the unit of length of the data. */
 inline Eigen::Vector3d point(const Cylinder &model)
@@ -49,9 +44,27 @@ inline Cylinder make_cylinder(const Eigen::Vector3d &point, const Eigen::Vector3
 }
 
 /** The covariance of point, direction and radius of a fit: symmetric, of rank 5; NaN where there is none. */
-inline Eigen::Matrix<double, 7, 7> covariance(const cylfuse_result &result)
+inline Eigen::Matrix<double, 7, 7> covariance(const cylfuse_cylinder_estimate &cylinder)
 {
-    return Eigen::Map<const Eigen::Matrix<double, 7, 7>>(result.covariance);
+    return Eigen::Map<const Eigen::Matrix<double, 7, 7>>(cylinder.covariance);
+}
+
+/** A pose, or the way from a depth camera to the colour camera. */
+inline RigidMotion rigid_motion(const Eigen::Isometry3d &transform)
+{
+    RigidMotion motion;
+    Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.rotation.data()) = transform.linear();
+    Eigen::Map<Eigen::Vector3d>(motion.translation.data()) = transform.translation();
+    return motion;
+}
+
+/** The transform of Eigen of a pose. */
+inline Eigen::Isometry3d isometry(const RigidMotion &motion)
+{
+    Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+    transform.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.rotation.data());
+    transform.translation() = Eigen::Map<const Eigen::Vector3d>(motion.translation.data());
+    return transform;
 }
 
 /** A pinhole from a camera matrix [fx 0 cx; 0 fy cy; 0 0 1], of which only these four numbers are read. */
@@ -80,6 +93,10 @@ PointsView points_view(const Eigen::DenseBase<Derived> &matrix)
     return PointsView(points.data(), static_cast<std::size_t>(points.size() / across), 1, stride);
 }
 
+/** Would point to points that are gone. */
+template <class Scalar, int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
+PointsView points_view(const Eigen::Matrix<Scalar, Rows, Columns, Options, MaxRows, MaxColumns> &&matrix) = delete;
+
 /** Points in a vector of Eigen::Vector3f, Vector3d, Vector4f or Vector4d, of which x, y, z are read. */
 template <class Scalar, int Rows, int Options, class Allocator>
 PointsView points_view(const std::vector<Eigen::Matrix<Scalar, Rows, 1, Options>, Allocator> &points)
@@ -89,7 +106,10 @@ PointsView points_view(const std::vector<Eigen::Matrix<Scalar, Rows, 1, Options>
     return PointsView(first, points.size(), 1, sizeof(Eigen::Matrix<Scalar, Rows, 1, Options>));
 }
 
-} // inline namespace
+/** Would point to points that are gone. */
+template <class Scalar, int Rows, int Options, class Allocator>
+PointsView points_view(const std::vector<Eigen::Matrix<Scalar, Rows, 1, Options>, Allocator> &&points) = delete;
+
 } // namespace cylfuse
 
 #endif

@@ -19,6 +19,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace cylfuse {
@@ -32,11 +33,11 @@ inline void check_image(const cv::Mat &image, const char *what, std::initializer
 {
     const std::string name(what);
     if (image.empty()) {
-        throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT,
+        throw Error(Status::InvalidArgument,
                     (name + " is empty; was the file read, the camera ready?").c_str());
     }
     if (image.dims != 2) {
-        throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT,
+        throw Error(Status::InvalidArgument,
                     (name + " has " + std::to_string(image.dims) + " dimensions; it must have 2").c_str());
     }
     for (const int type : types) {
@@ -44,20 +45,9 @@ inline void check_image(const cv::Mat &image, const char *what, std::initializer
             return;
         }
     }
-    throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT, (name + " is of type " + cv::typeToString(image.type()) +
+    throw Error(Status::InvalidArgument, (name + " is of type " + cv::typeToString(image.type()) +
                                                   "; it must be of type " + needed)
                                                      .c_str());
-}
-
-// A colour image in grey; any other as it is.
-inline cv::Mat grey(const cv::Mat &image)
-{
-    if (image.type() != CV_8UC3 && image.type() != CV_8UC4) {
-        return image;
-    }
-    cv::Mat made;
-    cv::cvtColor(image, made, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
-    return made;
 }
 
 inline std::ptrdiff_t row_stride(const cv::Mat &image)
@@ -68,7 +58,7 @@ inline std::ptrdiff_t row_stride(const cv::Mat &image)
 inline void check_size(const cv::Mat &image, const char *what, const cylfuse_intrinsics &intrinsics)
 {
     if (std::uint32_t(image.cols) != intrinsics.width || std::uint32_t(image.rows) != intrinsics.height) {
-        throw Error(CYLFUSE_STATUS_SIZE_MISMATCH,
+        throw Error(Status::SizeMismatch,
                     (std::string(what) + " is " + std::to_string(image.cols) + " x " +
                      std::to_string(image.rows) + " but the intrinsics are for " +
                      std::to_string(intrinsics.width) + " x " + std::to_string(intrinsics.height) +
@@ -82,18 +72,18 @@ inline Intrinsics intrinsics(cv::InputArray camera_matrix, cv::Size size)
     cv::Mat_<double> k;
     const cv::Mat given = camera_matrix.getMat();
     if (given.rows != 3 || given.cols != 3 || given.channels() != 1) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS,
+        throw Error(Status::InvalidIntrinsics,
                     ("the camera matrix is " + std::to_string(given.cols) + " x " + std::to_string(given.rows) +
                      " of type " + cv::typeToString(given.type()) + "; it must be 3 x 3 with one channel")
                         .c_str());
     }
     given.convertTo(k, CV_64F);
     if (k(0, 1) != 0.0 || k(1, 0) != 0.0 || k(2, 0) != 0.0 || k(2, 1) != 0.0 || k(2, 2) != 1.0) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS,
+        throw Error(Status::InvalidIntrinsics,
                     "the camera matrix must be [fx 0 cx; 0 fy cy; 0 0 1]: no skew, last row 0 0 1");
     }
     if (size.width <= 0 || size.height <= 0) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS, ("the image size is " + std::to_string(size.width) + " x " +
+        throw Error(Status::InvalidIntrinsics, ("the image size is " + std::to_string(size.width) + " x " +
                                                         std::to_string(size.height) + "; it must be positive")
                                                            .c_str());
     }
@@ -109,7 +99,7 @@ inline cv::Mat_<double> coefficients(cv::InputArray distortion)
         return row;
     }
     if (given.channels() != 1 || (given.rows != 1 && given.cols != 1)) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS, "the distortion coefficients must be one row or one column");
+        throw Error(Status::InvalidIntrinsics, "the distortion coefficients must be one row or one column");
     }
     given.convertTo(row, CV_64F);
     return row.reshape(1, 1);
@@ -129,38 +119,36 @@ inline DepthView depth_view(const cv::Mat &depth, double unit)
                : DepthView(depth.ptr<float>(), columns, rows, unit, detail::row_stride(depth));
 }
 
-/** A mask CV_8UC1: non-zero = visible lateral surface of the cylinder. */
-inline MaskView mask_view(const cv::Mat &mask)
+/** A mask CV_8UC1: `label`, or where that is 0 all that is not 0, = visible lateral surface of the cylinder. */
+inline MaskView mask_view(const cv::Mat &mask, std::uint8_t label = 0)
 {
     detail::check_image(mask, "the mask", {CV_8UC1}, "CV_8UC1");
-    return MaskView(mask.ptr<std::uint8_t>(), static_cast<std::uint32_t>(mask.cols),
-                    static_cast<std::uint32_t>(mask.rows), detail::row_stride(mask));
-}
-
-/** A grey image CV_8UC1, CV_16UC1 or CV_32FC1. */
-inline ImageView image_view(const cv::Mat &image)
-{
-    detail::check_image(image, "the image", {CV_8UC1, CV_16UC1, CV_32FC1},
-                        "CV_8UC1, CV_16UC1 or CV_32FC1; push_image() takes colours");
-    const auto columns = static_cast<std::uint32_t>(image.cols);
-    const auto rows = static_cast<std::uint32_t>(image.rows);
-    switch (image.type()) {
-    case CV_8UC1: return ImageView(image.ptr<std::uint8_t>(), columns, rows, detail::row_stride(image));
-    case CV_16UC1: return ImageView(image.ptr<std::uint16_t>(), columns, rows, detail::row_stride(image));
-    default: return ImageView(image.ptr<float>(), columns, rows, detail::row_stride(image));
-    }
+    MaskView view(mask.ptr<std::uint8_t>(), static_cast<std::uint32_t>(mask.cols),
+                  static_cast<std::uint32_t>(mask.rows), detail::row_stride(mask));
+    view.label = label;
+    return view;
 }
 
 /**
- * Pushes a grey image, or a colour image CV_8UC3 or CV_8UC4 (blue first), which is made grey in new memory. `gamma` is
- * 1 for values linear in light and 2.2 for sRGB, in which cameras and image files usually come.
+ * An image: grey, CV_8UC1, CV_16UC1 or CV_32FC1, or in colour as OpenCV has it, CV_8UC3 (BGR) or CV_8UC4 (BGRA).
+ * `gamma` is 1 for values linear in light and 2.2 for sRGB, in which cameras and image files usually come.
  */
-inline void push_image(Fitter &fitter, const cv::Mat &image, double gamma = 1.0)
+inline ImageView image_view(const cv::Mat &image, double gamma = 1.0)
 {
-    const cv::Mat grey = detail::grey(image);
-    ImageView view = image_view(grey);
+    detail::check_image(image, "the image", {CV_8UC1, CV_16UC1, CV_32FC1, CV_8UC3, CV_8UC4},
+                        "CV_8UC1, CV_16UC1, CV_32FC1, CV_8UC3 or CV_8UC4");
+    ImageFormat format = ImageFormat::U8;
+    switch (image.type()) {
+    case CV_16UC1: format = ImageFormat::U16; break;
+    case CV_32FC1: format = ImageFormat::F32; break;
+    case CV_8UC3: format = ImageFormat::Bgr8; break;
+    case CV_8UC4: format = ImageFormat::Bgra8; break;
+    default: break;
+    }
+    ImageView view(image.data, format, static_cast<std::uint32_t>(image.cols), static_cast<std::uint32_t>(image.rows),
+                   detail::row_stride(image));
     view.gamma = gamma;
-    fitter.push_image(view);
+    return view;
 }
 
 /** An organised cloud CV_32FC3 or CV_64FC3, such as cv::reprojectImageTo3D() and cv::rgbd give. */
@@ -182,6 +170,10 @@ SegmentsView segments_view(const std::vector<cv::Vec<T, 4>, Allocator> &segments
     return SegmentsView(first, segments.size());
 }
 
+/** Would point to segments that are gone. */
+template <class T, class Allocator>
+SegmentsView segments_view(const std::vector<cv::Vec<T, 4>, Allocator> &&segments) = delete;
+
 /** Segments in one row or column of a matrix CV_32FC4 or CV_64FC4, another output of the line detectors. */
 inline SegmentsView segments_view(const cv::Mat &segments)
 {
@@ -190,7 +182,7 @@ inline SegmentsView segments_view(const cv::Mat &segments)
     }
     detail::check_image(segments, "the matrix of segments", {CV_32FC4, CV_64FC4}, "CV_32FC4 or CV_64FC4");
     if (segments.rows != 1 && segments.cols != 1) {
-        throw Error(CYLFUSE_STATUS_INVALID_ARGUMENT,
+        throw Error(Status::InvalidArgument,
                     "the matrix of segments must be one row or one column, with a segment an element");
     }
     const auto stride = static_cast<std::ptrdiff_t>(segments.cols == 1 ? segments.step[0] : segments.elemSize());
@@ -208,7 +200,7 @@ inline Intrinsics intrinsics(cv::InputArray camera_matrix, cv::InputArray distor
     const cv::Mat_<double> row = detail::coefficients(distortion);
     const int count = row.cols;
     if (count != 0 && count != 4 && count != 5 && count != 8 && count != 12 && count != 14) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS, ("there are " + std::to_string(count) +
+        throw Error(Status::InvalidIntrinsics, ("there are " + std::to_string(count) +
                                                         " distortion coefficients; OpenCV has 0, 4, 5, 8, 12 or 14")
                                                            .c_str());
     }
@@ -216,11 +208,11 @@ inline Intrinsics intrinsics(cv::InputArray camera_matrix, cv::InputArray distor
         if (k < 8) {
             camera.distortion[k] = row(k);
         } else if (row(k) != 0.0) {
-            throw Error(CYLFUSE_STATUS_UNSUPPORTED, "thin prism and tilt of the sensor are not supported; calibrate "
+            throw Error(Status::Unsupported, "thin prism and tilt of the sensor are not supported; calibrate "
                                                     "with k1 k2 p1 p2 k3 k4 k5 k6, or undistort the images");
         }
     }
-    camera.distortion_model = count == 0 ? CYLFUSE_DISTORTION_NONE : CYLFUSE_DISTORTION_BROWN_CONRADY;
+    camera.distortion_model(count == 0 ? Distortion::None : Distortion::BrownConrady);
     return camera;
 }
 
@@ -230,24 +222,50 @@ inline Intrinsics fisheye_intrinsics(cv::InputArray camera_matrix, cv::InputArra
     Intrinsics camera = detail::intrinsics(camera_matrix, size);
     const cv::Mat_<double> row = detail::coefficients(distortion);
     if (row.cols != 4) {
-        throw Error(CYLFUSE_STATUS_INVALID_INTRINSICS, ("there are " + std::to_string(row.cols) +
+        throw Error(Status::InvalidIntrinsics, ("there are " + std::to_string(row.cols) +
                                                         " distortion coefficients; the fisheye model has 4")
                                                            .c_str());
     }
     for (int k = 0; k < 4; ++k) {
         camera.distortion[k] = row(k);
     }
-    camera.distortion_model = CYLFUSE_DISTORTION_KANNALA_BRANDT;
+    camera.distortion_model(Distortion::KannalaBrandt);
     return camera;
 }
 
 /**
- * Completes the depth image into a matrix of the size of the camera, which is made if it has another size or type:
- * CV_16UC1 or CV_32FC1, z = value * `unit`, 0 = none. NULL = the model of the last fit, the mask of the last depth
- * image.
+ * A pose, or the way from a depth camera to the colour camera, as cv::stereoCalibrate() and cv::solvePnP() give it: a
+ * rotation matrix 3 x 3 or a rotation vector, and a translation.
  */
-inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::Size size, double unit,
-                                 const Cylinder *model = nullptr, const MaskView *mask = nullptr)
+inline RigidMotion rigid_motion(cv::InputArray rotation, cv::InputArray translation)
+{
+    const cv::Mat r = rotation.getMat(), t = translation.getMat();
+    const auto numbers_in = [](const cv::Mat &m) { return m.total() * static_cast<std::size_t>(m.channels()); };
+    if (numbers_in(r) != 3 && (r.rows != 3 || r.cols != 3 || r.channels() != 1)) {
+        throw Error(Status::InvalidArgument, "the rotation must be a matrix 3 x 3 or a vector of 3 numbers");
+    }
+    if (numbers_in(t) != 3) {
+        throw Error(Status::InvalidArgument, "the translation must be a vector of 3 numbers");
+    }
+    cv::Mat matrix = r;
+    if (numbers_in(r) == 3) {
+        cv::Rodrigues(r, matrix);
+    }
+    cv::Mat_<double> numbers;
+    RigidMotion motion;
+    matrix.convertTo(numbers, CV_64F);
+    std::copy(numbers.begin(), numbers.end(), motion.rotation.begin());
+    t.reshape(1, 3).convertTo(numbers, CV_64F);
+    std::copy(numbers.begin(), numbers.end(), motion.translation.begin());
+    return motion;
+}
+
+/**
+ * Completes the depth image into a matrix of the size of the camera, which is made if it has another size or type:
+ * CV_16UC1 or CV_32FC1, z = value * `unit`, 0 = none. Model and mask may be left out, as for Fitter::complete_depth().
+ */
+inline Completion complete_depth(const Fitter &fitter, cv::Mat &depth, int type, cv::Size size, double unit,
+                                 Optional<Cylinder> model = {}, Optional<MaskView> mask = {})
 {
     depth.create(size, type);
     detail::check_image(depth, "the completed depth image", {CV_16UC1, CV_32FC1}, "CV_16UC1 or CV_32FC1");
@@ -262,7 +280,7 @@ inline Completion complete_depth(Fitter &fitter, cv::Mat &depth, int type, cv::S
 /**
  * Proposes edges where nobody gives them: OpenCV's line detector over a grey or colour image of 8 bits, and of what it
  * finds the pieces on the two limbs of the last fit. That is best one to the points alone, such as by
- * CYLFUSE_METHOD_RANSAC: others look at the mask, which may be bad. `reach` as for Fitter::select_edges(). With neither
+ * Method::Ransac: others look at the mask, which may be bad. `reach` as for Fitter::select_edges(). With neither
  * limb in sight there is nothing in the vector.
  */
 inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat &image, double reach = 0.0)
@@ -271,7 +289,11 @@ inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat 
     // At its usual scale of 0.8 the detector gives coordinates that are 1/8 pixel too small.
     const cv::Ptr<cv::LineSegmentDetector> detector = cv::createLineSegmentDetector(cv::LSD_REFINE_STD, 1.0);
     std::vector<cv::Vec4f> found, proposed;
-    detector->detect(detail::grey(image), found);
+    cv::Mat grey = image;
+    if (image.channels() != 1) {
+        cv::cvtColor(image, grey, image.channels() == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+    }
+    detector->detect(grey, found);
     std::vector<std::uint8_t> limbs(found.size());
     fitter.select_edges(segments_view(found), limbs, reach);
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -285,29 +307,25 @@ inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat 
 /** @cond internal */
 namespace detail {
 
-// Draws a curve in space as the (distorted) image shows it; pieces behind the camera are left out.
-inline void draw_curve(cv::Mat &image, const std::vector<cv::Point3d> &curve, const cylfuse_intrinsics &camera,
-                       const cv::Scalar &colour)
+inline std::array<double, 3> coordinates(const cv::Vec3d &point)
 {
-    const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-    const cv::Vec3d zero(0, 0, 0);
-    const bool fisheye = camera.distortion_model == CYLFUSE_DISTORTION_KANNALA_BRANDT;
-    std::vector<cv::Point2d> pixels;
-    if (curve.size() < 2) {
-        return;
-    }
-    if (fisheye) {
-        cv::fisheye::projectPoints(curve, pixels, zero, zero, k, cv::Mat(1, 4, CV_64F, const_cast<double *>(camera.distortion)));
-    } else {
-        cv::projectPoints(curve, zero, zero, k, cv::Mat(1, 8, CV_64F, const_cast<double *>(camera.distortion)), pixels);
-    }
-    constexpr int shift = 4; // cv::line takes sixteenths of a pixel.
-    const auto fixed = [](const cv::Point2d &p) { return cv::Point(cvRound(p.x * 16), cvRound(p.y * 16)); };
-    // Far outside its coordinates would not fit an int.
-    const auto drawable = [](const cv::Point2d &p) { return std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5; };
-    for (std::size_t i = 1; i < curve.size(); ++i) {
-        if (curve[i - 1].z > 0 && curve[i].z > 0 && drawable(pixels[i - 1]) && drawable(pixels[i])) {
-            cv::line(image, fixed(pixels[i - 1]), fixed(pixels[i]), colour, 1, cv::LINE_AA, shift);
+    return {{point[0], point[1], point[2]}};
+}
+
+// Draws a curve in space as the (distorted) image shows it; pieces that the camera does not see are left out.
+inline void draw_curve(cv::Mat &image, const std::vector<std::array<double, 3>> &curve,
+                       const cylfuse_intrinsics &camera, const cv::Scalar &colour)
+{
+    const std::vector<std::array<double, 2>> pixels = project(camera, curve);
+    constexpr int SHIFT = 4; // cv::line takes sixteenths of a pixel.
+    const auto fixed = [](const std::array<double, 2> &p) { return cv::Point(cvRound(p[0] * 16), cvRound(p[1] * 16)); };
+    // Far outside its coordinates would not fit an int; not a number is nowhere.
+    const auto drawable = [](const std::array<double, 2> &p) {
+        return std::abs(p[0]) < 1e5 && std::abs(p[1]) < 1e5;
+    };
+    for (std::size_t i = 1; i < pixels.size(); ++i) {
+        if (drawable(pixels[i - 1]) && drawable(pixels[i])) {
+            cv::line(image, fixed(pixels[i - 1]), fixed(pixels[i]), colour, 1, cv::LINE_AA, SHIFT);
         }
     }
 }
@@ -323,25 +341,29 @@ struct Colours {
 };
 
 /**
- * Draws the visible piece of a cylinder over an image CV_8UC3 of the camera: its limbs, its ends and its axis, with
- * the distortion of the lens. From inside a pipe there are no limbs.
+ * Draws the visible piece of a cylinder over an image CV_8UC3 of the camera: its limbs, its ends and its axis, with the
+ * distortion of the lens. From inside a pipe there are no limbs. `pose` is that of the view whose image it is.
  */
 inline void draw(cv::Mat &image, const Cylinder &model, const cylfuse_extent &extent,
-                 const cylfuse_intrinsics &intrinsics, const Colours &colours = Colours())
+                 const cylfuse_intrinsics &intrinsics, const Colours &colours = Colours(),
+                 const RigidMotion &pose = RigidMotion())
 {
     detail::check_image(image, "the image to draw on", {CV_8UC3}, "CV_8UC3");
     detail::check_size(image, "the image to draw on", intrinsics);
     constexpr int PIECES = 64; // Short enough to look like a curve.
-    const cv::Vec3d start(extent.start), end(extent.end);
-    const cv::Vec3d direction = cv::normalize(cv::Vec3d(model.direction));
-    const cv::Vec3d point(model.point);
+    const cv::Matx33d to_camera = cv::Matx33d(pose.rotation.data()).t();
+    const cv::Vec3d position(pose.translation.data());
+    const cv::Vec3d start = to_camera * (cv::Vec3d(extent.start) - position);
+    const cv::Vec3d end = to_camera * (cv::Vec3d(extent.end) - position);
+    const cv::Vec3d direction = to_camera * cv::normalize(cv::Vec3d(model.direction));
+    const cv::Vec3d point = to_camera * (cv::Vec3d(model.point) - position);
     const cv::Vec3d center = point - direction * point.dot(direction); // The point of the axis nearest the camera.
     const double distance = cv::norm(center);
     const double radius = model.radius;
     const auto along = [&](const cv::Vec3d &offset) {
-        std::vector<cv::Point3d> curve;
+        std::vector<std::array<double, 3>> curve;
         for (int i = 0; i <= PIECES; ++i) {
-            curve.emplace_back(start + (end - start) * (double(i) / PIECES) + offset);
+            curve.push_back(detail::coordinates(start + (end - start) * (double(i) / PIECES) + offset));
         }
         return curve;
     };
@@ -361,7 +383,7 @@ inline void draw(cv::Mat &image, const Cylinder &model, const cylfuse_extent &ex
     const cv::Vec3d u = cv::normalize(direction.cross(least));
     const cv::Vec3d v = direction.cross(u);
     for (const cv::Vec3d &middle : {start, end}) {
-        std::vector<cv::Point3d> arc;
+        std::vector<std::array<double, 3>> arc;
         for (int i = 0; i <= 2 * PIECES; ++i) {
             const double angle = CV_PI * i / PIECES;
             const cv::Vec3d normal = u * std::cos(angle) + v * std::sin(angle);
@@ -370,7 +392,7 @@ inline void draw(cv::Mat &image, const Cylinder &model, const cylfuse_extent &ex
                 detail::draw_curve(image, arc, intrinsics, colours.ends);
                 arc.clear();
             } else {
-                arc.emplace_back(rim);
+                arc.push_back(detail::coordinates(rim));
             }
         }
         detail::draw_curve(image, arc, intrinsics, colours.ends);

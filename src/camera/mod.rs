@@ -35,6 +35,15 @@ use std::fmt::Display;
 /// The largest image in pixels; more is taken for a mistake in the numbers.
 const MAX_PIXELS: u64 = 1 << 28;
 
+/// The least and the greatest focal length in longer sides of the image. Fisheye lenses have 1/3, a telescope of 10 m
+/// before 4000 pixels of 3 µm has 800; pieces cut out of an image have more than the whole. Numbers beyond are in another
+/// unit, and what walks along a line pixel by pixel would not come to an end.
+const FOCAL_LENGTHS: [f64; 2] = [1e-3, 1e5];
+
+/// How far the principal point may be from the first pixel in longer sides of the image: pieces cut out of an image
+/// have it far outside.
+const PRINCIPAL_POINT: f64 = 1e4;
+
 /// How far the pixel of a ray may be from the pixel that the ray was computed from.
 const REPROJECTION_TOLERANCE: f64 = 1e-10;
 
@@ -125,14 +134,31 @@ impl Intrinsics {
             let size = format!("{} x {}", self.width, self.height);
             return Err(invalid("width x height", size, format!("be at most {MAX_PIXELS} pixels")));
         }
+        let side = f64::from(self.width.max(self.height));
         for (name, value) in [("fx", self.fx), ("fy", self.fy)] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(invalid_number(name, value, "be finite and above 0"));
+            }
+            let [least, most] = FOCAL_LENGTHS.map(|factor| factor * side);
+            if !(least..=most).contains(&value) {
+                let requirement = format!(
+                    "lie in [{least:?}, {most:?}], 0.001 to 100000 times the longer side of the image; give it in \
+                     pixels of this image"
+                );
+                return Err(invalid_number(name, value, &requirement));
             }
         }
         for (name, value) in [("cx", self.cx), ("cy", self.cy)] {
             if !value.is_finite() {
                 return Err(invalid_number(name, value, "be finite"));
+            }
+            let most = PRINCIPAL_POINT * side;
+            if !(value.abs() <= most) {
+                let requirement = format!(
+                    "lie in [-{most:?}, {most:?}], 10000 times the longer side of the image; give it in pixels of \
+                     this image"
+                );
+                return Err(invalid_number(name, value, &requirement));
             }
         }
         let (names, values): (&[&str], &[f64]) = match &self.distortion {
@@ -169,8 +195,9 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidIntrinsics`] with the name, the value and the limit when fx or fy is not finite and
-    /// positive, cx, cy or a coefficient is not finite, or the image has no pixels or more than 2²⁸.
+    /// [`Error::InvalidIntrinsics`] with the name, the value and the limit when fx or fy is not
+    /// between 0.001 and 100,000 longer sides of the image, cx or cy is not finite or beyond 10,000 of them, a coefficient
+    /// is not finite, or the image has no pixels or more than 2²⁸.
     pub fn new(intrinsics: Intrinsics) -> Result<Self> {
         intrinsics.check()?;
         let lens = match intrinsics.distortion {
@@ -187,6 +214,26 @@ impl Camera {
     #[must_use]
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
+    }
+
+    /// The camera of an image whose pixels are boxes of `factor` columns and rows of this one's, those that the border
+    /// cuts left out.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> Self {
+        let ratio = factor.max(1) as f64;
+        let Intrinsics { width, height, fx, fy, cx, cy, distortion } = self.intrinsics;
+        let count = |pixels: u32| (f64::from(pixels) / ratio) as u32;
+        let place = |place: f64| (place + 0.5) / ratio - 0.5;
+        let intrinsics = Intrinsics {
+            width: count(width),
+            height: count(height),
+            fx: fx / ratio,
+            fy: fy / ratio,
+            cx: place(cx),
+            cy: place(cy),
+            distortion,
+        };
+        Self { intrinsics, lens: self.lens.clone() }
     }
 
     /// Columns and rows of the image.

@@ -234,3 +234,37 @@ fn limb_lines_pass_through_the_pixels_of_the_limbs() {
     let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.0), Vector3::new(0.1, 0.0, 1.0), 0.5).unwrap();
     assert!(matches!(camera.limb_lines(&around), Err(Error::EdgeGeometry { .. })));
 }
+
+#[test]
+fn what_is_not_in_pixels_of_the_image_is_refused() {
+    let good = pinhole();
+    let cases = [
+        (
+            Intrinsics { fx: 1e12, ..good },
+            "fx is 1000000000000.0; it must lie in [1.28, 128000000.0], 0.001 to 100000",
+        ),
+        (
+            Intrinsics { fy: 0.0036, ..good },
+            "fy is 0.0036; it must lie in [1.28, 128000000.0], 0.001 to 100000",
+        ),
+        (
+            Intrinsics { cx: -1e300, ..good },
+            "cx is -1e300; it must lie in [-12800000.0, 12800000.0], 10000 times",
+        ),
+        (
+            Intrinsics { cy: 2e7, ..good },
+            "cy is 20000000.0; it must lie in [-12800000.0, 12800000.0], 10000 times",
+        ),
+    ];
+    for (intrinsics, text) in cases {
+        let error = Camera::new(intrinsics).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("intrinsics: {text}")), "{error}");
+        assert!(error.ends_with("the longer side of the image; give it in pixels of this image"), "{error}");
+    }
+    // A line camera, a piece of 16 pixels from the corner of a long-focus image, a fisheye.
+    for (width, height, f, c) in [(8192, 1, 2e4, 4096.0), (16, 16, 3e5, -9000.0), (1000, 1000, 300.0, 500.0)]
+    {
+        let intrinsics = Intrinsics { width, height, fx: f, fy: f, cx: c, cy: c, ..good };
+        assert!(Camera::new(intrinsics).is_ok(), "{intrinsics:?}");
+    }
+}

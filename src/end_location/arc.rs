@@ -9,55 +9,58 @@
 
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
-use crate::observations::{GreyImage, Mask};
-use crate::statistics::median;
+use crate::noise::ImageNoise;
+use crate::observations::{Mask, ReducedImage, from_reduced};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::LazyLock;
 
-/// How far about the rough end the arc is searched, in standard deviations of the rough end, and at most in
-/// pixels.
-const SEARCH_DEVIATIONS: f64 = 5.0;
-const SEARCH_PIXELS: f64 = 6.0;
+constants! {
+    /// How far about the rough end the arc is searched, in standard deviations of the rough end.
+    SEARCH_DEVIATIONS = 5.0, "σ";
 
-/// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
-const WINDOW_PIXELS: f64 = 5.0;
+    /// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
+    WINDOW_PIXELS = 5.0, "px";
 
-/// Distance of the samples of a profile, in pixels across the arc.
-const SAMPLE_PIXELS: f64 = 0.5;
+    /// Distance of the samples of a profile, in pixels across the arc.
+    SAMPLE_PIXELS = 0.5, "px";
 
-/// Steps of the search, in pixels: less than the blur of any image.
-const COARSE_PIXELS: f64 = 0.4;
+    /// Steps of the search, in pixels: less than the blur of any image.
+    COARSE_PIXELS = 0.4, "px";
 
-/// The most generators that are sampled; fewer when they would be less than a pixel apart.
-const GENERATORS: usize = 48;
+    /// The most generators that are sampled; fewer when they would be less than a pixel apart.
+    GENERATORS = 48.0, "";
 
-/// The fewest that make an arc.
-const LEAST_GENERATORS: usize = 5;
+    /// The fewest that make an arc.
+    LEAST_GENERATORS = 5.0, "";
 
-/// The distance in pixels that generators keep from the limbs, where the background shines in.
-const LIMB_MARGIN_PIXELS: f64 = 2.5;
+    /// The distance in pixels that generators keep from the limbs, where the background shines in.
+    LIMB_MARGIN_PIXELS = 2.5, "px";
 
-/// A generator that the arc meets at a sine below this is nearly along it: its profile says little.
-const LEAST_SINE: f64 = 0.35;
+    /// A generator that the arc meets at a sine below this is nearly along it: its profile says little.
+    LEAST_SINE = 0.35, "";
+
+    /// The mean gain in log-likelihood per generator from which on an arc is believed.
+    LEAST_GAIN = 2.0, "";
+
+    /// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
+    /// the axis by some degrees departs by so much.
+    SAMPLE_REACH_PIXELS = 2.5, "px";
+
+    /// The far rim of the cap shines so many blurs into a window before it.
+    RIM_BLURS = 2.0, "σ";
+
+    /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
+    MODEL_DEVIATION = 0.1, "px";
+    PLACE_DEVIATION = 0.05, "px";
+
+    /// Samples of a window that are independent, by pixel: neighbours share pixels.
+    INDEPENDENT = 1.0, "1/px";
+}
 
 /// Blur of the image that is tried, standard deviation in pixels. The first is for the search.
 const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
-
-/// Samples of a window that are independent: neighbours share pixels.
-const INDEPENDENT_SAMPLES: f64 = 2.0 * WINDOW_PIXELS;
-
-/// The mean gain in log-likelihood per generator from which on an arc is believed.
-const LEAST_GAIN: f64 = 2.0;
-
-/// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
-/// the axis by some degrees departs by so much.
-const SAMPLE_REACH_PIXELS: f64 = 2.5;
-
-/// The far rim of the cap shines so many blurs into a window before it.
-const RIM_BLURS: f64 = 2.0;
-
-/// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
-const MODEL_DEVIATION: f64 = 0.1;
-const PLACE_DEVIATION: f64 = 0.05;
 
 /// An end as the image shows it.
 #[derive(Debug, Clone)]
@@ -95,25 +98,52 @@ struct Profile {
     zero: f64,
 }
 
-/// Searches the arc about a rough end.
-pub(super) fn locate(
-    surface: &Surface<'_>,
-    mask: &Mask,
-    image: &GreyImage,
-    rough: &RoughEnd,
-    outward: f64,
-) -> Option<ArcEnd> {
-    let search = (SEARCH_DEVIATIONS * rough.deviation).min(SEARCH_PIXELS * rough.pixel);
-    let profiles = sample(surface, mask, image, rough, outward, search);
-    if profiles.len() < LEAST_GENERATORS {
+/// Where arcs are searched.
+pub(super) struct ArcSearch<'a> {
+    /// The grey image, on a grid that its blur fills.
+    pub image: ReducedImage<'a>,
+    /// The surface on that grid. All lengths in pixels here are in its pixels.
+    pub surface: Surface<'a>,
+    /// The mask, on its own grid.
+    pub mask: &'a Mask,
+    /// What is known of mask and image, in pixels of the image.
+    pub noise: ImageNoise,
+}
+
+impl ArcSearch<'_> {
+    /// Searches the arc about a rough end.
+    pub fn locate(&self, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
+        let factor = self.image.factor();
+        let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
+        let mut end = locate(self, &reduced, outward)?;
+        for sample in &mut end.samples {
+            sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
+            sample.deviation *= factor as f64;
+            sample.across *= factor as f64;
+        }
+        Some(end)
+    }
+
+    /// Whether the mask contains what a pixel of the image shows.
+    fn masked(&self, pixel: &Vector2<f64>) -> bool {
+        let [x, y] = [pixel.x, pixel.y].map(|x| from_reduced(x, self.image.factor()));
+        x >= 0.0 && y >= 0.0 && self.mask.contains(x.round() as usize, y.round() as usize)
+    }
+}
+
+fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
+    let surface = &arcs.surface;
+    let search = SEARCH_DEVIATIONS.get() * rough.deviation;
+    let profiles = sample(arcs, rough, outward, search);
+    if profiles.len() < LEAST_GENERATORS.count() {
         return None;
     }
-    let noise = noise(&profiles);
-    let smooth_step = SmoothStep::new();
-    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, &smooth_step);
+    let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
+    let smooth_step = &*SMOOTH_STEP;
+    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, smooth_step);
     // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
     // generator: the mean gain answers it together with the rough end.
-    let step = COARSE_PIXELS * rough.pixel;
+    let step = COARSE_PIXELS.get() * rough.pixel;
     let steps = (search / step).ceil() as i64;
     let scores: Vec<f64> = (-steps..=steps).map(|k| score(step * k as f64, BLURS[0])).collect();
     let evidence = |peak: usize| {
@@ -125,7 +155,10 @@ pub(super) fn locate(
         .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
     let coarse = step * (peak as f64 - steps as f64);
     // The position hardly depends on the blur, so one after the other.
-    let blur = BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?;
+    let blur = match arcs.noise.blur {
+        told if told > 0.0 => told,
+        _ => BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?,
+    };
     let side = 0.25 * step;
     let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
     let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -142,19 +175,19 @@ pub(super) fn locate(
         value = score(shift, blur);
     }
     let mean = value / profiles.len() as f64;
-    if !(mean >= LEAST_GAIN) {
+    if !(mean >= LEAST_GAIN.get()) {
         return None;
     }
-    let model = MODEL_DEVIATION * rough.pixel;
+    let model = MODEL_DEVIATION.get() * rough.pixel;
     let samples = profiles.iter().filter_map(|profile| {
-        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, &smooth_step)?;
+        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, smooth_step)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
         let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
             - surface.pixel(profile.angle, rough.position)?;
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
-        let deviation = deviation.hypot(PLACE_DEVIATION);
+        let deviation = deviation.hypot(PLACE_DEVIATION.get());
         Some(ArcSample { pixel, normal, deviation, across: profile.across })
     });
     Some(ArcEnd {
@@ -165,39 +198,28 @@ pub(super) fn locate(
 }
 
 /// Samples the image along the generators.
-fn sample(
-    surface: &Surface<'_>,
-    mask: &Mask,
-    image: &GreyImage,
-    rough: &RoughEnd,
-    outward: f64,
-    search: f64,
-) -> Vec<Profile> {
+fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> Vec<Profile> {
+    let surface = &arcs.surface;
     let Some(half_width) = surface.half_width(rough.position) else { return Vec::new() };
-    let part = 1.0 - LIMB_MARGIN_PIXELS / half_width;
+    let part = 1.0 - LIMB_MARGIN_PIXELS.get() / half_width;
     if !(part > 0.0) {
         return Vec::new();
     }
-    let count = GENERATORS.min((2.0 * part * half_width) as usize);
+    let count = GENERATORS.count().min((2.0 * part * half_width) as usize);
     let mut profiles = Vec::with_capacity(count);
     for angle in surface.generators(count, part) {
         let Some(crossing) = surface.crossing(angle, rough.position) else { continue };
-        if crossing.across < LEAST_SINE * crossing.along {
+        if crossing.across < LEAST_SINE.get() * crossing.along {
             continue;
         }
         let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
-        let inside = at(-WINDOW_PIXELS).is_some_and(|pixel| {
-            pixel.x >= 0.0
-                && pixel.y >= 0.0
-                && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
-        });
-        if !inside {
+        if !at(-WINDOW_PIXELS.get()).is_some_and(|pixel| arcs.masked(&pixel)) {
             continue;
         }
-        let reach = ((search * crossing.across + WINDOW_PIXELS) / SAMPLE_PIXELS).ceil() as i64;
+        let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
         let samples: Option<Vec<f64>> = (-reach..=reach)
-            .map(|k| at(SAMPLE_PIXELS * k as f64).and_then(|pixel| interpolate(image, &pixel)))
+            .map(|k| at(SAMPLE_PIXELS.get() * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel)))
             .collect();
         let Some(samples) = samples else { continue };
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
@@ -224,17 +246,15 @@ fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> 
 }
 
 /// The brightness between pixels, bilinear.
-fn interpolate(image: &GreyImage, pixel: &Vector2<f64>) -> Option<f64> {
+fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
     let (x, y) = (pixel.x.floor(), pixel.y.floor());
     if !(x >= 0.0 && y >= 0.0 && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
         return None;
     }
     let (column, row) = (x as usize, y as usize);
     let (right, down) = (pixel.x - x, pixel.y - y);
-    let line = |row: usize| {
-        let values = &image.row(row)[column..column + 2];
-        f64::from(values[0]) * (1.0 - right) + f64::from(values[1]) * right
-    };
+    let value = |column: usize, row: usize| f64::from(image.value(column, row));
+    let line = |row: usize| value(column, row) * (1.0 - right) + value(column + 1, row) * right;
     Some(line(row) * (1.0 - down) + line(row + 1) * down)
 }
 
@@ -251,8 +271,10 @@ fn noise(profiles: &[Profile]) -> f64 {
         low = samples.iter().copied().fold(low, f64::min);
         high = samples.iter().copied().fold(high, f64::max);
     }
-    // The median of |x| is 0.6745 σ, and (1, −2, 1) has norm √6.
-    (median(&mut differences) / (0.6745 * 6.0_f64.sqrt())).max(1e-3 * (high - low)).max(f64::MIN_POSITIVE)
+    // (1, −2, 1) has the norm √6.
+    (DEVIATION_OF_MEDIAN * median(&mut differences) / 6.0_f64.sqrt())
+        .max(1e-3 * (high - low))
+        .max(f64::MIN_POSITIVE)
 }
 
 /// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
@@ -275,13 +297,13 @@ struct Window {
 impl Window {
     fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
         // Rounded; the conversion holds what is below 0 at 0.
-        let place = |edge: f64| (edge / SAMPLE_PIXELS + profile.zero + 0.5) as u32 as usize;
-        let last = place(edge + WINDOW_PIXELS).min(profile.samples.len() - 1);
-        let first = place(edge - WINDOW_PIXELS).min(last);
-        let has_cap = profile.cap < WINDOW_PIXELS + RIM_BLURS * blur;
+        let place = |edge: f64| (edge / SAMPLE_PIXELS.get() + profile.zero + 0.5) as u32 as usize;
+        let last = place(edge + WINDOW_PIXELS.get()).min(profile.samples.len() - 1);
+        let first = place(edge - WINDOW_PIXELS.get()).min(last);
+        let has_cap = profile.cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
         // In units of the blur.
-        let step = SAMPLE_PIXELS / blur;
-        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS - edge) / blur;
+        let step = SAMPLE_PIXELS.get() / blur;
+        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS.get() - edge) / blur;
         let cap = profile.cap / blur;
         // Of what lies beyond the surface (p), and beyond the cap (q).
         let (mut p, mut pp, mut py) = (0.0, 0.0, 0.0);
@@ -373,13 +395,13 @@ impl Profile {
         let floor = window.n * noise * noise;
         let [a, b, c] = window.steps();
         let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
-        0.5 * INDEPENDENT_SAMPLES * ((window.constant() + floor) / (steps + floor)).ln()
+        INDEPENDENT.get() * WINDOW_PIXELS.get() * ((window.constant() + floor) / (steps + floor)).ln()
     }
 
     /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
     fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
         let side = 0.25;
-        let reach = (SAMPLE_REACH_PIXELS / side) as i64;
+        let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
         let score = |k: i64| self.gain(expected + side * k as f64, blur, noise, smooth_step);
         let highest =
             |places: &mut dyn Iterator<Item = (i64, f64)>| places.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -390,7 +412,7 @@ impl Profile {
         let edge = expected + side * k as f64;
         let (before, after) = (score(k - 1), score(k + 1));
         let curvature = (before - 2.0 * best + after) / (side * side);
-        if k.abs() >= reach || best < LEAST_GAIN || !(curvature < 0.0) {
+        if k.abs() >= reach || best < LEAST_GAIN.get() || !(curvature < 0.0) {
             return None;
         }
         let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);
@@ -406,15 +428,12 @@ struct SmoothStep([f64; TABLE + 1]);
 const TABLE: usize = 512;
 const TABLE_REACH: f64 = 4.0;
 
-impl SmoothStep {
-    fn new() -> Self {
-        Self(std::array::from_fn(|k| {
-            let x = (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
-            // Logistic with a cubic term: off by less than 2e-4.
-            1.0 / (1.0 + (-x * (1.5976 + 0.070_565_992 * x * x)).exp())
-        }))
-    }
+static SMOOTH_STEP: LazyLock<SmoothStep> = LazyLock::new(|| {
+    let place = |k: usize| (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
+    SmoothStep(std::array::from_fn(|k| 0.5 * libm::erfc(-place(k) * FRAC_1_SQRT_2)))
+});
 
+impl SmoothStep {
     #[inline]
     fn at(&self, x: f64) -> f64 {
         let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;

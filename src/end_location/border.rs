@@ -3,12 +3,11 @@
 use super::silhouette::Silhouette;
 use nalgebra::Vector2;
 
-/// How far from the mask a pixel of the border may lie and still show the cylinder: more than a mask is off by.
-const NEAR_MASK_PIXELS: i64 = 4;
-
-/// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
-/// surface, a pixel one row further in may show a point further out.
-const BORDER_PIXELS: usize = 4;
+constants! {
+    /// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
+    /// surface, a pixel one row further in may show a point further out. In pixels of the drawing.
+    BORDER_PIXELS = 4.0, "drawn px";
+}
 
 /// The last position towards `outward` at which a pixel of the image still shows the surface. On a surface that
 /// runs out of the image that is a pixel of the border.
@@ -16,8 +15,12 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     let surface = silhouette.surface();
     let (mask, axis) = (silhouette.mask(), surface.cylinder.axis);
     let (width, height) = (mask.width(), mask.height());
+    let noise = silhouette.noise();
+    // A pixel of the border may lie so far from the mask and still show the cylinder.
+    let near = noise.beyond()[0].round() as i64;
+    let border = (BORDER_PIXELS.get() * noise.pixel).round() as usize;
     let near_mask = |column: usize, row: usize| {
-        let span = -NEAR_MASK_PIXELS..=NEAR_MASK_PIXELS;
+        let span = -near..=near;
         span.clone().any(|down| {
             span.clone().any(|right| {
                 // Outside the image a negative number becomes a large one, which the mask does not contain.
@@ -25,9 +28,8 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
             })
         })
     };
-    let beside_border = |column: usize, row: usize| {
-        column.min(width - 1 - column).min(row).min(height - 1 - row) < BORDER_PIXELS
-    };
+    let beside_border =
+        |column: usize, row: usize| column.min(width - 1 - column).min(row).min(height - 1 - row) < border;
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
     let mut last: Option<f64> = None;
     for (column, row) in pixels.filter(|&(column, row)| beside_border(column, row)) {

@@ -16,13 +16,24 @@ mod surroundings;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
-use crate::observations::{DepthImage, GreyImage, Mask, PointCloud};
+use crate::noise::ImageNoise;
+use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
+use arc::ArcSearch;
 use nalgebra::Vector2;
 use silhouette::Silhouette;
 use surface::Surface;
 use surroundings::Surroundings;
+
+#[cfg(feature = "sensitivity")]
+/// The constants of the location of ends.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    let files =
+        [CONSTANTS, arc::CONSTANTS, border::CONSTANTS, silhouette::CONSTANTS, surroundings::CONSTANTS];
+    files.concat()
+}
 
 /// What an end of the visible cylinder is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +77,10 @@ pub struct EndSearch<'a> {
     /// Whether the limbs of the cylinder are good to a fraction of a pixel, so that the bias of the mask may be
     /// read off at them.
     pub limbs_known: bool,
+    /// What is known of mask and image.
+    pub noise: ImageNoise,
+    /// The blur of the grey image in pixels, where limbs show it.
+    pub blur: Option<f64>,
 }
 
 /// An end as it was found.
@@ -83,23 +98,25 @@ pub struct End {
     pub samples: Vec<ArcSample>,
 }
 
-/// Rows and columns of the mask from one to the next that bound the search for the ends.
-const BOUNDS_STRIDE: usize = 2;
+constants! {
+    /// Rows and columns of the mask from one to the next that bound the search for the ends.
+    BOUNDS_STRIDE = 2.0, "px";
 
-/// About how many points tell the noise of the depth.
-const TOLERANCE_POINTS: usize = 2000;
+    /// About how many points tell the noise of the depth.
+    TOLERANCE_POINTS = 2000.0, "";
 
-/// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
-const LEAST_TOLERANCE: f64 = 0.1;
+    /// A step of this part of the radius is a bead or a lid, not something in front of the cylinder.
+    LEAST_TOLERANCE = 0.1, "radius";
+}
 
 /// The depth differences that are noise about a cylinder: three standard deviations, from the median so that
 /// background among the points does not count.
 #[must_use]
 pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
-    let stride = cloud.len() / TOLERANCE_POINTS + 1;
+    let stride = cloud.len() / TOLERANCE_POINTS.count() + 1;
     let mut distances: Vec<f64> =
         cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
-    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE * cylinder.radius)
+    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE.get() * cylinder.radius)
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
@@ -109,11 +126,19 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
     // Generators are only followed between the extremes, so that they need not be exact.
-    let extremes = extremes(search, cylinder, BOUNDS_STRIDE).filter(|(low, high)| low < high);
+    let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
     let surroundings = surroundings(search, cylinder);
-    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.limbs_known);
-    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, search.image, outward));
+    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
+    let factor = search.noise.factor(search.blur);
+    let camera = search.camera.reduced(factor);
+    let arcs = search.image.map(|image| ArcSearch {
+        image: ReducedImage::new(image, factor),
+        surface: Surface { camera: &camera, ..surface },
+        mask: search.mask,
+        noise: search.noise.reduced(factor),
+    });
+    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, arcs.as_ref(), outward));
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { Some(ends) } else { extreme_ends(search, cylinder) }
 }
@@ -133,8 +158,8 @@ fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End 
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
-    let EndSearch { camera, mask, depth, tolerance, .. } = *search;
-    Surroundings { camera, mask, depth, cylinder, tolerance }
+    let EndSearch { camera, mask, depth, tolerance, noise, .. } = *search;
+    Surroundings { camera, mask, depth, cylinder, tolerance, noise }
 }
 
 /// The least and the greatest position along the axis of the points completed over every `stride`-th row and
@@ -157,7 +182,7 @@ fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Optio
 fn locate(
     silhouette: &Silhouette<'_>,
     surroundings: &Surroundings<'_>,
-    image: Option<&GreyImage>,
+    arcs: Option<&ArcSearch<'_>>,
     outward: f64,
 ) -> End {
     let Some(rough) = silhouette.end(surroundings, outward) else {
@@ -170,9 +195,7 @@ fn locate(
         let deviation = Some(rough.pixel);
         return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
     }
-    let arc = image
-        .filter(|_| state != EndState::Hidden)
-        .and_then(|image| arc::locate(silhouette.surface(), silhouette.mask(), image, &rough, outward));
+    let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
     match arc {
         Some(arc) => End {
             position: arc.position,

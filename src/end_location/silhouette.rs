@@ -3,41 +3,44 @@
 use super::EndState;
 use super::surface::Surface;
 use super::surroundings::Surroundings;
+use crate::noise::ImageNoise;
 use crate::observations::Mask;
+use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
-/// Generators that are followed out of the mask.
-const GENERATORS: usize = 41;
+constants! {
+    /// Generators that are followed out of the mask.
+    GENERATORS = 41.0, "";
 
-/// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
-const WIDTH_PART: f64 = 0.85;
+    /// The part of the width that they cover: beside the limbs the boundary of a mask is that of the limbs.
+    WIDTH_PART = 0.85, "";
 
-/// Steps along a generator or across a limb, in pixels: finer than the pixels of the mask.
-const STEP_PIXELS: f64 = 0.5;
+    /// Steps along a generator or across a limb, in pixels of the drawing: finer than the pixels of the mask.
+    STEP_PIXELS = 0.5, "drawn px";
 
-/// How far beyond the extreme of the mask generators are followed, in pixels.
-const BEYOND_EXTREME_PIXELS: f64 = 12.0;
+    /// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
+    LIMB_REACH_PIXELS = 6.0, "drawn px";
 
-/// How far about a limb the boundary of the mask is looked for, in pixels: more than a mask is off by.
-const LIMB_REACH_PIXELS: f64 = 6.0;
+    /// Places along each limb at which the mask's boundary is looked at.
+    LIMB_PLACES = 64.0, "";
 
-/// Places along each limb at which the mask's boundary is looked at.
-const LIMB_PLACES: usize = 64;
+    /// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
+    BIAS_LEFT = 0.5, "σ";
 
-/// Standard deviation of a mask's boundary at one place, in pixels, and the length along it over which it wanders:
-/// a person or a network draws a boundary to about a pixel, smoothly.
-const BOUNDARY_DEVIATION: f64 = 0.8;
-const BOUNDARY_CORRELATION_PIXELS: f64 = 10.0;
+    /// Ends farther from the others than 4.685 times this count for nothing, in deviations of a boundary: short of an
+    /// occluder.
+    ROBUST_DEVIATION = 0.8, "σ";
 
-/// Standard deviation in pixels of what is left of a mask's bias after it was read off at the limbs, and without
-/// that.
-const BIAS_DEVIATION: [f64; 2] = [0.4, 1.0];
+    /// Rounds of reweighting of the mean of the generators.
+    REWEIGHTINGS = 10.0, "";
+}
 
 /// The mask beside the model.
 pub(super) struct Silhouette<'a> {
     surface: &'a Surface<'a>,
     mask: &'a Mask,
     extremes: (f64, f64),
+    noise: ImageNoise,
     /// How far the mask reaches beyond the surface, in pixels, where it is known.
     bias: Option<f64>,
 }
@@ -54,8 +57,14 @@ pub(super) struct RoughEnd {
 }
 
 impl<'a> Silhouette<'a> {
-    pub fn new(surface: &'a Surface<'a>, mask: &'a Mask, extremes: (f64, f64), limbs_known: bool) -> Self {
-        let mut silhouette = Self { surface, mask, extremes, bias: None };
+    pub fn new(
+        surface: &'a Surface<'a>,
+        mask: &'a Mask,
+        extremes: (f64, f64),
+        noise: ImageNoise,
+        limbs_known: bool,
+    ) -> Self {
+        let mut silhouette = Self { surface, mask, extremes, noise, bias: None };
         if limbs_known {
             silhouette.bias = silhouette.bias_at_limbs();
         }
@@ -70,6 +79,10 @@ impl<'a> Silhouette<'a> {
         self.mask
     }
 
+    pub fn noise(&self) -> &ImageNoise {
+        &self.noise
+    }
+
     /// The middle between the extremes of the mask.
     pub fn middle(&self) -> f64 {
         0.5 * (self.extremes.0 + self.extremes.1)
@@ -82,12 +95,14 @@ impl<'a> Silhouette<'a> {
 
     /// The end towards `outward`; `None` when no generator shows it.
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
-        let extreme = self.extreme(outward);
+        let (extreme, noise) = (self.extreme(outward), &self.noise);
         // (position, pixels per unit across the arc)
-        let mut ends = Vec::with_capacity(GENERATORS);
-        for angle in self.surface.generators(GENERATORS, WIDTH_PART) {
+        let mut ends = Vec::with_capacity(GENERATORS.count());
+        for angle in self.surface.generators(GENERATORS.count(), WIDTH_PART.get()) {
             let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
-            let Some(position) = self.last_in_mask(angle, STEP_PIXELS / crossing.along, outward) else {
+            let Some(position) =
+                self.last_in_mask(angle, STEP_PIXELS.get() * noise.pixel / crossing.along, outward)
+            else {
                 continue;
             };
             ends.push((angle, position, crossing.across));
@@ -99,15 +114,15 @@ impl<'a> Silhouette<'a> {
         });
         let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
-        let (position, across) = robust_mean(&used)?;
+        let (position, across) = robust_mean(&used, ROBUST_DEVIATION.get() * noise.boundary)?;
         let pixel = 1.0 / across;
-        let width = 2.0 * WIDTH_PART * self.surface.half_width(extreme)?;
-        let places = (width * used.len() as f64 / GENERATORS as f64 / BOUNDARY_CORRELATION_PIXELS).max(1.0);
+        let width = 2.0 * WIDTH_PART.get() * self.surface.half_width(extreme)?;
+        let places = (width * used.len() as f64 / GENERATORS.count() as f64 / noise.correlation).max(1.0);
         let bias = self.bias.unwrap_or(0.0);
-        let left = BIAS_DEVIATION[usize::from(self.bias.is_none())];
+        let left = if self.bias.is_some() { BIAS_LEFT.get() * noise.boundary } else { noise.unevenness };
         Some(RoughEnd {
             position: position - outward * bias * pixel,
-            deviation: (BOUNDARY_DEVIATION * BOUNDARY_DEVIATION / places + left * left).sqrt() * pixel,
+            deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
             pixel,
         })
     }
@@ -116,7 +131,8 @@ impl<'a> Silhouette<'a> {
     fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
         let (middle, extreme) = (self.middle(), self.extreme(outward));
         // The extreme is one of a grid, see its stride, and not of the border.
-        let steps = ((extreme - middle).abs() / step + BEYOND_EXTREME_PIXELS / STEP_PIXELS).ceil() as usize;
+        let beyond = self.noise.beyond()[3] / (STEP_PIXELS.get() * self.noise.pixel);
+        let steps = ((extreme - middle).abs() / step + beyond).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
         let last = (0..=steps).rev().find(|&k| {
@@ -130,17 +146,17 @@ impl<'a> Silhouette<'a> {
     fn bias_at_limbs(&self) -> Option<f64> {
         let limb = self.surface.limb_angle();
         let half_width = self.surface.half_width(self.middle())?;
-        let reach = LIMB_REACH_PIXELS.min(0.6 * half_width);
+        let reach = (LIMB_REACH_PIXELS.get() * self.noise.pixel).min(0.6 * half_width);
         let mut sum = 0.0;
         for angle in [-limb, limb] {
             let mut offsets = Vec::new();
-            for k in 0..LIMB_PLACES {
+            for k in 0..LIMB_PLACES.count() {
                 // Beside the ends the boundary turns away from the limb.
-                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES - 1) as f64;
+                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES.count() - 1) as f64;
                 let position = self.extremes.0 + part * (self.extremes.1 - self.extremes.0);
                 offsets.extend(self.boundary_at_limb(angle, position, reach));
             }
-            if offsets.len() < LIMB_PLACES / 8 {
+            if offsets.len() < LIMB_PLACES.count() / 8 {
                 return None;
             }
             offsets.sort_by(f64::total_cmp);
@@ -158,12 +174,13 @@ impl<'a> Silhouette<'a> {
         let inward = self.surface.pixel(0.0, position)? - at;
         let normal = Vector2::new(-along.y, along.x).normalize();
         let outward = if normal.dot(&inward) < 0.0 { normal } else { -normal };
-        let steps = ((reach + LIMB_REACH_PIXELS) / STEP_PIXELS) as usize;
-        let offset = |k: usize| STEP_PIXELS * k as f64 - reach;
+        let step = STEP_PIXELS.get() * self.noise.pixel;
+        let steps = ((reach + LIMB_REACH_PIXELS.get() * self.noise.pixel) / step) as usize;
+        let offset = |k: usize| step * k as f64 - reach;
         let pixel = |k: usize| at + outward * offset(k);
         let first_out = (0..=steps).find(|&k| !contains(self.mask, &pixel(k)))?;
         let inside = self.surface.camera.contains(&pixel(first_out));
-        (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * STEP_PIXELS)
+        (first_out > 0 && inside).then(|| offset(first_out) - 0.5 * step)
     }
 }
 
@@ -172,9 +189,9 @@ fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     inside && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
 }
 
-/// A location of positions whose deviation is one over their second number, robust against a minority of others,
-/// and the root mean square of these numbers there.
-fn robust_mean(ends: &[(f64, f64)]) -> Option<(f64, f64)> {
+/// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority
+/// of others, and the root mean square of these numbers there.
+fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
     let mut sorted = ends.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
@@ -183,25 +200,29 @@ fn robust_mean(ends: &[(f64, f64)]) -> Option<(f64, f64)> {
         below += end.1 * end.1;
         (below >= 0.5 * total).then_some(end.0)
     })?;
-    // Tukey's biweight at three pixels: past the noise of any boundary, short of an occluder.
-    const LIMIT: f64 = 3.0;
     let mut across = 0.0;
-    for _ in 0..10 {
-        let (mut sum, mut weights, mut count) = (0.0, 0.0, 0.0);
-        for &(position, scale) in &sorted {
-            let r = (position - location) * scale / LIMIT;
-            if r.abs() < 1.0 {
-                let robust = (1.0 - r * r).powi(2);
-                sum += robust * scale * scale * position;
-                weights += robust * scale * scale;
-                count += robust;
-            }
+    let distances = |location: f64, residuals: &mut [f64]| {
+        for (&(position, scale), residual) in sorted.iter().zip(residuals) {
+            *residual = (position - location) * scale;
         }
-        if !(weights > 0.0) {
+    };
+    let mut residuals = vec![0.0; sorted.len()];
+    distances(location, &mut residuals);
+    let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::Known(deviation) };
+    reweighting.continue_from(&mut residuals, |weights, residuals| {
+        let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
+        for (&(position, scale), weight) in sorted.iter().zip(weights) {
+            sum += weight * scale * scale * position;
+            total += weight * scale * scale;
+            count += weight;
+        }
+        if !(total > 0.0) {
             return None;
         }
-        location = sum / weights;
-        across = (weights / count).sqrt();
-    }
+        location = sum / total;
+        across = (total / count).sqrt();
+        distances(location, residuals);
+        Some(Progress::Moved)
+    })?;
     Some((location, across))
 }

@@ -4,18 +4,17 @@ use super::EndState;
 use super::surface::Surface;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, any_orthogonal};
+use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use nalgebra::Vector3;
 
-/// How far beyond an end its surroundings are looked at, in pixels: past the reach of a mask that is off by a
-/// pixel or two and of depth that a matching window carries over the edge, yet still beside the end.
-const BEYOND_PIXELS: [f64; 4] = [4.0, 6.0, 8.0, 10.0];
+constants! {
+    /// Lines along the surface on which the surroundings of an end are looked at.
+    GENERATORS = 15.0, "";
 
-/// Lines along the surface on which the surroundings of an end are looked at.
-const GENERATORS: usize = 15;
-
-/// The part of the visible arc that these lines cover: near the limbs depth is worst.
-const ARC_PART: f64 = 0.7;
+    /// The part of the visible arc that these lines cover: near the limbs depth is worst.
+    ARC_PART = 0.7, "";
+}
 
 /// What is looked at beyond an end.
 pub(super) struct Surroundings<'a> {
@@ -25,6 +24,7 @@ pub(super) struct Surroundings<'a> {
     pub cylinder: &'a Cylinder,
     /// Depth differences up to this are noise.
     pub tolerance: f64,
+    pub noise: ImageNoise,
 }
 
 /// How often the places beyond an end told each state.
@@ -83,8 +83,9 @@ impl Surroundings<'_> {
         };
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
         // (pixels beyond the end, depth measured there less that of the continued surface)
-        let mut steps = Vec::with_capacity(BEYOND_PIXELS.len());
-        for beyond in BEYOND_PIXELS {
+        let places = self.noise.beyond();
+        let mut steps = Vec::with_capacity(places.len());
+        for beyond in places {
             let point = rim + outward * (pixel * beyond);
             let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
                 votes.cut += 1;
@@ -117,9 +118,10 @@ impl Surroundings<'_> {
         let sideways = axis.direction.cross(&toward);
         // From outside the surface is visible up to the limbs, at acos(r / ‖c‖) from the line of sight; from
         // inside all of it.
-        let half_arc = if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART;
-        (0..GENERATORS).map(move |k| {
-            let angle = half_arc * (2.0 * k as f64 / (GENERATORS - 1) as f64 - 1.0);
+        let half_arc =
+            if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART.get();
+        (0..GENERATORS.count()).map(move |k| {
+            let angle = half_arc * (2.0 * k as f64 / (GENERATORS.count() - 1) as f64 - 1.0);
             end + (toward * angle.cos() + sideways * angle.sin()) * radius
         })
     }

@@ -1,7 +1,7 @@
 //! The finite extent of the visible cylinder (the paper's section 4.5.2) and what its ends look like.
 //!
 //! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
-//! Here the ends are located from all generators together, see [`crate::end_location`].
+//! Here the ends are located from all generators together, see `src/end_location`.
 
 mod uncertainty;
 
@@ -10,32 +10,21 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+use crate::camera::Camera;
 use crate::completion::Region;
 pub use crate::end_location::{ArcSample, EndSource, EndState};
-use crate::end_location::{EndSearch, depth_tolerance, extreme_ends, locate_ends};
+use crate::end_location::{End, EndSearch, depth_tolerance, extreme_ends, locate_ends};
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::fitter::ExtentRule;
 use crate::fitter::{FitResult, Fitter};
-use crate::geometry::Cylinder;
-use crate::observations::{GreyImage, MaskView};
+use crate::geometry::{Cylinder, RigidMotion};
+use crate::limb_location::blur_of;
+use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
 pub use uncertainty::ExtentUncertainty;
 
-/// Limbs that pass that near to the segments, root mean square in pixels, are taken as known: twice what a hand-set edge
-/// is off.
-const KNOWN_PIXELS: f64 = 1.0;
-
-/// The settings of the extent.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct ExtentOptions<'a> {
-    /// The grey image, on the grid of the mask.
-    pub image: Option<&'a GreyImage>,
-    /// Whether the limbs of the model are good to a fraction of a pixel, so that the bias of the mask may be
-    /// read off at them. `None`: when the last fit located a limb in the image, or passes within a pixel of the given
-    /// segments.
-    pub limbs_known: Option<bool>,
-}
+const CALL: &str = "finding the extent";
 
 /// The visible piece of the cylinder: `end` = `start` + `length` · direction of the model. Lengths are in the
 /// unit of the data.
@@ -62,79 +51,83 @@ pub struct Extent {
     pub start_deviation: Option<f64>,
     /// The same for the end.
     pub end_deviation: Option<f64>,
+    /// The view that tells most of the start.
+    pub start_view: usize,
+    /// The same for the end.
+    pub end_view: usize,
+    /// Whether the limbs of the model were taken as known in these views, so that the bias of the mask was read off at
+    /// them.
+    pub limbs_known: bool,
     /// The uncertainty of ends, centre and length together with that of the fit. It is that of the visible piece: of
     /// an end that is not [`EndState::Seen`] the cylinder may well go on. `None` for extremes, from inside a pipe, for
     /// a model that the caller gave, and when the fit has none.
     pub uncertainty: Option<ExtentUncertainty>,
 }
 
+/// The ends of one view, and what that view is.
+struct EndsOfView {
+    view: usize,
+    into_view: RigidMotion,
+    limbs_known: bool,
+    ends: [End; 2],
+}
+
 impl Fitter {
-    /// The extent in the image that was pushed. See [`Fitter::extent_with`].
+    /// The ends of the visible cylinder in all views with a camera and a mask, found by the [`ExtentRule`] of the options.
+    /// `model` stands in for the last fit, `mask` for the mask of the last depth image of the selected view; the depth
+    /// image also tells what the ends are. An end that several views show is their mean by their variances; one
+    /// that none shows is the outermost of where they lose it.
     ///
     /// # Errors
-    /// Those of [`Fitter::extent_with`].
+    /// `BadState` without a model, intrinsics or mask (of one view); `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no
+    /// ray of a mask meets the cylinder.
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
-        let options = ExtentOptions { image: self.image(), limbs_known: None };
-        self.extent_with(model, mask, &options)
+        Ok(self.extent_and_arcs(model, mask)?.0)
     }
 
-    /// The ends of the visible cylinder, found by the [`ExtentRule`] of the options of the fitter. `model` and `mask` stand in for the last fit and the mask of the last
-    /// depth image, which also tells what the ends are.
-    ///
-    /// # Errors
-    /// `BadState` without a model, intrinsics or mask; `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no ray of
-    /// the mask meets the cylinder.
-    pub fn extent_with(
-        &self,
-        model: Option<&Cylinder>,
-        mask: Option<&MaskView<'_>>,
-        options: &ExtentOptions<'_>,
-    ) -> Result<Extent> {
-        Ok(self.extent_and_arcs(model, mask, options)?.0)
-    }
-
-    /// The same, and the places of the arcs of start and end in the grey image. They are empty for an end that the
+    /// The same, and by view the places of the arcs of start and end in its image. They are empty for an end that the
     /// image did not show.
     ///
     /// # Errors
-    /// Those of [`Fitter::extent_with`].
+    /// Those of [`Fitter::extent`].
     pub fn extent_and_arcs(
         &self,
         model: Option<&Cylinder>,
         mask: Option<&MaskView<'_>>,
-        options: &ExtentOptions<'_>,
-    ) -> Result<(Extent, [Vec<ArcSample>; 2])> {
-        let cylinder = self.model_or_result("finding the extent", model)?;
-        let region = Region::new("finding the extent", self, mask)?;
-        if let Some(image) = options.image {
-            region.mask().check_size("grey image", (image.width(), image.height()))?;
+    ) -> Result<(Extent, Vec<[Vec<ArcSample>; 2]>)> {
+        self.find_extent(model, mask, None)
+    }
+
+    fn find_extent(
+        &self,
+        model: Option<&Cylinder>,
+        mask: Option<&MaskView<'_>>,
+        limbs_known: Option<bool>,
+    ) -> Result<(Extent, Vec<[Vec<ArcSample>; 2]>)> {
+        let cylinder = self.model_or_result(CALL, model)?;
+        // Of several views any may show the ends; of one, what is missing has a name.
+        let region = Region::new(CALL, self, mask);
+        let region = if self.view_count() == 1 { Some(region?) } else { region.ok() };
+        let mut views = Vec::new();
+        for (index, view) in self.views().iter().enumerate() {
+            let selected = index == self.selected_view();
+            let own = region.as_ref().filter(|_| selected).map(Region::mask);
+            let Some((camera, mask)) = view.camera().zip(own.or(view.mask.as_ref())) else { continue };
+            views.extend(self.ends_of(index, camera, mask, &cylinder, limbs_known));
         }
-        let search = EndSearch {
-            camera: region.camera,
-            mask: region.mask(),
-            depth: self.depth(),
-            image: options.image,
-            tolerance: depth_tolerance(self.cloud(), &cylinder),
-            limbs_known: options.limbs_known.unwrap_or_else(|| {
-                let near = |rms: f64| rms <= KNOWN_PIXELS;
-                let known =
-                    |result: &FitResult| result.limbs_located > 0 || result.edge_rms_pixels.is_some_and(near);
-                self.result().is_some_and(known)
-            }),
-        };
-        let locates_ends = self.options().locates_ends();
-        let ends =
-            if locates_ends { locate_ends(&search, &cylinder) } else { extreme_ends(&search, &cylinder) };
-        let ends = ends.ok_or_else(|| Error::EdgeGeometry {
-            reason: "no ray of the mask meets the cylinder".into(),
-            remedy: "check that mask and model belong to the same image",
-        })?;
+        if views.is_empty() {
+            return Err(Error::EdgeGeometry {
+                reason: "no ray of a mask meets the cylinder".into(),
+                remedy: "check that mask and model belong to the same image",
+            });
+        }
+        let [start, end] = [0, 1].map(|side| combine(&views, side));
         // The error of a given model is not known.
         let fit = model.is_none().then(|| self.result()?.uncertainty).flatten();
-        let uncertainty = fit.and_then(|fit| uncertainty::of_ends(&cylinder, &fit, &ends));
-        let [start, end] = ends;
-        let arcs = [start.samples, end.samples];
+        let of_views = [&start, &end].map(|(end, of_view)| (end, of_view.into_view));
+        let uncertainty = fit.and_then(|fit| uncertainty::of_ends(&cylinder, &fit, of_views));
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
+        let ((start, start_view), (end, end_view)) = (start, end);
         let extent = Extent {
             center: at(0.5 * (start.position + end.position)),
             length: end.position - start.position,
@@ -146,8 +139,83 @@ impl Fitter {
             end_source: end.source,
             start_deviation: start.deviation,
             end_deviation: end.deviation,
+            start_view: start_view.view,
+            end_view: end_view.view,
+            limbs_known: start_view.limbs_known && end_view.limbs_known,
             uncertainty,
         };
+        let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); self.view_count()];
+        for EndsOfView { view, ends, .. } in views {
+            arcs[view] = ends.map(|end| end.samples);
+        }
         Ok((extent, arcs))
     }
+
+    fn ends_of(
+        &self,
+        index: usize,
+        camera: &Camera,
+        mask: &Mask,
+        cylinder: &Cylinder,
+        limbs_known: Option<bool>,
+    ) -> Option<EndsOfView> {
+        let view = &self.views()[index];
+        let into_view = view.pose().inverse();
+        let seen = into_view.cylinder(cylinder);
+        let noise = self.options().noise.in_image(camera.size());
+        // Limbs that pass that near to the segments are taken as known.
+        let near =
+            |result: &FitResult| result.edge_rms_pixels.is_some_and(|rms| rms <= noise.limb_of_segments());
+        let search = EndSearch {
+            camera,
+            mask,
+            depth: view.depth(),
+            image: view.image(),
+            tolerance: depth_tolerance(&view.cloud, &seen),
+            limbs_known: limbs_known
+                .unwrap_or_else(|| self.limbs_known(index) || self.result().is_some_and(near)),
+            noise,
+            blur: self.limbs_of(index).and_then(blur_of),
+        };
+        let locates_ends = self.options().locates_ends();
+        let ends = if locates_ends { locate_ends(&search, &seen) } else { extreme_ends(&search, &seen) };
+        Some(EndsOfView { view: index, into_view, limbs_known: search.limbs_known, ends: ends? })
+    }
+}
+
+/// One end by all views, and the view that tells most of it.
+fn combine(views: &[EndsOfView], side: usize) -> (End, &EndsOfView) {
+    let outward = [-1.0, 1.0][side];
+    let end = |of_view: &EndsOfView| of_view.ends[side].clone();
+    let seen = |of_view: &EndsOfView| of_view.ends[side].state == EndState::Seen;
+    // Without depth beyond it, the image still shows an end.
+    let shown = |of_view: &EndsOfView| {
+        let end = &of_view.ends[side];
+        seen(of_view) || end.state == EndState::Unknown && end.source == EndSource::Image
+    };
+    let told = || views.iter().filter(|of_view| shown(of_view));
+    let deviation = |of_view: &EndsOfView| of_view.ends[side].deviation.unwrap_or(f64::INFINITY);
+    let best = told().min_by(|a, b| {
+        // What is seen says more about the state than what is shown.
+        seen(b).cmp(&seen(a)).then(deviation(a).total_cmp(&deviation(b)))
+    });
+    let outermost = |a: &&EndsOfView, b: &&EndsOfView| {
+        (outward * a.ends[side].position).total_cmp(&(outward * b.ends[side].position))
+    };
+    let Some(best) = best else {
+        // There is at least one view.
+        let last = views.iter().max_by(outermost).unwrap_or(&views[0]);
+        return (end(last), last);
+    };
+    let (mut information, mut sum) = (0.0, 0.0);
+    for of_view in told() {
+        let weight = deviation(of_view).powi(-2);
+        information += weight;
+        sum += weight * of_view.ends[side].position;
+    }
+    if told().count() == 1 || !(information > 0.0) {
+        return (end(best), best);
+    }
+    let mean = End { position: sum / information, deviation: Some(information.sqrt().recip()), ..end(best) };
+    (mean, best)
 }

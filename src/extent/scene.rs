@@ -3,7 +3,7 @@
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
-use crate::observations::{DepthRange, DepthView, GreyImage, ImageView, MaskView};
+use crate::observations::{DepthRange, DepthView, MaskView};
 use nalgebra::{Vector2, Vector3};
 
 pub(super) const SIZE: (usize, usize) = (200, 160);
@@ -77,7 +77,7 @@ impl Scene {
     }
 
     /// Image, depth image and mask, the mask moved outward by a number of pixels.
-    pub fn render(&self, mask_bias: i64) -> (GreyImage, Vec<f32>, Vec<u8>) {
+    pub fn render(&self, mask_bias: i64) -> (Vec<f32>, Vec<f32>, Vec<u8>) {
         let (width, height) = SIZE;
         let (mut grey, mut depth, mut side) = (Vec::new(), Vec::new(), Vec::new());
         for row in 0..height {
@@ -105,7 +105,7 @@ impl Scene {
         let mask =
             pixels.map(|(x, y)| u8::from(if mask_bias < 0 { !near(x, y, false) } else { near(x, y, true) }));
         let mask = mask.collect();
-        (GreyImage::copy(&ImageView::from_f32(&grey, SIZE).unwrap()).unwrap(), depth, mask)
+        (grey, depth, mask)
     }
 
     /// A fitter that holds depth and mask.

@@ -3,6 +3,7 @@
 use super::scene::{SIZE, Scene};
 use super::*;
 use crate::fitter::{ExtentRule, Method, ObjectiveKind, Options};
+use crate::noise::NoiseModel;
 use crate::observations::ImageView;
 use nalgebra::Vector2;
 
@@ -15,10 +16,12 @@ fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
 
 fn extent(scene: &Scene, mask_bias: i64, rule: ExtentRule, with_image: bool) -> Extent {
     let (image, depth, mask) = scene.render(mask_bias);
-    let options = ExtentOptions { image: with_image.then_some(&image), limbs_known: Some(true) };
     let mut fitter = Scene::fitter(&depth, &mask);
+    if with_image {
+        fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+    }
     fitter.set_options(Options { extent_rule: rule, ..Options::default() }).unwrap();
-    fitter.extent_with(Some(&scene.cylinder), None, &options).unwrap()
+    fitter.find_extent(Some(&scene.cylinder), None, Some(true)).unwrap().0
 }
 
 #[test]
@@ -120,18 +123,17 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
 }
 
 /// The image blurred by a Gauss curve of a standard deviation of one pixel.
-fn blurred(image: &GreyImage) -> GreyImage {
+fn blurred(image: &[f32]) -> Vec<f32> {
     let weight = |k: i64| (-0.5 * (k * k) as f64).exp();
     let weights: f64 = (-4..=4).map(weight).sum();
     let pixel = |column: i64, row: i64| {
         let (x, y) = (column.clamp(0, SIZE.0 as i64 - 1), row.clamp(0, SIZE.1 as i64 - 1));
-        f64::from(image.row(y as usize)[x as usize])
+        f64::from(image[y as usize * SIZE.0 + x as usize])
     };
     let along = |x: i64, y: i64| (-4..=4).map(|k| weight(k) * pixel(x + k, y)).sum::<f64>() / weights;
     let both = |x: i64, y: i64| (-4..=4).map(|k| weight(k) * along(x, y + k)).sum::<f64>() / weights;
     let places = (0..SIZE.1 as i64).flat_map(|row| (0..SIZE.0 as i64).map(move |column| (column, row)));
-    let pixels: Vec<f32> = places.map(|(x, y)| both(x, y) as f32).collect();
-    GreyImage::copy(&ImageView::from_f32(&pixels, SIZE).unwrap()).unwrap()
+    places.map(|(x, y)| both(x, y) as f32).collect()
 }
 
 /// How far the places of both arcs lie outside the end circles, in pixels.
@@ -139,15 +141,18 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
     let scene = Scene::tilted(tilt);
     let (image, depth, mask) = scene.render(0);
     let image = if blur { blurred(&image) } else { image };
-    let fitter = Scene::fitter(&depth, &mask);
+    let mut fitter = Scene::fitter(&depth, &mask);
+    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
     let camera = Scene::camera();
     let search = EndSearch {
         camera: &camera,
         mask: fitter.mask().unwrap(),
         depth: fitter.depth(),
-        image: Some(&image),
+        image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),
         limbs_known: true,
+        noise: NoiseModel::default().in_image(camera.size()),
+        blur: None,
     };
     let axis = scene.cylinder.axis;
     let [start, end] = locate_ends(&search, &scene.cylinder).unwrap().map(|end| end.samples);
@@ -188,20 +193,10 @@ fn the_far_rim_of_a_cap_does_not_bend_the_arc() {
 fn a_plain_image_leaves_the_mask() {
     let scene = Scene::tilted(0.3);
     let (_, depth, mask) = scene.render(0);
-    let plain = GreyImage::copy(&ImageView::from_u8(&vec![90; SIZE.0 * SIZE.1], SIZE).unwrap()).unwrap();
-    let options = ExtentOptions { image: Some(&plain), ..ExtentOptions::default() };
-    let found = Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap();
+    let mut fitter = Scene::fitter(&depth, &mask);
+    fitter.push_image(&ImageView::from_u8(&vec![90; SIZE.0 * SIZE.1], SIZE).unwrap()).unwrap();
+    let found = fitter.extent(Some(&scene.cylinder), None).unwrap();
     assert_eq!((found.start_source, found.end_source), (EndSource::Mask, EndSource::Mask));
-}
-
-#[test]
-fn an_image_of_another_size_is_refused() {
-    let scene = Scene::tilted(0.3);
-    let (_, depth, mask) = scene.render(0);
-    let small = GreyImage::copy(&ImageView::from_u8(&[0; 6], (3, 2)).unwrap()).unwrap();
-    let options = ExtentOptions { image: Some(&small), ..ExtentOptions::default() };
-    let error = Scene::fitter(&depth, &mask).extent_with(Some(&scene.cylinder), None, &options).unwrap_err();
-    assert!(matches!(error, Error::SizeMismatch { other: "grey image", .. }), "{error}");
 }
 
 #[test]
@@ -209,7 +204,8 @@ fn from_inside_a_pipe_the_rule_is_that_of_the_paper() {
     let scene = Scene::tilted(0.3);
     let (image, depth, mask) = scene.render(0);
     let pipe = Cylinder::new(Vector3::new(0.0, 0.1, 0.0), Vector3::new(0.1, 0.0, 1.0), 0.4).unwrap();
-    let options = ExtentOptions { image: Some(&image), ..ExtentOptions::default() };
-    let found = Scene::fitter(&depth, &mask).extent_with(Some(&pipe), None, &options).unwrap();
+    let mut fitter = Scene::fitter(&depth, &mask);
+    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+    let found = fitter.extent(Some(&pipe), None).unwrap();
     assert_eq!((found.start_source, found.end_source), (EndSource::Extreme, EndSource::Extreme));
 }

@@ -2,7 +2,7 @@
 
 use crate::end_location::End;
 use crate::fitter::Uncertainty;
-use crate::geometry::{Cylinder, LimbFrame};
+use crate::geometry::{Cylinder, LimbFrame, RigidMotion};
 use crate::residuals::near_wall;
 use nalgebra::{Matrix3, SVector, Vector3};
 
@@ -24,19 +24,30 @@ pub struct ExtentUncertainty {
     pub length: f64,
 }
 
-/// The uncertainty of two ends (start, end) on the surface of a fit; `None` where the position of one has no deviation,
+/// The uncertainty of two ends (start, end) on the surface of a fit, each with the motion into the view that shows it;
+/// `None` where the position of one has no deviation,
 /// or the covariance of the fit is singular.
 ///
 /// What is seen of an end is its arc in the image, and that stays where it is when the cylinder changes within its
 /// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. The errors by which
 /// the arcs were located are independent of that and of each other.
-pub(super) fn of_ends(cylinder: &Cylinder, fit: &Uncertainty, ends: &[End; 2]) -> Option<ExtentUncertainty> {
-    let [of_start, of_end] = [ends[0].deviation?.powi(2), ends[1].deviation?.powi(2)];
-    let frame = LimbFrame::new(cylinder)?;
-    let rays = ends.each_ref().map(|end| rays(cylinder, &frame, end.position));
+pub(super) fn of_ends(
+    cylinder: &Cylinder,
+    fit: &Uncertainty,
+    ends: [(&End, RigidMotion); 2],
+) -> Option<ExtentUncertainty> {
+    let [of_start, of_end] = [ends[0].0.deviation?.powi(2), ends[1].0.deviation?.powi(2)];
+    let [at_start, at_end] = ends.map(|(end, into_view)| {
+        let seen = into_view.cylinder(cylinder);
+        Some((rays(&seen, &LimbFrame::new(&seen)?, end.position), into_view))
+    });
+    let (at_start, at_end) = (at_start?, at_end?);
     // Start, end and length.
     let joint = fit.propagate(|cylinder| {
-        let [start, end] = [position_on(cylinder, &rays[0])?, position_on(cylinder, &rays[1])?];
+        let position = |(rays, into_view): &(Vec<Vector3<f64>>, RigidMotion)| {
+            position_on(&into_view.cylinder(cylinder), rays)
+        };
+        let [start, end] = [position(&at_start)?, position(&at_end)?];
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
         let numbers = at(start).iter().chain(&at(end)).copied().chain([end - start]).collect::<Vec<_>>();
         Some(SVector::<f64, 7>::from_column_slice(&numbers))
@@ -74,11 +85,11 @@ fn position_on(cylinder: &Cylinder, rays: &[Vector3<f64>]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scene::Scene;
-    use super::super::{EndSource, EndState, ExtentOptions};
+    use super::super::scene::{SIZE, Scene};
+    use super::super::{EndSource, EndState};
     use super::*;
     use crate::fitter::{Fitter, Options, StartKind};
-    use crate::observations::PointsView;
+    use crate::observations::{ImageView, PointsView};
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -124,7 +135,9 @@ mod tests {
                 source: EndSource::Image,
                 samples: Vec::new(),
             });
-            let uncertainty = of_ends(&result.cylinder, &result.uncertainty.unwrap(), &ends).unwrap();
+            let at = |end| (end, RigidMotion::identity());
+            let both = [at(&ends[0]), at(&ends[1])];
+            let uncertainty = of_ends(&result.cylinder, &result.uncertainty.unwrap(), both).unwrap();
             // The direction of the result may be the opposite one.
             let error = (ends[1].position - ends[0].position).abs() - (end - start);
             length_held += usize::from(error.abs() <= 1.960 * uncertainty.length);
@@ -146,9 +159,12 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         depth.iter_mut().for_each(|z| *z += 2e-3 * normal(&mut rng) as f32);
         let mut fitter = Scene::fitter(&depth, &mask);
+        // Without the image the fit is as uncertain as the test needs it.
         let fit = fitter.fit().unwrap().uncertainty.unwrap();
-        let options = ExtentOptions { image: Some(&image), limbs_known: Some(true) };
-        let extent = fitter.extent_with(None, None, &options).unwrap();
+        let image = ImageView::from_f32(&image, SIZE).unwrap();
+        fitter.push_image(&image).unwrap();
+        let find = |model: Option<&Cylinder>| fitter.find_extent(model, None, Some(true)).unwrap().0;
+        let extent = find(None);
         let uncertainty = extent.uncertainty.unwrap();
         let of_ends = extent.start_deviation.unwrap().powi(2) + extent.end_deviation.unwrap().powi(2);
         let mut of_fit = 0.0;
@@ -157,14 +173,14 @@ mod tests {
                 let mut deviations = [0.0; 5];
                 deviations[k] = size;
                 let cylinder = fit.displaced(&deviations);
-                fitter.extent_with(Some(&cylinder), None, &options).unwrap().length
+                find(Some(&cylinder)).length
             };
             of_fit += ((at(1.0) - at(-1.0)) / 2.0).powi(2);
         }
         let predicted = uncertainty.length.powi(2) - of_ends;
         assert!((of_fit / predicted - 1.0).abs() < 0.2, "{of_fit} {predicted}");
         // A given model has no known error.
-        let given = fitter.extent_with(Some(&scene.cylinder), None, &options).unwrap();
+        let given = find(Some(&scene.cylinder));
         assert!(given.uncertainty.is_none() && given.start_deviation.is_some());
     }
 }

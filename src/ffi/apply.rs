@@ -2,12 +2,13 @@
 
 use super::constants::cylfuse_layout;
 use super::data::optional_mask;
-use super::handle::{cylfuse_fitter, enter};
-use super::sized::{Output, check_reserved, read, zeroed};
+use super::handle::{cylfuse_fitter, enter_to_read};
+use super::options::saturated;
+use super::results::{cylfuse_completion, cylfuse_extent};
+use super::sized::{Output, read, zeroed};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{
-    cylfuse_completion, cylfuse_cylinder, cylfuse_depth_out, cylfuse_extent, cylfuse_mask_view,
-    cylfuse_points_out, cylfuse_segments_view,
+    cylfuse_cylinder, cylfuse_depth_out, cylfuse_mask_view, cylfuse_points_out, cylfuse_segments_view,
 };
 use super::views::{self, Grid, Slot, optional_cylinder, pixel_size};
 use crate::completion::{CompletionCounts, Region};
@@ -19,10 +20,10 @@ use nalgebra::{Matrix3, Vector3};
 
 const CALL: &str = "completing the points";
 
-/// Says how many points a completion may give at most.
+/// Says how many points a completion of the selected view may give at most.
 ///
 /// @param fitter the fitter
-/// @param mask the region; NULL = the mask of the last depth image
+/// @param mask the region; NULL = the mask of the view
 /// @param layout for which layout
 /// @param out_capacity where the number goes: the set pixels of the mask when packed, all pixels of the image
 ///   when organised
@@ -36,7 +37,7 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_bound(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out = Slot::new(out_capacity, "out_capacity")?;
             let organised = layout.read("layout")?;
             let region = Region::new(CALL, &content.fitter, optional_mask(mask)?.as_ref())?;
@@ -51,15 +52,17 @@ fn bound(region: &Region<'_>, organised: bool) -> usize {
     if organised { mask.width() * mask.height() } else { mask.count() }
 }
 
-/// Completes the cloud: casts the ray of every pixel of a mask and takes its first meeting with the cylinder,
-/// the near wall from outside, the far one from inside a pipe. The points are in the camera frame.
+/// Completes the cloud of the selected view: casts the ray of every pixel of a mask and takes its first meeting with
+/// the cylinder, the near wall from outside, the far one from inside a pipe. The points are in the reference frame,
+/// so that those of all views go together.
 ///
 /// @param fitter the fitter, with intrinsics
-/// @param model the model; NULL = that of the last fit
-/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+/// @param model the model, in the reference frame; NULL = that of the last fit
+/// @param mask the region, of the size of the intrinsics; NULL = the mask of the view
+/// @param layout how the points are arranged
 /// @param out the buffer: `cylfuse_fitter_complete_bound` says what is enough. Must not overlap with what the
 ///   other parameters point to.
-/// @param out_completion what became of the pixels; set its `struct_size` before. After BUFFER_TOO_SMALL its
+/// @param out_completion what became of the pixels; `cylfuse_completion_init` comes before. After BUFFER_TOO_SMALL its
 ///   `count` is the capacity that is needed.
 /// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT,
 ///   BUFFER_TOO_SMALL; no point is written then
@@ -68,22 +71,25 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
     fitter: *const cylfuse_fitter,
     model: *const cylfuse_cylinder,
     mask: *const cylfuse_mask_view,
+    layout: cylfuse_layout,
     out: *const cylfuse_points_out,
     out_completion: *mut cylfuse_completion,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out_completion = Output::new(out_completion, "out_completion")?;
+            let organised = layout.read("layout")?;
             let out = read(out, "out")?;
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
-            match complete(&content.fitter, model.as_ref(), mask.as_ref(), &out) {
+            match complete(&content.fitter, model.as_ref(), mask.as_ref(), organised, &out) {
                 Ok((count, counts)) => {
-                    out_completion.write(&completion(count, &counts, 0));
+                    out_completion.write(&completion(&content.fitter, count, &counts, 0));
                     Ok(())
                 }
                 Err(Failure::BufferTooSmall { name, capacity, needed }) => {
-                    out_completion.write(&cylfuse_completion { count: needed as u64, ..zeroed() });
+                    let view = saturated(content.fitter.selected_view());
+                    out_completion.write(&cylfuse_completion { view, count: needed as u64, ..zeroed() });
                     Err(Failure::BufferTooSmall { name, capacity, needed })
                 }
                 Err(failure) => Err(failure),
@@ -92,10 +98,15 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
     }
 }
 
-fn completion(count: usize, counts: &CompletionCounts, out_of_range: u64) -> cylfuse_completion {
+fn completion(
+    fitter: &Fitter,
+    count: usize,
+    counts: &CompletionCounts,
+    out_of_range: u64,
+) -> cylfuse_completion {
     cylfuse_completion {
         struct_size: 0,
-        reserved: 0,
+        view: saturated(fitter.selected_view()),
         count: count as u64,
         hits: counts.hits as u64,
         misses: counts.misses as u64,
@@ -112,11 +123,10 @@ unsafe fn complete(
     fitter: &Fitter,
     model: Option<&Cylinder>,
     mask: Option<&MaskView<'_>>,
+    organised: bool,
     out: &cylfuse_points_out,
 ) -> Result<(usize, CompletionCounts), Failure> {
-    check_reserved("out.reserved", out.reserved)?;
     let scalar = out.scalar.read("out.scalar")?;
-    let organised = out.layout.read("out.layout")?;
     if !organised && out.row_stride != 0 {
         return Err(Failure::argument("out.row_stride", out.row_stride, "be 0 for packed points"));
     }
@@ -170,15 +180,15 @@ unsafe fn write_point(at: *mut u8, scalar: Scalar, point: &Vector3<f64>) {
     }
 }
 
-/// Completes the depth image: writes the z of every point of `cylfuse_fitter_complete`, and 0 where there is
-/// none.
+/// Completes the depth image of the selected view, on the pixels of its colour image: writes the z in its camera frame of
+/// every point of `cylfuse_fitter_complete`, and 0 where there is none.
 ///
 /// @param fitter the fitter, with intrinsics
-/// @param model the model; NULL = that of the last fit
-/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
+/// @param model the model, in the reference frame; NULL = that of the last fit
+/// @param mask the region, of the size of the intrinsics; NULL = the mask of the view
 /// @param out the image, of the size of the intrinsics: every pixel of it is written. Must not overlap with what
 ///   the other parameters point to.
-/// @param out_completion what became of the pixels; set its `struct_size` before. Its `count` is the number of
+/// @param out_completion what became of the pixels; `cylfuse_completion_init` comes before. Its `count` is the number of
 ///   pixels with a depth.
 /// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, INVALID_ARGUMENT; nothing is
 ///   written then
@@ -192,7 +202,7 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_depth(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out_completion = Output::new(out_completion, "out_completion")?;
             let out = read(out, "out")?;
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
@@ -228,17 +238,17 @@ unsafe fn complete_depth(
     };
     let grid = grid.check(out.data)?;
     let (mut count, mut out_of_range) = (0, 0);
-    let counts = fitter.complete(model, mask, &mut |column, row, point| {
-        let stored = point.map_or(0.0, |point| stored_depth(format, point.z / out.scale));
+    let counts = fitter.complete_depth(model, mask, &mut |column, row, depth| {
+        let stored = depth.map_or(0.0, |depth| stored_depth(format, depth / out.scale));
         if stored > 0.0 {
             count += 1;
-        } else if point.is_some() {
+        } else if depth.is_some() {
             out_of_range += 1;
         }
         // SAFETY: (column, row) is a pixel of the image, which the checked grid covers.
         unsafe { write_depth(out.data.cast::<u8>().offset(grid.offset(column, row)), format, stored) };
     })?;
-    Ok(completion(count, &counts, out_of_range))
+    Ok(completion(fitter, count, &counts, out_of_range))
 }
 
 /// What a pixel can hold of a depth in its unit; 0 when it cannot.
@@ -279,7 +289,11 @@ impl From<&Extent> for cylfuse_extent {
             struct_size: 0,
             start_state: extent.start_state.into(),
             end_state: extent.end_state.into(),
-            reserved: 0,
+            start_source: extent.start_source.into(),
+            end_source: extent.end_source.into(),
+            start_view: saturated(extent.start_view),
+            end_view: saturated(extent.end_view),
+            limbs_known: extent.limbs_known.into(),
             start: extent.start.into(),
             end: extent.end.into(),
             center: extent.center.into(),
@@ -294,12 +308,14 @@ impl From<&Extent> for cylfuse_extent {
     }
 }
 
-/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options.
+/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options, in all views that
+/// have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
+/// none is the outermost of what they show.
 ///
 /// @param fitter the fitter, with intrinsics
-/// @param model the model; NULL = that of the last fit
-/// @param mask the region, of the size of the intrinsics; NULL = the mask of the last depth image
-/// @param out_extent where the extent goes; set its `struct_size` before
+/// @param model the model, in the reference frame; NULL = that of the last fit
+/// @param mask the region in the selected view, of the size of its intrinsics; NULL = the mask of the view
+/// @param out_extent where the extent goes; `cylfuse_extent_init` comes before
 /// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
 ///   the mask meets the cylinder
 #[unsafe(no_mangle)]
@@ -311,7 +327,7 @@ pub unsafe extern "C" fn cylfuse_fitter_extent(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out = Output::new(out_extent, "out_extent")?;
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
             let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
@@ -346,7 +362,7 @@ pub unsafe extern "C" fn cylfuse_fitter_select_edges(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let model = optional_cylinder(model)?;
             let segments = views::segments(&read(segments, "segments")?)?;
             let needed = segments.len();

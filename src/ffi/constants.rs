@@ -1,12 +1,10 @@
 //! The constants of the interface: integers, because an unknown value in a Rust `enum` is undefined behaviour.
 
 use super::status::Failure;
-use crate::extent::EndState;
 use crate::fitter::{
-    ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, ResidualKind, StartKind,
+    ChartChoice, EdgeUse, ExtentRule, Inputs, Method, NearWall, ObjectiveKind, ResidualKind, StartKind,
 };
 use crate::observations::{ImageFormat, Pixels, Scalar};
-use crate::solver::Termination;
 
 fn unknown<T>(field: &str, value: i32, known: &str) -> Result<T, Failure> {
     Err(Failure::argument(field, value, format!("be {known}")))
@@ -52,7 +50,8 @@ impl cylfuse_depth_format {
     }
 }
 
-/// How a value of a grey image is stored in a pixel.
+/// How a pixel of an image is stored: one grey value, or three colours and perhaps a fourth byte (alpha), which is
+/// ignored.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct cylfuse_image_format(pub i32);
@@ -64,13 +63,27 @@ impl cylfuse_image_format {
     pub const U16: cylfuse_image_format = cylfuse_image_format(2);
     /// `float`, finite.
     pub const F32: cylfuse_image_format = cylfuse_image_format(3);
+    /// Red, green, blue, each `uint8_t`.
+    pub const RGB8: cylfuse_image_format = cylfuse_image_format(4);
+    /// Blue, green, red, each `uint8_t`, as OpenCV reads image files.
+    pub const BGR8: cylfuse_image_format = cylfuse_image_format(5);
+    /// Red, green, blue, alpha, each `uint8_t`.
+    pub const RGBA8: cylfuse_image_format = cylfuse_image_format(6);
+    /// Blue, green, red, alpha, each `uint8_t`.
+    pub const BGRA8: cylfuse_image_format = cylfuse_image_format(7);
 
     pub(super) fn read(self, field: &str) -> Result<ImageFormat, Failure> {
         match self {
             Self::U8 => Ok(ImageFormat::U8),
             Self::U16 => Ok(ImageFormat::U16),
             Self::F32 => Ok(ImageFormat::F32),
-            _ => unknown(field, self.0, "1 (U8), 2 (U16) or 3 (F32)"),
+            Self::RGB8 => Ok(ImageFormat::Rgb8),
+            Self::BGR8 => Ok(ImageFormat::Bgr8),
+            Self::RGBA8 => Ok(ImageFormat::Rgba8),
+            Self::BGRA8 => Ok(ImageFormat::Bgra8),
+            _ => {
+                unknown(field, self.0, "1 (U8), 2 (U16), 3 (F32), 4 (RGB8), 5 (BGR8), 6 (RGBA8) or 7 (BGRA8)")
+            }
         }
     }
 }
@@ -295,7 +308,7 @@ impl From<ChartChoice> for cylfuse_chart {
 pub struct cylfuse_edge_use(pub i32);
 
 impl cylfuse_edge_use {
-    /// A start: where there is a grey image, the limbs are located in it and join the fit.
+    /// A start: where there is an image, the limbs are located in it and join the fit.
     pub const REFINE: cylfuse_edge_use = cylfuse_edge_use(0);
     /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
     pub const AS_GIVEN: cylfuse_edge_use = cylfuse_edge_use(1);
@@ -328,7 +341,7 @@ impl cylfuse_extent_rule {
     pub const AUTO: cylfuse_extent_rule = cylfuse_extent_rule(0);
     /// The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     pub const EXTREMES: cylfuse_extent_rule = cylfuse_extent_rule(1);
-    /// From all lines along the surface together, in the mask and, when there is one, in the grey image; from
+    /// From all lines along the surface together, in the mask and, when there is one, in the image; from
     /// inside a pipe as EXTREMES.
     pub const LOCATED: cylfuse_extent_rule = cylfuse_extent_rule(2);
 
@@ -352,60 +365,24 @@ impl From<ExtentRule> for cylfuse_extent_rule {
     }
 }
 
-/// Why an iteration ended.
+/// Data of a view, one bit each.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct cylfuse_termination(pub i32);
+pub struct cylfuse_input(pub u32);
 
-impl cylfuse_termination {
-    /// There was no iteration: the method has none, or a given model was evaluated.
-    pub const NONE: cylfuse_termination = cylfuse_termination(0);
-    /// The cost no longer fell by more than the tolerance, or reached the rounding error of the data.
-    pub const COST: cylfuse_termination = cylfuse_termination(1);
-    /// No step down to the largest damping lowered the cost: a minimum to rounding.
-    pub const STALLED: cylfuse_termination = cylfuse_termination(2);
-    /// The limit of iterations was reached; `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED` is set too.
-    pub const MAX_ITERATIONS: cylfuse_termination = cylfuse_termination(3);
-    /// The radius left all proportion to the data: they are flat.
-    pub const RADIUS_RAN_AWAY: cylfuse_termination = cylfuse_termination(4);
-}
+impl cylfuse_input {
+    /// All points: those of clouds and those that were made of depth images.
+    pub const POINTS: cylfuse_input = cylfuse_input(1);
+    /// The depth image and its mask, which completion and extent look at; the points that were made of it stay.
+    pub const DEPTH: cylfuse_input = cylfuse_input(2);
+    /// Edge segments, of `cylfuse_fitter_push_edges`.
+    pub const EDGES: cylfuse_input = cylfuse_input(4);
+    /// The image, of `cylfuse_fitter_push_image` and of a frame.
+    pub const IMAGE: cylfuse_input = cylfuse_input(8);
 
-impl From<Option<Termination>> for cylfuse_termination {
-    fn from(termination: Option<Termination>) -> Self {
-        match termination {
-            None => Self::NONE,
-            Some(Termination::Cost) => Self::COST,
-            Some(Termination::Stalled) => Self::STALLED,
-            Some(Termination::MaxIterations) => Self::MAX_ITERATIONS,
-            Some(Termination::RadiusRanAway) => Self::RADIUS_RAN_AWAY,
-        }
-    }
-}
-
-/// What an end of the visible cylinder is.
-#[repr(transparent)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct cylfuse_end_state(pub i32);
-
-impl cylfuse_end_state {
-    /// No depth was measured beyond the end, or no depth image was pushed.
-    pub const UNKNOWN: cylfuse_end_state = cylfuse_end_state(0);
-    /// The surface ends there: what lies beyond is farther than the surface would be.
-    pub const SEEN: cylfuse_end_state = cylfuse_end_state(1);
-    /// The border of the image cuts the cylinder off.
-    pub const CUT: cylfuse_end_state = cylfuse_end_state(2);
-    /// Something nearer than the surface covers what lies beyond.
-    pub const HIDDEN: cylfuse_end_state = cylfuse_end_state(3);
-}
-
-impl From<EndState> for cylfuse_end_state {
-    fn from(state: EndState) -> Self {
-        match state {
-            EndState::Unknown => Self::UNKNOWN,
-            EndState::Seen => Self::SEEN,
-            EndState::Cut => Self::CUT,
-            EndState::Hidden => Self::HIDDEN,
-        }
+    pub(super) fn read(self, name: &str) -> Result<Inputs, Failure> {
+        let requirement = "be a sum of 1 (POINTS), 2 (DEPTH), 4 (EDGES) and 8 (IMAGE)";
+        Inputs::from_bits(self.0).ok_or_else(|| Failure::argument(name, self.0, requirement))
     }
 }
 
@@ -430,18 +407,6 @@ impl cylfuse_residual_kind {
     }
 }
 
-/// What a fit is doing.
-#[repr(transparent)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct cylfuse_phase(pub i32);
-
-impl cylfuse_phase {
-    /// It is about to look for a start.
-    pub const START: cylfuse_phase = cylfuse_phase(1);
-    /// It iterates.
-    pub const SOLVE: cylfuse_phase = cylfuse_phase(2);
-}
-
 /// How much a log line matters.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -452,7 +417,7 @@ impl cylfuse_log_level {
     pub const OFF: cylfuse_log_level = cylfuse_log_level(0);
     /// Calls that failed, with the text of `cylfuse_fitter_last_error`.
     pub const ERROR: cylfuse_log_level = cylfuse_log_level(1);
-    /// Doubts about a result, such as ignored edges.
+    /// Warnings about a result, such as ignored edges.
     pub const WARNING: cylfuse_log_level = cylfuse_log_level(2);
     /// What was pushed, which start was taken, how a fit ended.
     pub const INFO: cylfuse_log_level = cylfuse_log_level(3);
@@ -465,47 +430,6 @@ impl cylfuse_log_level {
             _ => unknown(field, self.0, "0 (OFF), 1 (ERROR), 2 (WARNING), 3 (INFO) or 4 (DEBUG)"),
         }
     }
-}
-
-/// Doubts about a result, one bit each. None of them is an error.
-#[repr(transparent)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct cylfuse_result_flags(pub u32);
-
-impl cylfuse_result_flags {
-    /// Segments were given but none of them counts; the other flags and the counts say why.
-    pub const EDGES_IGNORED: cylfuse_result_flags = cylfuse_result_flags(1);
-    /// Some segments have no length or lie outside the field of the camera model.
-    pub const SEGMENTS_UNUSABLE: cylfuse_result_flags = cylfuse_result_flags(2);
-    /// Two segments cross each other: they cannot be the two limbs.
-    pub const EDGES_CROSS: cylfuse_result_flags = cylfuse_result_flags(4);
-    /// Two segments lie on one line to within 2 pixels: they are the same limb.
-    pub const EDGES_COINCIDE: cylfuse_result_flags = cylfuse_result_flags(8);
-    /// The rays of the endpoints do not meet the plane of the limbs in front of the camera.
-    pub const EDGES_BEHIND: cylfuse_result_flags = cylfuse_result_flags(16);
-    /// The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.
-    pub const SCALE_HELD: cylfuse_result_flags = cylfuse_result_flags(32);
-    /// The data hardly determine the radius: see `condition`.
-    pub const WEAK_RADIUS: cylfuse_result_flags = cylfuse_result_flags(64);
-    /// The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
-    pub const RESOLUTION_LOST: cylfuse_result_flags = cylfuse_result_flags(128);
-    /// The limit of iterations came before convergence.
-    pub const NOT_CONVERGED: cylfuse_result_flags = cylfuse_result_flags(256);
-    /// Most points lie on the wall that the camera cannot see.
-    pub const HIDDEN_WALL: cylfuse_result_flags = cylfuse_result_flags(512);
-    /// The camera is inside the cylinder: there are no limbs.
-    pub const CAMERA_INSIDE: cylfuse_result_flags = cylfuse_result_flags(1024);
-    /// Points with coordinates that are not finite were left out.
-    pub const POINTS_NOT_FINITE: cylfuse_result_flags = cylfuse_result_flags(2048);
-    /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
-    /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
-    /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
-    /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
-    pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
-    /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
-    pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
-    /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
-    pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Pushing observations. Each call adds to what was pushed before.
 
 use super::constants::cylfuse_log_level;
-use super::handle::{Content, cylfuse_fitter, enter};
+use super::handle::{Content, cylfuse_fitter, enter_to_change, enter_to_read};
+use super::results::cylfuse_counts;
 use super::sized::{Output, read, read_optional};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{
-    cylfuse_counts, cylfuse_depth_view, cylfuse_image_view, cylfuse_mask_view, cylfuse_points_view,
-    cylfuse_segments_view,
+    cylfuse_depth_view, cylfuse_image_view, cylfuse_mask_view, cylfuse_points_view, cylfuse_segments_view,
 };
 use super::views;
 use crate::observations::MaskView;
@@ -24,15 +24,15 @@ pub(super) unsafe fn optional_mask<'a>(
     mask.map(|mask| unsafe { views::mask_view(&mask) }).transpose()
 }
 
-fn log_points(content: &Content, what: &str) {
+pub(super) fn log_points(content: &Content, what: &str) {
     content.log.write(cylfuse_log_level::INFO, || {
         let cloud = content.fitter.cloud();
         format!("{what} pushed: {} of {} points so far are usable", cloud.len(), cloud.given())
     });
 }
 
-/// Adds points, in the camera frame (x right, y down, z forward) when edges, the near-wall rule, completion or
-/// extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
+/// Adds points to the selected view, in its camera frame (x right, y down, z forward) when edges, the near-wall rule,
+/// completion or extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
 /// mask are left out and counted.
 ///
 /// @param fitter the fitter
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn cylfuse_fitter_push_points(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             let points = views::points_view(&read(points, "points")?)?;
             content.fitter.push_points(&points, optional_mask(mask)?.as_ref())?;
             log_points(content, "cloud");
@@ -58,13 +58,13 @@ pub unsafe extern "C" fn cylfuse_fitter_push_points(
     }
 }
 
-/// Adds the points of a depth image of the camera; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
-/// a depth, out of range or outside the mask are left out and counted. The image and the mask are kept, in place
-/// of earlier ones, for completion and extent.
+/// Adds the points of a depth image of the selected view; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
+/// a depth, out of range, outside the mask or hidden from the colour camera are left out and counted. The image and the
+/// mask are kept, in place of earlier ones, for completion and extent.
 ///
 /// @param fitter the fitter
 /// @param depth read during the call only
-/// @param mask of the same size as the image; NULL = all pixels. Read during the call only.
+/// @param mask in the pixels of the colour image; NULL = all pixels. Read during the call only.
 /// @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel is usable,
 ///   INVALID_ARGUMENT for a bad scale, range or stride, OUT_OF_MEMORY; nothing is added then
 #[unsafe(no_mangle)]
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
             content.fitter.push_depth(&depth, optional_mask(mask)?.as_ref(), &range)?;
             log_points(content, "depth image");
@@ -84,7 +84,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
     }
 }
 
-/// Takes the grey image of the camera, in place of an earlier one; `cylfuse_fitter_set_intrinsics` comes before.
+/// Takes the image of the selected view, grey or in colour, in place of an earlier one;
+/// `cylfuse_fitter_set_intrinsics` comes before.
 /// With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
 /// rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
 ///
@@ -99,16 +100,16 @@ pub unsafe extern "C" fn cylfuse_fitter_push_image(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             content.fitter.push_image(&views::image_view(&read(image, "image")?)?)?;
-            content.log.write(cylfuse_log_level::INFO, || "grey image pushed".into());
+            content.log.write(cylfuse_log_level::INFO, || "image pushed".into());
             Ok(())
         })
     }
 }
 
-/// Adds edge segments: pieces of the two limb lines in the (distorted) image, any number of either. A fit with
-/// segments needs intrinsics.
+/// Adds edge segments to the selected view: pieces of the two limb lines in the (distorted) image, any number of
+/// either. A fit with segments needs intrinsics.
 ///
 /// @param fitter the fitter
 /// @param segments read during the call only
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn cylfuse_fitter_push_edges(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             let segments = views::segments(&read(segments, "segments")?)?;
             content.fitter.push_edges(&segments)?;
             let count = content.fitter.segments().len();
@@ -131,10 +132,11 @@ pub unsafe extern "C" fn cylfuse_fitter_push_edges(
     }
 }
 
-/// Says what was pushed since the fitter was created or cleared, and what was left out by reason.
+/// Says what was pushed into the selected view since the fitter was created or cleared, and what was left out by
+/// reason.
 ///
 /// @param fitter the fitter
-/// @param out_counts where the counts go; set its `struct_size` before
+/// @param out_counts where the counts go; `cylfuse_counts_init` comes before
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_counts(
     fitter: *const cylfuse_fitter,
@@ -142,13 +144,13 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out = Output::new(out_counts, "out_counts")?;
             let cloud = content.fitter.cloud();
             let dropped = cloud.dropped();
             out.write(&cylfuse_counts {
                 struct_size: 0,
-                reserved: 0,
+                view: content.fitter.selected_view() as u32,
                 points_given: cloud.given() as u64,
                 points_used: cloud.len() as u64,
                 dropped_not_finite: dropped.not_finite as u64,
@@ -158,6 +160,7 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
                 dropped_out_of_range: dropped.out_of_range as u64,
                 dropped_outside_camera: dropped.outside_camera as u64,
                 segments_given: content.fitter.segments().len() as u64,
+                dropped_hidden: dropped.hidden as u64,
             });
             Ok(())
         })

@@ -1,223 +1,240 @@
-//! The fitter behind the opaque handle: one call at a time, a message for each failure.
+//! What is behind an opaque handle: many readers or one writer at a time, a text for each failure.
 
+use super::access::Access;
+use super::callbacks::{Callback, Log, cylfuse_progress_fn};
 use super::constants::cylfuse_log_level;
 use super::guard::guard;
-use super::setup::{cylfuse_log_fn, cylfuse_progress_fn};
 use super::status::{Failure, cylfuse_status};
+use super::texts::{self, Text};
 use crate::fitter::Fitter;
-use std::cell::{RefCell, UnsafeCell};
-use std::ffi::{c_char, c_void};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::UnsafeCell;
+use std::ffi::c_char;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Estimates one cylinder: holds options, camera, data and the last result. Opaque; made by
+/// Estimates one cylinder: holds options, views with their data, and the last result. Opaque; made by
 /// `cylfuse_fitter_create`.
 ///
-/// A fitter may move between threads, but runs one call at a time: a second one, from another thread or from a
-/// callback, returns `CYLFUSE_STATUS_BUSY`. Different fitters run in parallel.
-pub struct cylfuse_fitter {
-    /// Whether a call is running: who sets it from false to true may touch `content`.
-    busy: AtomicBool,
-    poisoned: AtomicBool,
-    cancelled: AtomicBool,
-    content: UnsafeCell<Content>,
-}
+/// A fitter may move between threads. Calls that take a `const cylfuse_fitter *` run side by side; a call that may
+/// change it runs alone: what would disturb it, from another thread or from a callback, returns
+/// `CYLFUSE_STATUS_BUSY`. Different fitters run in parallel.
+pub struct cylfuse_fitter(pub(super) Handle<Content>);
 
-/// What a call works on.
+/// What calls on a fitter work on.
 #[derive(Default)]
 pub(super) struct Content {
     pub fitter: Fitter,
     pub progress: Callback<cylfuse_progress_fn>,
     pub log: Log,
-    message: Text,
 }
 
-/// A function of the caller and what it gets back.
-#[derive(Clone, Copy)]
-pub(super) struct Callback<F> {
-    pub function: F,
-    pub user_data: *mut c_void,
+impl Logs for Content {
+    fn log(&self) -> Log {
+        self.log
+    }
 }
 
-impl<F> Default for Callback<Option<F>> {
+/// Readers on several threads share the fitter itself. The pointers in callbacks are the caller's business.
+const _: () = {
+    const fn shared_by_readers<T: Sync>() {}
+    shared_by_readers::<Fitter>();
+};
+
+/// Where the log lines of calls on a handle go.
+pub(super) trait Logs {
+    fn log(&self) -> Log {
+        Log::default()
+    }
+}
+
+/// What the calls on a handle share.
+pub(super) struct Handle<C> {
+    /// Tells handles apart that had the same address one after the other.
+    serial: u64,
+    /// Who may touch `content`.
+    access: Access,
+    poisoned: AtomicBool,
+    /// How often it was asked to cancel.
+    cancels: AtomicU64,
+    /// Text of the last call that finished.
+    text: Mutex<Text>,
+    content: UnsafeCell<C>,
+}
+
+/// Tells a call whether it was asked to stop since it began.
+pub(super) struct Cancel<'a> {
+    cancels: &'a AtomicU64,
+    before: u64,
+}
+
+impl Cancel<'_> {
+    pub fn is_asked_for(&self) -> bool {
+        self.cancels.load(Ordering::Acquire) != self.before
+    }
+}
+
+impl<C: Default> Default for Handle<C> {
     fn default() -> Self {
-        Self { function: None, user_data: std::ptr::null_mut() }
-    }
-}
-
-/// Where log lines go.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Log {
-    /// The number of the most talkative level that is wanted.
-    pub level: i32,
-    pub callback: Callback<cylfuse_log_fn>,
-}
-
-impl Log {
-    /// Whether lines of a level are wanted.
-    pub fn wants(&self, level: cylfuse_log_level) -> bool {
-        self.callback.function.is_some() && level.0 <= self.level
-    }
-
-    /// Hands a line over; `line` is called when the level is wanted.
-    pub fn write(&self, level: cylfuse_log_level, line: impl FnOnce() -> String) {
-        let Some(function) = self.callback.function.filter(|_| self.wants(level)) else { return };
-        let text = Text::new(&line());
-        // SAFETY: the caller gave the function for this use; the text is NUL-terminated and lives until it
-        // returns.
-        unsafe { function(level, text.as_ptr(), self.callback.user_data) };
-    }
-}
-
-/// A NUL-terminated text of limited length, so that a message never needs memory.
-pub(super) struct Text([u8; 512]);
-
-thread_local! {
-    /// Why the last call without a fitter failed on this thread.
-    static WITHOUT_FITTER: RefCell<Text> = const { RefCell::new(Text::EMPTY) };
-}
-
-impl Default for Text {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-impl Text {
-    const EMPTY: Self = Self([0; 512]);
-
-    fn new(text: &str) -> Self {
-        let mut copy = Self::default();
-        let mut end = text.len().min(copy.0.len() - 1);
-        while !text.is_char_boundary(end) {
-            end -= 1;
-        }
-        copy.0[..end].copy_from_slice(&text.as_bytes()[..end]);
-        copy
-    }
-
-    fn as_ptr(&self) -> *const c_char {
-        self.0.as_ptr().cast()
-    }
-}
-
-impl cylfuse_fitter {
-    pub(super) fn new() -> Self {
+        static SERIALS: AtomicU64 = AtomicU64::new(1);
         Self {
-            busy: AtomicBool::new(false),
+            serial: SERIALS.fetch_add(1, Ordering::Relaxed),
+            access: Access::default(),
             poisoned: AtomicBool::new(false),
-            cancelled: AtomicBool::new(false),
+            cancels: AtomicU64::new(0),
+            text: Mutex::new(Text::EMPTY),
             content: UnsafeCell::default(),
         }
     }
+}
 
-    /// Asks the running fit, or the next one, to stop.
-    pub(super) fn cancel(&self) -> cylfuse_status {
-        if self.poisoned.load(Ordering::Acquire) {
+impl<C> Handle<C> {
+    /// Asks the calls that are running to stop.
+    pub fn cancel(&self) -> cylfuse_status {
+        if self.is_poisoned() {
             return cylfuse_status::PANIC;
         }
-        self.cancelled.store(true, Ordering::Release);
+        self.cancels.fetch_add(1, Ordering::AcqRel);
+        texts::keep(self.serial, Text::EMPTY);
         cylfuse_status::OK
     }
 
-    /// Takes the busy flag; false when another call has it.
-    pub(super) fn try_enter(&self) -> bool {
-        !self.busy.swap(true, Ordering::Acquire)
-    }
-
-    fn leave(&self) {
-        self.busy.store(false, Ordering::Release);
-    }
-
-    /// The text of the last failure.
-    pub(super) fn last_error(&self) -> *const c_char {
-        if !self.try_enter() {
-            return c"the fitter is busy in another call; ask when that has returned".as_ptr();
+    /// Keeps all other calls out for good, before the handle is destroyed; false when one is running.
+    pub fn close(&self) -> bool {
+        let closed = self.access.try_write();
+        if !closed {
+            self.busy();
         }
-        // SAFETY: the busy flag is ours, so no other call has a reference to the content.
-        let text = unsafe { (*self.content.get()).message.as_ptr() };
-        self.leave();
-        text
+        closed
+    }
+
+    /// The text of the last call of this thread on the handle, or of any thread when this one has made another call
+    /// since.
+    pub fn last_error(&self) -> *const c_char {
+        texts::last(self.serial, || *self.text())
+    }
+
+    fn text(&self) -> MutexGuard<'_, Text> {
+        // A text is copied whole or not at all, so that a panic cannot leave half of one.
+        self.text.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_poisoned(&self) -> bool {
+        self.poisoned.load(Ordering::Acquire)
+    }
+
+    fn busy(&self) -> cylfuse_status {
+        texts::keep(
+            self.serial,
+            Text::new("the handle is busy in another call; wait until that has returned"),
+        );
+        cylfuse_status::BUSY
+    }
+
+    /// Runs a call that has access.
+    fn run(&self, call: impl FnOnce(&Cancel<'_>) -> Outcome) -> cylfuse_status {
+        if self.is_poisoned() {
+            texts::keep(self.serial, *self.text());
+            return cylfuse_status::PANIC;
+        }
+        let cancel = Cancel { cancels: &self.cancels, before: self.cancels.load(Ordering::Acquire) };
+        let (status, text) = match guard(|| call(&cancel)) {
+            Ok(outcome) => outcome,
+            Err(panic) => {
+                self.poisoned.store(true, Ordering::Release);
+                let text = format!("defect of the library, destroy the handle: {panic}");
+                (cylfuse_status::PANIC, Text::new(&text))
+            }
+        };
+        *self.text() = text;
+        texts::keep(self.serial, text);
+        status
     }
 }
 
-/// Runs a call on a fitter: takes the busy flag, catches panics, keeps the message. `call` also gets the flag
-/// that a request to cancel sets.
+type Outcome = (cylfuse_status, Text);
+
+/// Tells the log about a failure, and makes a status and a text of it.
+fn told(log: Log, result: Result<(), Failure>) -> Outcome {
+    let Err(failure) = result else { return (cylfuse_status::OK, Text::EMPTY) };
+    let text = failure.to_string();
+    // Without any room it was a question how much is needed.
+    let asked = matches!(failure, Failure::BufferTooSmall { capacity: 0, .. });
+    let level = if asked { cylfuse_log_level::DEBUG } else { cylfuse_log_level::ERROR };
+    log.write(level, || text.clone());
+    (failure.status(), Text::new(&text))
+}
+
+/// Runs a call that may change what the handle holds: alone.
+pub(super) fn change<C: Logs>(
+    handle: &Handle<C>,
+    call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
+) -> cylfuse_status {
+    if !handle.access.try_write() {
+        return handle.busy();
+    }
+    let status = handle.run(|cancel| {
+        // SAFETY: nobody else has access until it is given back below, so this is the only reference.
+        let content = unsafe { &mut *handle.content.get() };
+        let result = call(content, cancel);
+        told(content.log(), result)
+    });
+    handle.access.end_write();
+    status
+}
+
+/// Runs a call that only reads what the handle holds: beside others of its kind.
+pub(super) fn read<C: Logs>(
+    handle: &Handle<C>,
+    call: impl FnOnce(&C, &Cancel<'_>) -> Result<(), Failure>,
+) -> cylfuse_status {
+    if !handle.access.try_read() {
+        return handle.busy();
+    }
+    let status = handle.run(|cancel| {
+        // SAFETY: nobody has a mutable reference until access is given back below.
+        let content = unsafe { &*handle.content.get() };
+        told(content.log(), call(content, cancel))
+    });
+    handle.access.end_read();
+    status
+}
+
+/// Runs a call that may change a fitter.
 ///
 /// # Safety
 /// `fitter` is NULL or a fitter that was created and not destroyed.
-pub(super) unsafe fn enter(
-    fitter: *const cylfuse_fitter,
-    call: impl FnOnce(&mut Content, &AtomicBool) -> Result<(), Failure>,
+pub(super) unsafe fn enter_to_change(
+    fitter: *mut cylfuse_fitter,
+    call: impl FnOnce(&mut Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    // SAFETY: the caller's obligation. All fields that other threads reach are atomic or inside the cell.
-    let Some(handle) = (unsafe { fitter.as_ref() }) else {
-        return stateless(|| Err(Failure::NullPointer { name: "fitter" }));
-    };
-    if !handle.try_enter() {
-        return cylfuse_status::BUSY;
+    // SAFETY: the caller's obligation. All that other threads reach is atomic, locked or guarded by `access`.
+    match unsafe { fitter.as_ref() } {
+        Some(fitter) => change(&fitter.0, call),
+        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
     }
-    let status = if handle.poisoned.load(Ordering::Acquire) {
-        cylfuse_status::PANIC
-    } else {
-        // SAFETY: the busy flag is ours until `leave`, so this is the only reference to the content.
-        let content = unsafe { &mut *handle.content.get() };
-        run(handle, content, call)
-    };
-    handle.leave();
-    status
 }
 
-fn run(
-    handle: &cylfuse_fitter,
-    content: &mut Content,
-    call: impl FnOnce(&mut Content, &AtomicBool) -> Result<(), Failure>,
+/// Runs a call that only reads a fitter.
+///
+/// # Safety
+/// As [`enter_to_change`].
+pub(super) unsafe fn enter_to_read(
+    fitter: *const cylfuse_fitter,
+    call: impl FnOnce(&Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    let outcome = guard(|| {
-        let outcome = call(content, &handle.cancelled);
-        content.message = match &outcome {
-            Ok(()) => Text::default(),
-            Err(failure) => Text::new(&failure.to_string()),
-        };
-        if let Err(failure) = &outcome {
-            // Without any room it was a question how much is needed.
-            let asked = matches!(failure, Failure::BufferTooSmall { capacity: 0, .. });
-            let level = if asked { cylfuse_log_level::DEBUG } else { cylfuse_log_level::ERROR };
-            content.log.write(level, || failure.to_string());
-        }
-        outcome.map_or_else(|failure| failure.status(), |()| cylfuse_status::OK)
-    });
-    outcome.unwrap_or_else(|panic| {
-        handle.poisoned.store(true, Ordering::Release);
-        content.message = Text::new(&format!("defect of the library, destroy the fitter: {panic}"));
-        cylfuse_status::PANIC
-    })
+    // SAFETY: the caller's obligation, as above.
+    match unsafe { fitter.as_ref() } {
+        Some(fitter) => read(&fitter.0, call),
+        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
+    }
 }
 
-/// Runs a call without a fitter, and keeps its message for the thread.
+/// Runs a call without a handle.
 pub(super) fn stateless(call: impl FnOnce() -> Result<(), Failure>) -> cylfuse_status {
-    let (status, message) = match guard(call) {
-        Ok(Ok(())) => (cylfuse_status::OK, Text::default()),
-        Ok(Err(failure)) => (failure.status(), Text::new(&failure.to_string())),
+    let (status, text) = match guard(|| told(Log::default(), call())) {
+        Ok(outcome) => outcome,
         Err(panic) => (cylfuse_status::PANIC, Text::new(&format!("defect of the library: {panic}"))),
     };
-    WITHOUT_FITTER.with(|kept| kept.replace(message));
+    texts::keep(texts::NO_HANDLE, text);
     status
-}
-
-/// The text of the last failure without a fitter on this thread.
-pub(super) fn last_error_without_fitter() -> *const c_char {
-    WITHOUT_FITTER.with(|kept| kept.borrow().as_ptr())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::ffi::CStr;
-
-    #[test]
-    fn long_texts_are_cut_between_characters() {
-        let text = Text::new(&"é".repeat(400));
-        let kept = CStr::from_bytes_until_nul(&text.0).unwrap().to_str().unwrap();
-        assert_eq!(kept, "é".repeat(255));
-    }
 }

@@ -1,12 +1,10 @@
-//! Functions about the library itself, and the defaults of its structs.
+//! Functions about the library itself.
 
-use super::sized::{SizeTagged, init, zeroed};
-use super::status::{cylfuse_status, describe};
-use super::structs::{
-    cylfuse_depth_out, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
-    cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
-};
-use crate::fitter::Options;
+use super::handle::stateless;
+use super::status::{Failure, cylfuse_status, describe};
+use super::views::Slot;
+use crate::error::Error;
+use std::alloc::{Layout, alloc};
 use std::ffi::{CStr, c_char};
 
 /// The version of the binary interface that this header describes. It changes only when old programs stop
@@ -70,139 +68,33 @@ pub extern "C" fn cylfuse_status_string(status: cylfuse_status) -> *const c_char
     describe(status).as_ptr()
 }
 
-/// Fills a struct that the caller goes on to fill.
+/// Makes what is behind a handle.
 ///
 /// # Safety
-/// As [`init`].
-unsafe fn fill<T: SizeTagged>(
-    pointer: *mut T,
+/// `out` is NULL or writable.
+pub(super) unsafe fn create<H>(
+    abi_version: u32,
+    out: *mut *mut H,
     name: &'static str,
-    struct_size: usize,
-    defaults: impl FnOnce() -> T,
+    make: impl FnOnce() -> H,
 ) -> cylfuse_status {
-    super::handle::stateless(|| {
+    const { assert!(size_of::<H>() > 0, "there is something to allocate") };
+    stateless(|| {
         // SAFETY: the caller's obligation.
-        unsafe { init(pointer, name, struct_size, &defaults()) }
+        let out = unsafe { Slot::new(out, name) }?;
+        out.write(std::ptr::null_mut());
+        if abi_version != CYLFUSE_ABI_VERSION {
+            return Err(Failure::AbiMismatch { given: abi_version });
+        }
+        // As Box::new does it, which would abort the program when memory is short.
+        // SAFETY: the size is not zero.
+        let handle = unsafe { alloc(Layout::new::<H>()) }.cast::<H>();
+        if handle.is_null() {
+            return Err(Error::OutOfMemory { what: "the handle", bytes: size_of::<H>() }.into());
+        }
+        // SAFETY: the memory has the size and alignment of the value.
+        unsafe { handle.write(make()) };
+        out.write(handle);
+        Ok(())
     })
-}
-
-/// Fills options with the defaults.
-///
-/// @param options what to fill
-/// @param struct_size `sizeof(cylfuse_options)`
-/// @return STRUCT_SIZE for a size that cannot be, and then nothing is written
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_options_init(
-    options: *mut cylfuse_options,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(options, "options", struct_size, || (&Options::default()).into()) }
-}
-
-/// Fills intrinsics with zeros: a pinhole, whose size, focal lengths and principal point the caller sets.
-///
-/// @param intrinsics what to fill
-/// @param struct_size `sizeof(cylfuse_intrinsics)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_intrinsics_init(
-    intrinsics: *mut cylfuse_intrinsics,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(intrinsics, "intrinsics", struct_size, zeroed) }
-}
-
-/// Fills a view of points with zeros and a height of 1: packed points without weights, whose scalar, data and
-/// width the caller sets.
-///
-/// @param points what to fill
-/// @param struct_size `sizeof(cylfuse_points_view)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_points_view_init(
-    points: *mut cylfuse_points_view,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(points, "points", struct_size, || cylfuse_points_view { height: 1, ..zeroed() }) }
-}
-
-/// Fills a view of a depth image with zeros and a scale of 1: packed, without limits of the depth; the caller
-/// sets format, data and size.
-///
-/// @param depth what to fill
-/// @param struct_size `sizeof(cylfuse_depth_view)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_depth_view_init(
-    depth: *mut cylfuse_depth_view,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(depth, "depth", struct_size, || cylfuse_depth_view { scale: 1.0, ..zeroed() }) }
-}
-
-/// Fills a view of a mask with zeros: packed; the caller sets data and size.
-///
-/// @param mask what to fill
-/// @param struct_size `sizeof(cylfuse_mask_view)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_mask_view_init(
-    mask: *mut cylfuse_mask_view,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(mask, "mask", struct_size, zeroed) }
-}
-
-/// Fills a view of a grey image with zeros and a gamma of 1: packed, linear in light; the caller sets format, data
-/// and size.
-///
-/// @param image what to fill
-/// @param struct_size `sizeof(cylfuse_image_view)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_image_view_init(
-    image: *mut cylfuse_image_view,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(image, "image", struct_size, || cylfuse_image_view { gamma: 1.0, ..zeroed() }) }
-}
-
-/// Fills a view of segments with zeros: packed, without weights; the caller sets scalar, data and count.
-///
-/// @param segments what to fill
-/// @param struct_size `sizeof(cylfuse_segments_view)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_segments_view_init(
-    segments: *mut cylfuse_segments_view,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(segments, "segments", struct_size, zeroed) }
-}
-
-/// Fills a buffer for points with zeros: packed points; the caller sets scalar, data and capacity.
-///
-/// @param out what to fill
-/// @param struct_size `sizeof(cylfuse_points_out)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_points_out_init(
-    out: *mut cylfuse_points_out,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(out, "out", struct_size, zeroed) }
-}
-
-/// Fills a buffer for a depth image with zeros and a scale of 1: packed; the caller sets format, data and size.
-///
-/// @param out what to fill
-/// @param struct_size `sizeof(cylfuse_depth_out)`
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_depth_out_init(
-    out: *mut cylfuse_depth_out,
-    struct_size: usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe { fill(out, "out", struct_size, || cylfuse_depth_out { scale: 1.0, ..zeroed() }) }
 }

@@ -1,33 +1,25 @@
 //! From creating a fitter to destroying it.
 
-use super::handle::{cylfuse_fitter, enter, last_error_without_fitter, stateless};
-use super::library::CYLFUSE_ABI_VERSION;
+use super::constants::cylfuse_input;
+use super::handle::{Handle, cylfuse_fitter, enter_to_change, stateless};
+use super::library::create;
 use super::status::{Failure, cylfuse_status};
-use super::views::Slot;
+use super::texts;
 use std::ffi::c_char;
-use std::sync::atomic::Ordering;
 
-/// Makes a fitter with default options and no data.
+/// Makes a fitter with default options, one view at the identity, and no data.
 ///
 /// @param abi_version `CYLFUSE_ABI_VERSION`
 /// @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call
 ///   fails
-/// @return ABI_MISMATCH when the program was compiled for another version of the interface
+/// @return ABI_MISMATCH when the program was compiled for another version of the interface, OUT_OF_MEMORY
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_create(
     abi_version: u32,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    stateless(|| {
-        // SAFETY: the contract of the header.
-        let out = unsafe { Slot::new(out_fitter, "out_fitter") }?;
-        out.write(std::ptr::null_mut());
-        if abi_version != CYLFUSE_ABI_VERSION {
-            return Err(Failure::AbiMismatch { given: abi_version });
-        }
-        out.write(Box::into_raw(Box::new(cylfuse_fitter::new())));
-        Ok(())
-    })
+    // SAFETY: the contract of the header.
+    unsafe { create(abi_version, out_fitter, "out_fitter", || cylfuse_fitter(Handle::default())) }
 }
 
 /// Destroys a fitter and frees what it holds. No other call on it may be running or follow.
@@ -38,19 +30,18 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_destroy(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: NULL or a living fitter, by the contract of the header.
-    let Some(handle) = (unsafe { fitter.as_ref() }) else { return cylfuse_status::OK };
-    if !handle.try_enter() {
+    let Some(handle) = (unsafe { fitter.as_ref() }) else { return stateless(|| Ok(())) };
+    if !handle.0.close() {
         return cylfuse_status::BUSY;
     }
     stateless(|| {
-        // SAFETY: it came from Box::into_raw, the busy flag says that no call uses it, and the caller that none
-        // follows.
+        // SAFETY: it came from Box::into_raw, no call uses it, and the caller says that none follows.
         drop(unsafe { Box::from_raw(fitter) });
         Ok(())
     })
 }
 
-/// Makes room, so that pushing that many more points and segments needs no memory.
+/// Makes room, so that pushing that many more points and segments into the selected view needs no memory.
 ///
 /// @param fitter the fitter
 /// @param points how many points
@@ -63,49 +54,72 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
     segments: usize,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { enter(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?)) }
+    unsafe { enter_to_change(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?)) }
 }
 
-/// Forgets data, result and a pending request to cancel; keeps options, camera, start model, callbacks and
-/// memory: the way from one frame to the next.
+/// Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
+/// start model, callbacks and memory: the way from one frame to the next.
 ///
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_clear(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    let call = |content: &mut super::handle::Content, cancelled: &std::sync::atomic::AtomicBool| {
-        content.fitter.clear();
-        cancelled.store(false, Ordering::Release);
-        Ok(())
-    };
     // SAFETY: the contract of the header.
-    unsafe { enter(fitter, call) }
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            content.fitter.clear();
+            Ok(())
+        })
+    }
 }
 
-/// Why the last call on the fitter failed: what was wrong, the value, the limit and the remedy, in ASCII. Empty
-/// when it succeeded.
+/// Forgets some of the data of the selected view, and keeps the rest and the last result.
 ///
-/// @param fitter the fitter; NULL asks for the last call of this thread that had none
-/// @return a text that is valid until the next call on the fitter, or the next one without a fitter on this thread;
-///   never NULL. While another call is running it is a fixed text that says so.
+/// @param fitter the fitter
+/// @param inputs which data, `CYLFUSE_INPUT_...` by bit
+/// @return INVALID_ARGUMENT for an unknown bit
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_clear_input(
+    fitter: *mut cylfuse_fitter,
+    inputs: cylfuse_input,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            content.fitter.clear_inputs(inputs.read("inputs")?);
+            Ok(())
+        })
+    }
+}
+
+/// Why the last call on a fitter failed: what was wrong, the value, the limit and the remedy, one line of ASCII. Empty
+/// when the call succeeded.
+///
+/// The last call is that of the calling thread; where this thread has made calls on something else since, it is the
+/// last one on the fitter that finished on any thread. So a thread always reads about its own call when it asks right
+/// after it, and programs whose tasks move between threads still find the text with the fitter.
+///
+/// @param fitter the fitter, which may be busy; NULL asks for the last call of this thread, whatever it was on, which
+///   is where calls without a fitter leave their text
+/// @return a text that is valid until the next call of this thread into the library; never NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter) -> *const c_char {
     // SAFETY: NULL or a living fitter, by the contract of the header.
     match unsafe { fitter.as_ref() } {
-        Some(handle) => handle.last_error(),
-        None => last_error_without_fitter(),
+        Some(fitter) => fitter.0.last_error(),
+        None => texts::last_of_thread(),
     }
 }
 
-/// Asks the running fit to stop: it returns CANCELLED before its next linear solve. When no fit is running, the
-/// next one stops at once, unless `cylfuse_fitter_clear` comes before it. May be called from any thread and from
-/// callbacks while another call is running.
+/// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+/// sample. When no
+/// call is running it does nothing. May be called from any thread and from callbacks.
 ///
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_cancel(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: NULL or a living fitter, by the contract of the header.
     match unsafe { fitter.as_ref() } {
-        Some(handle) => handle.cancel(),
+        Some(fitter) => fitter.0.cancel(),
         None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
     }
 }

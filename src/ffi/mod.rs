@@ -7,9 +7,9 @@
 //! How a call runs:
 //!
 //! - `guard` catches panics,
-//! - `handle` takes the busy flag of the fitter, keeps the message of a failure and poisons the fitter after a
-//!   panic,
-//! - `sized` reads and writes the structs whose first field is their size,
+//! - `handle` lets many readers or one writer in (`access`), keeps the text of a failure (`texts`) and poisons the
+//!   handle after a panic,
+//! - `sized` reads and writes the structs that grow with later versions,
 //! - `views` turns pointers and strides into the views of the safe library,
 //! - the files named after the groups of functions do the rest.
 //!
@@ -23,33 +23,52 @@
 #[cfg(panic = "abort")]
 compile_error!("cylfuse reports panics as CYLFUSE_STATUS_PANIC, which needs panic = \"unwind\"");
 
+mod access;
 mod apply;
+mod arrays;
+mod callbacks;
+mod camera;
 mod constants;
 mod cylinder;
 mod data;
+mod defaults;
+mod frame;
 mod guard;
 mod handle;
 mod library;
 mod lifetime;
 mod options;
+mod outcomes;
 #[cfg(feature = "panic-test")]
 mod panic_test;
+mod results;
 mod setup;
 mod sized;
 mod solve;
 mod status;
 mod structs;
+mod texts;
 mod views;
 
 pub use apply::*;
+pub use arrays::*;
+pub use callbacks::{cylfuse_log_fn, cylfuse_progress_fn};
+pub use camera::*;
 pub use constants::*;
 pub use cylinder::*;
 pub use data::*;
+pub use defaults::*;
+pub use frame::*;
 pub use handle::cylfuse_fitter;
-pub use library::*;
+pub use library::{
+    CYLFUSE_ABI_VERSION, cylfuse_abi_version, cylfuse_build_info, cylfuse_status_string,
+    cylfuse_version_number, cylfuse_version_string,
+};
 pub use lifetime::*;
+pub use outcomes::*;
 #[cfg(feature = "panic-test")]
 pub use panic_test::*;
+pub use results::*;
 pub use setup::*;
 pub use solve::*;
 pub use status::{STATUSES, cylfuse_status};

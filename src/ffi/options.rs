@@ -1,19 +1,17 @@
 //! Options between the interface and the library.
 
-use super::sized::check_reserved;
 use super::status::Failure;
 use super::structs::cylfuse_options;
 use crate::fitter::Options;
 use crate::geometry::{AxisCone, CylinderLimits};
+use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
+use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
 impl cylfuse_options {
-    /// The options of the library; those that may be left 0 become the default.
+    /// The options of the library.
     pub(super) fn read(&self) -> Result<Options, Failure> {
-        check_reserved("options.reserved", self.reserved)?;
-        let default = Options::default();
-        let number = |value: f64, default: f64| if value == 0.0 { default } else { value };
-        let count = |value: u32, default: usize| if value == 0 { default } else { value as usize };
+        self.check_samples()?;
         Ok(Options {
             method: self.method.read("options.method")?,
             objective: self.objective.read("options.objective")?,
@@ -21,24 +19,66 @@ impl cylfuse_options {
             start: self.start.read("options.start")?,
             near_wall: self.near_wall.read("options.near_wall")?,
             limits: IterationLimits {
-                max_iterations: count(self.max_iterations, default.limits.max_iterations),
-                initial_lambda: number(self.initial_lambda, default.limits.initial_lambda),
-                lambda_factor: number(self.lambda_factor, default.limits.lambda_factor),
-                max_lambda: number(self.max_lambda, default.limits.max_lambda),
+                max_iterations: self.max_iterations as usize,
+                initial_lambda: self.initial_lambda,
+                lambda_factor: self.lambda_factor,
+                max_lambda: self.max_lambda,
                 cost_tolerance: self.cost_tolerance,
+                gradient_tolerance: self.gradient_tolerance,
+                step_tolerance: self.step_tolerance,
             },
             chart: self.chart.read("options.chart")?,
-            threads: self.max_threads as usize,
+            threads: self.max_threads.max(1) as usize,
             seed: self.seed,
-            ransac_iterations: count(self.ransac_max_iterations, default.ransac_iterations),
+            ransac_iterations: usize::try_from(self.ransac_max_iterations).unwrap_or(usize::MAX),
             ransac_threshold: self.ransac_threshold,
             cylinder_limits: CylinderLimits {
                 radius_min: self.radius_min,
-                radius_max: number(self.radius_max, f64::INFINITY),
+                radius_max: if self.radius_max == 0.0 { f64::INFINITY } else { self.radius_max },
                 axis: self.read_axis()?,
             },
             edge_use: self.edge_use.read("options.edge_use")?,
             extent_rule: self.extent_rule.read("options.extent_rule")?,
+            noise: self.read_noise()?,
+            independent_points: self.independent_points,
+        })
+    }
+
+    /// The library counts samples in `usize`.
+    fn check_samples(&self) -> Result<(), Failure> {
+        let most = LARGEST_MAX_ITERATIONS as u64;
+        if !(1..=most).contains(&self.ransac_max_iterations) {
+            let (value, requirement) = (self.ransac_max_iterations, format!("lie in [1, {most}]"));
+            return Err(Failure::argument("options.ransac_max_iterations", value, requirement));
+        }
+        Ok(())
+    }
+
+    /// The standard deviations that a user may know, 0 where not.
+    fn read_noise(&self) -> Result<NoiseModel, Failure> {
+        let told = [
+            ("options.depth_noise", self.depth_noise),
+            ("options.image_noise", self.image_noise),
+            ("options.edge_noise", self.edge_noise),
+            ("options.mask_noise", self.mask_noise),
+            ("options.image_blur", self.image_blur),
+            ("options.drawn_pixel", self.drawn_pixel),
+        ];
+        for (name, value) in told {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Failure::argument(name, value, "be finite and at least 0"));
+            }
+        }
+        let usual = NoiseModel::default();
+        let or_usual = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
+        Ok(NoiseModel {
+            drawn_pixel: self.drawn_pixel,
+            edge_endpoint: or_usual(self.edge_noise, usual.edge_endpoint),
+            mask_side: or_usual(self.mask_noise, usual.mask_side),
+            depth: self.depth_noise,
+            image: self.image_noise,
+            blur: self.image_blur,
+            ..usual
         })
     }
 
@@ -57,7 +97,9 @@ impl cylfuse_options {
 
 impl From<&Options> for cylfuse_options {
     fn from(options: &Options) -> Self {
-        let Options { limits, cylinder_limits, .. } = options;
+        let Options { limits, cylinder_limits, noise, .. } = options;
+        let usual = NoiseModel::default();
+        let unless_usual = |told: f64, usual: f64| if told == usual { 0.0 } else { told };
         Self {
             struct_size: size_of::<Self>() as u32,
             method: options.method.into(),
@@ -65,19 +107,25 @@ impl From<&Options> for cylfuse_options {
             start: options.start.into(),
             near_wall: options.near_wall.into(),
             chart: options.chart.into(),
+            edge_use: options.edge_use.into(),
+            extent_rule: options.extent_rule.into(),
+            max_threads: saturated(options.threads.max(1)),
             max_iterations: saturated(limits.max_iterations),
-            max_threads: saturated(options.threads),
-            edge_weight: options.edge_weight,
+            cost_tolerance: limits.cost_tolerance,
+            gradient_tolerance: limits.gradient_tolerance,
+            step_tolerance: limits.step_tolerance,
             initial_lambda: limits.initial_lambda,
             lambda_factor: limits.lambda_factor,
             max_lambda: limits.max_lambda,
-            cost_tolerance: limits.cost_tolerance,
-            ransac_threshold: options.ransac_threshold,
+            edge_weight: options.edge_weight,
             seed: options.seed,
-            ransac_max_iterations: saturated(options.ransac_iterations),
-            reserved: 0,
-            edge_use: options.edge_use.into(),
-            extent_rule: options.extent_rule.into(),
+            ransac_max_iterations: options.ransac_iterations as u64,
+            ransac_threshold: options.ransac_threshold,
+            independent_points: options.independent_points,
+            depth_noise: noise.depth,
+            image_noise: noise.image,
+            edge_noise: unless_usual(noise.edge_endpoint, usual.edge_endpoint),
+            mask_noise: unless_usual(noise.mask_side, usual.mask_side),
             radius_min: cylinder_limits.radius_min,
             radius_max: if cylinder_limits.radius_max < f64::INFINITY {
                 cylinder_limits.radius_max
@@ -86,6 +134,8 @@ impl From<&Options> for cylfuse_options {
             },
             axis: cylinder_limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
             axis_max_angle: cylinder_limits.axis.map_or(0.0, |cone| cone.max_angle),
+            image_blur: noise.blur,
+            drawn_pixel: noise.drawn_pixel,
         }
     }
 }
@@ -115,6 +165,8 @@ mod tests {
                 lambda_factor: 3.0,
                 max_lambda: 1e6,
                 cost_tolerance: 1e-9,
+                gradient_tolerance: 1e-8,
+                step_tolerance: 1e-7,
             },
             chart: ChartChoice::Orthonormal,
             threads: 5,
@@ -128,24 +180,38 @@ mod tests {
             },
             edge_use: EdgeUse::AsGiven,
             extent_rule: ExtentRule::Located,
+            noise: NoiseModel {
+                drawn_pixel: 2.0,
+                edge_endpoint: 0.6,
+                mask_side: 1.7,
+                depth: 0.01,
+                image: 0.02,
+                blur: 0.8,
+                ..NoiseModel::default()
+            },
+            independent_points: 99.0,
         }
     }
 
     #[test]
     fn options_come_back_the_same() {
-        for options in [distinct(), Options::default()] {
+        for options in [distinct(), Options { threads: 1, ..Options::default() }] {
             assert_eq!(cylfuse_options::from(&options).read().unwrap(), options);
         }
     }
 
     #[test]
-    fn zeros_are_the_default_except_for_weight_and_tolerance() {
-        let mut zeros = cylfuse_options::from(&Options::default());
-        (zeros.max_iterations, zeros.ransac_max_iterations) = (0, 0);
-        (zeros.initial_lambda, zeros.lambda_factor, zeros.max_lambda) = (0.0, 0.0, 0.0);
-        assert_eq!(zeros.read().unwrap(), Options::default());
-        (zeros.edge_weight, zeros.cost_tolerance) = (0.0, 0.0);
-        let options = zeros.read().unwrap();
-        assert_eq!((options.edge_weight, options.limits.cost_tolerance), (0.0, 0.0));
+    fn no_threads_are_one_thread() {
+        let options = cylfuse_options { max_threads: 0, ..(&Options::default()).into() };
+        assert_eq!(options.read().unwrap().threads, 1);
+        assert_eq!(cylfuse_options::from(&Options::default()).max_threads, 1);
+    }
+
+    #[test]
+    fn samples_of_ransac_are_limited_where_they_are_set() {
+        let mut options = cylfuse_options::from(&Options::default());
+        options.ransac_max_iterations = 2_000_000;
+        let text = options.read().unwrap_err().to_string();
+        assert_eq!(text, "options.ransac_max_iterations is 2000000; it must lie in [1, 1000000]");
     }
 }

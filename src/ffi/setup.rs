@@ -1,31 +1,14 @@
-//! What stays from frame to frame: options, camera, start model, callbacks.
+//! What stays from frame to frame: options, views with camera and pose, start model, callbacks.
 
+use super::callbacks::{Callback, Log, cylfuse_log_fn, cylfuse_progress_fn};
 use super::constants::cylfuse_log_level;
-use super::handle::{Callback, Log, cylfuse_fitter, enter};
+use super::frame::depth_camera;
+use super::handle::{cylfuse_fitter, enter_to_change, enter_to_read};
 use super::sized::{Output, read};
-use super::status::cylfuse_status;
-use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_options, cylfuse_progress};
-use super::views;
-use std::ffi::{c_char, c_void};
-
-/// Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
-///
-/// It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
-/// `cylfuse_fitter_cancel`: all others return BUSY. Other fitters are free.
-///
-/// @param progress valid until the callback returns
-/// @param user_data what was given with the callback
-/// @return 0 to go on; anything else stops the fit, which returns CANCELLED
-pub type cylfuse_progress_fn =
-    Option<unsafe extern "C" fn(progress: *const cylfuse_progress, user_data: *mut c_void) -> i32>;
-
-/// Takes a log line, on the thread that called the function. The rules of `cylfuse_progress_fn` hold here too.
-///
-/// @param level how much it matters
-/// @param message one line without a line break, valid until the callback returns
-/// @param user_data what was given with the callback
-pub type cylfuse_log_fn =
-    Option<unsafe extern "C" fn(level: cylfuse_log_level, message: *const c_char, user_data: *mut c_void)>;
+use super::status::{Failure, cylfuse_status};
+use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_options};
+use super::views::{self, Slot};
+use std::ffi::c_void;
 
 /// Replaces the options.
 ///
@@ -38,13 +21,17 @@ pub unsafe extern "C" fn cylfuse_fitter_set_options(
     options: *const cylfuse_options,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { enter(fitter, |content, _| Ok(content.fitter.set_options(read(options, "options")?.read()?)?)) }
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            Ok(content.fitter.set_options(read(options, "options")?.read()?)?)
+        })
+    }
 }
 
 /// Reads the options.
 ///
 /// @param fitter the fitter
-/// @param out_options where they go; set its `struct_size` before
+/// @param out_options where they go; `cylfuse_options_init` comes before
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_get_options(
     fitter: *const cylfuse_fitter,
@@ -52,18 +39,112 @@ pub unsafe extern "C" fn cylfuse_fitter_get_options(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             Output::new(out_options, "out_options")?.write(&content.fitter.options().into());
             Ok(())
         })
     }
 }
 
-/// Sets the camera, which depth images and edges need. Points that were pushed before stay as they are.
+/// Selects a view, so that the calls that set or push something, and those whose text says so, concern that view. There
+/// is one view at first, number 0, and it is selected: with one view this function is not needed.
+///
+/// All views see the same cylinder. A fit uses the data of all of them; models, results and extents are in the
+/// reference frame, in which the poses of the views are given. With one view at the identity that is the camera frame.
+///
+/// @param fitter the fitter
+/// @param index the view, from 0; the number of views adds one, at the identity and without a camera
+/// @return INVALID_ARGUMENT for a larger index, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_select_view(
+    fitter: *mut cylfuse_fitter,
+    index: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            let count = content.fitter.view_count();
+            if index > count || u32::try_from(index).is_err() {
+                let requirement = format!("be at most the number of views, {count}, which adds one");
+                return Err(Failure::argument("index", index, requirement));
+            }
+            Ok(content.fitter.select_view(index)?)
+        })
+    }
+}
+
+/// Says how many views there are, at least 1.
+///
+/// @param fitter the fitter
+/// @param out_count where the number goes
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_view_count(
+    fitter: *const cylfuse_fitter,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(fitter, |content, _| {
+            Slot::new(out_count, "out_count")?.write(content.fitter.view_count());
+            Ok(())
+        })
+    }
+}
+
+/// Sets the pose of the selected view: x_reference = rotation * x_camera + translation. The identity at first.
+///
+/// @param fitter the fitter
+/// @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
+/// @param translation 3 doubles, the position of the camera in the reference frame, in the unit of length
+/// @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_set_pose(
+    fitter: *mut cylfuse_fitter,
+    rotation: *const f64,
+    translation: *const f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            content.fitter.set_pose(views::motion(rotation, translation)?);
+            Ok(())
+        })
+    }
+}
+
+/// Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image:
+/// depth images that are pushed later are then in its pixels; mask, image and edges stay in those of the colour
+/// camera, which `cylfuse_fitter_set_intrinsics` sets. A mask selects the depth pixels that the colour camera sees in
+/// it.
+///
+/// @param fitter the fitter
+/// @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
+/// @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
+/// @param translation 3 doubles, in the unit of length
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with a depth image that was pushed
+///   (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old depth camera stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
+    fitter: *mut cylfuse_fitter,
+    intrinsics: *const cylfuse_intrinsics,
+    rotation: *const f64,
+    translation: *const f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            Ok(content.fitter.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
+        })
+    }
+}
+
+/// Sets the colour camera of the selected view, which depth images, images and edges need. Points that were pushed
+/// before stay as they are.
 ///
 /// @param fitter the fitter
 /// @param intrinsics copied
-/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; the old camera stays then
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that was
+///   pushed (`cylfuse_fitter_clear_input`), OUT_OF_MEMORY; the old camera stays then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
     fitter: *mut cylfuse_fitter,
@@ -71,7 +152,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             let intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
             Ok(content.fitter.set_intrinsics(intrinsics)?)
         })
@@ -81,7 +162,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
 /// Sets a start model: a candidate for the start AUTO, the start of MODEL.
 ///
 /// @param fitter the fitter
-/// @param model copied; NULL takes the start model away
+/// @param model in the reference frame, copied; NULL takes the start model away
 /// @return INVALID_ARGUMENT when a number is not finite, the direction 0 or the radius not positive; the old
 ///   start model stays then
 #[unsafe(no_mangle)]
@@ -91,7 +172,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_start_model(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             content.fitter.set_start(views::optional_cylinder(model)?);
             Ok(())
         })
@@ -111,7 +192,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_progress(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             content.progress = Callback { function: callback, user_data };
             Ok(())
         })
@@ -134,7 +215,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_log(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_change(fitter, |content, _| {
             max_level.check("max_level")?;
             content.log = Log { level: max_level.0, callback: Callback { function: callback, user_data } };
             Ok(())

@@ -1,84 +1,52 @@
 //! Structs whose first field is their size: how a program and a library of different versions understand each
 //! other.
 
+use super::results::{
+    cylfuse_completion, cylfuse_counts, cylfuse_cylinder_diagnosis, cylfuse_cylinder_estimate,
+    cylfuse_end_sample, cylfuse_extent, cylfuse_limb, cylfuse_limb_sample, cylfuse_result,
+};
 use super::status::Failure;
 use super::structs::{
-    cylfuse_completion, cylfuse_counts, cylfuse_depth_out, cylfuse_depth_view, cylfuse_diagnosis,
-    cylfuse_extent, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view, cylfuse_options,
-    cylfuse_points_out, cylfuse_points_view, cylfuse_result, cylfuse_segments_view,
+    cylfuse_depth_out, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
+    cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
 };
-use std::mem::{MaybeUninit, offset_of, size_of};
+use std::mem::MaybeUninit;
 
-/// A `struct_size` above this is taken for a field that was never set.
+/// A size above this is taken for a field that was never set.
 const LARGEST: usize = 4096;
 
-/// A struct whose first field is `struct_size: u32`.
+/// A struct that only ever grows at its end.
 ///
 /// `unsafe` code in this file relies on it: implementors are `repr(C)` and consist of integers, floats and raw
 /// pointers, for which any bits are a value, without padding (the layout test adds the fields up). All
 /// implementations are below.
-pub(super) trait SizeTagged: Copy {
-    /// Size of the first published version. Fields that are appended later leave it as it is.
-    const FIRST_SIZE: usize;
+pub(super) trait Growing: Copy {
+    /// Size of the first published version: once a field has been appended, that without it.
+    const FIRST_SIZE: usize = size_of::<Self>();
 }
 
-impl SizeTagged for cylfuse_intrinsics {
-    const FIRST_SIZE: usize = offset_of!(Self, distortion) + size_of::<[f64; 8]>();
+/// A growing struct whose first field is `struct_size: u32`.
+pub(super) trait SizeTagged: Growing {}
+
+macro_rules! size_tagged {
+    ($($name:ident),* $(,)?) => {
+        $(impl Growing for $name {}
+        impl SizeTagged for $name {})*
+    };
 }
 
-impl SizeTagged for cylfuse_points_view {
-    const FIRST_SIZE: usize = offset_of!(Self, normal_row_stride) + size_of::<isize>();
+size_tagged! {
+    cylfuse_intrinsics, cylfuse_points_view, cylfuse_points_out, cylfuse_depth_view, cylfuse_depth_out,
+    cylfuse_mask_view, cylfuse_image_view, cylfuse_segments_view, cylfuse_options, cylfuse_counts,
+    cylfuse_result, cylfuse_cylinder_estimate, cylfuse_cylinder_diagnosis, cylfuse_completion, cylfuse_extent,
 }
 
-impl SizeTagged for cylfuse_points_out {
-    const FIRST_SIZE: usize = offset_of!(Self, reserved) + size_of::<u32>();
-}
+// Elements of arrays, whose size is an argument of the call.
+impl Growing for cylfuse_limb {}
+impl Growing for cylfuse_limb_sample {}
+impl Growing for cylfuse_end_sample {}
 
-impl SizeTagged for cylfuse_depth_view {
-    const FIRST_SIZE: usize = offset_of!(Self, max_depth) + size_of::<f64>();
-}
-
-impl SizeTagged for cylfuse_depth_out {
-    const FIRST_SIZE: usize = offset_of!(Self, scale) + size_of::<f64>();
-}
-
-impl SizeTagged for cylfuse_mask_view {
-    const FIRST_SIZE: usize = offset_of!(Self, pixel_stride) + size_of::<isize>();
-}
-
-impl SizeTagged for cylfuse_image_view {
-    const FIRST_SIZE: usize = offset_of!(Self, pixel_stride) + size_of::<isize>();
-}
-
-impl SizeTagged for cylfuse_segments_view {
-    const FIRST_SIZE: usize = offset_of!(Self, weights) + size_of::<*const f64>();
-}
-
-impl SizeTagged for cylfuse_options {
-    const FIRST_SIZE: usize = offset_of!(Self, reserved) + size_of::<u32>();
-}
-
-impl SizeTagged for cylfuse_counts {
-    const FIRST_SIZE: usize = offset_of!(Self, segments_given) + size_of::<u64>();
-}
-
-impl SizeTagged for cylfuse_result {
-    const FIRST_SIZE: usize = offset_of!(Self, seconds_total) + size_of::<f64>();
-}
-
-impl SizeTagged for cylfuse_diagnosis {
-    const FIRST_SIZE: usize = offset_of!(Self, weakest_radius) + size_of::<f64>();
-}
-
-impl SizeTagged for cylfuse_completion {
-    const FIRST_SIZE: usize = offset_of!(Self, out_of_range) + size_of::<u64>();
-}
-
-impl SizeTagged for cylfuse_extent {
-    const FIRST_SIZE: usize = offset_of!(Self, length) + size_of::<f64>();
-}
-
-fn check_size<T: SizeTagged>(name: &'static str, given: usize) -> Result<(), Failure> {
+fn check_size<T: Growing>(name: &'static str, given: usize) -> Result<(), Failure> {
     if (T::FIRST_SIZE..=LARGEST).contains(&given) {
         return Ok(());
     }
@@ -158,16 +126,86 @@ impl<T: SizeTagged> Output<T> {
         Ok(Self { pointer, given })
     }
 
-    /// Writes the fields that the caller's version has. Its `struct_size` stays.
-    pub fn write(self, value: &T) {
-        const TAG: usize = size_of::<u32>();
-        let from = std::ptr::from_ref(value).cast::<u8>();
-        let to = self.pointer.cast::<u8>();
-        // SAFETY: both sides hold at least min(given, known) bytes, `given` is at least the first size, and the
-        // value has no padding.
-        unsafe {
-            std::ptr::copy_nonoverlapping(from.add(TAG), to.add(TAG), self.given.min(size_of::<T>()) - TAG);
+    /// The same where NULL means that the output is not wanted.
+    ///
+    /// # Safety
+    /// As [`Output::new`].
+    pub unsafe fn optional(pointer: *mut T, name: &'static str) -> Result<Option<Self>, Failure> {
+        if pointer.is_null() {
+            return Ok(None);
         }
+        // SAFETY: the caller's obligation.
+        unsafe { Self::new(pointer, name) }.map(Some)
+    }
+
+    /// Writes the fields that both sides know, zeros to what only the caller knows, and to `struct_size` how many
+    /// bytes were filled.
+    pub fn write(self, value: &T) {
+        let filled = self.given.min(size_of::<T>());
+        let to = self.pointer.cast::<u8>();
+        // SAFETY: both sides hold at least `filled` bytes, which is at least the first size and thus more than a
+        // u32, the caller's side holds `given`; the value has no padding, and no alignment is assumed.
+        unsafe {
+            std::ptr::copy_nonoverlapping(std::ptr::from_ref(value).cast::<u8>(), to, filled);
+            to.add(filled).write_bytes(0, self.given - filled);
+            to.cast::<u32>().write_unaligned(filled as u32);
+        }
+    }
+}
+
+/// An array of the caller to be written, of elements of any version.
+pub(super) struct OutputArray<T> {
+    first: *mut T,
+    element_size: usize,
+    capacity: usize,
+    count: *mut usize,
+}
+
+impl<T: Growing> OutputArray<T> {
+    /// Checks the size of an element and the pointer to the count.
+    ///
+    /// # Safety
+    /// `first` is NULL or points to `capacity` elements of `element_size` writable bytes, and `count` is NULL or
+    /// writable, as long as this value lives.
+    pub unsafe fn new(
+        first: *mut T,
+        element_size: usize,
+        capacity: usize,
+        count: *mut usize,
+    ) -> Result<Self, Failure> {
+        if count.is_null() {
+            return Err(Failure::NullPointer { name: "out_count" });
+        }
+        if !(T::FIRST_SIZE..=LARGEST).contains(&element_size) {
+            let requirement = format!("be sizeof of an element, {} to {LARGEST}", T::FIRST_SIZE);
+            return Err(Failure::ElementSize { given: element_size, requirement });
+        }
+        Ok(Self { first, element_size, capacity, count })
+    }
+
+    /// Writes all values and their number, or when they are too many their number only.
+    pub fn write(self, values: impl Iterator<Item = T> + Clone) -> Result<(), Failure> {
+        let needed = values.clone().count();
+        if needed > 0 && needed <= self.capacity && self.first.is_null() {
+            return Err(Failure::NullPointer { name: "out" });
+        }
+        // SAFETY: not NULL, and the obligation of `new`; no alignment is assumed.
+        unsafe { self.count.write_unaligned(needed) };
+        if needed > self.capacity {
+            return Err(Failure::BufferTooSmall { name: "out", capacity: self.capacity, needed });
+        }
+        let filled = self.element_size.min(size_of::<T>());
+        for (index, value) in values.enumerate().take(needed) {
+            let from = std::ptr::from_ref(&value).cast::<u8>();
+            // SAFETY: the index is below the capacity, so that the element lies in the caller's array, and both
+            // sides hold `filled` bytes.
+            unsafe {
+                let to = self.first.cast::<u8>().add(index * self.element_size);
+                std::ptr::copy_nonoverlapping(from, to, filled);
+                to.add(filled).write_bytes(0, self.element_size - filled);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -185,12 +223,14 @@ pub(super) unsafe fn init<T: SizeTagged>(
         return Err(Failure::NullPointer { name });
     }
     check_size::<T>(name, given)?;
-    // SAFETY: the caller's obligation.
-    unsafe { pointer.cast::<u8>().write_bytes(0, given) };
-    // SAFETY: as above; `given` was just found to fit a u32.
-    unsafe { pointer.cast::<u32>().write_unaligned(given as u32) };
-    // SAFETY: the size was just set and checked.
-    unsafe { Output::new(pointer, name) }?.write(defaults);
+    let bytes = pointer.cast::<u8>();
+    let known = given.min(size_of::<T>());
+    // SAFETY: the caller's obligation: `given` bytes are writable; the defaults have no padding.
+    unsafe {
+        bytes.write_bytes(0, given);
+        std::ptr::copy_nonoverlapping(std::ptr::from_ref(defaults).cast::<u8>(), bytes, known);
+        bytes.cast::<u32>().write_unaligned(given as u32);
+    }
     Ok(())
 }
 
@@ -200,83 +240,120 @@ pub(super) fn zeroed<T: SizeTagged>() -> T {
     unsafe { MaybeUninit::zeroed().assume_init() }
 }
 
-/// The one value that the reserved field of an input may have.
-pub(super) fn check_reserved(field: &str, value: u32) -> Result<(), Failure> {
-    if value == 0 {
-        return Ok(());
-    }
-    Err(Failure::argument(field, value, "be 0: it is reserved"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A struct as a newer program might have it: options and 8 more bytes.
+    /// A struct in its first version, as an older library or program knows it.
     #[repr(C)]
-    #[derive(Clone, Copy)]
-    struct Newer {
-        options: cylfuse_options,
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct First {
+        struct_size: u32,
+        number: u32,
+        value: f64,
+    }
+
+    /// The same after a field was appended.
+    #[repr(C)]
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Second {
+        first: First,
         added: u64,
     }
 
-    fn newer() -> Newer {
-        let options = cylfuse_options { struct_size: size_of::<Newer>() as u32, seed: 7, ..zeroed() };
-        Newer { options, added: 0 }
+    impl Growing for First {}
+    impl SizeTagged for First {}
+    impl Growing for Second {
+        const FIRST_SIZE: usize = size_of::<First>();
+    }
+    impl SizeTagged for Second {}
+
+    fn second(struct_size: usize) -> Second {
+        Second { first: First { struct_size: struct_size as u32, number: 7, value: 0.5 }, added: 0 }
     }
 
     #[test]
     fn larger_inputs_pass_while_the_rest_is_zero() {
-        let mut newer = newer();
-        let read_it = |newer: &Newer| {
+        let mut newer = second(24);
+        let read_it = |newer: &Second| {
             // SAFETY: the size is that of the whole struct.
-            unsafe { read(std::ptr::from_ref(newer).cast::<cylfuse_options>(), "options") }
+            unsafe { read(std::ptr::from_ref(newer).cast::<First>(), "options") }
         };
-        assert_eq!(read_it(&newer).unwrap().seed, 7);
+        assert_eq!(read_it(&newer).unwrap().number, 7);
         newer.added = 1 << 40;
         let text = read_it(&newer).unwrap_err().to_string();
-        let size = size_of::<cylfuse_options>();
-        let (whole, byte) = (format!("options.struct_size is {}", size + 8), format!("byte {}", size + 5));
-        assert!(text.contains(&whole) && text.contains(&byte), "{text}");
+        assert!(text.contains("options.struct_size is 24") && text.contains("byte 21"), "{text}");
     }
 
     #[test]
     fn sizes_that_cannot_be_are_refused() {
-        let mut options = newer().options;
-        for size in [0, 4, cylfuse_options::FIRST_SIZE as u32 - 1, 4097, u32::MAX] {
-            options.struct_size = size;
+        for size in [0, 4, 15, 4097, u32::MAX] {
+            let given = second(size as usize);
             // SAFETY: the size is refused before anything else is read.
-            let failure = unsafe { read(&raw const options, "options") }.unwrap_err();
+            let failure = unsafe { read(&raw const given, "options") }.unwrap_err();
             assert!(matches!(failure, Failure::StructSize { .. }), "{size}");
         }
         // SAFETY: NULL is allowed.
-        let failure = unsafe { read(std::ptr::null::<cylfuse_options>(), "options") }.unwrap_err();
+        let failure = unsafe { read(std::ptr::null::<Second>(), "options") }.unwrap_err();
         assert_eq!(failure.to_string(), "options is NULL; give a pointer");
     }
 
     #[test]
     fn fields_that_an_older_program_does_not_have_are_zero() {
-        let mut older = newer().options;
-        older.struct_size = cylfuse_options::FIRST_SIZE as u32;
-        older.extent_rule.0 = 77;
-        // SAFETY: the size is less than that of the struct.
-        let read = unsafe { read(&raw const older, "options") }.unwrap();
-        assert_eq!((read.seed, read.extent_rule.0), (7, 0));
+        for size in 16..24 {
+            let mut older = second(size);
+            older.added = u64::MAX;
+            // SAFETY: the size is less than that of the struct.
+            let read = unsafe { read(&raw const older, "options") }.unwrap();
+            assert_eq!((read.first.number, read.added >> (8 * (size - 16))), (7, 0));
+        }
     }
 
     #[test]
-    fn outputs_leave_what_they_do_not_know() {
-        let mut newer = newer();
+    fn outputs_say_what_was_filled_and_leave_nothing_as_it_was() {
+        // A newer program and an older library.
+        let mut newer = second(24);
         newer.added = 5;
-        let pointer = (&raw mut newer).cast::<cylfuse_options>();
-        let value = cylfuse_options { seed: 9, ..newer.options };
+        let pointer = (&raw mut newer).cast::<First>();
+        let value = First { struct_size: 99, number: 8, value: 2.0 };
         // SAFETY: the size is that of the whole struct.
-        unsafe { Output::new(pointer, "options") }.unwrap().write(&value);
-        assert_eq!((newer.options.seed, newer.added), (9, 5));
-        assert_eq!(newer.options.struct_size as usize, size_of::<Newer>());
+        unsafe { Output::new(pointer, "result") }.unwrap().write(&value);
+        assert_eq!(newer, Second { first: First { struct_size: 16, ..value }, added: 0 });
+        // An older program and a newer library: what lies behind the older struct is not touched.
+        let mut older = second(16);
+        older.added = 5;
+        let value = Second { first: value, added: 6 };
         // SAFETY: as above.
-        unsafe { init(pointer, "options", size_of::<Newer>(), &value) }.unwrap();
-        assert_eq!((newer.options.seed, newer.added), (9, 0));
-        assert_eq!(newer.options.struct_size as usize, size_of::<Newer>());
+        unsafe { Output::new(&raw mut older, "result") }.unwrap().write(&value);
+        assert_eq!(older, Second { first: First { struct_size: 16, ..value.first }, added: 5 });
+    }
+
+    #[test]
+    fn defaults_keep_the_size_and_zero_what_is_unknown() {
+        let mut newer = second(0);
+        newer.added = 5;
+        let value = First { struct_size: 99, number: 8, value: 2.0 };
+        // SAFETY: the size is that of the whole struct.
+        unsafe { init((&raw mut newer).cast::<First>(), "options", 24, &value) }.unwrap();
+        assert_eq!(newer, Second { first: First { struct_size: 24, ..value }, added: 0 });
+    }
+
+    #[test]
+    fn arrays_have_elements_of_any_version() {
+        let mut newer = [second(1); 3];
+        newer[1].added = 5;
+        newer[2].added = 6;
+        let mut count = 0;
+        let values = [First { struct_size: 1, number: 8, value: 2.0 }; 2];
+        let mut write = |element_size, capacity| {
+            let first = newer.as_mut_ptr().cast::<First>();
+            // SAFETY: three elements of 24 bytes are there.
+            let array = unsafe { OutputArray::new(first, element_size, capacity, &raw mut count) };
+            array?.write(values.iter().copied())
+        };
+        assert!(matches!(write(24, 1), Err(Failure::BufferTooSmall { needed: 2, .. })));
+        assert!(matches!(write(15, 3), Err(Failure::ElementSize { given: 15, .. })));
+        write(24, 3).unwrap();
+        assert_eq!((count, newer[1], newer[2].added), (2, Second { first: values[1], added: 0 }, 6));
     }
 }

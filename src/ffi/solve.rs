@@ -1,24 +1,62 @@
-//! Fitting, and what can be asked about a model.
+//! Fitting, and what a fit found.
 
-use super::constants::{cylfuse_log_level, cylfuse_phase, cylfuse_residual_kind};
-use super::handle::{Content, Log, cylfuse_fitter, enter};
+use super::callbacks::Log;
+use super::constants::cylfuse_log_level;
+use super::handle::{Cancel, Content, cylfuse_fitter, enter_to_change, enter_to_read};
 use super::options::saturated;
+use super::outcomes::{cylfuse_phase, cylfuse_result_flags};
+use super::results::{
+    cylfuse_cylinder_diagnosis, cylfuse_cylinder_estimate, cylfuse_progress, cylfuse_result,
+};
 use super::sized::Output;
 use super::status::{Failure, cylfuse_status};
-use super::structs::{
-    cylfuse_cylinder, cylfuse_diagnosis, cylfuse_limb_sample, cylfuse_progress, cylfuse_result,
-};
-use super::views::{Slot, cylinder, optional_cylinder, write_all};
+use super::structs::cylfuse_cylinder;
+use super::views::{cylinder, optional_cylinder};
 use crate::error::Error;
 use crate::fitter::{FitResult, Fitter};
-use crate::limb_location::{LimbObservation, LimbSample};
 use crate::solver::Iteration;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+
+fn or_nan(value: Option<f64>) -> f64 {
+    value.unwrap_or(f64::NAN)
+}
 
 impl From<&FitResult> for cylfuse_result {
     fn from(result: &FitResult) -> Self {
-        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            flags: cylfuse_result_flags(result.flags.bits()),
+            termination: result.termination.into(),
+            iterations: saturated(result.iterations),
+            rejected_steps: saturated(result.rejected_steps),
+            limbs_located: saturated(result.limbs_located),
+            segments_given: saturated(result.segments_given),
+            segments_used: saturated(result.segments_used),
+            points_given: result.points_given as u64,
+            points_used: result.points_used as u64,
+            independent_points: result.independent_points,
+            point_deviation: result.point_scale,
+            point_rms: result.point_rms,
+            edge_rms_pixels: or_nan(result.edge_rms_pixels),
+            near_wall_fraction: or_nan(result.near_wall_fraction),
+            initial_cost: result.initial_cost,
+            cost: result.cost,
+            energy_points: result.energy_points,
+            energy_edges: or_nan(result.energy_edges),
+            edge_weight: or_nan(result.edge_weight),
+            condition: result.condition,
+            gradient_norm: result.gradient_norm,
+            step_norm: result.step_norm,
+            lambda: result.lambda,
+            seconds_start: result.seconds.start,
+            seconds_solve: result.seconds.solve,
+            seconds_total: result.seconds.total,
+        }
+    }
+}
+
+impl From<&FitResult> for cylfuse_cylinder_estimate {
+    fn from(result: &FitResult) -> Self {
         let FitResult { uncertainty, radii, .. } = result;
         let mut covariance = [f64::NAN; 49];
         if let Some(uncertainty) = uncertainty {
@@ -26,32 +64,9 @@ impl From<&FitResult> for cylfuse_result {
         }
         Self {
             struct_size: size_of::<Self>() as u32,
-            termination: result.termination.into(),
             start_kind: result.start_kind.into(),
-            flags: super::constants::cylfuse_result_flags(result.flags.bits()),
-            iterations: saturated(result.iterations),
-            rejected_steps: saturated(result.rejected_steps),
-            segments_used: saturated(result.segments_used),
-            segments_given: saturated(result.segments_given),
-            points_used: result.points_used as u64,
-            points_given: result.points_given as u64,
             model: (&result.cylinder).into(),
             start_model: (&result.start).into(),
-            initial_cost: result.initial_cost,
-            cost: result.cost,
-            energy_points: result.energy_points,
-            energy_edges: or_nan(result.energy_edges),
-            edge_weight: or_nan(result.edge_weight),
-            point_rms: result.point_rms,
-            edge_rms_pixels: or_nan(result.edge_rms_pixels),
-            near_wall_fraction: or_nan(result.near_wall_fraction),
-            condition: result.condition,
-            lambda: result.lambda,
-            gradient_norm: result.gradient_norm,
-            step_norm: result.step_norm,
-            seconds_start: result.seconds.start,
-            seconds_solve: result.seconds.solve,
-            seconds_total: result.seconds.total,
             radius_deviation: or_nan(uncertainty.map(|u| u.radius())),
             direction_deviation: or_nan(uncertainty.map(|u| u.direction())),
             position_deviation: or_nan(uncertainty.map(|u| u.position())),
@@ -61,13 +76,43 @@ impl From<&FitResult> for cylfuse_result {
             radius_from_limbs_deviation: or_nan(radii.map(|r| r.from_limbs_deviation)),
             radius_z_score: or_nan(radii.map(|r| r.z_score())),
             covariance,
-            limbs_located: saturated(result.limbs_located),
-            reserved: 0,
         }
     }
 }
 
-fn fit(content: &mut Content, cancelled: &AtomicBool) -> Result<FitResult, Failure> {
+/// Where a result goes: both parts, or the one that is wanted.
+struct Outcome {
+    result: Option<Output<cylfuse_result>>,
+    estimate: Option<Output<cylfuse_cylinder_estimate>>,
+}
+
+impl Outcome {
+    /// # Safety
+    /// As [`Output::new`], for each.
+    unsafe fn new(
+        result: *mut cylfuse_result,
+        estimate: *mut cylfuse_cylinder_estimate,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's obligation.
+        unsafe {
+            Ok(Self {
+                result: Output::optional(result, "out_result")?,
+                estimate: Output::optional(estimate, "out_estimate")?,
+            })
+        }
+    }
+
+    fn write(self, outcome: &FitResult) {
+        if let Some(result) = self.result {
+            result.write(&outcome.into());
+        }
+        if let Some(estimate) = self.estimate {
+            estimate.write(&outcome.into());
+        }
+    }
+}
+
+fn fit(content: &mut Content, cancel: &Cancel<'_>) -> Result<FitResult, Failure> {
     let (log, progress) = (content.log, content.progress);
     let max_iterations = saturated(content.fitter.options().limits.max_iterations);
     let mut phase = cylfuse_phase::START;
@@ -75,6 +120,8 @@ fn fit(content: &mut Content, cancelled: &AtomicBool) -> Result<FitResult, Failu
         log_iteration(&log, phase, iteration);
         let mut stop = false;
         if let Some(function) = progress.function {
+            let cylinder = cylfuse_cylinder::from(&iteration.cylinder);
+            let started = phase != cylfuse_phase::START;
             let state = cylfuse_progress {
                 struct_size: size_of::<cylfuse_progress>() as u32,
                 phase,
@@ -82,23 +129,16 @@ fn fit(content: &mut Content, cancelled: &AtomicBool) -> Result<FitResult, Failu
                 max_iterations,
                 cost: iteration.cost,
                 lambda: iteration.lambda,
-                model: (&iteration.cylinder).into(),
+                cylinder: if started { &raw const cylinder } else { std::ptr::null() },
             };
-            // SAFETY: the caller gave the function for this use; the struct lives until it returns.
+            // SAFETY: the caller gave the function for this use; the structs live until it returns.
             stop = unsafe { function(&raw const state, progress.user_data) } != 0;
         }
         phase = cylfuse_phase::SOLVE;
         // After the callback, which may be what asks for it.
-        if stop || cancelled.load(Ordering::Acquire) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        if stop || cancel.is_asked_for() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let outcome = content.fitter.fit_with(&mut report);
-    // What asked to cancel meant this fit, even if it came too late for it.
-    cancelled.store(false, Ordering::Release);
-    let result = outcome?;
+    let result = content.fitter.fit_with(&mut report)?;
     log_result(&log, &result);
     Ok(result)
 }
@@ -127,33 +167,36 @@ fn log_result(log: &Log, result: &FitResult) {
     }
 }
 
-/// Estimates the cylinder from everything that was pushed.
+/// Estimates the cylinder from everything that was pushed into all views.
 ///
 /// @param fitter the fitter
-/// @param out_result where the result goes; set its `struct_size` before
+/// @param out_result where the result goes; `cylfuse_result_init` comes before. May be NULL.
+/// @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before. May be NULL.
 /// @return TOO_FEW_POINTS, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data do not determine a
-///   cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; CANCELLED. The last
-///   result stays then. No convergence and other doubts are not errors but fields of the result.
+///   cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; OUT_OF_MEMORY; CANCELLED.
+///   The last result stays then. Lack of convergence and other warnings are not errors but fields of the result.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_fit(
     fitter: *mut cylfuse_fitter,
     out_result: *mut cylfuse_result,
+    out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, cancelled| {
-            let out = Output::new(out_result, "out_result")?;
-            out.write(&(&fit(content, cancelled)?).into());
+        enter_to_change(fitter, |content, cancel| {
+            let out = Outcome::new(out_result, out_estimate)?;
+            out.write(&fit(content, cancel)?);
             Ok(())
         })
     }
 }
 
-/// Says what a fit would report for a given model, without iterating. The last result stays.
+/// Says what a fit would report for a given cylinder, without iterating. The last result stays.
 ///
 /// @param fitter the fitter
-/// @param model the model
-/// @param out_result where the result goes; set its `struct_size` before
+/// @param model the cylinder, in the reference frame
+/// @param out_result where the result goes; `cylfuse_result_init` comes before. May be NULL.
+/// @param out_estimate where the deviations go; `cylfuse_cylinder_estimate_init` comes before. May be NULL.
 /// @return INVALID_ARGUMENT for a bad model, else as `cylfuse_fitter_fit`; EDGE_GEOMETRY where the cost is
 ///   infinite
 #[unsafe(no_mangle)]
@@ -161,12 +204,13 @@ pub unsafe extern "C" fn cylfuse_fitter_evaluate(
     fitter: *const cylfuse_fitter,
     model: *const cylfuse_cylinder,
     out_result: *mut cylfuse_result,
+    out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
-            let out = Output::new(out_result, "out_result")?;
-            out.write(&(&content.fitter.evaluate(&cylinder(model, "model")?)?).into());
+        enter_to_read(fitter, |content, _| {
+            let out = Outcome::new(out_result, out_estimate)?;
+            out.write(&content.fitter.evaluate(&cylinder(model, "model")?)?);
             Ok(())
         })
     }
@@ -175,7 +219,7 @@ pub unsafe extern "C" fn cylfuse_fitter_evaluate(
 /// Reads the result of the last fit that succeeded.
 ///
 /// @param fitter the fitter
-/// @param out_result where the result goes; set its `struct_size` before
+/// @param out_result where the result goes; `cylfuse_result_init` comes before
 /// @return BAD_STATE when there is none
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_get_result(
@@ -184,100 +228,37 @@ pub unsafe extern "C" fn cylfuse_fitter_get_result(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out = Output::new(out_result, "out_result")?;
-            let result = content.fitter.result().ok_or(Error::BadState {
-                call: "reading the result",
-                missing: "a result",
-                remedy: "fit first",
-            })?;
-            out.write(&result.into());
+            out.write(&last_result(&content.fitter, "reading the result")?.into());
             Ok(())
         })
     }
 }
 
-/// Lists residuals.
+/// Reads the cylinder of the last fit that succeeded.
 ///
 /// @param fitter the fitter
-/// @param model the model; NULL = that of the last fit
-/// @param kind which residuals
-/// @param out room for `capacity` doubles, of any alignment; may be NULL when `capacity` is 0
-/// @param capacity `points_used` of `cylfuse_fitter_counts` is enough for POINTS, 2 a segment for EDGES
-/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
-/// @return BAD_STATE without a model and a result, EDGE_GEOMETRY for EDGES when the camera is inside the
-///   cylinder, BUFFER_TOO_SMALL
+/// @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before
+/// @return BAD_STATE when there is none
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_fitter_residuals(
+pub unsafe extern "C" fn cylfuse_fitter_get_cylinder(
     fitter: *const cylfuse_fitter,
-    model: *const cylfuse_cylinder,
-    kind: cylfuse_residual_kind,
-    out: *mut f64,
-    capacity: usize,
-    out_count: *mut usize,
+    out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            let kind = kind.read("kind")?;
-            let model = optional_cylinder(model)?;
-            let residuals = content.fitter.residuals(model.as_ref(), kind)?;
-            let written = write_all(&residuals, out, capacity, "out");
-            if matches!(written, Ok(()) | Err(Failure::BufferTooSmall { .. })) {
-                count.write(residuals.len());
-            }
-            written
+        enter_to_read(fitter, |content, _| {
+            let out = Output::new(out_estimate, "out_estimate")?;
+            out.write(&last_result(&content.fitter, "reading the cylinder")?.into());
+            Ok(())
         })
     }
 }
 
-/// Lists what the last fit saw of the limbs in the grey image, piece by piece, used and refused; all samples of a
-/// limb that was not located in the end are refused. Empty when the image was not searched.
-///
-/// @param fitter the fitter
-/// @param out room for `capacity` samples, of any alignment; may be NULL when `capacity` is 0
-/// @param capacity how many samples `out` holds
-/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
-/// @return BAD_STATE without a result, BUFFER_TOO_SMALL
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
-    fitter: *const cylfuse_fitter,
-    out: *mut cylfuse_limb_sample,
-    capacity: usize,
-    out_count: *mut usize,
-) -> cylfuse_status {
-    // SAFETY: the contract of the header.
-    unsafe {
-        enter(fitter, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            let samples = limb_samples(&content.fitter)?;
-            let written = write_all(&samples, out, capacity, "out");
-            if matches!(written, Ok(()) | Err(Failure::BufferTooSmall { .. })) {
-                count.write(samples.len());
-            }
-            written
-        })
-    }
-}
-
-fn limb_samples(fitter: &Fitter) -> Result<Vec<cylfuse_limb_sample>, Failure> {
-    if fitter.result().is_none() {
-        let (call, missing) = ("listing limb samples", "a result");
-        return Err(Error::BadState { call, missing, remedy: "fit first" }.into());
-    }
-    let (Some(limbs), Some(camera)) = (fitter.limbs(), fitter.camera()) else { return Ok(Vec::new()) };
-    let of_limb = |(limb, observation): (u32, &'_ LimbObservation)| {
-        let sample = |sample: &LimbSample| {
-            // A camera that was set after the fit may not see the place.
-            let pixel = camera.project(&camera.ideal_ray(&sample.position))?;
-            let sigma = sample.sigma;
-            let weight = if observation.uses(sample) { sample.weight } else { 0.0 };
-            Some(cylfuse_limb_sample { pixel: pixel.into(), sigma, weight, limb, reserved: 0 })
-        };
-        observation.samples.iter().filter_map(sample).collect::<Vec<_>>()
-    };
-    Ok((0..).zip(limbs).flat_map(of_limb).collect())
+pub(super) fn last_result<'a>(fitter: &'a Fitter, call: &'static str) -> Result<&'a FitResult, Failure> {
+    let missing = Error::BadState { call, missing: "a result", remedy: "fit first" };
+    fitter.result().ok_or(missing.into())
 }
 
 /// Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more precise
@@ -285,21 +266,21 @@ fn limb_samples(fitter: &Fitter) -> Result<Vec<cylfuse_limb_sample>, Failure> {
 ///
 /// @param fitter the fitter
 /// @param model the model; NULL = that of the last fit
-/// @param out_diagnosis where the diagnosis goes; set its `struct_size` before
+/// @param out_diagnosis where the diagnosis goes; `cylfuse_cylinder_diagnosis_init` comes before
 /// @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite, TOO_FEW_POINTS,
 ///   NUMERICAL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_diagnose(
     fitter: *const cylfuse_fitter,
     model: *const cylfuse_cylinder,
-    out_diagnosis: *mut cylfuse_diagnosis,
+    out_diagnosis: *mut cylfuse_cylinder_diagnosis,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(fitter, |content, _| {
+        enter_to_read(fitter, |content, _| {
             let out = Output::new(out_diagnosis, "out_diagnosis")?;
             let diagnosis = content.fitter.diagnose(optional_cylinder(model)?.as_ref())?;
-            out.write(&cylfuse_diagnosis {
+            out.write(&cylfuse_cylinder_diagnosis {
                 struct_size: 0,
                 rank: saturated(diagnosis.rank.rank),
                 singular_values: diagnosis.rank.singular_values,

@@ -6,7 +6,7 @@ use std::ffi::CStr;
 
 /// What a call returns: 0 when it did what it was asked to, else a negative number that says why not.
 ///
-/// A failed call changes nothing and writes no output unless its text says so; the fitter stays usable, but for
+/// A failed call changes nothing and writes no output unless its text says so; the handle stays usable, but for
 /// `CYLFUSE_STATUS_PANIC`. The numbers never change and new ones may be added: treat an unknown negative number
 /// as a failure.
 #[repr(transparent)]
@@ -20,14 +20,15 @@ impl cylfuse_status {
     pub const INVALID_ARGUMENT: cylfuse_status = cylfuse_status(-1);
     /// A pointer that is needed is NULL.
     pub const NULL_POINTER: cylfuse_status = cylfuse_status(-2);
-    /// The `struct_size` of a struct is smaller than the first version of the struct or larger than 4096, or
-    /// the struct is larger than this library knows it and uses fields that this library does not know.
+    /// A `struct_size` or `element_size` is smaller than the first version of the struct or larger than 4096, or a
+    /// struct to be read is larger than this library knows it and uses fields that this library does not know.
     pub const STRUCT_SIZE: cylfuse_status = cylfuse_status(-3);
     /// The program was compiled for another, incompatible version of the library.
     pub const ABI_MISMATCH: cylfuse_status = cylfuse_status(-4);
     /// The call came before something that it needs.
     pub const BAD_STATE: cylfuse_status = cylfuse_status(-5);
-    /// Another call on the same fitter is running: in another thread, or around a callback.
+    /// Another call on the same handle is running, in another thread or around a callback, and one of the two may
+    /// change it.
     pub const BUSY: cylfuse_status = cylfuse_status(-6);
     /// The buffer for the output is too small; the call says how much it needs and writes nothing else.
     pub const BUFFER_TOO_SMALL: cylfuse_status = cylfuse_status(-7);
@@ -57,7 +58,7 @@ impl cylfuse_status {
     pub const NUMERICAL: cylfuse_status = cylfuse_status(-27);
     /// The progress callback or `cylfuse_fitter_cancel` asked to stop.
     pub const CANCELLED: cylfuse_status = cylfuse_status(-40);
-    /// A defect of the library. The fitter can only be destroyed after it; other fitters are not affected.
+    /// A defect of the library. The handle can only be destroyed after it; others are not affected.
     pub const PANIC: cylfuse_status = cylfuse_status(-99);
 }
 
@@ -66,10 +67,10 @@ pub const STATUSES: &[(cylfuse_status, &CStr)] = &[
     (cylfuse_status::OK, c"OK: success"),
     (cylfuse_status::INVALID_ARGUMENT, c"INVALID_ARGUMENT: an argument is outside its documented range"),
     (cylfuse_status::NULL_POINTER, c"NULL_POINTER: a pointer that is needed is NULL"),
-    (cylfuse_status::STRUCT_SIZE, c"STRUCT_SIZE: the struct_size of a struct is wrong"),
+    (cylfuse_status::STRUCT_SIZE, c"STRUCT_SIZE: the size given for a struct is wrong"),
     (cylfuse_status::ABI_MISMATCH, c"ABI_MISMATCH: program and library do not go together"),
     (cylfuse_status::BAD_STATE, c"BAD_STATE: the call came before something that it needs"),
-    (cylfuse_status::BUSY, c"BUSY: another call on the same fitter is running"),
+    (cylfuse_status::BUSY, c"BUSY: another call on the same handle is running"),
     (cylfuse_status::BUFFER_TOO_SMALL, c"BUFFER_TOO_SMALL: the buffer for the output is too small"),
     (cylfuse_status::OUT_OF_MEMORY, c"OUT_OF_MEMORY: memory could not be had"),
     (cylfuse_status::UNSUPPORTED, c"UNSUPPORTED: the method does not define what was asked for"),
@@ -84,7 +85,7 @@ pub const STATUSES: &[(cylfuse_status, &CStr)] = &[
     (cylfuse_status::EDGE_GEOMETRY, c"EDGE_GEOMETRY: the limb lines are needed but cannot be formed"),
     (cylfuse_status::NUMERICAL, c"NUMERICAL: the arithmetic left the range of numbers"),
     (cylfuse_status::CANCELLED, c"CANCELLED: the caller asked to stop"),
-    (cylfuse_status::PANIC, c"PANIC: a defect of the library; destroy the fitter"),
+    (cylfuse_status::PANIC, c"PANIC: a defect of the library; destroy the handle"),
 ];
 
 /// The name and meaning of a status.
@@ -103,8 +104,12 @@ pub(super) enum Failure {
     NullPointer { name: &'static str },
     #[error("{name}.struct_size is {given}; it must {requirement}")]
     StructSize { name: &'static str, given: usize, requirement: String },
+    #[error("element_size is {given}; it must {requirement}")]
+    ElementSize { given: usize, requirement: String },
     #[error("{name} holds {capacity} but {needed} are needed; give a larger buffer")]
     BufferTooSmall { name: &'static str, capacity: usize, needed: usize },
+    #[error("the frame is busy in another call, or met a defect; wait until the call has returned")]
+    Frame { status: cylfuse_status },
     #[error(
         "abi_version is {given}; this library has {CYLFUSE_ABI_VERSION}; use header and library of one release"
     )]
@@ -125,8 +130,9 @@ impl Failure {
         match self {
             Failure::Library(error) => cylfuse_status(error.code()),
             Failure::NullPointer { .. } => cylfuse_status::NULL_POINTER,
-            Failure::StructSize { .. } => cylfuse_status::STRUCT_SIZE,
+            Failure::StructSize { .. } | Failure::ElementSize { .. } => cylfuse_status::STRUCT_SIZE,
             Failure::BufferTooSmall { .. } => cylfuse_status::BUFFER_TOO_SMALL,
+            Failure::Frame { status } => *status,
             Failure::AbiMismatch { .. } => cylfuse_status::ABI_MISMATCH,
         }
     }

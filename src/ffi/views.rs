@@ -1,7 +1,6 @@
 //! From pointers and strides to the checked views of the safe library.
 
 use super::constants::cylfuse_distortion;
-use super::sized::check_reserved;
 use super::status::Failure;
 use super::structs::{
     cylfuse_cylinder, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
@@ -9,12 +8,11 @@ use super::structs::{
 };
 use crate::camera::{Distortion, Intrinsics};
 use crate::error::Error;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, RigidMotion};
 use crate::observations::{
-    DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar,
-    Strided, VectorsView,
+    DepthRange, DepthView, EdgeSegment, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
 };
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// A grid of elements as the caller describes it, strides in bytes, 0 = packed.
 pub(super) struct Grid {
@@ -150,6 +148,10 @@ fn images(name: &'static str, (width, height): (u32, u32), size: usize, strides:
 /// `data`, `weights` and `normals` are NULL or point to the memory that the fields describe, during `'a`.
 pub(super) unsafe fn points_view<'a>(view: &cylfuse_points_view) -> Result<PointsView<'a>, Failure> {
     let scalar = view.scalar.read("points.scalar")?;
+    if view.height == 0 && view.width > 0 {
+        let requirement = "be at least 1: cylfuse_points_view_init sets that";
+        return Err(Failure::argument("points.height", 0, requirement));
+    }
     let grid = Grid {
         name: "points.data",
         element: "point",
@@ -220,27 +222,35 @@ pub(super) unsafe fn depth_view<'a>(
 /// # Safety
 /// `data` is NULL or points to the memory that the fields describe, during `'a`.
 pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<'a>, Failure> {
-    check_reserved("mask.reserved", view.reserved)?;
+    let label = match u8::try_from(view.label) {
+        Ok(0) => None,
+        Ok(label) => Some(label),
+        Err(_) => return Err(Failure::argument("mask.label", view.label, "lie in [0, 255]")),
+    };
+    if view.width == 0 || view.height == 0 {
+        let (width, height) = (view.width as usize, view.height as usize);
+        return Err(Error::EmptyMask { width, height }.into());
+    }
     let grid = images("mask.data", (view.width, view.height), 1, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
-    Ok(MaskView::new(unsafe { grid.check(view.data)?.view(view.data) }?))
+    let mask = MaskView::new(unsafe { grid.check(view.data)?.view(view.data) }?);
+    Ok(match label {
+        Some(label) => mask.of_label(label),
+        None => mask,
+    })
 }
 
-/// A grey image.
+/// An image.
 ///
 /// # Safety
 /// `data` is NULL or points to the memory that the fields describe, during `'a`.
 pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageView<'a>, Failure> {
     let format = view.format.read("image.format")?;
-    let size = match format {
-        ImageFormat::U8 => 1,
-        ImageFormat::U16 => 2,
-        ImageFormat::F32 => 4,
-    };
+    let size = format.pixel_bytes();
     let grid = images("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
     let linear = ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format);
-    Ok(if view.gamma == 0.0 { linear } else { linear.with_gamma(view.gamma)? })
+    Ok(linear.with_gamma(view.gamma)?)
 }
 
 /// Edge segments.
@@ -313,6 +323,23 @@ pub(super) fn intrinsics(given: &cylfuse_intrinsics) -> Result<Intrinsics, Failu
     Ok(Intrinsics { width, height, fx, fy, cx, cy, distortion })
 }
 
+/// A rotation, row by row, and a translation.
+///
+/// # Safety
+/// `rotation` is NULL or points to 9 doubles, `translation` is NULL or points to 3.
+pub(super) unsafe fn motion(rotation: *const f64, translation: *const f64) -> Result<RigidMotion, Failure> {
+    for (pointer, name) in [(rotation, "rotation"), (translation, "translation")] {
+        if pointer.is_null() {
+            return Err(Failure::NullPointer { name });
+        }
+    }
+    // SAFETY: not NULL, and the caller's obligation; no alignment is assumed.
+    let (rotation, translation) = unsafe {
+        (rotation.cast::<[f64; 9]>().read_unaligned(), translation.cast::<[f64; 3]>().read_unaligned())
+    };
+    Ok(RigidMotion::new(Matrix3::from_row_slice(&rotation), translation.into())?)
+}
+
 /// A cylinder.
 ///
 /// # Safety
@@ -367,32 +394,6 @@ impl<T: Copy> Slot<T> {
         // SAFETY: the obligation of `new`; no alignment is assumed.
         unsafe { self.0.write_unaligned(value) };
     }
-}
-
-/// Copies values to a buffer of the caller, which need not be aligned.
-///
-/// # Safety
-/// `out` is NULL or writable for `capacity` values.
-pub(super) unsafe fn write_all<T: Copy>(
-    values: &[T],
-    out: *mut T,
-    capacity: usize,
-    name: &'static str,
-) -> Result<(), Failure> {
-    if values.len() > capacity {
-        return Err(Failure::BufferTooSmall { name, capacity, needed: values.len() });
-    }
-    if values.is_empty() {
-        return Ok(());
-    }
-    if out.is_null() {
-        return Err(Failure::NullPointer { name });
-    }
-    // SAFETY: the buffer holds that many values; bytes have no alignment, and the values are the library's.
-    unsafe {
-        std::ptr::copy_nonoverlapping(values.as_ptr().cast::<u8>(), out.cast::<u8>(), size_of_val(values));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,16 +1,16 @@
-//! The arcs of the ends, located in the image for the tilt of the axis.
+//! Fourth stage: the arcs of the ends, located in the images for the tilt of the axis.
 
-use super::Fitter;
-use super::problem::Problem;
-use super::rough::CONTRADICTION;
-use super::solve::{ENDPOINT_PIXELS, Report};
+use super::data::{Data, ViewData};
+use super::guided::CONTRADICTION;
+use super::held::{Held, HeldView};
+use super::located::Located;
+use super::objective::{Precision, Run};
 use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
-use crate::residuals::{ArcRay, ArcTerm, Loss, TUKEY_EFFICIENT, Tukey, Wall, near_wall};
-use crate::solver::Convergence;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::limb_location::blur_of;
+use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
 use nalgebra::{Matrix3, Vector3};
 
 /// Fewest places that tell how an arc is bent.
@@ -30,61 +30,70 @@ const ARC_ROUNDS: usize = 5;
 /// pixels it moves them by a tenth of a pixel.
 const SETTLED_TURN: f64 = 0.004;
 
-impl Fitter {
-    /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
-    /// contradict the points are something else and are dropped.
-    pub(super) fn fit_to_arcs(
-        &self,
-        problem: &mut Problem<'_>,
-        mut convergence: Convergence,
-        report: Report<'_>,
-    ) -> Result<Convergence> {
-        let scale = problem.point_scale(&convergence.cylinder);
-        for _ in 0..ARC_ROUNDS {
-            let before = convergence.cylinder;
-            problem.arcs = self.locate_arcs(problem, &before);
-            if problem.arcs.ends.is_empty() {
-                break;
-            }
-            let after = problem.minimise_again(&convergence, report)?;
-            if problem.point_scale(&after.cylinder) > CONTRADICTION * scale {
-                problem.arcs = ArcTerm::default();
-                break;
-            }
-            convergence = after;
-            if before.axis.angle(&convergence.cylinder.axis) < SETTLED_TURN {
-                break;
-            }
-        }
-        Ok(convergence)
+/// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
+/// contradict the points are something else and are dropped.
+pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
+    // With a radius that no limb holds the arcs bend otherwise.
+    if located.held.limbs_located() == 0 {
+        return Ok(located);
     }
-
-    /// The arcs of the ends that the image shows, each place weighed by how well it agrees with its neighbours.
-    fn locate_arcs(&self, problem: &Problem<'_>, cylinder: &Cylinder) -> ArcTerm {
-        let (Some(image), Some(mask), Some(camera)) = (&self.image, &self.mask, &self.camera) else {
-            return ArcTerm::default();
-        };
-        if cylinder.contains_origin() {
-            return ArcTerm::default();
+    let scale = located.minimum.scale();
+    let without = located.held.clone();
+    let Located { mut minimum, mut held } = located;
+    for _ in 0..ARC_ROUNDS {
+        let before = *minimum.cylinder();
+        held = with_arcs(data, &without, &before);
+        if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
+            break;
         }
-        let search = EndSearch {
-            camera,
-            mask,
-            depth: self.depth.as_ref(),
-            image: Some(image),
-            tolerance: depth_tolerance(&self.cloud, cylinder),
-            limbs_known: problem.has_limbs(),
-        };
-        let Some(ends) = locate_ends(&search, cylinder) else { return ArcTerm::default() };
-        ArcTerm { ends: ends.iter().filter_map(|end| places(camera, cylinder, &end.samples)).collect() }
+        let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
+        if after.scale() > CONTRADICTION * scale {
+            held = without;
+            break;
+        }
+        minimum = after;
+        if before.axis.angle(&minimum.cylinder().axis) < SETTLED_TURN {
+            break;
+        }
     }
+    Ok(Located { minimum, held })
 }
 
-/// The places of one end with their weights; `None` where they do not tell how the arc is bent.
-fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option<Vec<ArcRay>> {
+/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours.
+fn with_arcs(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Held {
+    let views = data.views.iter().zip(&held.views).map(|(view, held)| {
+        let arcs = arcs(view, held, &view.seen(cylinder)).unwrap_or_default();
+        HeldView { arcs, ..held.clone() }
+    });
+    Held { views: views.collect(), ..held.clone() }
+}
+
+fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<ArcTerm> {
+    if cylinder.contains_origin() {
+        return None;
+    }
+    let camera = view.camera()?;
+    let search = EndSearch {
+        camera,
+        mask: view.view.mask.as_ref()?,
+        depth: view.view.depth(),
+        image: Some(view.view.image()?),
+        tolerance: depth_tolerance(&view.view.cloud, cylinder),
+        limbs_known: held.given + held.located > 0,
+        noise: view.noise,
+        blur: held.limbs.as_ref().and_then(blur_of),
+    };
+    let ends = locate_ends(&search, cylinder)?;
+    let endpoint = view.noise.endpoint;
+    let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
+    Some(ArcTerm { ends: ends.collect() })
+}
+
+/// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.
+fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint: f64) -> Option<Vec<ArcRay>> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
-    let mut found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
+    let found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
         .iter()
         .filter_map(|sample| {
             let ray = camera.unproject(&sample.pixel)?;
@@ -99,31 +108,27 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample]) -> Option
     if found.len() < LEAST_PLACES {
         return None;
     }
-    let variances: Vec<f64> = found.iter().map(|(place, ..)| 1.0 / place.weight).collect();
-    // How much more the places scatter than their deviations explain.
-    let mut scatter: f64 = 1.0;
-    for _ in 0..REWEIGHTINGS {
+    let deviations: Vec<f64> = found.iter().map(|(place, ..)| place.weight.sqrt().recip()).collect();
+    // The scale is how much more the places scatter than their deviations explain.
+    let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
+    let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {
         let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for (place, position, shape) in &found {
-            let w = place.weight * place.across * place.across;
+        for ((place, position, shape), weight) in found.iter().zip(weights) {
+            let w = weight * place.weight * place.across * place.across;
             square += shape * shape.transpose() * w;
             right += shape * (w * position);
         }
         let solution = square.try_inverse()? * right;
-        let residuals: Vec<f64> = found
-            .iter()
-            .zip(&variances)
-            .map(|((place, position, shape), variance)| {
-                (position - shape.dot(&solution)) * place.across / variance.sqrt()
-            })
-            .collect();
-        let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
-        scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scatter, wall: Wall::Either };
-        for ((place, residual), variance) in found.iter_mut().zip(residuals).zip(&variances) {
-            place.0.weight = loss.loss_and_weight(residual, 0.0).1 / variance;
+        for (((place, position, shape), deviation), residual) in found.iter().zip(&deviations).zip(residuals)
+        {
+            *residual = (position - shape.dot(&solution)) * place.across / deviation;
         }
-    }
-    let factor = (ENDPOINT_PIXELS / scatter).powi(2);
-    Some(found.into_iter().map(|(place, ..)| ArcRay { weight: place.weight * factor, ..place }).collect())
+        Some(Progress::Moved)
+    })?;
+    let factor = (endpoint / scale).powi(2);
+    let weighted = |((place, ..), weight): ((ArcRay, f64, Vector3<f64>), f64)| ArcRay {
+        weight: place.weight * weight * factor,
+        ..place
+    };
+    Some(found.into_iter().zip(weights).map(weighted).collect())
 }

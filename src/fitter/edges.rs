@@ -2,12 +2,11 @@
 
 use super::result::Flags;
 use crate::camera::Camera;
+use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
-use crate::residuals::{LimbPair, LimbTerm, PixelSegment, PixelTerm};
+use crate::residuals::{LimbPair, PixelSegment, PixelTerm};
 use nalgebra::{Vector2, Vector3};
-
-/// Two limbs of a cylinder that can be measured are farther apart than this many pixels.
-const SAME_LIMB_PIXELS: f64 = 2.0;
 
 /// The usable segments, without distortion.
 #[derive(Debug, Clone)]
@@ -19,7 +18,7 @@ pub(super) struct UsableEdges {
 
 impl UsableEdges {
     /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason.
-    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment]) -> Self {
+    pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment], noise: &ImageNoise) -> Self {
         let mut usable = Self { segments: Vec::new(), rays: Vec::new(), flags: Flags::empty() };
         for segment in segments.iter().filter(|segment| segment.weight > 0.0) {
             let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
@@ -37,16 +36,16 @@ impl UsableEdges {
         }
         if let [first, second] = &mut usable.segments[..] {
             (first.limb, second.limb) = (Some(0), Some(1));
-            let doubt = if coincide(first, second) {
+            let warning = if coincide(first, second, noise.apart()) {
                 Flags::EDGES_COINCIDE
             } else if cross(first, second) {
                 Flags::EDGES_CROSS
             } else {
                 Flags::empty()
             };
-            if !doubt.is_empty() {
-                usable.flags |= doubt;
-                usable.drop_all();
+            if !warning.is_empty() {
+                usable.flags |= warning;
+                usable.clear();
             }
         }
         if usable.segments.is_empty() && !segments.is_empty() {
@@ -55,25 +54,26 @@ impl UsableEdges {
         usable
     }
 
-    pub fn drop_all(&mut self) {
+    /// Signed distances in pixels of the endpoints from the limb lines of a cylinder in the coordinates of the view;
+    /// `None` where it has no limbs.
+    pub fn distances(&self, camera: &Camera, seen: &Cylinder) -> Option<Vec<f64>> {
+        if self.segments.is_empty() {
+            return Some(Vec::new());
+        }
+        let lines = PixelTerm::new(self.segments.clone(), camera.line_projection());
+        Some(lines.distances(seen)?.into_iter().flatten().collect())
+    }
+
+    /// Drops all segments.
+    pub fn clear(&mut self) {
         self.segments.clear();
         self.rays.clear();
-        self.flags |= Flags::EDGES_IGNORED;
     }
 
-    /// The paper's edge term, for exactly two segments.
-    pub fn limb_term(&self, camera: Option<&Camera>) -> Option<LimbTerm> {
+    /// The pair of limbs of the paper, for exactly two segments.
+    pub fn limb_pair(&self) -> Option<LimbPair> {
         let ([first, second], [a, b]) = (&self.rays[..], &self.segments[..]) else { return None };
-        let pair = LimbPair { rays: [*first, *second], pixels: [a.endpoints, b.endpoints] };
-        Some(LimbTerm::new(pair, camera?.line_projection()))
-    }
-
-    /// The pixel distances of any number of segments.
-    pub fn pixel_term(&self, camera: Option<&Camera>) -> Option<PixelTerm> {
-        if self.segments.is_empty() {
-            return None;
-        }
-        Some(PixelTerm::new(self.segments.clone(), camera?.line_projection()))
+        Some(LimbPair { rays: [*first, *second], pixels: [a.endpoints, b.endpoints] })
     }
 }
 
@@ -93,10 +93,10 @@ fn cross(first: &PixelSegment, second: &PixelSegment) -> bool {
     area(a, b, c) * area(a, b, d) < 0.0 && area(c, d, a) * area(c, d, b) < 0.0
 }
 
-/// Whether two segments lie on one line.
-fn coincide(first: &PixelSegment, second: &PixelSegment) -> bool {
+/// Whether two segments lie on one line, to some pixels.
+fn coincide(first: &PixelSegment, second: &PixelSegment, apart: f64) -> bool {
     let length = |segment: &PixelSegment| (segment.endpoints[1] - segment.endpoints[0]).norm();
     let (long, short) = if length(first) >= length(second) { (first, second) } else { (second, first) };
     let [a, b] = &long.endpoints;
-    short.endpoints.iter().all(|q| area(a, b, q).abs() < SAME_LIMB_PIXELS * length(long))
+    short.endpoints.iter().all(|q| area(a, b, q).abs() < apart * length(long))
 }

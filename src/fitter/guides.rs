@@ -1,27 +1,11 @@
 //! The lines that guide the limbs of the first fit: given segments, sides of the mask, or some of both.
 
-use super::solve::ENDPOINT_PIXELS;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::limb_location::{Outline, Side};
+use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
-
-/// Standard deviation of a side of a mask across the limb, in pixels: masks are drawn to one or two.
-pub(super) const SIDE_PIXELS: f64 = 1.6;
-
-/// Standard deviation of the same for the part that differs from one end of a side to the other, in pixels.
-const SIDE_UNEVENNESS: f64 = 1.0;
-
-/// A mask may be too large or too small all round by this many pixels.
-const LARGEST_GROWTH: f64 = 3.0;
-
-/// Segments within this many pixels of the sides of the mask agree with them: about what hand and mask are off
-/// together.
-const AGREEMENT_PIXELS: f64 = 2.0;
-
-/// A segment farther from its side than this is grossly wrong, in pixels: ten times what a hand-set edge is off.
-const GROSS_PIXELS: f64 = 5.0;
 
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
@@ -55,7 +39,12 @@ impl Guides {
 
     /// The lines of a limb that was not located. Where the other one was, its side of the mask shows by how much the
     /// mask is too large.
-    pub fn of_limb(&self, limb: usize, other: Option<&PixelSegment>) -> Vec<PixelSegment> {
+    pub fn of_limb(
+        &self,
+        limb: usize,
+        other: Option<&PixelSegment>,
+        noise: &ImageNoise,
+    ) -> Vec<PixelSegment> {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let given = self.given.iter().filter(|guide| guide.limb == Some(limb));
         let mut lines: Vec<PixelSegment> = given.copied().collect();
@@ -64,8 +53,8 @@ impl Guides {
             (Some(located), Some(beside)) => {
                 let inner = own.middle();
                 let growth = located.endpoints.map(|q| outward(&beside.endpoints, &inner, &q));
-                let growth = f64::midpoint(growth[0], growth[1]).clamp(-LARGEST_GROWTH, LARGEST_GROWTH);
-                moved(own, &beside.middle(), growth)
+                let growth = f64::midpoint(growth[0], growth[1]).clamp(-noise.growth, noise.growth);
+                moved(own, &beside.middle(), growth, noise)
             }
             _ => *own,
         });
@@ -107,11 +96,11 @@ fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> 
 }
 
 /// A side of a mask of known growth, moved away from `inner`.
-fn moved(side: &PixelSegment, inner: &Vector2<f64>, by: f64) -> PixelSegment {
+fn moved(side: &PixelSegment, inner: &Vector2<f64>, by: f64, noise: &ImageNoise) -> PixelSegment {
     let along = (side.endpoints[1] - side.endpoints[0]).normalize();
     let across = Vector2::new(-along.y, along.x);
     let step = across * (by * (side.middle() - inner).dot(&across).signum());
-    let weight = (ENDPOINT_PIXELS / SIDE_UNEVENNESS).powi(2);
+    let weight = (noise.endpoint / noise.unevenness).powi(2);
     PixelSegment { endpoints: side.endpoints.map(|q| q + step), weight, ..*side }
 }
 
@@ -119,6 +108,7 @@ fn moved(side: &PixelSegment, inner: &Vector2<f64>, by: f64) -> PixelSegment {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sides {
     sides: [Side; 2],
+    noise: ImageNoise,
 }
 
 /// How given segments lie to the sides of a mask.
@@ -131,6 +121,8 @@ pub(super) struct Agreement {
     pub apart: Vec<f64>,
     /// The root mean square distance of all endpoints, growth included, in pixels.
     pub total: f64,
+    /// The largest distance of a segment that agrees with its side.
+    limit: f64,
 }
 
 impl Agreement {
@@ -139,18 +131,18 @@ impl Agreement {
         // One segment says nothing about the other limb.
         self.sides.contains(&0)
             && self.sides.contains(&1)
-            && self.apart.iter().all(|&apart| apart <= AGREEMENT_PIXELS)
+            && self.apart.iter().all(|&apart| apart <= self.limit)
     }
 }
 
 impl Sides {
-    pub fn new(outline: &Outline, camera: &Camera, rough: &Cylinder) -> Option<Self> {
-        Some(Self { sides: outline.sides(camera, rough)? })
+    pub fn new(outline: &Outline, camera: &Camera, rough: &Cylinder, noise: &ImageNoise) -> Option<Self> {
+        Some(Self { sides: outline.sides(camera, rough)?, noise: *noise })
     }
 
     /// The sides as segments of little weight.
     pub fn segments(&self) -> impl Iterator<Item = PixelSegment> + use<> {
-        let weight = (ENDPOINT_PIXELS / SIDE_PIXELS).powi(2);
+        let weight = (self.noise.endpoint / self.noise.side).powi(2);
         let seen = self.sides.into_iter().enumerate().filter(|(_, side)| !side.cut);
         seen.map(move |(k, side)| PixelSegment { endpoints: side.ends, weight, limb: Some(k) })
     }
@@ -187,28 +179,30 @@ impl Sides {
         all.sort_by(f64::total_cmp);
         let middle = all.len() / 2;
         let growth = f64::midpoint(*all.get(middle.checked_sub(1)?)?, all[middle]);
-        let growth = growth.clamp(-LARGEST_GROWTH, LARGEST_GROWTH);
+        let growth = growth.clamp(-self.noise.growth, self.noise.growth);
         let total = (all.iter().map(|d| d * d).sum::<f64>() / all.len() as f64).sqrt();
         let apart = |([a, b], &side): (&[f64; 2], &usize)| {
             let told = if self.sides[side].cut { 0.0 } else { 1.0 };
             told * (((a - growth).powi(2) + (b - growth).powi(2)) / 2.0).sqrt()
         };
-        Some(Agreement { apart: outward.iter().zip(&sides).map(apart).collect(), sides, total })
+        let limit = self.noise.agreement();
+        Some(Agreement { apart: outward.iter().zip(&sides).map(apart).collect(), sides, total, limit })
     }
 
     /// Segments and sides together, each segment weighed by how far it is from its side.
     pub fn with_segments(&self, segments: &[PixelSegment]) -> Guides {
         let mut given = segments.to_vec();
         if let Some(agreement) = self.compare(segments) {
+            let ImageNoise { endpoint, unevenness, .. } = self.noise;
+            let gross = self.noise.gross();
             // One hand sets all segments alike, those apart that are grossly wrong.
-            let alike: Vec<f64> =
-                agreement.apart.iter().copied().filter(|&apart| apart < GROSS_PIXELS).collect();
+            let alike: Vec<f64> = agreement.apart.iter().copied().filter(|&apart| apart < gross).collect();
             let pooled = alike.iter().map(|apart| apart * apart).sum::<f64>() / alike.len().max(1) as f64;
             for (k, guide) in given.iter_mut().enumerate() {
                 let apart = agreement.apart[k];
-                let of_both = if apart < GROSS_PIXELS { pooled } else { apart * apart };
-                let variance = of_both - SIDE_UNEVENNESS.powi(2);
-                guide.weight *= ENDPOINT_PIXELS.powi(2) / variance.max(ENDPOINT_PIXELS.powi(2));
+                let of_both = if apart < gross { pooled } else { apart * apart };
+                let variance = of_both - unevenness.powi(2);
+                guide.weight *= endpoint.powi(2) / variance.max(endpoint.powi(2));
                 guide.limb = Some(agreement.sides[k]);
             }
         }

@@ -1,61 +1,89 @@
 //! The fitter: takes observations, finds a start, minimises, and says how far to trust the result.
+//!
+//! [`Fitter`] holds what was pushed, by view. A fit reads it as immutable `Data` and runs through stages, each a function
+//! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod correlation;
+mod data;
+mod describe;
 mod edges;
+mod fit;
+mod guided;
 mod guides;
-mod limbs;
+mod held;
+mod inputs;
+mod located;
 mod minimum;
+mod objective;
 mod options;
-mod problem;
-mod report;
 mod result;
-mod rough;
 mod selection;
-mod solve;
-mod starts;
+mod start;
 mod uncertainty;
+mod view;
 
+pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
+pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
+pub use describe::{Diagnosis, ResidualKind};
+pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
-pub use report::{Diagnosis, ResidualKind};
 pub use result::{FitResult, Flags, Seconds};
 pub use uncertainty::{RadiusComparison, Uncertainty};
+pub(crate) use view::View;
 
-use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
-use crate::limb_location::LimbObservation;
-use crate::observations::{
-    DepthImage, DepthRange, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView, PointCloud,
-    PointsView, check_same_size, check_segments,
-};
-use crate::residuals::ArcTerm;
-use crate::solver::Iteration;
-use limbs::Lines;
-use starts::Candidate;
+use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
+use crate::workers::Workers;
+use data::Data;
+use edges::UsableEdges;
+use held::Held;
+use objective::Run;
+use start::Candidate;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Estimates one cylinder. Set intrinsics, push observations, call [`Fitter::fit`]; whatever fails leaves
-/// everything as it was.
-#[derive(Debug, Clone, Default)]
+/// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
+/// random samples, or places, cells and residuals for the correlation.
+const BYTES_OF_FIT: usize = 96;
+
+/// The same for a diagnosis: rows of six numbers, gathered, stacked, and factorised in place of a copy.
+const BYTES_OF_DIAGNOSIS: usize = 320;
+
+/// Estimates one cylinder from one view or several. Set intrinsics, push observations, call [`Fitter::fit`]; whatever
+/// fails leaves everything as it was.
+///
+/// A fitter begins with one view at the identity. [`Fitter::select_view`] adds others and chooses the one that what
+/// follows is about; options, start model, fit and result are about all.
+#[derive(Debug, Clone)]
 pub struct Fitter {
     options: Options,
-    camera: Option<Camera>,
+    /// The threads that the options ask for.
+    workers: Workers,
     start: Option<Cylinder>,
-    cloud: PointCloud,
-    segments: Vec<EdgeSegment>,
-    mask: Option<Mask>,
-    depth: Option<DepthImage>,
-    image: Option<GreyImage>,
-    /// What the last fit held the limbs to.
-    lines: Option<Lines>,
-    /// The arcs of the ends that it located in the image.
-    arcs: ArcTerm,
-    /// What the last fit saw of the limbs in the image.
-    limbs: Option<[LimbObservation; 2]>,
+    views: Vec<View>,
+    /// The view that is set, pushed to and asked about.
+    selected: usize,
+    /// What the last fit held the cylinder to.
+    held: Option<Held>,
     result: Option<FitResult>,
+}
+
+impl Default for Fitter {
+    fn default() -> Self {
+        Self {
+            options: Options::default(),
+            workers: Workers::default(),
+            start: None,
+            views: vec![View::default()],
+            selected: 0,
+            held: None,
+            result: None,
+        }
+    }
 }
 
 impl Fitter {
@@ -77,156 +105,20 @@ impl Fitter {
     /// `InvalidArgument`; the old options stay then.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
+        if options.threads != self.options.threads {
+            self.workers = Workers::new(match options.threads {
+                0 => std::thread::available_parallelism().map_or(1, usize::from),
+                count => count,
+            });
+        }
         self.options = options;
-        self.forget_held();
+        self.held = None;
         Ok(())
     }
 
-    /// Sets the camera. Points that were pushed before stay as they are.
-    ///
-    /// # Errors
-    /// `InvalidIntrinsics`; the old camera stays then.
-    pub fn set_intrinsics(&mut self, intrinsics: Intrinsics) -> Result<()> {
-        self.camera = Some(Camera::new(intrinsics)?);
-        // Lines and arcs were those in the image of the old one.
-        self.forget_held();
-        Ok(())
-    }
-
-    /// The camera.
-    #[must_use]
-    pub fn camera(&self) -> Option<&Camera> {
-        self.camera.as_ref()
-    }
-
-    /// Sets or takes away the start model.
+    /// Sets or takes away the start model, in the reference frame.
     pub fn set_start(&mut self, start: Option<Cylinder>) {
         self.start = start;
-    }
-
-    /// Adds points; a mask selects pixels of an organised cloud.
-    ///
-    /// # Errors
-    /// See [`PointCloud::push_points`]. Nothing is added then.
-    pub fn push_points(&mut self, points: &PointsView<'_>, mask: Option<&MaskView<'_>>) -> Result<()> {
-        let mask = mask.map(Mask::copy).transpose()?;
-        self.cloud.push_points(points, mask.as_ref())
-    }
-
-    /// Adds the points of a depth image; a mask selects pixels. Image and mask are kept, in place of earlier
-    /// ones, for the extent and the completion.
-    ///
-    /// # Errors
-    /// `BadState` without intrinsics, else see [`PointCloud::push_depth`]. Nothing is added then.
-    pub fn push_depth(
-        &mut self,
-        depth: &DepthView<'_>,
-        mask: Option<&MaskView<'_>>,
-        range: &DepthRange,
-    ) -> Result<()> {
-        let camera = self.camera.as_ref().ok_or(Error::BadState {
-            call: "pushing a depth image",
-            missing: "intrinsics",
-            remedy: "set the intrinsics first",
-        })?;
-        let mask = mask.map(Mask::copy).transpose()?;
-        let image = DepthImage::copy(depth)?;
-        self.cloud.push_depth(camera, depth, mask.as_ref(), range)?;
-        self.depth = Some(image);
-        self.mask = mask;
-        self.forget_held();
-        Ok(())
-    }
-
-    /// Adds edge segments in pixels of the (distorted) image.
-    ///
-    /// # Errors
-    /// `InvalidArgument` for a bad number, `OutOfMemory`. Nothing is added then.
-    pub fn push_edges(&mut self, segments: &[EdgeSegment]) -> Result<()> {
-        check_segments(segments)?;
-        let bytes = std::mem::size_of_val(segments);
-        let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
-        self.segments.try_reserve(segments.len()).map_err(out_of_memory)?;
-        self.segments.extend_from_slice(segments);
-        self.forget_held();
-        Ok(())
-    }
-
-    /// Takes a grey image on the grid of the camera, in place of an earlier one. The robust objective locates the
-    /// limbs in it from the given edges, and the ends are located in it.
-    ///
-    /// # Errors
-    /// `BadState` without intrinsics, `SizeMismatch` when it has another size than they, else see
-    /// [`GreyImage::copy`]. The earlier image stays then.
-    pub fn push_image(&mut self, image: &ImageView<'_>) -> Result<()> {
-        let camera = self.camera.as_ref().ok_or(Error::BadState {
-            call: "pushing an image",
-            missing: "intrinsics",
-            remedy: "set the intrinsics first",
-        })?;
-        let size = (image.width(), image.height());
-        check_same_size("grey image", size, "the image of the intrinsics", camera.size())?;
-        self.image = Some(GreyImage::copy(image)?);
-        Ok(())
-    }
-
-    /// The grey image.
-    #[must_use]
-    pub fn image(&self) -> Option<&GreyImage> {
-        self.image.as_ref()
-    }
-
-    /// Forgets data and result; keeps options, camera, start model and memory.
-    pub fn clear(&mut self) {
-        self.cloud.clear();
-        self.segments.clear();
-        self.mask = None;
-        self.depth = None;
-        self.image = None;
-        self.forget_held();
-        self.result = None;
-    }
-
-    /// Forgets what the last fit held the cylinder to: what it would be held to now is another matter.
-    fn forget_held(&mut self) {
-        self.lines = None;
-        self.arcs = ArcTerm::default();
-        self.limbs = None;
-    }
-
-    /// Makes room for that many more points and segments.
-    ///
-    /// # Errors
-    /// `OutOfMemory`.
-    pub fn reserve(&mut self, points: usize, segments: usize) -> Result<()> {
-        self.cloud.reserve(points)?;
-        let bytes = segments.saturating_mul(std::mem::size_of::<EdgeSegment>());
-        let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
-        self.segments.try_reserve(segments).map_err(out_of_memory)
-    }
-
-    /// The points that were pushed.
-    #[must_use]
-    pub fn cloud(&self) -> &PointCloud {
-        &self.cloud
-    }
-
-    /// The segments that were pushed.
-    #[must_use]
-    pub fn segments(&self) -> &[EdgeSegment] {
-        &self.segments
-    }
-
-    /// The mask of the last depth image.
-    #[must_use]
-    pub fn mask(&self) -> Option<&Mask> {
-        self.mask.as_ref()
-    }
-
-    /// The last depth image.
-    #[must_use]
-    pub fn depth(&self) -> Option<&DepthImage> {
-        self.depth.as_ref()
     }
 
     /// The last successful fit.
@@ -235,12 +127,24 @@ impl Fitter {
         self.result.as_ref()
     }
 
-    /// What the last fit saw of the two limbs in the image, in the order of [`LimbFrame::limb_lines`]: lines, samples
-    /// used and refused. `None` when the image was not searched: without an image, for edges as
-    /// given, and for other objectives than the robust one.
+    /// What the last fit saw of the two limbs in the image of the selected view, in the order of
+    /// [`LimbFrame::limb_lines`]: lines, samples used and refused. `None` when the image was not searched: without an
+    /// image, for edges as given, and for other objectives than the robust one.
     #[must_use]
     pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.limbs.as_ref()
+        self.limbs_of(self.selected)
+    }
+
+    /// The same for any view.
+    #[must_use]
+    pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
+        self.held.as_ref()?.view(view)?.limbs.as_ref()
+    }
+
+    /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
+    #[must_use]
+    pub fn limbs_known(&self, view: usize) -> bool {
+        self.held.as_ref().and_then(|held| held.view(view)).is_some_and(|held| held.located > 0)
     }
 
     /// Estimates the cylinder.
@@ -258,56 +162,134 @@ impl Fitter {
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
-        let mut problem = self.problem_of_data()?;
-        let mut limbs = None;
-        let mut lines = Lines::default();
-        if report(&Iteration::before_start()).is_break() {
+        let seconds = || clock.elapsed().as_secs_f64();
+        self.check_memory(BYTES_OF_FIT)?;
+        let data = self.data()?;
+        let mut run = Run::new(report);
+        if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
-        let mut result = match self.options.method {
-            Method::Eberly => {
-                let cylinder = problem.moments_start().ok_or_else(|| Error::NoStart {
-                    reason: "the moments of the points give no cylinder".into(),
-                })?;
-                problem.check_radius(&cylinder)?;
-                self.describe(&problem, &Candidate { kind: StartKind::Moments, cylinder }, &cylinder)?
-            }
-            Method::Ransac => {
-                let cylinder = problem.ransac()?.cylinder;
-                problem.check_radius(&cylinder)?;
-                self.describe(&problem, &Candidate { kind: StartKind::Ransac, cylinder }, &cylinder)?
-            }
-            Method::Fused | Method::Points => {
-                problem.passing = self.locates();
-                let rough = self.rough_fit(&mut problem, report)?;
-                let started = clock.elapsed().as_secs_f64();
-                let fit = self.fit_to_located(&mut problem, &rough, report)?;
-                let (start, mut convergence) = (rough.start, fit.convergence);
-                problem.limbs_located = fit.lines.located;
-                lines = fit.lines;
-                limbs = fit.observations;
-                if problem.passing {
-                    // With a radius that no limb holds the arcs bend otherwise.
-                    if lines.located > 0 {
-                        convergence = self.fit_to_arcs(&mut problem, convergence, report)?;
-                    }
-                    problem.passing = false;
-                    convergence = problem.minimise_again(&convergence, report)?;
-                }
-                let mut result = self.describe(&problem, &start, &convergence.cylinder)?;
-                result.add_convergence(&convergence);
-                result.seconds.start = started;
-                result.seconds.solve = clock.elapsed().as_secs_f64() - started;
-                result
-            }
-        };
-        result.limbs_located = lines.located;
-        result.seconds.total = clock.elapsed().as_secs_f64();
-        let arcs = std::mem::take(&mut problem.arcs);
-        self.lines = Some(lines);
-        self.arcs = arcs;
-        self.limbs = limbs;
+        let mut started = 0.0;
+        let fit = fit::fit(&data, &mut run, || started = seconds())?;
+        let ended = seconds();
+        let mut result = describe::describe(&data, &fit.held, &fit.start, &fit.cylinder)?;
+        if let Some(convergence) = &fit.convergence {
+            result.add_convergence(convergence);
+            result.seconds.start = started;
+            result.seconds.solve = ended - started;
+        }
+        result.seconds.total = seconds();
+        self.held = Some(fit.held);
         self.result = Some(result);
         Ok(result)
     }
+
+    /// What a fit would report for a given model in the reference frame, without iterating: held to what the last fit was
+    /// held to, or to the given segments where data or options have changed since.
+    ///
+    /// # Errors
+    /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
+    pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
+        self.check_memory(BYTES_OF_FIT)?;
+        let data = self.data()?;
+        let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
+        describe::describe(&data, &self.held(&data), &start, cylinder)
+    }
+
+    /// Residuals of a model, or of the last fit, in the selected view.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs.
+    pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
+        let view = self.view();
+        let seen = view.pose().inverse().cylinder(&self.model_or_result("listing residuals", cylinder)?);
+        match kind {
+            ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p))),
+            ResidualKind::Edges => {
+                let Some(camera) = view.camera() else { return Ok(Vec::new()) };
+                let noise = self.options.noise.in_image(camera.size());
+                let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
+                edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
+                    reason: "the camera is inside the cylinder, which has no limbs then".into(),
+                    remedy: "ask for the residuals of the points",
+                })
+            }
+        }
+    }
+
+    /// How much each used point of the selected view counts at a model, or at the last fit: from 1 on the surface down to
+    /// 0 for an outlier, by the weight of the robust objective at the scale of the residuals. With a plain objective all
+    /// points count alike all the same; this says which it should not trust.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result, `TooFewPoints` and the like as in [`Fitter::fit`].
+    pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
+        let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
+        self.check_memory(BYTES_OF_FIT)?;
+        let data = self.data()?;
+        let scales = data.scales(&cylinder);
+        let mut views = data.views.iter().zip(&scales.views);
+        let selected = views.find(|(view, _)| view.index == self.selected);
+        let Some((view, &RobustScales { point: scale, .. })) = selected else { return Ok(Vec::new()) };
+        let frame = data.frame(&cylinder).moved(&view.into_view);
+        let loss = Robust { scale, observed: view.observed }.at(&frame);
+        let rows = PointRows::new(&frame);
+        let weight = |point| {
+            let (residual, facing) = rows.residual(&point);
+            loss.loss_and_weight(residual, facing).1
+        };
+        listed(view.points.count(), view.view.cloud.points().map(weight))
+    }
+
+    /// Rank, condition and the weakest direction of the stacked Jacobian at a model, or at the last fit, by
+    /// orthogonal factorisation.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result, `EdgeGeometry` where the cost is infinite, `Numerical`.
+    pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Diagnosis> {
+        let cylinder = self.model_or_result("diagnosing", cylinder)?;
+        self.check_memory(BYTES_OF_DIAGNOSIS)?;
+        let data = self.data()?;
+        describe::diagnose(&data, &self.held(&data), &cylinder)
+    }
+
+    /// The given model, or that of the last fit.
+    pub(crate) fn model_or_result(
+        &self,
+        call: &'static str,
+        cylinder: Option<&Cylinder>,
+    ) -> Result<Cylinder> {
+        let missing = Error::BadState { call, missing: "a model", remedy: "give one or fit first" };
+        cylinder.copied().or(self.result.map(|result| result.cylinder)).ok_or(missing)
+    }
+
+    /// Asks for the memory of lists over all points, and gives it back at once: so that a call that could not have it
+    /// fails before it begins, and does not end the process in the middle.
+    fn check_memory(&self, bytes_of_point: usize) -> Result<()> {
+        let points = self.views.iter().map(|view| view.cloud.len()).sum::<usize>();
+        let bytes = points.saturating_mul(bytes_of_point);
+        let mut memory: Vec<u8> = Vec::new();
+        let asked = memory.try_reserve_exact(bytes);
+        // What nobody looks at need not be allocated.
+        std::hint::black_box(&memory);
+        asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
+    }
+
+    fn data(&self) -> Result<Data<'_>> {
+        Data::new(&self.options, &self.views, self.start.as_ref(), &self.workers)
+    }
+
+    /// What the last fit held the cylinder to, or the given segments.
+    fn held(&self, data: &Data<'_>) -> Held {
+        self.held.clone().unwrap_or_else(|| Held::as_given(data))
+    }
+}
+
+/// Numbers in memory that is asked for.
+fn listed(count: usize, numbers: impl Iterator<Item = f64>) -> Result<Vec<f64>> {
+    let mut list = Vec::new();
+    let bytes = count.saturating_mul(size_of::<f64>());
+    list.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the list", bytes })?;
+    list.extend(numbers);
+    Ok(list)
 }

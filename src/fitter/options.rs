@@ -1,10 +1,10 @@
 //! The settings of a fit, each with its default, unit and reason.
 
 use crate::error::{Error, Result};
-#[cfg(doc)]
-use crate::geometry::Chart;
 use crate::geometry::CylinderLimits;
+use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
+use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
 /// How the cylinder is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -18,6 +18,13 @@ pub enum Method {
     Ransac,
     /// Eberly's algebraic fit by moments, no final iteration.
     Eberly,
+}
+
+impl Method {
+    /// Whether the method minimises an objective, so that its result has an uncertainty.
+    pub(super) fn minimises(self) -> bool {
+        matches!(self, Method::Fused | Method::Points)
+    }
 }
 
 /// What the fused method minimises.
@@ -54,9 +61,9 @@ pub enum ChartChoice {
     /// the orthonormal one has no footing: without a camera at the origin, and around a camera inside the pipe.
     #[default]
     Auto,
-    /// Always [`Chart::Local`].
+    /// Always shift and tilt of the axis at the data.
     Local,
-    /// Always [`Chart::Orthonormal`].
+    /// Always the orthonormal representation of the paper (6).
     Orthonormal,
 }
 
@@ -112,8 +119,8 @@ pub struct Options {
     pub chart: ChartChoice,
     /// The constants of the iteration.
     pub limits: IterationLimits,
-    /// Most threads for the sums over the points, 0 for as many as the machine has. Small clouds take one. The
-    /// result has the same bits for any number.
+    /// Most threads for the sums over the points; 1, the default, starts none. Small clouds take one anyway. The result
+    /// has the same bits for any number.
     pub threads: usize,
     /// Seed of the random samples of RANSAC.
     pub seed: u64,
@@ -128,6 +135,11 @@ pub struct Options {
     pub edge_use: EdgeUse,
     /// How the ends of the visible cylinder are found.
     pub extent_rule: ExtentRule,
+    /// What is known of the errors of the data.
+    pub noise: NoiseModel,
+    /// The number of points of each view whose noise is independent; 0 = from the correlation of the residuals between
+    /// neighbouring points. Neighbours in a depth image share matching windows and filters.
+    pub independent_points: f64,
 }
 
 impl Default for Options {
@@ -140,13 +152,15 @@ impl Default for Options {
             near_wall: NearWall::Auto,
             chart: ChartChoice::Auto,
             limits: IterationLimits::default(),
-            threads: 0,
+            threads: 1,
             seed: 0,
             ransac_iterations: 1000,
             ransac_threshold: 0.0,
             cylinder_limits: CylinderLimits::default(),
             edge_use: EdgeUse::Refine,
             extent_rule: ExtentRule::Auto,
+            noise: NoiseModel::default(),
+            independent_points: 0.0,
         }
     }
 }
@@ -170,7 +184,13 @@ impl Options {
             return Err(Error::argument("edge weight", self.edge_weight, "lie in [0, 1]"));
         }
         let IterationLimits {
-            max_iterations, initial_lambda, lambda_factor, max_lambda, cost_tolerance, ..
+            max_iterations,
+            initial_lambda,
+            lambda_factor,
+            max_lambda,
+            cost_tolerance,
+            gradient_tolerance,
+            step_tolerance,
         } = self.limits;
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if !positive(initial_lambda) {
@@ -186,6 +206,13 @@ impl Options {
         if !(0.0..1.0).contains(&cost_tolerance) {
             return Err(Error::argument("cost tolerance", cost_tolerance, "lie in [0, 1)"));
         }
+        for (name, tolerance) in
+            [("gradient tolerance", gradient_tolerance), ("step tolerance", step_tolerance)]
+        {
+            if !(0.0..1.0).contains(&tolerance) {
+                return Err(Error::argument(name, tolerance, "lie in [0, 1)"));
+            }
+        }
         if max_iterations == 0 {
             return Err(Error::argument("max iterations", max_iterations, "be at least 1"));
         }
@@ -193,9 +220,15 @@ impl Options {
             let value = self.ransac_threshold;
             return Err(Error::argument("ransac threshold", value, "be finite and at least 0"));
         }
-        if self.ransac_iterations == 0 {
-            return Err(Error::argument("ransac iterations", 0, "be at least 1"));
+        if !(1..=LARGEST_MAX_ITERATIONS).contains(&self.ransac_iterations) {
+            let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
+            return Err(Error::argument("ransac_max_iterations", self.ransac_iterations, requirement));
         }
+        if !(self.independent_points >= 0.0 && self.independent_points.is_finite()) {
+            let requirement = "be finite and at least 0; 0 = from the data";
+            return Err(Error::argument("independent points", self.independent_points, requirement));
+        }
+        self.noise.check()?;
         self.cylinder_limits.check()
     }
 }

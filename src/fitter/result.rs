@@ -7,7 +7,7 @@ use crate::observations::Dropped;
 use crate::solver::Termination;
 
 bitflags::bitflags! {
-    /// Doubts about a result. None of them is an error.
+    /// Warnings about a result. None of them is an error.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub struct Flags: u32 {
         /// Segments were given but none of them counts; the other flags and counts say why.
@@ -42,6 +42,9 @@ bitflags::bitflags! {
         const RADIUS_AT_LIMIT = 1 << 13;
         /// The axis is on the border of its cone: the data want another one. Not for a known direction.
         const AXIS_AT_LIMIT = 1 << 14;
+        /// The data do not tell how uncertain the result is: fewer than eight points are independent, or some degree of
+        /// freedom is not determined.
+        const UNCERTAINTY_UNKNOWN = 1 << 15;
     }
 }
 
@@ -102,6 +105,11 @@ pub struct FitResult {
     pub limbs_located: usize,
     /// Root of E_P.
     pub point_rms: f64,
+    /// Standard deviation σ of the distances of good points by their median, in the unit of length: the noise of the
+    /// points across the surface.
+    pub point_scale: f64,
+    /// The number of points whose noise is independent, estimated or as the options say, over all views.
+    pub independent_points: f64,
     /// Root mean square distance in pixels of the given endpoints from the limb lines; `None` without edges.
     pub edge_rms_pixels: Option<f64>,
     /// The part of the points on the wall that the camera sees; `None` when the origin is no camera.

@@ -30,7 +30,7 @@ impl Fitter {
         if !(reach >= 0.0 && reach.is_finite()) {
             return Err(Error::argument("reach", reach, "be finite and at least 0"));
         }
-        let cylinder = self.model_or_result(CALL, model)?;
+        let cylinder = self.pose().inverse().cylinder(&self.model_or_result(CALL, model)?);
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;
         let axis = &cylinder.axis;
@@ -44,9 +44,12 @@ impl Fitter {
         let low = *positions.select_nth_unstable_by(stray, f64::total_cmp).1;
         let high = *positions.select_nth_unstable_by(last - stray, f64::total_cmp).1;
         let reach = (reach > 0.0).then_some(reach);
-        edges_on_limbs(segments, camera, &cylinder, &[low, high], reach).ok_or_else(|| Error::EdgeGeometry {
-            reason: "the camera is inside the cylinder or a limb cannot be seen".into(),
-            remedy: "give a cylinder in front of the camera",
+        let noise = self.options().noise.in_image(camera.size());
+        edges_on_limbs(segments, camera, &cylinder, &[low, high], reach, &noise).ok_or_else(|| {
+            Error::EdgeGeometry {
+                reason: "the camera is inside the cylinder or a limb cannot be seen".into(),
+                remedy: "give a cylinder in front of the camera",
+            }
         })
     }
 }

@@ -1,8 +1,10 @@
 //! How uncertain a result is, and whether points and limbs agree about the radius.
 
-use super::problem::Problem;
+use super::data::Data;
+use super::held::Held;
+use super::objective::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
-use crate::residuals::Sandwich;
+use crate::residuals::{Sandwich, root};
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// The step of central differences in standard deviations: small against any curvature, large against rounding.
@@ -23,19 +25,32 @@ pub(super) const DISAGREEMENT: f64 = 4.0;
 /// Limbs that add a smaller part than this to what is known of the radius have no radius of their own.
 const LEAST_SHARE: f64 = 1e-3;
 
-impl Problem<'_> {
+/// Independent points without which the noise cannot be told from the residuals: with five degrees of freedom fitted,
+/// the variance of Student's t is finite from three others on.
+const LEAST_INDEPENDENT: f64 = 8.0;
+
+impl Data<'_> {
     /// The uncertainty of a minimum, for the direction that a result shows, and its radius by points and limbs, where
     /// limbs take part.
-    pub fn uncertainty(&self, cylinder: &Cylinder) -> (Option<Uncertainty>, Option<RadiusComparison>) {
-        let frame = LocalFrame::new(&self.canonical(cylinder), &self.center, self.unit);
-        let Some(sandwich) = self.sandwich(cylinder, &frame) else { return (None, None) };
+    pub fn uncertainty(
+        &self,
+        held: &Held,
+        cylinder: &Cylinder,
+        scales: &Scales,
+    ) -> (Option<Uncertainty>, Option<RadiusComparison>) {
+        let frame = self.frame(&self.canonical(cylinder));
+        if self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
+            return (None, None);
+        }
+        let Some(sandwich) = self.sandwich(held, cylinder, scales, &frame) else { return (None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich
             .covariance(&[false, false, axis, axis, radius])
             .map(|tangent| Uncertainty { frame, tangent, center: self.center });
-        let limbs = self.has_limbs();
-        let radii = limbs.then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit)).flatten();
+        let radii = (uncertainty.is_some() && held.has_limbs())
+            .then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit))
+            .flatten();
         (uncertainty, radii)
     }
 }
@@ -82,10 +97,10 @@ impl Uncertainty {
     /// length, and along the axis the point only moves as the tilt moves it.
     #[must_use]
     pub fn covariance(&self) -> SMatrix<f64, 7, 7> {
-        let jacobian = self.jacobian();
-        let covariance = jacobian * self.tangent * jacobian.transpose();
-        // Symmetric to the last bit, which rounding is not.
-        (covariance + covariance.transpose()) * 0.5
+        // The tangent was made of such a root: there is one. The product of a matrix with its transpose is symmetric to the
+        // last bit, its variances are not negative and its correlations are at most 1.
+        let root = self.jacobian() * root(&self.tangent).unwrap_or_default();
+        root * root.transpose()
     }
 
     /// The derivative of (axis point, unit direction, radius) in the tangent of the frame.
@@ -194,7 +209,7 @@ impl RadiusComparison {
     /// everything, r_f. With k = 1 − (A⁻¹)ᵣᵣ / (A_p⁻¹)ᵣᵣ, the part of the information on the radius that the limbs
     /// bring, r_f = (1 − k) r_p + k r_l defines r_l. So much of r_p is taken out that the two are uncorrelated.
     fn new(radius: f64, sandwich: &Sandwich, unit: f64) -> Option<Self> {
-        let Sandwich { points, edges } = sandwich;
+        let Sandwich { points, image } = sandwich;
         let of_points = points.derivative.cholesky()?;
         let of_all = sandwich.derivative().cholesky()?;
         let e = Tangent::ith(4, 1.0);
@@ -205,14 +220,14 @@ impl RadiusComparison {
             return None;
         }
         let step_points = -row_points.dot(&points.gradient);
-        let step_all = -row_all.dot(&(points.gradient + edges.gradient));
+        let step_all = -row_all.dot(&(points.gradient + image.gradient));
         let step_limbs = step_points + (step_all - step_points) / share;
         let variance = |row: &Tangent, covariance: &TangentMap| row.dot(&(covariance * row));
         // How r_l follows from the gradient of the points and from that of the limbs.
         let by_limbs = row_all / share;
         let by_points = row_points * (1.0 - 1.0 / share) + by_limbs;
         let limbs_variance =
-            variance(&by_points, &points.covariance) + variance(&by_limbs, &edges.covariance);
+            variance(&by_points, &points.covariance) + variance(&by_limbs, &image.covariance);
         let comparison = Self {
             from_points: radius + unit * step_points,
             from_points_deviation: unit * variance(&row_points, &points.covariance).sqrt(),

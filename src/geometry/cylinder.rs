@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn distance_agrees_with_the_plucker_form() {
         let cylinder = oblique();
-        let plucker = super::super::PluckerLine::from(cylinder.axis);
+        let plucker = crate::geometry::line::PluckerLine::from(cylinder.axis);
         for p in [Vector3::new(0.3, 0.1, 0.5), Vector3::new(-2.0, 0.4, 7.0), cylinder.axis.point] {
             let by_moment = (plucker.moment - p.cross(&plucker.direction)).norm() - cylinder.radius;
             assert!((cylinder.distance(&p) - by_moment).abs() < 1e-14);

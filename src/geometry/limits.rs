@@ -77,6 +77,9 @@ impl Default for CylinderLimits {
     }
 }
 
+/// The largest limit of a radius: its square and those of its ratios to any length stay numbers.
+const LARGEST_LIMIT: f64 = 1e100;
+
 /// An axis this near to the border of its cone is on it, as a part of the angle of the cone. The steps put it there
 /// to rounding.
 const ON_BORDER: f64 = 1e-9;
@@ -97,6 +100,14 @@ impl CylinderLimits {
         if !(radius_max > 0.0 && radius_max >= radius_min) {
             let requirement = format!("be greater than 0 and at least radius_min, {radius_min}");
             return Err(Error::argument("radius_max", radius_max, requirement));
+        }
+        let finite = [("radius_min", radius_min), ("radius_max", radius_max)];
+        if let Some((name, limit)) =
+            finite.into_iter().find(|(_, limit)| limit.is_finite() && *limit > LARGEST_LIMIT)
+        {
+            let requirement =
+                format!("be at most {LARGEST_LIMIT:e}; without radius_max there is no upper limit");
+            return Err(Error::argument(name, limit, requirement));
         }
         let Some(AxisCone { direction, max_angle }) = axis else { return Ok(()) };
         let norm = direction.norm();

@@ -6,8 +6,8 @@
 //! |---|---|
 //! | d̂, direction of the axis | `direction` |
 //! | c, axis point nearest the origin | [`Line::nearest_to_origin`] |
-//! | m = c × d̂, moment (5) | [`PluckerLine::moment`] |
-//! | {U, W}, orthonormal representation (6) | [`OrthonormalLine`] |
+//! | m = c × d̂, moment (5) | `PluckerLine::moment` |
+//! | {U, W}, orthonormal representation (6) | `OrthonormalLine` |
 //! | r | `radius` |
 //! | γ, half the angle between the limb planes (11) | [`LimbFrame`] |
 
@@ -19,10 +19,12 @@ mod line;
 mod motion;
 mod rotation;
 
-pub use chart::{Chart, LocalFrame, Tangent, TangentMap};
+pub(crate) use chart::{Chart, LocalFrame, Tangent, TangentMap};
 pub use cylinder::{Cylinder, CylinderComparison, Walls};
 pub use limbs::LimbFrame;
 pub use limits::{AxisCone, CylinderLimits};
-pub use line::{Line, OrthonormalLine, PluckerLine};
+pub use line::Line;
 pub use motion::RigidMotion;
-pub use rotation::{any_orthogonal, exp_so2, exp_so3, hat, rotate_direction};
+#[cfg(test)]
+pub(crate) use rotation::exp_so3;
+pub use rotation::{any_orthogonal, rotate_direction};

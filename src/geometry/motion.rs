@@ -15,6 +15,8 @@ const ROTATION_TOLERANCE: f64 = 1e-4;
 pub struct RigidMotion {
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
+    /// Whether the motion leaves everything where it is: most views have that one, and all points ask.
+    identity: bool,
 }
 
 impl Default for RigidMotion {
@@ -27,7 +29,7 @@ impl RigidMotion {
     /// The motion that leaves everything where it is.
     #[must_use]
     pub fn identity() -> Self {
-        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros(), identity: true }
     }
 
     /// The motion of a rotation, which may be off by 1e-4 and is made exact, and a translation in the unit of length of
@@ -50,7 +52,8 @@ impl RigidMotion {
         let (Some(u), Some(v)) = (parts.u, parts.v_t) else {
             return Err(Error::Numerical { what: "the rotation has no singular values" });
         };
-        Ok(Self { rotation: if exact { rotation } else { u * v }, translation })
+        let identity = exact && translation == Vector3::zeros();
+        Ok(Self { rotation: if exact { rotation } else { u * v }, translation, identity })
     }
 
     /// R.
@@ -68,7 +71,7 @@ impl RigidMotion {
     /// Whether the motion leaves everything where it is.
     #[must_use]
     pub fn is_identity(&self) -> bool {
-        *self == Self::identity()
+        self.identity
     }
 
     /// The motion back.
@@ -76,19 +79,23 @@ impl RigidMotion {
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
         // 0 − x and not −x: no negative zeros for the identity.
-        Self { rotation, translation: Vector3::zeros() - rotation * self.translation }
+        Self {
+            rotation,
+            translation: Vector3::zeros() - rotation * self.translation,
+            identity: self.identity,
+        }
     }
 
     /// A point in the other frame.
     #[must_use]
     pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        if self.is_identity() { *point } else { self.rotation * point + self.translation }
+        if self.identity { *point } else { self.rotation * point + self.translation }
     }
 
     /// A direction in the other frame.
     #[must_use]
     pub fn direction(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        if self.is_identity() { *direction } else { self.rotation * direction }
+        if self.identity { *direction } else { self.rotation * direction }
     }
 
     /// A line in the other frame.

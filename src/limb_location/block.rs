@@ -6,18 +6,20 @@ use super::strip::{Strip, StripPixel};
 use nalgebra::{Matrix2, Matrix4, Matrix4x2, SMatrix, Vector2, Vector4};
 use std::ops::Range;
 
-/// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
-pub(super) const OUTSIDE: f64 = 4.0;
+constants! {
+    /// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
+    pub(super) OUTSIDE = 4.0, "px";
 
-/// How far the profile reaches inside the limb, in pixels: more meets labels, and shading turns from what two
-/// coefficients describe.
-pub(super) const INSIDE: f64 = 3.5;
+    /// How far the profile reaches inside the limb, in pixels: more meets labels, and shading turns from what two
+    /// coefficients describe.
+    pub(super) INSIDE = 3.5, "px";
 
-/// Standard deviation by which the limb in one block may be off for reasons other than noise, in pixels.
-const BLOCK_FLOOR: f64 = 0.05;
+    /// Standard deviation by which the limb in one block may be off for reasons other than noise, in pixels.
+    BLOCK_FLOOR = 0.05, "px";
 
-/// Fewest pixels of a block: a few per unknown.
-const LEAST_PIXELS: usize = 20;
+    /// Fewest pixels of a block: a few per unknown.
+    LEAST_PIXELS = 20.0, "px";
+}
 
 /// A line across a strip: u = offset + slope · s.
 #[derive(Debug, Clone, Copy, Default)]
@@ -64,7 +66,7 @@ pub(super) struct Block {
 impl Block {
     /// Variance of `shift` with everything that is not noise.
     pub fn variance(&self) -> f64 {
-        self.sigma * self.sigma + BLOCK_FLOOR * BLOCK_FLOOR
+        self.sigma * self.sigma + BLOCK_FLOOR.get() * BLOCK_FLOOR.get()
     }
 }
 
@@ -94,15 +96,16 @@ pub(super) fn sums_of_blocks(
 /// The runs of each block.
 fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
     let count = strip.len();
-    (0..count.div_ceil(BLOCK_RUNS)).map(move |k| k * BLOCK_RUNS..((k + 1) * BLOCK_RUNS).min(count))
+    (0..count.div_ceil(BLOCK_RUNS.count()))
+        .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
 }
 
 /// The pixels of a run between `OUTSIDE` and `INSIDE` of a line. Where white was cut off the profile is not what the
 /// light was.
 fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> impl Iterator<Item = &'a StripPixel> {
-    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE);
+    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE.get());
     let run = &run[first..];
-    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE)];
+    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE.get())];
     about.iter().filter(|pixel| !pixel.saturated)
 }
 
@@ -133,7 +136,7 @@ impl BlockPixels {
                 sum_s += pixel.s;
             }
         }
-        if rows.len() < LEAST_PIXELS {
+        if rows.len() < LEAST_PIXELS.count() {
             return None;
         }
         let inverse = normal.try_inverse()?;
@@ -204,7 +207,7 @@ impl BlockSums {
                 sums.squares += pixel.value * pixel.value;
             }
         }
-        (sums.count >= LEAST_PIXELS as f64).then_some(sums)
+        (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
     }
 
     /// Sum of squared residuals with the best levels for a shading; `None` where the levels are not determined.

@@ -8,35 +8,37 @@
 use super::strip::Strip;
 
 /// Pixels on either side of an edge that the step filter spans.
-const FILTER_HALF: usize = 3;
+pub(super) const FILTER_HALF: usize = 3;
 
 /// Weights of the step filter on one side, from the edge outwards: a step less its part along a ramp, so that
 /// shading without an edge gives nothing. At v = ½, 1½, 2½: 1 − v Σ|v| / Σv².
 const FILTER: [f64; FILTER_HALF] =
     [0.742_857_142_857_142_9, 0.228_571_428_571_428_6, -0.285_714_285_714_285_7];
 
-/// Spacing of the lines that are tried, at either end of the strip, in pixels: half the width of the filter's
-/// response to a sharp step.
-const LINE_STEP: f64 = 0.5;
+constants! {
+    /// Spacing of the lines that are tried, at either end of the strip, in pixels: half the width of the filter's
+    /// response to a sharp step.
+    LINE_STEP = 0.5, "px";
 
-/// How many runs form a block: edges shorter than this are no evidence, and polarity may change from one block
-/// to the next.
-pub(super) const BLOCK_RUNS: usize = 8;
+    /// How many runs form a block: edges shorter than this are no evidence, and polarity may change from one block
+    /// to the next.
+    pub(super) BLOCK_RUNS = 8.0, "rows";
 
-/// A significance in the sum along the whole line that counts as full: beyond it a short strong edge would pass
-/// for a long one.
-const FULL_SIGNIFICANCE: f64 = 6.0;
+    /// A significance in the sum along the whole line that counts as full: beyond it a short strong edge would pass
+    /// for a long one.
+    FULL_SIGNIFICANCE = 6.0, "σ";
+
+    /// How many standard deviations above what noise gives an edge must be: of a thousand lines on noise alone the
+    /// best is at 3.3.
+    VISIBLE_DEVIATIONS = 4.0, "σ";
+
+    /// Fewest blocks that a limb is located on: one of them may be wrong.
+    LEAST_BLOCKS = 3.0, "blocks";
+}
 
 /// Mean and variance of ln(1 + t²) for Gaussian t: what a block without any edge gives.
 const NOISE_MEAN: f64 = 0.535;
 const NOISE_VARIANCE: f64 = 0.45;
-
-/// How many standard deviations above what noise gives an edge must be: of a thousand lines on noise alone the
-/// best is at 3.3.
-const VISIBLE_DEVIATIONS: f64 = 4.0;
-
-/// Fewest runs that a limb is located on: three blocks, of which one may be wrong.
-const LEAST_RUNS: usize = 3 * BLOCK_RUNS;
 
 /// A line across the strip by its u at both ends, s = ∓ half length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,14 +76,14 @@ impl Response {
 pub(super) fn rough_line(strip: &Strip, half_length: f64, reach: f64, deviation: f64) -> Option<RoughLine> {
     let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * strip.noise();
     let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
-    if responses.len() < LEAST_RUNS {
+    if responses.len() < LEAST_BLOCKS.count() * BLOCK_RUNS.count() {
         return None;
     }
-    let blocks = responses.len().div_ceil(BLOCK_RUNS) as f64;
+    let blocks = responses.len().div_ceil(BLOCK_RUNS.count()) as f64;
     let needed = blocks * NOISE_MEAN
-        + VISIBLE_DEVIATIONS * (blocks * NOISE_VARIANCE).sqrt()
-        + VISIBLE_DEVIATIONS * VISIBLE_DEVIATIONS;
-    let count = (reach / LINE_STEP).ceil().max(1.0) as i32;
+        + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
+        + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
+    let count = (reach / LINE_STEP.get()).ceil().max(1.0) as i32;
     let mut best: Option<RoughLine> = None;
     for i in -count..=count {
         for j in -count..=count {
@@ -117,11 +119,11 @@ fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
 fn evidence(responses: &[Response], half_length: f64, ends: &[f64; 2]) -> f64 {
     let (middle, slope) = (f64::midpoint(ends[0], ends[1]), (ends[1] - ends[0]) / (2.0 * half_length));
     let (mut total, mut sum_of_all, mut blocks) = (0.0, 0.0, 0.0);
-    for block in responses.chunks(BLOCK_RUNS) {
+    for block in responses.chunks(BLOCK_RUNS.count()) {
         let sum: f64 = block.iter().map(|response| response.at(middle + slope * response.s)).sum();
         let t = sum / (block.len() as f64).sqrt();
         total += (t * t).ln_1p();
-        sum_of_all += t.clamp(-FULL_SIGNIFICANCE, FULL_SIGNIFICANCE);
+        sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
         blocks += 1.0;
     }
     // Of one polarity, the blocks tell more together than one by one.

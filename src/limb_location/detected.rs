@@ -3,29 +3,33 @@
 use super::axial_range;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use nalgebra::Vector2;
 
-/// How far a limb may be from that of the rough cylinder, as a part of the distance of the two limbs in the image:
-/// a fit to points alone is some per cent wrong in the radius, which is half of that distance, and now and then more
-/// than ten.
-const RELATIVE_REACH: f64 = 0.15;
+constants! {
+    /// How far a limb may be from that of the rough cylinder, as a part of the distance of the two limbs in the image:
+    /// a fit to points alone is some per cent wrong in the radius, which is half of that distance, and now and then more
+    /// than ten.
+    RELATIVE_REACH = 0.15, "";
 
-/// The least reach in pixels: masks and fits are off by some pixels however thin the cylinder is.
-const LEAST_REACH: f64 = 4.0;
+    /// The least reach in deviations of the limbs of a fit to points alone: those are off by some pixels however thin the
+    /// cylinder is.
+    LEAST_REACH = 2.0, "σ";
 
-/// Pieces of one edge agree about its line to this many pixels: line detectors work to about one pixel.
-const SAME_EDGE: f64 = 1.5;
+    /// Pieces of one edge agree about its line to this many pixels: line detectors work to about one pixel.
+    SAME_EDGE = 1.5, "px";
 
-/// A piece shorter than this many pixels says little about its direction.
-const LEAST_LENGTH: f64 = 8.0;
+    /// A piece shorter than this many pixels says little about its direction.
+    LEAST_LENGTH = 8.0, "px";
 
-/// Largest slope of a piece against the limb of the rough cylinder: 6 degrees, where fits to points alone turn the
-/// axis by one or two.
-const LARGEST_SLOPE: f64 = 0.1;
+    /// Largest slope of a piece against the limb of the rough cylinder: 6 degrees, where fits to points alone turn the
+    /// axis by one or two.
+    LARGEST_SLOPE = 0.1, "rad";
 
-/// The part of the visible limb that the pieces on it must cover together: what is shorter may be anything.
-const LEAST_COVER: f64 = 0.3;
+    /// The part of the visible limb that the pieces on it must cover together: what is shorter may be anything.
+    LEAST_COVER = 0.3, "";
+}
 
 /// A detected segment beside a limb.
 struct Candidate {
@@ -45,7 +49,7 @@ impl Candidate {
 
     /// Whether it runs along the limb.
     fn along(&self) -> bool {
-        (self.ends[1].1 - self.ends[0].1).abs() <= LARGEST_SLOPE * self.length()
+        (self.ends[1].1 - self.ends[0].1).abs() <= LARGEST_SLOPE.get() * self.length()
     }
 
     /// The distance across the limb at a position along it.
@@ -68,6 +72,7 @@ pub fn edges_on_limbs(
     rough: &Cylinder,
     range: &[f64; 2],
     reach: Option<f64>,
+    noise: &ImageNoise,
 ) -> Option<[Vec<usize>; 2]> {
     let limbs = LimbFrame::new(rough)?;
     // (a, b, c) with a² + b² = 1: signed distances in pixels.
@@ -83,7 +88,8 @@ pub fn edges_on_limbs(
         None => {
             let across = limbs.limb_lines().map(|line| camera.ideal_pixel(&line.point));
             let [Some(first), Some(second)] = across else { return None };
-            LEAST_REACH.max(RELATIVE_REACH * (lines[0].xy().dot(&(second - first))).abs())
+            (LEAST_REACH.get() * noise.limb_of_points)
+                .max(RELATIVE_REACH.get() * (lines[0].xy().dot(&(second - first))).abs())
         }
     };
     let within = |segment: &EdgeSegment| {
@@ -107,7 +113,7 @@ pub fn edges_on_limbs(
         let nearer = usize::from(far(&beside[1]) < far(&beside[0]));
         let [first, second] = beside;
         let candidate = if nearer == 0 { first } else { second };
-        let long_enough = candidate.length() >= LEAST_LENGTH;
+        let long_enough = candidate.length() >= LEAST_LENGTH.get();
         if far(&candidate) <= reach && long_enough && candidate.along() && within(segment) == Some(true) {
             candidates[nearer].push(candidate);
         }
@@ -122,7 +128,7 @@ pub fn edges_on_limbs(
         let pieces = longest_edge(&candidates, reach);
         let length: f64 = pieces.iter().map(|piece| piece.length()).sum();
         // A limb that reaches behind the camera has no length in the image.
-        let enough = visible.is_none_or(|visible| length >= LEAST_COVER * visible);
+        let enough = visible.is_none_or(|visible| length >= LEAST_COVER.get() * visible);
         if enough { pieces.iter().map(|piece| piece.index).collect() } else { Vec::new() }
     });
     Some(chosen)
@@ -133,7 +139,7 @@ pub fn edges_on_limbs(
 fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<&Candidate> {
     let pieces = |line: &Candidate| -> Vec<&Candidate> {
         let agrees =
-            |piece: &&Candidate| piece.ends.iter().all(|&(s, u)| (u - line.at(s)).abs() <= SAME_EDGE);
+            |piece: &&Candidate| piece.ends.iter().all(|&(s, u)| (u - line.at(s)).abs() <= SAME_EDGE.get());
         candidates.iter().filter(agrees).collect()
     };
     let score = |line: &Candidate| -> f64 {
@@ -148,6 +154,7 @@ fn longest_edge(candidates: &[Candidate], reach: f64) -> Vec<&Candidate> {
 mod tests {
     use super::*;
     use crate::camera::{Distortion, Intrinsics};
+    use crate::noise::NoiseModel;
     use nalgebra::Vector3;
 
     fn camera() -> Camera {
@@ -191,18 +198,20 @@ mod tests {
             piece(&truth, 1, [0.0, 0.001], 0.0),
             piece(&truth, 0, [0.14, 0.2], 0.0),
         ];
+        let noise = NoiseModel::default().in_image(camera().size());
         // From the point of the axis, where the pieces are given from the point of it nearest to the camera.
         let range = [-0.12, 0.12].map(|s| s - rough.axis.point.dot(&rough.axis.direction));
-        let found = edges_on_limbs(&segments, &camera(), &rough, &range, None).unwrap();
+        let found = edges_on_limbs(&segments, &camera(), &rough, &range, None, &noise).unwrap();
         assert_eq!(found, [vec![1, 3], vec![4]]);
         // Nothing is nearer than half a pixel to the limbs of the rough cylinder.
-        let none = edges_on_limbs(&segments, &camera(), &rough, &range, Some(0.5)).unwrap();
+        let none = edges_on_limbs(&segments, &camera(), &rough, &range, Some(0.5), &noise).unwrap();
         assert_eq!(none, [Vec::<usize>::new(), Vec::new()]);
     }
 
     #[test]
     fn there_are_none_from_inside() {
+        let noise = NoiseModel::default().in_image(camera().size());
         let pipe = Cylinder::new(Vector3::new(0.0, 0.0, 0.1), Vector3::x(), 0.5).unwrap();
-        assert!(edges_on_limbs(&[], &camera(), &pipe, &[-1.0, 1.0], None).is_none());
+        assert!(edges_on_limbs(&[], &camera(), &pipe, &[-1.0, 1.0], None, &noise).is_none());
     }
 }

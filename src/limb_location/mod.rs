@@ -9,6 +9,9 @@
 //!    short blocks of both limbs at once; blocks that disagree about the line lose weight.
 //!
 //! A limb that cannot be seen is reported, with the reason.
+//!
+//! All lengths in pixels are those of an image that is about as sharp as its grid allows. Where the limbs turn out to
+//! be more blurred they are located again on means of boxes of pixels, which lose nothing then.
 
 mod block;
 mod consensus;
@@ -21,35 +24,55 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of the location of limbs.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    let files = [
+        CONSTANTS,
+        block::CONSTANTS,
+        consensus::CONSTANTS,
+        detected::CONSTANTS,
+        profile::CONSTANTS,
+        refine::CONSTANTS,
+        region::CONSTANTS,
+        shading::CONSTANTS,
+        strip::CONSTANTS,
+    ];
+    files.concat()
+}
+
 pub use detected::edges_on_limbs;
 pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
-use crate::observations::GreyImage;
+use crate::noise::{ImageNoise, box_blur};
+use crate::observations::{GreyImage, ReducedImage, from_reduced};
 use block::{Block, INSIDE, OUTSIDE};
-use consensus::rough_line;
+use consensus::{FILTER_HALF, rough_line};
 use nalgebra::{Matrix2, Vector2};
 use refine::{Expected, Limb, SHADING, refine};
 use shading::{LimbShading, Shading};
-use strip::{Baseline, Strip};
+use strip::{Baseline, Grid, Strip};
 
-/// Pixels beyond reach and profile that the step filter needs.
-const FILTER_MARGIN: f64 = 3.0;
+/// Most grids of pixels on which the limbs are located: the first by the size of the image, the second by the blur that
+/// they show on it, and one more where that was hardly to be seen.
+const GRIDS: usize = 3;
 
-/// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
-/// left of errors of the profile model where noise is low, by the scatter of lines on rendered frames.
-const LINE_FLOOR: f64 = 0.07;
+constants! {
+    /// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
+    /// left of errors of the profile model where noise is low, by the scatter of lines on rendered frames.
+    LINE_FLOOR = 0.07, "px";
 
-/// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in pixels.
-const LARGEST_SIGMA: f64 = 0.6;
+    /// A line less certain than this at the ends of what is seen is hardly better than one set by hand, in deviations of a
+    /// hand-set endpoint.
+    LARGEST_DEVIATION = 1.2, "σ";
 
-/// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
-/// and there.
-const LEAST_SPREAD: f64 = 0.4;
-
-/// Two limbs of a cylinder that can be measured are farther apart than this many pixels.
-const SAME_LINE_PIXELS: f64 = 2.0;
+    /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
+    /// and there.
+    LEAST_SPREAD = 0.4, "";
+}
 
 /// Where to look for the limbs of a rough cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,12 +80,27 @@ pub struct LimbSearch {
     /// The visible part of the surface, from one position along the axis to another, measured from the point of
     /// the axis in the unit of length: see [`axial_range`].
     pub range: [f64; 2],
-    /// How far each limb may be from that of the cylinder at most, in pixels, in the order of
+    /// How far each limb may be from that of the cylinder at most, in pixels of the image, in the order of
     /// [`LimbFrame::limb_lines`]: 4 for a fit with segments set by hand, 8 for a fit of points alone.
     pub reach: [f64; 2],
     /// Standard deviation of the limbs of the cylinder, in pixels, in the same order. A clear limb is found
     /// anywhere in reach; a faint one is believed near the expected place only.
     pub deviation: [f64; 2],
+    /// What is known of the image.
+    pub noise: ImageNoise,
+}
+
+impl LimbSearch {
+    /// The same search in an image whose pixels are boxes of `factor` columns and rows.
+    fn reduced(&self, factor: usize) -> Self {
+        let ratio = factor as f64;
+        Self {
+            range: self.range,
+            reach: self.reach.map(|reach| reach / ratio),
+            deviation: self.deviation.map(|deviation| deviation / ratio),
+            noise: self.noise.reduced(factor),
+        }
+    }
 }
 
 /// Why a limb was not found.
@@ -140,6 +178,26 @@ impl LimbObservation {
     fn none(reason: NotVisible) -> Self {
         Self { line: Err(reason), samples: Vec::new(), blur: None }
     }
+
+    /// The same in pixels of the image, of whose boxes of `factor` columns and rows it was in pixels.
+    fn enlarged(mut self, factor: usize) -> Self {
+        let ratio = factor as f64;
+        let place = |place: Vector2<f64>| place.map(|x| from_reduced(x, factor));
+        self.line = self.line.map(|line| LimbLine { ends: line.ends.map(place), sigma: line.sigma * ratio });
+        for sample in &mut self.samples {
+            sample.position = place(sample.position);
+            sample.sigma *= ratio;
+        }
+        let own = |blur: f64| ((blur * ratio).powi(2) - box_blur(factor).powi(2)).max(0.0).sqrt();
+        self.blur = self.blur.map(own);
+        self
+    }
+}
+
+/// The blur of an image as the limbs show it, in pixels; `None` where none tells.
+#[must_use]
+pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
+    limbs.iter().find_map(|limb| limb.blur)
 }
 
 /// Locates the limbs of a rough cylinder, in the order of [`LimbFrame::limb_lines`].
@@ -150,11 +208,33 @@ pub fn locate_limbs(
     model: &Cylinder,
     search: &LimbSearch,
 ) -> [LimbObservation; 2] {
+    let located = |factor: usize| {
+        let (camera, search) = (camera.reduced(factor), search.reduced(factor));
+        let grid = Grid { image: ReducedImage::new(image, factor), camera: &camera, noise: search.noise };
+        located_on(&grid, model, &search).map(|limb| limb.enlarged(factor))
+    };
+    let mut factor = search.noise.factor(None);
+    let mut limbs = located(factor);
+    for _ in 1..GRIDS {
+        // Where no limb tells, a finer grid may.
+        let blur = blur_of(&limbs);
+        let wanted = blur.map_or((factor - 1).max(1), |_| search.noise.factor(blur));
+        if wanted == factor {
+            break;
+        }
+        factor = wanted;
+        limbs = located(factor);
+    }
+    limbs
+}
+
+/// Locates the limbs on one grid of pixels.
+fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbObservation; 2] {
     let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
-    let Some((baselines, radius)) = baselines(camera, model, &search.range) else { return observations };
+    let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else { return observations };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
-        let half_width = search.reach[k] + OUTSIDE.max(INSIDE) + FILTER_MARGIN;
-        visible_strip(image, camera, &baselines[k], half_width)
+        let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
+        visible_strip(grid, &baselines[k], half_width)
     });
     let mut roughs = [None, None];
     for (k, strip) in strips.iter().enumerate() {
@@ -167,27 +247,28 @@ pub fn locate_limbs(
             roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation }));
         }
     }
-    let shading = inner_shading(image, camera, &baselines, &roughs, radius);
+    let shading = inner_shading(grid, &baselines, &roughs, radius);
     let mut limbs = Vec::new();
     let mut seen = Vec::new();
     for (k, found) in roughs.into_iter().enumerate() {
         let Some((strip, baseline, expected)) = found else { continue };
-        let near = shading.map_or(LimbShading::plain(SHADING), |shading| shading.near_limb(SIDES[k], radius));
+        let near =
+            shading.map_or(LimbShading::plain(SHADING.get()), |shading| shading.near_limb(SIDES[k], radius));
         limbs.push(Limb::new(strip, expected, &near, radius));
         seen.push((k, baseline));
     }
     if limbs.is_empty() {
         return observations;
     }
-    let blur = refine(&mut limbs);
+    let blur = refine(&mut limbs, grid.noise.blur);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
         observations[k] = LimbObservation {
-            line: judged(limb, baseline, search.reach[k]),
+            line: judged(limb, baseline, search.reach[k], &search.noise),
             samples: samples(limb, baseline),
             blur: Some(blur),
         };
     }
-    drop_same_line(&mut observations);
+    drop_same_line(&mut observations, search.noise.apart());
     observations
 }
 
@@ -199,8 +280,7 @@ type Found<'a> = Option<(&'a Strip, &'a Baseline, Expected)>;
 
 /// The shading of the surface between the limbs, as far as they are known.
 fn inner_shading(
-    image: &GreyImage,
-    camera: &Camera,
+    grid: &Grid<'_>,
     baselines: &[Baseline; 2],
     found: &[Found<'_>; 2],
     radius: f64,
@@ -221,7 +301,7 @@ fn inner_shading(
         let slope = (u1 - u0) / (s1 - s0);
         (u0 - slope * s0, slope)
     });
-    let strip = Strip::gather(image, camera, &near_image(camera, &baseline)?, radius);
+    let strip = Strip::gather(grid, &near_image(grid.camera, &baseline)?, radius);
     Shading::observe(&strip, limbs, radius)
 }
 
@@ -250,20 +330,20 @@ fn near_image(camera: &Camera, baseline: &Baseline) -> Option<Baseline> {
 }
 
 /// The part of the image around a baseline, and the baseline as far as the image shows it.
-fn visible_strip(
-    image: &GreyImage,
-    camera: &Camera,
-    baseline: &Baseline,
-    half_width: f64,
-) -> Option<(Baseline, Strip)> {
-    let baseline = near_image(camera, baseline)?;
-    let [low, high] = Strip::gather(image, camera, &baseline, half_width).extent()?;
+fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
+    let baseline = near_image(grid.camera, baseline)?;
+    let [low, high] = Strip::gather(grid, &baseline, half_width).extent()?;
     let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;
-    Some((baseline, Strip::gather(image, camera, &baseline, half_width)))
+    Some((baseline, Strip::gather(grid, &baseline, half_width)))
 }
 
 /// The line of a refined limb, if it can be trusted.
-fn judged(limb: &Limb<'_>, baseline: &Baseline, reach: f64) -> Result<LimbLine, NotVisible> {
+fn judged(
+    limb: &Limb<'_>,
+    baseline: &Baseline,
+    reach: f64,
+    noise: &ImageNoise,
+) -> Result<LimbLine, NotVisible> {
     let ends = [-1.0, 1.0].map(|side| limb.state.line.at(side * baseline.half_length));
     if ends.iter().any(|u| u.abs() > reach) {
         return Err(NotVisible::OutOfReach);
@@ -275,12 +355,12 @@ fn judged(limb: &Limb<'_>, baseline: &Baseline, reach: f64) -> Result<LimbLine, 
     let center = -covariance[(0, 1)] / of_slope;
     let of_offset = covariance[(0, 0)] + covariance[(0, 1)] * center;
     let half = (of_offset / of_slope).sqrt();
-    let sigma = (2.0 * of_offset + LINE_FLOOR * LINE_FLOOR).sqrt();
+    let sigma = (2.0 * of_offset + LINE_FLOOR.get() * LINE_FLOOR.get()).sqrt();
     let at_ends = (of_offset + of_slope * (baseline.half_length + center.abs()).powi(2)).sqrt();
-    if at_ends.is_nan() || at_ends > LARGEST_SIGMA || half.is_nan() {
+    if at_ends.is_nan() || at_ends > LARGEST_DEVIATION.get() * noise.endpoint || half.is_nan() {
         return Err(NotVisible::Uncertain);
     }
-    if limb.spread() < LEAST_SPREAD {
+    if limb.spread() < LEAST_SPREAD.get() {
         return Err(NotVisible::Patchy);
     }
     let ends = [center - half, center + half].map(|s| baseline.position(s, limb.state.line.at(s)));
@@ -296,12 +376,12 @@ fn samples(limb: &Limb<'_>, baseline: &Baseline) -> Vec<LimbSample> {
     limb.blocks.iter().map(sample).collect()
 }
 
-/// Refuses the less certain of two limbs found at one place.
-fn drop_same_line(observations: &mut [LimbObservation; 2]) {
+/// Refuses the less certain of two limbs found at one place, within some pixels.
+fn drop_same_line(observations: &mut [LimbObservation; 2], apart: f64) {
     let [Ok(first), Ok(second)] = [observations[0].line, observations[1].line] else { return };
     let along = first.ends[1] - first.ends[0];
     let distance = |q: &Vector2<f64>| along.perp(&(q - first.ends[0])).abs() / along.norm();
-    if second.ends.iter().all(|q| distance(q) < SAME_LINE_PIXELS) {
+    if second.ends.iter().all(|q| distance(q) < apart) {
         observations[usize::from(second.sigma >= first.sigma)].line = Err(NotVisible::SameLine);
     }
 }

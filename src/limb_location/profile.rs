@@ -12,11 +12,13 @@ use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
 use nalgebra::{Vector2, Vector4};
 
-/// Spacing of the tables in pixels.
-const STEP: f64 = 0.1;
+constants! {
+    /// Spacing of the tables in pixels.
+    STEP = 0.1, "px";
 
-/// How far the Gaussian is followed, in units of its standard deviation.
-const TAIL: f64 = 4.0;
+    /// How far the Gaussian is followed, in units of its standard deviation.
+    TAIL = 4.0, "σ";
+}
 
 /// The functions of a profile at one u: 1 outside; the expected brightness, sin θ and 1 − cos θ inside.
 pub(super) type Functions = Vector4<f64>;
@@ -52,7 +54,7 @@ impl SharpProfile {
     /// For a radius of the cylinder in the image and what the limb is expected to look like; the window may be
     /// widened by `margin` pixels on both sides later.
     pub fn new(radius: f64, shading: &LimbShading, margin: f64) -> Self {
-        let taps = (TAIL * MOST_BLUR / STEP).ceil() as i32;
+        let taps = (TAIL.get() * MOST_BLUR.get() / STEP.get()).ceil() as i32;
         let (_, last) = window(margin);
         Self { cells: (0..=last + taps).map(|k| sharp(k, radius, shading)).collect() }
     }
@@ -90,16 +92,16 @@ impl SharpProfile {
             let cells = &self.cells[first.max(0) as usize..(last + 1).max(0) as usize];
             row(weighted_sums(weights, cells))
         });
-        Table { first: f64::from(first_index) * STEP, rows: rows.collect() }
+        Table { first: f64::from(first_index) * STEP.get(), rows: rows.collect() }
     }
 }
 
 /// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.
 fn kernel(blur: f64) -> Vec<[f64; 3]> {
-    let taps = (TAIL * blur / STEP).ceil() as i32;
+    let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
     let kernel: Vec<[f64; 3]> = (-taps..=taps)
         .map(|k| {
-            let x = f64::from(k) * STEP / blur;
+            let x = f64::from(k) * STEP.get() / blur;
             let g = (-x * x / 2.0).exp();
             [g, x / blur * g, (x * x - 1.0) / blur * g]
         })
@@ -121,14 +123,17 @@ fn weighted_sums<const N: usize>(weights: &[[f64; N]], cells: &[Vector4<f64>]) -
 
 /// First and last cell of the window.
 fn window(margin: f64) -> (i32, i32) {
-    (-((OUTSIDE + margin) / STEP).ceil() as i32 - 1, ((INSIDE + margin) / STEP).ceil() as i32 + 1)
+    (
+        -((OUTSIDE.get() + margin) / STEP.get()).ceil() as i32 - 1,
+        ((INSIDE.get() + margin) / STEP.get()).ceil() as i32 + 1,
+    )
 }
 
 impl<Row> Table<Row> {
     /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
     #[inline]
     fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
-        let x = (u - self.first) / STEP;
+        let x = (u - self.first) / STEP.get();
         // Rounds towards zero: a negative x is off by its sign alone.
         let k = x as u32;
         let [below, above] = self.rows.get(k as usize..k as usize + 2)? else { return None };
@@ -161,21 +166,21 @@ impl Table<ShadedRow> {
 
 /// The functions without blur, averaged over the cell of index k: θ has an infinite slope at the limb.
 fn sharp(k: i32, radius: f64, shading: &LimbShading) -> Vector4<f64> {
-    let u = f64::from(k) * STEP;
+    let u = f64::from(k) * STEP.get();
     // The part of the cell on the inner side.
-    let (low, high) = ((u - STEP / 2.0).max(0.0), (u + STEP / 2.0).max(0.0));
-    let inner = (high - low) / STEP;
+    let (low, high) = ((u - STEP.get() / 2.0).max(0.0), (u + STEP.get() / 2.0).max(0.0));
+    let inner = (high - low) / STEP.get();
     // sin θ = √(1 − (1 − w)²) with w = u / ρ has the integral ρ/2 (θ − sin θ cos θ).
     let integral = |u: f64| {
         let cos = 1.0 - (u / radius).min(1.0);
         let theta = cos.acos();
         radius / 2.0 * (theta - theta.sin() * cos)
     };
-    let sine = (integral(high) - integral(low)) / STEP;
+    let sine = (integral(high) - integral(low)) / STEP.get();
     let lean = f64::midpoint(low, high) / radius * inner;
     // Less their means over the window, so that the level inside is the mean brightness there.
-    let mean_sine = integral(INSIDE) / INSIDE;
-    let mean_lean = INSIDE / (2.0 * radius);
+    let mean_sine = integral(INSIDE.get()) / INSIDE.get();
+    let mean_lean = INSIDE.get() / (2.0 * radius);
     // The expected brightness has an infinite slope there, too.
     let places = 8;
     let place = |j: usize| low + (high - low) * (j as f64 + 0.5) / places as f64;

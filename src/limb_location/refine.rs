@@ -10,57 +10,61 @@ use super::consensus::RoughLine;
 use super::profile::SharpProfile;
 use super::shading::LimbShading;
 use super::strip::Strip;
-use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
-/// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
-/// lamps and paint do, so that noise is not explained by shading that no surface has.
-pub(super) const SHADING: f64 = 0.3;
+constants! {
+    /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
+    /// lamps and paint do, so that noise is not explained by shading that no surface has.
+    pub(super) SHADING = 0.3, "";
 
-/// Blur where the iteration starts, standard deviation in pixels: a lens in focus and the aperture of a pixel.
-const FIRST_BLUR: f64 = 0.8;
+    /// Blur where the iteration starts, standard deviation in pixels: a lens in focus and the aperture of a pixel.
+    FIRST_BLUR = 0.8, "px";
+
+    /// More blur than this leaves no limb within the profile.
+    pub(super) MOST_BLUR = 2.0, "px";
+
+    /// Gauss–Newton steps at most; five to eight are usual.
+    STEPS = 15.0, "";
+
+    /// The iteration ends when no line moves by more, in pixels.
+    SETTLED = 1e-3, "px";
+
+    /// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
+    LONGEST_STEP = 0.5, "px";
+
+    /// Lines through pairs of blocks are tried for that many blocks at most.
+    MOST_HYPOTHESES = 16.0, "";
+
+    /// Rounds of reweighting of the line through the blocks.
+    REWEIGHTINGS = 4.0, "";
+
+    /// Parallel lines are tried that far from the rough one, in pixels: where shading only bends at the limb, the
+    /// step filter peaks beside it by the width of the filter.
+    SCAN_REACH = 2.5, "px";
+
+    /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
+    SCAN_STEP = 0.5, "px";
+
+    /// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
+    AMBIGUOUS = 100.0, "";
+
+    /// The least distance of such places in pixels: blur moves a minimum by less.
+    ELSEWHERE = 1.0, "px";
+
+    /// Places this close to each other are one, in pixels.
+    SAME_PLACE = 0.1, "px";
+
+    /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
+    /// pixel is odd about its neighbours, too.
+    TEMPERATURE = 4.0, "";
+}
 
 /// Blur cannot be less than that of the aperture of a pixel, 1/√12.
 const LEAST_BLUR: f64 = 0.29;
 
-/// More blur than this leaves no limb within the profile.
-pub(super) const MOST_BLUR: f64 = 2.0;
-
-/// Gauss–Newton steps at most; five to eight are usual.
-const STEPS: usize = 15;
-
-/// The iteration ends when no line moves by more, in pixels.
-const SETTLED: f64 = 1e-3;
-
-/// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
-const LONGEST_STEP: f64 = 0.5;
-
-/// Lines through pairs of blocks are tried for that many blocks at most.
-const MOST_HYPOTHESES: usize = 16;
-
-/// Steps of reweighting about the line through the blocks.
-const REWEIGHTINGS: usize = 5;
-
-/// Parallel lines are tried that far from the rough one, in pixels: where shading only bends at the limb, the
-/// step filter peaks beside it by the width of the filter.
-const SCAN_REACH: f64 = 2.5;
-
-/// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
-const SCAN_STEP: f64 = 0.5;
-
-/// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
-const AMBIGUOUS: f64 = 100.0;
-
-/// The least distance of such places in pixels: blur moves a minimum by less.
-const ELSEWHERE: f64 = 1.0;
-
-/// Places this close to each other are one, in pixels.
-const SAME_PLACE: f64 = 0.1;
-
-/// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
-/// pixel is odd about its neighbours, too.
-const TEMPERATURE: f64 = 4.0;
+/// One over the variance of a blur that was told: no image says otherwise.
+const TOLD: f64 = 1e12;
 
 /// What is known of a limb before it is refined.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +102,7 @@ impl<'a> Limb<'a> {
             strip,
             expected,
             noise: strip.noise(),
-            sharp: SharpProfile::new(radius, shading, SCAN_REACH),
+            sharp: SharpProfile::new(radius, shading, SCAN_REACH.get()),
             shading_deviation: shading.deviation,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
@@ -116,13 +120,13 @@ impl<'a> Limb<'a> {
     }
 
     /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
-    fn scan(&self) -> Vec<LimbState> {
-        let profile = &self.sharp.blurred(FIRST_BLUR, SCAN_REACH);
-        let count = (SCAN_REACH / SCAN_STEP) as i32;
+    fn scan(&self, blur: f64) -> Vec<LimbState> {
+        let profile = &self.sharp.blurred(blur, SCAN_REACH.get());
+        let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
         let places: Vec<(f64, LimbState)> = (-count..=count)
             .map(|k| {
                 let mut limb = self.state;
-                limb.line.offset += f64::from(k) * SCAN_STEP;
+                limb.line.offset += f64::from(k) * SCAN_STEP.get();
                 let blocks = sums_of_blocks(self.strip, profile, &limb.line, &self.state.line);
                 limb.shading = self.best_shading(&blocks);
                 (self.cost(&blocks, &limb), limb)
@@ -134,7 +138,8 @@ impl<'a> Limb<'a> {
         let Some(best) = least(&mut places.iter()) else { return vec![self.state] };
         // A blur that is not known yet turns a second minimum into a shoulder.
         let other = least(&mut places.iter().filter(|place| {
-            (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE && place.0 < best.0 + AMBIGUOUS
+            (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE.get()
+                && place.0 < best.0 + AMBIGUOUS.get()
         }));
         [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
     }
@@ -169,48 +174,32 @@ impl<'a> Limb<'a> {
         if count < 2 {
             return;
         }
-        let mut line = self.line_of_most_blocks();
-        for _ in 0..REWEIGHTINGS {
-            let distance = |block: &Block| (block.shift - line.at(block.s)) / block.variance().sqrt();
-            let mut sizes: Vec<f64> = self.blocks.iter().map(|block| distance(block).abs()).collect();
-            self.scatter = (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(1.0);
-            let loss = Tukey { cutoff: TUKEY_EFFICIENT * self.scatter, wall: Wall::Either };
-            let weights: Vec<f64> =
-                self.blocks.iter().map(|block| loss.loss_and_weight(distance(block), 0.0).1).collect();
+        let blocks = &mut self.blocks;
+        let distance =
+            |block: &Block, line: &StripLine| (block.shift - line.at(block.s)) / block.variance().sqrt();
+        let start = line_of_most_blocks(blocks);
+        let mut distances: Vec<f64> = blocks.iter().map(|block| distance(block, &start)).collect();
+        let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
+        let reweighted = reweighting.continue_from(&mut distances, |weights, distances| {
             let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for (block, weight) in self.blocks.iter_mut().zip(weights) {
-                block.weight = weight;
+            for (block, weight) in blocks.iter().zip(weights) {
                 let row = Vector2::new(1.0, block.s);
                 let w = weight / block.variance();
                 normal += row * row.transpose() * w;
                 right += row * (w * block.shift);
             }
-            let Some(inverse) = normal.try_inverse() else { return };
-            let solution = inverse * right;
-            line = StripLine { offset: solution[0], slope: solution[1] };
-        }
-    }
-
-    /// The line through the shifts of two blocks that most others agree with.
-    fn line_of_most_blocks(&self) -> StripLine {
-        let blocks = &self.blocks;
-        let stride = blocks.len().div_ceil(MOST_HYPOTHESES);
-        let mut best = (f64::INFINITY, StripLine::default());
-        for i in (0..blocks.len()).step_by(stride) {
-            for j in (0..i).step_by(stride) {
-                let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
-                let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
-                let cost = |block: &Block| {
-                    // Beyond three standard deviations all blocks disagree alike.
-                    ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
-                };
-                let cost: f64 = blocks.iter().map(cost).sum();
-                if cost < best.0 {
-                    best = (cost, line);
-                }
+            let solution = normal.try_inverse()? * right;
+            let line = StripLine { offset: solution[0], slope: solution[1] };
+            for (block, own) in blocks.iter().zip(distances) {
+                *own = distance(block, &line);
             }
+            Some(Progress::Moved)
+        });
+        let Some(Reweighted { weights, scale }) = reweighted else { return };
+        self.scatter = scale;
+        for (block, weight) in self.blocks.iter_mut().zip(weights) {
+            block.weight = weight;
         }
-        best.1
     }
 
     /// Adds the normal equations of this limb, its unknowns (offset, slope, shading) from `first` on.
@@ -244,7 +233,7 @@ impl<'a> Limb<'a> {
     /// Takes a step; returns the largest shift of the line in pixels.
     fn take(&mut self, step: &Vector4<f64>, covariance: Matrix2<f64>) -> f64 {
         let size = step[0].abs() + step[1].abs() * self.expected.half_length;
-        let shrink = (LONGEST_STEP / size).min(1.0);
+        let shrink = (LONGEST_STEP.get() / size).min(1.0);
         self.state.line.offset += step[0] * shrink;
         self.state.line.slope += step[1] * shrink;
         self.state.shading += step.fixed_rows::<2>(2) * shrink;
@@ -253,12 +242,34 @@ impl<'a> Limb<'a> {
     }
 }
 
+/// The line through the shifts of two blocks that most others agree with.
+fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
+    let stride = blocks.len().div_ceil(MOST_HYPOTHESES.count());
+    let mut best = (f64::INFINITY, StripLine::default());
+    for i in (0..blocks.len()).step_by(stride) {
+        for j in (0..i).step_by(stride) {
+            let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
+            let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
+            let cost = |block: &Block| {
+                // Beyond three standard deviations all blocks disagree alike.
+                ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
+            };
+            let cost: f64 = blocks.iter().map(cost).sum();
+            if cost < best.0 {
+                best = (cost, line);
+            }
+        }
+    }
+    best.1
+}
+
 /// Where the blur stands among the unknowns, after four of each limb.
 const BLUR: usize = 8;
 
-/// Refines one or two limbs of a cylinder and the blur; returns the blur.
-pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
-    let scans: Vec<Vec<LimbState>> = limbs.iter().map(Limb::scan).collect();
+/// Refines one or two limbs of a cylinder and the blur; returns the blur, which is the told one where that is above 0.
+pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
+    let blur = ExpectedBlur::new(told_blur);
+    let scans: Vec<Vec<LimbState>> = limbs.iter().map(|limb| limb.scan(blur.value)).collect();
     let mut starts: Vec<Vec<LimbState>> = vec![Vec::new()];
     for scan in &scans {
         let extended = |start: &Vec<LimbState>| {
@@ -270,7 +281,7 @@ pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
         for (limb, scan) in limbs.iter_mut().zip(&scans) {
             limb.state = scan[0];
         }
-        return iterate(limbs);
+        return iterate(limbs, &blur);
     }
     let windows: Vec<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
     let mut modes: Vec<Mode<'_>> = Vec::new();
@@ -278,12 +289,12 @@ pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
         for (limb, state) in limbs.iter_mut().zip(start) {
             limb.state = *state;
         }
-        let blur = iterate(limbs);
+        let blur = iterate(limbs, &blur);
         if modes.iter().any(|mode| mode.is_at(limbs)) {
             continue;
         }
         let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
-            let profile = limb.sharp.blurred(blur, SCAN_REACH);
+            let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
             limb.cost(&sums_of_blocks(limb.strip, &profile, &limb.state.line, window), &limb.state)
         };
         let cost = limbs.iter().zip(&windows).map(cost).sum();
@@ -292,7 +303,7 @@ pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
     modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     limbs.clone_from_slice(&modes[0].limbs);
     let weights: Vec<f64> =
-        modes.iter().map(|mode| ((modes[0].cost - mode.cost) / (2.0 * TEMPERATURE)).exp()).collect();
+        modes.iter().map(|mode| ((modes[0].cost - mode.cost) / (2.0 * TEMPERATURE.get())).exp()).collect();
     let sum: f64 = weights.iter().sum();
     for (k, limb) in limbs.iter_mut().enumerate() {
         let line = |mode: &Mode<'_>| mode.limbs[k].state.line.vector();
@@ -306,6 +317,23 @@ pub(super) fn refine(limbs: &mut [Limb<'_>]) -> f64 {
     modes[0].blur
 }
 
+/// What is known of the blur beforehand: the value in pixels and one over its variance.
+struct ExpectedBlur {
+    value: f64,
+    weight: f64,
+}
+
+impl ExpectedBlur {
+    /// The told blur, or where it is 0 that of most images, to a pixel.
+    fn new(told: f64) -> Self {
+        if told > 0.0 {
+            Self { value: told.clamp(LEAST_BLUR, MOST_BLUR.get()), weight: TOLD }
+        } else {
+            Self { value: FIRST_BLUR.get(), weight: 1.0 }
+        }
+    }
+}
+
 /// One of several places where the limbs may be.
 struct Mode<'a> {
     cost: f64,
@@ -317,19 +345,19 @@ impl Mode<'_> {
     /// Whether the lines are the same.
     fn is_at(&self, limbs: &[Limb<'_>]) -> bool {
         let pairs = || self.limbs.iter().zip(limbs);
-        pairs().all(|(a, b)| (a.state.line.offset - b.state.line.offset).abs() < SAME_PLACE)
+        pairs().all(|(a, b)| (a.state.line.offset - b.state.line.offset).abs() < SAME_PLACE.get())
     }
 }
 
 /// Gauss–Newton steps on lines, shading and blur from where the limbs are; returns the blur.
-fn iterate(limbs: &mut [Limb<'_>]) -> f64 {
-    let mut blur = FIRST_BLUR;
-    for _ in 0..STEPS {
+fn iterate(limbs: &mut [Limb<'_>], expected: &ExpectedBlur) -> f64 {
+    let mut blur = expected.value;
+    for _ in 0..STEPS.count() {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
         let mut right = SVector::<f64, 9>::zeros();
-        // A standard deviation of a pixel keeps the blur where no limb tells, and a missing limb harmless.
-        normal[(BLUR, BLUR)] = 1.0;
-        right[BLUR] = FIRST_BLUR - blur;
+        // What is expected keeps the blur where no limb tells, and a missing limb harmless.
+        normal[(BLUR, BLUR)] = expected.weight;
+        right[BLUR] = expected.weight * (expected.value - blur);
         for k in 4 * limbs.len()..BLUR {
             normal[(k, k)] = 1.0;
         }
@@ -346,8 +374,9 @@ fn iterate(limbs: &mut [Limb<'_>]) -> f64 {
             let covariance = inverse.fixed_view::<2, 2>(4 * index, 4 * index).into_owned();
             moved = moved.max(limb.take(&step.fixed_rows::<4>(4 * index).into_owned(), covariance));
         }
-        blur = (blur + step[BLUR].clamp(-LONGEST_STEP, LONGEST_STEP)).clamp(LEAST_BLUR, MOST_BLUR);
-        if moved < SETTLED {
+        blur = (blur + step[BLUR].clamp(-LONGEST_STEP.get(), LONGEST_STEP.get()))
+            .clamp(LEAST_BLUR, MOST_BLUR.get());
+        if moved < SETTLED.get() {
             break;
         }
     }

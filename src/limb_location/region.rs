@@ -3,27 +3,29 @@
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::median;
 use nalgebra::Vector2;
 
-/// The part of the length of the region, at either end, that is left out: rims and ragged ends.
-const MARGIN: f64 = 0.15;
+constants! {
+    /// The part of the length of the region, at either end, that is left out: rims and ragged ends.
+    MARGIN = 0.15, "";
 
-/// Fewest positions along the axis that a side is drawn through.
-const LEAST_POSITIONS: usize = 8;
+    /// Fewest positions along the axis that a side is drawn through.
+    LEAST_POSITIONS = 8.0, "px";
 
-/// How far beyond and inside the edge of a mask depths are compared, in pixels: the mask may be some pixels off, and
-/// depth is smeared for some more.
-const PROBES: [f64; 3] = [4.0, 6.0, 8.0];
+    /// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
+    /// cameras.
+    NEARER = 0.005, "";
 
-/// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
-/// cameras.
-const NEARER: f64 = 0.005;
+    /// A side is drawn again through the positions within this many median distances, so that a piece that an
+    /// occluder cuts off does not turn it.
+    MEDIANS = 3.0, "";
+}
 
-/// A side is drawn again through the positions within this many median distances, so that a piece that an
-/// occluder cuts off does not turn it.
-const MEDIANS: f64 = 3.0;
+/// At how many places beyond the edge of a mask, and within it, depths are compared.
+const COMPARED: usize = 3;
 
 /// The positions along the axis, measured from its point, that pixels of the (distorted) image reach on the
 /// cylinder: endpoints of segments, or the pixels of a mask. Pixels beside the cylinder count at the point of
@@ -62,6 +64,7 @@ pub fn axial_range(
 pub struct Outline {
     pixels: Vec<OutlinePixel>,
     center: Vector2<f64>,
+    noise: ImageNoise,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -85,12 +88,12 @@ impl Outline {
     /// The outline of a mask; a depth image on the same grid tells where something in front ends it. `None` when no
     /// pixel of it has a ray.
     #[must_use]
-    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera) -> Option<Self> {
+    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera, noise: &ImageNoise) -> Option<Self> {
         let (last_column, last_row) = (mask.width() - 1, mask.height() - 1);
         let pixel = |(x, y): (usize, usize)| {
             let at_border = x == 0 || y == 0 || x == last_column || y == last_row;
             let position = camera.ideal_pixel(&camera.unproject(&Vector2::new(x as f64, y as f64))?)?;
-            let covered = || depth.is_some_and(|depth| covered(mask, depth, x, y));
+            let covered = || depth.is_some_and(|depth| covered(mask, depth, (x, y), noise));
             Some(OutlinePixel { position, cut: at_border || covered() })
         };
         let inside = |x: usize, y: usize| mask.contains(x, y);
@@ -101,7 +104,7 @@ impl Outline {
         let pixels: Vec<OutlinePixel> =
             mask.set_pixels().filter(|at| !surrounded(at)).filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
-        (!pixels.is_empty()).then_some(Self { pixels, center })
+        (!pixels.is_empty()).then_some(Self { pixels, center, noise: *noise })
     }
 
     /// The two sides along the axis of a rough cylinder: a start for the search and for a fit, within some pixels of
@@ -121,10 +124,10 @@ impl Outline {
             low = low.min(s);
             high = high.max(s);
         }
-        let margin = MARGIN * (high - low);
+        let margin = MARGIN.get() * (high - low);
         let (low, high) = (low + margin, high - margin);
         let count = (high - low).floor();
-        if count.is_nan() || count < LEAST_POSITIONS as f64 {
+        if count.is_nan() || count < LEAST_POSITIONS.count() as f64 {
             return None;
         }
         // By position along the axis and side: the outermost pixel, and whether it is cut.
@@ -147,8 +150,10 @@ impl Outline {
             let all: Vec<(f64, f64, bool)> =
                 positions.map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, extreme[k].1)).collect();
             let whole = all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
-            let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect());
-            let (line, cut) = match robust_line(whole) {
+            // The raster of the mask.
+            let least = 0.5 * self.noise.pixel;
+            let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect(), least);
+            let (line, cut) = match robust_line(whole, least) {
                 Some(line) => (line, false),
                 None => (anyway()?, true),
             };
@@ -171,7 +176,7 @@ impl Outline {
 
 /// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer
 /// than that inside.
-fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
+fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &ImageNoise) -> bool {
     let at = |from: (usize, usize), dx: f64, dy: f64| {
         let (x, y) = ((from.0 as f64 + dx).round(), (from.1 as f64 + dy).round());
         (x >= 0.0 && y >= 0.0).then_some((x as usize, y as usize))
@@ -186,7 +191,7 @@ fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
     }
     let Some(outward) = outward.try_normalize(0.0) else { return false };
     let middle = |side: f64| {
-        let places = PROBES.iter().filter_map(|&distance| {
+        let places = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
             let step = outward * (side * distance);
             let (x, y) = at((x, y), step.x, step.y)?;
             depth.depth(x, y)
@@ -195,7 +200,7 @@ fn covered(mask: &Mask, depth: &DepthImage, x: usize, y: usize) -> bool {
         depths.sort_by(f64::total_cmp);
         depths.get(depths.len() / 2).copied()
     };
-    middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER))
+    middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER.get()))
 }
 
 /// A line u = offset + slope · s and the s between which it was drawn.
@@ -205,10 +210,10 @@ struct SideLine {
     range: [f64; 2],
 }
 
-/// The line through most of the points.
-fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
+/// The line through most of the points, and through all within some distances of `least`.
+fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
     loop {
-        if points.len() < LEAST_POSITIONS {
+        if points.len() < LEAST_POSITIONS.count() {
             return None;
         }
         let count = points.len() as f64;
@@ -223,8 +228,7 @@ fn robust_line(mut points: Vec<(f64, f64)>) -> Option<SideLine> {
         let mut distances: Vec<f64> = points.iter().map(distance).collect();
         let median = median(&mut distances);
         let before = points.len();
-        // Half a pixel is the raster of the mask.
-        points.retain(|p| distance(p) <= MEDIANS * median.max(0.5));
+        points.retain(|p| distance(p) <= MEDIANS.get() * median.max(least));
         if points.len() == before {
             let range = [points[0].0, points[points.len() - 1].0];
             return Some(SideLine { offset, slope, range });

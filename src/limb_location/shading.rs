@@ -8,59 +8,57 @@
 //! tells what the limbs look like just inside: whether the surface darkens towards them, and how steeply.
 
 use super::block::INSIDE;
+use super::consensus::BLOCK_RUNS;
 use super::strip::Strip;
-use crate::residuals::{Loss, TUKEY_EFFICIENT, Tukey, Wall};
+use crate::residuals::{Progress, Reweighting, Scale, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Runs that form a block with a paint of its own.
-const BLOCK_RUNS: usize = 8;
+constants! {
+    /// Fewest blocks that have a median.
+    LEAST_BLOCKS = 3.0, "";
 
-/// Fewest blocks that have a median.
-const LEAST_BLOCKS: usize = 3;
+    /// The visible half circle is divided into that many bins at most, and into bins of 1.5 pixels at least.
+    MOST_BINS = 24.0, "";
+    LEAST_BIN_PIXELS = 1.5, "px";
 
-/// The visible half circle is divided into that many bins at most, and into bins of 1.5 pixels at least.
-const MOST_BINS: usize = 24;
-const LEAST_BIN_PIXELS: f64 = 1.5;
+    /// Fewest bins that determine the unknowns.
+    LEAST_BINS = 7.0, "";
 
-/// Fewest bins that determine the unknowns.
-const LEAST_BINS: usize = 7;
+    /// Standard deviation of a median for reasons other than its scatter along the axis, relative to the brightness:
+    /// 8 bits.
+    FLOOR = 0.005, "";
 
-/// Standard deviation of a median for reasons other than its scatter along the axis, relative to the brightness:
-/// 8 bits.
-const FLOOR: f64 = 0.005;
+    /// How many times as far from the medians as most blocks a block may be.
+    MOST_ODDNESS = 3.0, "";
 
-/// How many times as far from the medians as most blocks a block may be.
-const MOST_ODDNESS: f64 = 3.0;
+    /// Standard deviation of d and of b and c, relative to the brightness. One lamp and light from everywhere explain
+    /// most scenes; others are weak beside them.
+    MAIN_LAMP = 3.0, "";
+    OTHER_LAMPS = 0.1, "";
 
-/// Standard deviation of d and of b and c, relative to the brightness. One lamp and light from everywhere explain
-/// most scenes; others are weak beside them.
-const MAIN_LAMP: f64 = 3.0;
-const OTHER_LAMPS: f64 = 0.1;
+    /// Standard deviation of g, and the exponent of the lobe: common paints and plastics have some tens. The weight
+    /// `MATT` holds g at 0.
+    GLOSS = 0.5, "";
+    GLOSS_EXPONENT = 40.0, "";
 
-/// Standard deviation of g, and the exponent of the lobe: common paints and plastics have some tens. The weight
-/// `MATT` holds g at 0.
-const GLOSS: f64 = 0.5;
-const GLOSS_EXPONENT: i32 = 40;
+    /// Directions φ₀ that are tried, all around.
+    LIGHTS = 48.0, "";
+
+    /// Rounds of reweighting for each of them.
+    REWEIGHTINGS = 6.0, "";
+
+    /// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
+    /// units of the brightness there: dust, coats of paint, several lamps at once.
+    NEAR_LIMB = 0.05, "";
+
+    /// Brightness near a limb relative to that of the inner part below which it is taken as this: in deep shadow ratios
+    /// mean little.
+    DARKEST = 0.05, "";
+}
+
 const MATT: f64 = 1e12;
-
-/// Directions φ₀ that are tried, all around.
-const LIGHTS: usize = 48;
-
-/// Steps of reweighting for each of them.
-const REWEIGHTINGS: usize = 6;
-
-/// A squared residual in units of its variance beyond which a bin disagrees altogether.
-const LARGEST_SQUARE: f64 = 25.0;
-
-/// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
-/// units of the brightness there: dust, coats of paint, several lamps at once.
-const NEAR_LIMB: f64 = 0.05;
-
-/// Brightness near a limb relative to that of the inner part below which it is taken as this: in deep shadow ratios
-/// mean little.
-const DARKEST: f64 = 0.05;
 
 /// The brightness around a cylinder, 1 on the median of the inner part.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +96,7 @@ impl LimbShading {
 
 fn functions(angle: f64, light: f64) -> Vector5<f64> {
     // A lamp is mirrored where the normal halves the angle between it and the camera.
-    let gloss = (angle - light / 2.0).cos().max(0.0).powi(GLOSS_EXPONENT);
+    let gloss = (angle - light / 2.0).cos().max(0.0).powi(GLOSS_EXPONENT.count() as i32);
     Vector5::new(1.0, angle.cos(), angle.sin(), (angle - light).cos().max(0.0), gloss)
 }
 
@@ -111,34 +109,37 @@ impl Shading {
     pub fn near_limb(&self, side: f64, radius: f64) -> LimbShading {
         let places = 16;
         let angle = |k: usize| {
-            let w = INSIDE / radius * (k as f64 + 0.5) / places as f64;
+            let w = INSIDE.get() / radius * (k as f64 + 0.5) / places as f64;
             side * (1.0 - w.min(1.0)).asin()
         };
         let mean = (0..places).map(|k| self.at(angle(k)).max(0.0)).sum::<f64>() / places as f64;
-        let mean = mean.max(DARKEST);
+        let mean = mean.max(DARKEST.get());
         let at_limb = functions(side * FRAC_PI_2, self.light);
         let spread = self.spread[usize::from(side > 0.0)];
         let variance = at_limb.dot(&(self.covariance * at_limb)) + spread;
         LimbShading {
             shading: Some((*self, side)),
             mean,
-            deviation: (variance + NEAR_LIMB * NEAR_LIMB).sqrt() / mean,
+            deviation: (variance + NEAR_LIMB.get() * NEAR_LIMB.get()).sqrt() / mean,
         }
     }
 
     /// From the pixels about the middle line, in runs across it. `limbs` are the two limbs as u = offset +
     /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle.
     pub fn observe(strip: &Strip, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
-        let widest = (1.0 - INSIDE / radius).max(0.0).asin();
-        let bins = MOST_BINS.min(((2.0 * (radius - INSIDE)) / LEAST_BIN_PIXELS).max(0.0) as usize);
-        if bins < LEAST_BINS {
+        let widest = (1.0 - INSIDE.get() / radius).max(0.0).asin();
+        let bins = MOST_BINS
+            .count()
+            .min(((2.0 * (radius - INSIDE.get())) / LEAST_BIN_PIXELS.get()).max(0.0) as usize);
+        if bins < LEAST_BINS.count() {
             return None;
         }
         let noise = strip.noise();
         let mut blocks: Vec<Vec<Option<f64>>> = Vec::new();
-        for first in (0..strip.len()).step_by(BLOCK_RUNS) {
+        for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
             let mut sums = vec![(0.0, 0.0); bins];
-            for pixel in (first..(first + BLOCK_RUNS).min(strip.len())).flat_map(|run| strip.run(run)) {
+            for pixel in (first..(first + BLOCK_RUNS.count()).min(strip.len())).flat_map(|run| strip.run(run))
+            {
                 let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
                 let across = (2.0 * pixel.u - low - high) / (high - low);
                 if across.abs() < 1.0 {
@@ -150,7 +151,7 @@ impl Shading {
             }
             let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
             let mut known: Vec<f64> = sums.iter().filter_map(mean).collect();
-            if known.len() >= LEAST_BINS {
+            if known.len() >= LEAST_BINS.count() {
                 let gain = median(&mut known);
                 if gain > 3.0 * noise {
                     blocks.push(sums.iter().map(|sum| mean(sum).map(|mean| mean / gain)).collect());
@@ -160,10 +161,10 @@ impl Shading {
         drop_odd(&mut blocks);
         let angle = |k: usize| widest * (2.0 * (k as f64 + 0.5) / bins as f64 - 1.0);
         let rows: Vec<Median> = (0..bins).filter_map(|k| Median::of(&blocks, k, angle(k))).collect();
-        if rows.len() < LEAST_BINS {
+        if rows.len() < LEAST_BINS.count() {
             return None;
         }
-        let lights = (0..LIGHTS).map(|k| 2.0 * PI * k as f64 / LIGHTS as f64 - PI);
+        let lights = (0..LIGHTS.count()).map(|k| 2.0 * PI * k as f64 / LIGHTS.count() as f64 - PI);
         let fits: Vec<(f64, Self)> = lights.filter_map(|light| fit(&rows, light, true)).collect();
         let (least, best) = *fits.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let weights: Vec<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
@@ -188,14 +189,14 @@ impl Median {
     /// Of one bin over the blocks.
     fn of(blocks: &[Vec<Option<f64>>], bin: usize, angle: f64) -> Option<Self> {
         let mut values: Vec<f64> = blocks.iter().filter_map(|block| block[bin]).collect();
-        if values.len() < LEAST_BLOCKS {
+        if values.len() < LEAST_BLOCKS.count() {
             return None;
         }
         let value = median(&mut values);
         let mut sizes: Vec<f64> = values.iter().map(|x| (x - value).abs()).collect();
         // The standard error of a median is √(π/2) times that of a mean.
         let scatter = DEVIATION_OF_MEDIAN * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
-        Some(Self { angle, value, deviation: scatter.hypot(FLOOR) })
+        Some(Self { angle, value, deviation: scatter.hypot(FLOOR.get()) })
     }
 }
 
@@ -211,44 +212,42 @@ fn drop_odd(blocks: &mut Vec<Vec<Option<f64>>>) {
         if sizes.is_empty() { f64::INFINITY } else { median(&mut sizes) }
     };
     let all: Vec<f64> = blocks.iter().map(oddness).collect();
-    let limit = MOST_ODDNESS * median(&mut all.clone()).max(FLOOR);
+    let limit = MOST_ODDNESS.get() * median(&mut all.clone()).max(FLOOR.get());
     let mut each = all.iter();
     blocks.retain(|_| each.next().is_some_and(|oddness| *oddness <= limit));
 }
 
 /// The best coefficients for one φ₀, and their cost.
 fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
-    let other = OTHER_LAMPS.powi(-2);
-    let gloss = if glossy { GLOSS.powi(-2) } else { MATT };
-    let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.powi(-2), gloss));
-    let mut weights = vec![1.0; rows.len()];
+    let other = OTHER_LAMPS.get().powi(-2);
+    let gloss = if glossy { GLOSS.get().powi(-2) } else { MATT };
+    let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.get().powi(-2), gloss));
     let mut coefficients = Vector5::zeros();
     let mut covariance = Matrix5::zeros();
-    let mut scale: f64 = 1.0;
     // In units of the deviation.
     let scaled: Vec<(Vector5<f64>, f64)> = rows
         .iter()
         .map(|row| (functions(row.angle, light) / row.deviation, row.value / row.deviation))
         .collect();
-    let mut sizes = vec![0.0; rows.len()];
-    for _ in 0..REWEIGHTINGS {
+    let mut last = Vec::new();
+    let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
+    let scale = reweighting.fit(rows.len(), |weights, residuals| {
         let (mut normal, mut right) = (prior, Vector5::zeros());
-        for ((f, value), weight) in scaled.iter().zip(&weights) {
+        for ((f, value), weight) in scaled.iter().zip(weights) {
             let weighted = f * *weight;
             normal += weighted * f.transpose();
             right += weighted * *value;
         }
         covariance = normal.try_inverse()?;
         coefficients = covariance * right;
-        for ((f, value), size) in scaled.iter().zip(&mut sizes) {
-            *size = (value - f.dot(&coefficients)).abs();
+        for ((f, value), residual) in scaled.iter().zip(&mut *residuals) {
+            *residual = value - f.dot(&coefficients);
         }
-        scale = (DEVIATION_OF_MEDIAN * median(&mut sizes.clone())).max(1.0);
-        let loss = Tukey { cutoff: TUKEY_EFFICIENT * scale, wall: Wall::Either };
-        for (weight, size) in weights.iter_mut().zip(&sizes) {
-            *weight = loss.loss_and_weight(*size, 0.0).1;
-        }
-    }
+        last.clear();
+        last.extend_from_slice(residuals);
+        Some(Progress::Moved)
+    });
+    let scale = scale?.scale;
     // No lamp takes light away, nor does gloss.
     if coefficients[3] < 0.0 {
         return None;
@@ -256,7 +255,8 @@ fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
     if glossy && coefficients[4] < 0.0 {
         return fit(rows, light, false);
     }
-    let cost: f64 = sizes.iter().map(|size| (size * size).min(LARGEST_SQUARE)).sum();
+    // As far as a bin of the scale of its deviation counts.
+    let cost: f64 = last.iter().map(|residual| residual.abs().min(TUKEY_EFFICIENT).powi(2)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
     Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
 }
@@ -269,14 +269,14 @@ mod tests {
     fn rows(light: f64) -> Vec<Median> {
         let angles = (-12..=12).map(|k| f64::from(k) * 5.0_f64.to_radians());
         let value = |angle: f64| 0.4 + 0.05 * angle.cos() + 0.7 * (angle - light).cos().max(0.0);
-        angles.map(|angle| Median { angle, value: value(angle), deviation: FLOOR }).collect()
+        angles.map(|angle| Median { angle, value: value(angle), deviation: FLOOR.get() }).collect()
     }
 
     #[test]
     fn one_lamp_is_found_and_continued_to_the_limbs() {
         for light in [-0.9_f64, 0.0, 0.5, 1.2] {
             let rows = rows(light);
-            let lights = (0..LIGHTS).map(|k| 2.0 * PI * k as f64 / LIGHTS as f64 - PI);
+            let lights = (0..LIGHTS.count()).map(|k| 2.0 * PI * k as f64 / LIGHTS.count() as f64 - PI);
             let fits = lights.filter_map(|light| fit(&rows, light, true));
             let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             for side in [-FRAC_PI_2, FRAC_PI_2] {
@@ -286,7 +286,8 @@ mod tests {
             // The window of a limb has the mean 1.
             let near = shading.near_limb(1.0, 30.0);
             let mean =
-                (0..50).map(|k| near.at(INSIDE / 30.0 * (f64::from(k) + 0.5) / 50.0)).sum::<f64>() / 50.0;
+                (0..50).map(|k| near.at(INSIDE.get() / 30.0 * (f64::from(k) + 0.5) / 50.0)).sum::<f64>()
+                    / 50.0;
             assert!((mean - 1.0).abs() < 0.01, "{mean}");
         }
     }

@@ -5,13 +5,24 @@
 //! pixel centres, and the location of an edge to a few hundredths of a pixel hangs on the blur.
 
 use crate::camera::Camera;
-use crate::observations::GreyImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::noise::ImageNoise;
+use crate::observations::ReducedImage;
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median_size};
 use nalgebra::Vector2;
 
-/// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
-/// hundredth of a pixel in between.
-const POLYLINE_STEP: f64 = 8.0;
+constants! {
+    /// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
+    /// hundredth of a pixel in between.
+    POLYLINE_STEP = 8.0, "px";
+}
+
+/// An image on one grid of pixels.
+#[derive(Clone, Copy)]
+pub(super) struct Grid<'a> {
+    pub image: ReducedImage<'a>,
+    pub camera: &'a Camera,
+    pub noise: ImageNoise,
+}
 
 /// A stretch of the expected limb line in ideal pixels and the coordinates about it: s along the line from its
 /// middle, u across it, positive towards the inside of the cylinder.
@@ -79,13 +90,19 @@ pub(super) struct Strip {
     pixels: Vec<StripPixel>,
     /// Where each run ends in `pixels`.
     ends: Vec<usize>,
+    /// Standard deviation of a pixel; 0 = from the pixels.
+    told_noise: f64,
+    /// Whether neighbours may be alike by interpolation: an image that is more blurred than its grid asks for.
+    interpolated: bool,
 }
 
 impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
-    pub fn gather(image: &GreyImage, camera: &Camera, baseline: &Baseline, half_width: f64) -> Self {
-        let mut strip = Self { pixels: Vec::new(), ends: Vec::new() };
-        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP).ceil().max(1.0) as usize;
+    pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
+        let Grid { image, camera, noise } = grid;
+        let interpolated = image.factor() > 1;
+        let mut strip = Self { pixels: Vec::new(), ends: Vec::new(), told_noise: noise.value, interpolated };
+        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
             let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
             camera.project(&camera.ideal_ray(&baseline.position(s, 0.0)))
@@ -114,25 +131,15 @@ impl Strip {
             }
             for run in runs {
                 let part = (run as f64 - a_run) / (b_run - a_run);
-                strip.add_run(
-                    image,
-                    camera,
-                    baseline,
-                    steep,
-                    run,
-                    a_cross + part * (b_cross - a_cross),
-                    reach,
-                );
+                strip.add_run(grid, baseline, steep, run, a_cross + part * (b_cross - a_cross), reach);
             }
         }
         strip
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one place in one loop")]
     fn add_run(
         &mut self,
-        image: &GreyImage,
-        camera: &Camera,
+        Grid { image, camera, .. }: &Grid<'_>,
         baseline: &Baseline,
         steep: bool,
         run: usize,
@@ -164,7 +171,11 @@ impl Strip {
                 s: parabola(before.0, here.0, after.0, x),
                 u: parabola(before.1, here.1, after.1, x),
                 value: f64::from(value),
-                saturated: image.is_saturated(value),
+                saturated: if steep {
+                    image.is_saturated(cross, run)
+                } else {
+                    image.is_saturated(run, cross)
+                },
             });
         }
         if self.pixels.len() == begin {
@@ -202,12 +213,30 @@ impl Strip {
     /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
     /// that edges do not count; saturated pixels have no noise), and not below a thousandth of the range of the
     /// values: images are quantised.
+    ///
+    /// Interpolation makes neighbours alike, and their differences small. By how much, differences over two pixels show
+    /// where there is least to be seen: the lower quartile.
     pub fn noise(&self) -> f64 {
-        let runs = self.runs().flat_map(|run| run.windows(3));
-        let seen = runs.filter(|w| w.iter().all(|pixel| !pixel.saturated));
-        let differences = seen.map(|w| w[0].value - 2.0 * w[1].value + w[2].value);
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
-        (DEVIATION_OF_MEDIAN * median_size(differences) / 6.0_f64.sqrt()).max(floor)
+        if self.told_noise > 0.0 {
+            return self.told_noise;
+        }
+        let own = DEVIATION_OF_MEDIAN * median_size(self.second_differences(1)) / 6.0_f64.sqrt();
+        if !self.interpolated {
+            return own.max(floor);
+        }
+        let [near, far] = [1, 2].map(|step| lower_quartile_size(self.second_differences(step)));
+        let alike = (far / near).max(1.0);
+        let alike = if alike.is_finite() { alike } else { 1.0 };
+        (own * alike).max(floor)
+    }
+
+    /// Second differences between pixels `step` apart in a run.
+    fn second_differences(&self, step: usize) -> impl Iterator<Item = f64> {
+        let runs = self.runs().flat_map(move |run| run.windows(2 * step + 1));
+        let three = runs.map(move |w| [w[0], w[step], w[2 * step]]);
+        let seen = three.filter(|w| w.iter().all(|pixel| !pixel.saturated));
+        seen.map(|w| w[0].value - 2.0 * w[1].value + w[2].value)
     }
 
     /// Range of the values.

@@ -2,8 +2,13 @@
 
 use super::*;
 use crate::camera::{Distortion, Intrinsics};
+use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, DepthView, EdgeSegment, ImageView, Mask, MaskView};
 use nalgebra::Vector3;
+
+fn noise() -> ImageNoise {
+    NoiseModel::default().in_image((640, 480))
+}
 
 const SIZE: (usize, usize) = (240, 180);
 const BLUR: f64 = 0.9;
@@ -107,7 +112,7 @@ impl Scene {
     }
 
     fn search(&self) -> LimbSearch {
-        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2] }
+        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2], noise: noise() }
     }
 
     fn locate(&self) -> [LimbObservation; 2] {
@@ -159,6 +164,60 @@ fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
         assert!((blur - BLUR).abs() < 0.15, "{blur}");
         assert!(observations.iter().all(|o| o.samples.len() >= 8));
     }
+}
+
+/// An image on a grid that is finer by some factor, interpolated bilinearly.
+fn enlarged(image: &GreyImage, factor: usize) -> GreyImage {
+    let size = (image.width() * factor, image.height() * factor);
+    let beside = |place: usize, count: usize| {
+        let at = ((place as f64 + 0.5) / factor as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+        let first = (at as usize).min(count - 2);
+        (first, (at - first as f64) as f32)
+    };
+    let value = |k: usize| {
+        let (column, right) = beside(k % size.0, image.width());
+        let (row, down) = beside(k / size.0, image.height());
+        let along = |row| image.value(column, row) * (1.0 - right) + image.value(column + 1, row) * right;
+        along(row) * (1.0 - down) + along(row + 1) * down
+    };
+    let values: Vec<f32> = (0..size.0 * size.1).map(value).collect();
+    GreyImage::copy(&ImageView::from_f32(&values, size).unwrap()).unwrap()
+}
+
+#[test]
+fn what_is_blurred_is_located_as_on_a_coarser_grid() {
+    const FACTOR: usize = 3;
+    let ratio = FACTOR as f64;
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let image = enlarged(&scene.render(), FACTOR);
+    let Intrinsics { fx, fy, cx, cy, distortion, .. } = *scene.camera.intrinsics();
+    let place = |place: f64| ratio * (place + 0.5) - 0.5;
+    let (width, height) = (image.width() as u32, image.height() as u32);
+    let (fx, fy, cx, cy) = (fx * ratio, fy * ratio, place(cx), place(cy));
+    let large = Scene {
+        camera: Camera::new(Intrinsics { width, height, fx, fy, cx, cy, distortion }).unwrap(),
+        ..Scene::new()
+    };
+    let noise = NoiseModel { drawn_pixel: ratio, ..NoiseModel::default() }.in_image(SIZE);
+    let search = LimbSearch { reach: [4.0 * ratio; 2], deviation: [1.5 * ratio; 2], noise, ..scene.search() };
+    let observations = locate_limbs(&image, &large.camera, &large.rough(), &search);
+    for (k, observation) in observations.iter().enumerate() {
+        for (error, deviation) in large.errors(k, &observation.line.unwrap()) {
+            assert!(error.abs() < 0.1 * ratio && error.abs() < 4.0 * deviation, "limb {k}: {error}");
+        }
+        // The interpolation adds a sixth of a squared pixel.
+        let blur = observation.blur.unwrap() / ratio;
+        assert!((blur - BLUR.hypot(1.0 / 6.0_f64.sqrt())).abs() < 0.15, "{blur}");
+    }
+}
+
+#[test]
+fn what_is_sharp_is_located_on_its_own_grid() {
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let drawn = NoiseModel { drawn_pixel: 3.0, edge_endpoint: 0.5 / 3.0, ..NoiseModel::default() };
+    let search = LimbSearch { noise: drawn.in_image(SIZE), ..scene.search() };
+    let observations = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search);
+    assert_eq!(observations, scene.locate());
 }
 
 #[test]
@@ -252,8 +311,10 @@ fn a_mask_and_segments_say_where_to_search() {
     let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1).map(|k| u8::from(on_surface(k % SIZE.0, k / SIZE.0))).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
 
-    let sides =
-        Outline::new(&mask, None, &scene.camera).unwrap().sides(&scene.camera, &scene.rough()).unwrap();
+    let sides = Outline::new(&mask, None, &scene.camera, &noise())
+        .unwrap()
+        .sides(&scene.camera, &scene.rough())
+        .unwrap();
     let limbs = [0, 1].map(|k| {
         let line = LimbLine { ends: sides[k].ends, sigma: 1.0 };
         [0, 1].map(|limb| scene.errors(limb, &line).map(|(error, _)| error.abs()))
@@ -291,7 +352,7 @@ fn sides_behind(column: usize, row: usize) -> [Side; 2] {
     let depths: Vec<f32> = pixels.map(depth).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
     let depth = DepthImage::copy(&DepthView::from_f32(&depths, SIZE, 1.0).unwrap()).unwrap();
-    let outline = Outline::new(&mask, Some(&depth), &scene.camera).unwrap();
+    let outline = Outline::new(&mask, Some(&depth), &scene.camera, &noise()).unwrap();
     outline.sides(&scene.camera, &scene.cylinder).unwrap()
 }
 

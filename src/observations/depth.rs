@@ -1,11 +1,14 @@
 //! Depth images: from pixels to points.
 
+use super::batch::Batch;
+use super::frame::Frame;
 use super::mask::Mask;
-use super::points::{Batch, PointCloud};
-use super::size::check_same_size;
-use super::views::{DepthView, Scalar};
-use crate::camera::Camera;
+use super::points::PointCloud;
+use super::registration::Sight;
+use super::strided::Scalar;
+use super::views::DepthView;
 use crate::error::{Error, Result};
+use crate::geometry::RigidMotion;
 use nalgebra::Vector2;
 
 /// Which depths count.
@@ -40,12 +43,15 @@ impl DepthRange {
     }
 }
 
-/// A depth image, owned: what lies around the ends of the cylinder is read from it after the fit.
+/// A depth image, owned.
 #[derive(Debug, Clone)]
 pub struct DepthImage {
     width: usize,
     height: usize,
-    depths: Vec<f32>,
+    /// As they were stored, 0 = no measurement: an f32 holds any number of 16 bits.
+    values: Vec<f32>,
+    /// Length of one unit.
+    scale: f64,
 }
 
 impl DepthImage {
@@ -54,63 +60,143 @@ impl DepthImage {
     /// # Errors
     /// `OutOfMemory`.
     pub fn copy(view: &DepthView<'_>) -> Result<Self> {
-        let (width, height) = (view.width(), view.height());
-        let mut depths = Vec::new();
-        let bytes = width * height * 4;
-        let out_of_memory = |_| Error::OutOfMemory { what: "the depth image", bytes };
-        depths.try_reserve_exact(width * height).map_err(out_of_memory)?;
-        for row in 0..height {
-            depths.extend((0..width).map(|column| view.depth(column, row).unwrap_or(0.0) as f32));
+        let mut image = Self::empty(view.width(), view.height(), view.scale)?;
+        if !image.values.is_empty() {
+            for (row, values) in image.values.chunks_exact_mut(view.width()).enumerate() {
+                for (column, value) in values.iter_mut().enumerate() {
+                    *value = view.value(column, row).unwrap_or(0.0);
+                }
+            }
         }
-        Ok(Self { width, height, depths })
+        Ok(image)
+    }
+
+    /// An image in which nothing was measured.
+    pub(super) fn empty(width: usize, height: usize, scale: f64) -> Result<Self> {
+        let bytes = width.saturating_mul(height).saturating_mul(size_of::<f32>());
+        let out_of_memory = |_| Error::OutOfMemory { what: "the depth image", bytes };
+        let mut values = Vec::new();
+        values.try_reserve_exact(width * height).map_err(out_of_memory)?;
+        values.resize(width * height, 0.0);
+        Ok(Self { width, height, values, scale })
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
     }
 
     /// The depth z at a pixel; `None` outside the image and where nothing was measured.
+    #[inline]
     #[must_use]
     pub fn depth(&self, column: usize, row: usize) -> Option<f64> {
         let inside = column < self.width && row < self.height;
-        inside.then(|| f64::from(self.depths[row * self.width + column])).filter(|&z| z > 0.0)
+        inside.then(|| self.depth_at(row * self.width + column)).flatten()
+    }
+
+    /// The depth z at a pixel that is counted row by row.
+    #[inline]
+    pub(super) fn depth_at(&self, index: usize) -> Option<f64> {
+        let value = self.values[index];
+        (value > 0.0).then(|| f64::from(value) * self.scale)
+    }
+
+    /// The four stored values around the upper left corner of a pixel, 0 = no measurement; `None` at the border.
+    #[inline]
+    pub(super) fn block(&self, column: usize, row: usize) -> Option<[f32; 4]> {
+        if column == 0 || row == 0 || column >= self.width || row >= self.height {
+            return None;
+        }
+        let first = (row - 1) * self.width + column - 1;
+        let (above, below) = (&self.values[first..first + 2], &self.values[first + self.width..][..2]);
+        Some([above[0], above[1], below[0], below[1]])
+    }
+
+    /// Length of one unit of the stored values.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Puts a depth where there is none or a greater one.
+    #[inline]
+    pub(super) fn put_nearest(&mut self, index: usize, depth: f32) {
+        let value = &mut self.values[index];
+        if *value == 0.0 || depth < *value {
+            *value = depth;
+        }
     }
 }
 
 impl PointCloud {
-    /// Back-projects the measured pixels of a depth image, p = D(u) K⁻¹ ũ (3), through the distortion of the
-    /// camera. A mask selects pixels.
+    /// Back-projects the measured pixels of the depth image of a frame, p = D(u) K⁻¹ ũ (3), through the distortion of
+    /// the camera that measured them, into the frame of the colour camera.
+    ///
+    /// A mask on the grid of the colour image selects pixels. With a depth camera of its own it selects what the colour
+    /// camera sees there: a measured pixel goes by where the colour camera sees it (outside the image is outside the
+    /// mask), and what lies hidden behind something nearer is left out. Without a mask every measured pixel counts.
     ///
     /// # Errors
-    /// `SizeMismatch` when image, mask and camera differ in size, `InvalidArgument` for a bad range, `NoDepth`
-    /// when no pixel is usable, `OutOfMemory`. Nothing is added then.
-    pub fn push_depth(
-        &mut self,
-        camera: &Camera,
-        view: &DepthView<'_>,
-        mask: Option<&Mask>,
-        range: &DepthRange,
-    ) -> Result<()> {
-        range.check()?;
-        let (width, height) = (view.width(), view.height());
+    /// `BadState` without camera or depth image, `SizeMismatch` when the mask has another size than the colour image,
+    /// `NoDepth` when no pixel is usable, `OutOfMemory`, and those of [`PointCloud::push_points`] for coordinates too
+    /// far apart. Nothing is added then.
+    pub fn push_frame(&mut self, frame: &Frame, mask: Option<&Mask>) -> Result<()> {
+        let (Some(camera), Some(depth)) = (frame.camera(), frame.depth()) else {
+            return Err(Error::BadState {
+                call: "making points of a frame",
+                missing: "intrinsics and a depth image",
+                remedy: "set both first",
+            });
+        };
         if let Some(mask) = mask {
-            mask.check_size("depth image", (width, height))?;
+            let grid =
+                if frame.depth_camera().is_some() { "the image of the intrinsics" } else { "depth image" };
+            mask.check_size(grid, camera.size())?;
         }
-        check_same_size("depth image", (width, height), "the image of the intrinsics", camera.size())?;
-        let mut batch = Batch { given: width * height, ..Batch::default() };
+        let (width, height) = depth.size();
+        let mut batch = Batch::grid(width, height);
+        let range = frame.depth_range();
+        let (sensor, to_color) = match frame.depth_camera() {
+            Some(own) => (&own.camera, own.to_color),
+            None => (camera, RigidMotion::identity()),
+        };
         for row in 0..height {
             for column in 0..width {
-                if mask.is_some_and(|mask| !mask.contains(column, row)) {
+                let index = row * width + column;
+                let selected = match (mask, frame.registration()) {
+                    (None, _) => Sight::Seen,
+                    (Some(mask), None) if mask.contains(column, row) => Sight::Seen,
+                    (Some(_), None) => Sight::Outside,
+                    (Some(mask), Some(registration)) => registration.sight(index, mask),
+                };
+                if selected == Sight::Outside {
                     batch.dropped.outside_mask += 1;
                     continue;
                 }
-                let Some(depth) = view.depth(column, row) else {
+                let Some(depth) = depth.depth_at(index) else {
                     batch.dropped.no_depth += 1;
                     continue;
                 };
                 if !(range.min <= depth && depth <= range.max) {
                     batch.dropped.out_of_range += 1;
-                    continue;
-                }
-                match camera.unproject(&Vector2::new(column as f64, row as f64)) {
-                    Some(ray) => batch.push(ray * depth, 1.0)?,
-                    None => batch.dropped.outside_camera += 1,
+                } else if selected == Sight::Hidden {
+                    batch.dropped.hidden += 1;
+                } else if let Some(ray) = sensor.unproject(&Vector2::new(column as f64, row as f64)) {
+                    batch.push(to_color.point(&(ray * depth)), 1.0, index)?;
+                } else {
+                    batch.dropped.outside_camera += 1;
                 }
             }
         }
@@ -118,7 +204,7 @@ impl PointCloud {
             return Err(Error::NoDepth {
                 pixels: batch.given - batch.dropped.outside_mask,
                 missing: batch.dropped.no_depth,
-                out_of_range: batch.dropped.out_of_range + batch.dropped.outside_camera,
+                out_of_range: batch.given - batch.dropped.outside_mask - batch.dropped.no_depth,
             });
         }
         self.append(&batch, Scalar::F32)

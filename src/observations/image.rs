@@ -9,23 +9,48 @@ pub struct GreyImage {
     width: usize,
     height: usize,
     values: Vec<f32>,
-    /// The value at which the sensor or the file cut brighter light off; infinity where nothing says so.
-    white: f32,
+    saturation: Saturation,
 }
 
+/// Which pixels are as bright as their format allows, and stand for any light from there on.
+#[derive(Debug, Clone)]
+enum Saturation {
+    /// Those from this value on; infinity where nothing says so.
+    From(f32),
+    /// Those that are marked: one channel is enough, whatever the sum of all is.
+    Marked(Vec<bool>),
+}
+
+/// What red, green and blue count in the luminance of Recommendation ITU-R BT.709-6 (section 3, E'_Y; the same
+/// primaries as those of sRGB, IEC 61966-2-1).
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
 impl GreyImage {
-    /// Copies an image, and takes its gamma away.
+    /// Copies an image, and takes its gamma away. Colours become their luminance: the sum of the three channels, each
+    /// linear in light, with the weights of Recommendation ITU-R BT.709.
     ///
     /// # Errors
     /// `OutOfMemory`; `InvalidArgument` when a value is not finite, or negative though coded with a gamma, naming the
     /// pixel.
     pub fn copy(view: &ImageView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
-        let mut values = Vec::new();
-        let bytes = width * height * 4;
-        let out_of_memory = |_| Error::OutOfMemory { what: "the image", bytes };
-        values.try_reserve_exact(width * height).map_err(out_of_memory)?;
-        for row in 0..height {
+        let mut values = reserved(width, height, 4)?;
+        // Rows of no pixels are as many as the caller likes.
+        let rows = if width == 0 { 0 } else { height };
+        if view.format().is_color() {
+            let mut marked = reserved(width, height, 1)?;
+            let light: [f32; 256] = std::array::from_fn(|value| light(value as f32, 255.0, view.gamma()));
+            for row in 0..rows {
+                for color in (0..width).map(|column| view.color(column, row)) {
+                    let channels = color.map(|channel| f64::from(light[usize::from(channel)]));
+                    let sum = channels.iter().zip(LUMINANCE).map(|(channel, weight)| channel * weight);
+                    values.push(sum.sum::<f64>() as f32);
+                    marked.push(color.contains(&u8::MAX));
+                }
+            }
+            return Ok(Self { width, height, values, saturation: Saturation::Marked(marked) });
+        }
+        for row in 0..rows {
             values.extend((0..width).map(|column| view.value(column, row)));
         }
         let coded = view.gamma() != 1.0;
@@ -38,10 +63,10 @@ impl GreyImage {
         // A flat background may well be the largest value of a floating-point image.
         let cut = view.format() != ImageFormat::F32 && ends_numbers(largest(&values));
         if coded {
-            decode(&mut values, view);
+            decode(&mut values, view)?;
         }
         let white = if cut { largest(&values) } else { f32::INFINITY };
-        Ok(Self { width, height, values, white })
+        Ok(Self { width, height, values, saturation: Saturation::From(white) })
     }
 
     /// Columns.
@@ -67,12 +92,21 @@ impl GreyImage {
         self.values[row * self.width + column]
     }
 
-    /// Whether a value of the image stands for any light from there on: it is the largest that some number of bits, 8
-    /// or more, can hold. No value of a floating-point image is.
+    /// Whether a pixel stands for any light from its value on: it, or one of its channels, is the largest value that
+    /// some number of bits, 8 or more, can hold. None of a floating-point image is.
+    ///
+    /// # Panics
+    /// When the pixel lies outside the image.
     #[inline]
     #[must_use]
-    pub fn is_saturated(&self, value: f32) -> bool {
-        value >= self.white
+    pub fn is_saturated(&self, column: usize, row: usize) -> bool {
+        match &self.saturation {
+            Saturation::From(white) => self.value(column, row) >= *white,
+            Saturation::Marked(marked) => {
+                assert!(column < self.width, "column {column} of {}", self.width);
+                marked[row * self.width + column]
+            }
+        }
     }
 
     /// One row.
@@ -92,22 +126,33 @@ fn ends_numbers(value: f32) -> bool {
     value >= 255.0 && (value as u32 + 1).is_power_of_two()
 }
 
-/// Makes light of coded values; the largest that the format can hold stays what it is.
-fn decode(values: &mut [f32], view: &ImageView<'_>) {
-    let end = match view.format() {
-        ImageFormat::U8 => f32::from(u8::MAX),
-        ImageFormat::U16 => f32::from(u16::MAX),
-        ImageFormat::F32 => largest(values).max(f32::MIN_POSITIVE),
-    };
-    let light = |value: f32| end * f64::from(value / end).powf(view.gamma()) as f32;
-    match view.format() {
-        ImageFormat::F32 => values.iter_mut().for_each(|value| *value = light(*value)),
-        // A power takes far longer than a look into a table.
-        ImageFormat::U8 | ImageFormat::U16 => {
-            let table: Vec<f32> = (0..=end as u32).map(|value| light(value as f32)).collect();
-            values.iter_mut().for_each(|value| *value = table[*value as usize]);
-        }
+/// An empty vector with room for one element a pixel.
+fn reserved<T>(width: usize, height: usize, size: usize) -> Result<Vec<T>> {
+    let mut elements = Vec::new();
+    let bytes = width.saturating_mul(height).saturating_mul(size);
+    let out_of_memory = |_| Error::OutOfMemory { what: "the image", bytes };
+    elements.try_reserve_exact(width * height).map_err(out_of_memory)?;
+    Ok(elements)
+}
+
+/// The light of a coded value; that of `end` is `end`.
+fn light(value: f32, end: f32, gamma: f64) -> f32 {
+    if gamma == 1.0 { value } else { end * f64::from(value / end).powf(gamma) as f32 }
+}
+
+/// Makes light of the coded values of a grey image; the largest that the format can hold stays what it is.
+fn decode(values: &mut [f32], view: &ImageView<'_>) -> Result<()> {
+    if view.format() == ImageFormat::F32 {
+        let end = largest(values).max(f32::MIN_POSITIVE);
+        values.iter_mut().for_each(|value| *value = light(*value, end, view.gamma()));
+        return Ok(());
     }
+    let end = if view.format() == ImageFormat::U16 { u16::MAX } else { u16::from(u8::MAX) };
+    // A power takes far longer than a look into a table.
+    let mut table = reserved(usize::from(end) + 1, 1, 4)?;
+    table.extend((0..=end).map(|value| light(f32::from(value), f32::from(end), view.gamma())));
+    values.iter_mut().for_each(|value| *value = table[*value as usize]);
+    Ok(())
 }
 
 #[cfg(test)]
@@ -147,7 +192,7 @@ mod tests {
     fn what_is_as_bright_as_the_bits_allow_is_saturated() {
         let saturated = |view: Result<ImageView<'_>>, gamma: f64| {
             let image = GreyImage::copy(&view.unwrap().with_gamma(gamma).unwrap()).unwrap();
-            [0, 1].map(|column| image.is_saturated(image.value(column, 0)))
+            [0, 1].map(|column| image.is_saturated(column, 0))
         };
         for gamma in [1.0, 2.2] {
             assert_eq!(saturated(ImageView::from_u8(&[254, 255], (2, 1)), gamma), [false, true]);

@@ -24,6 +24,9 @@ impl Mask {
     /// `EmptyMask` when no pixel is set, `OutOfMemory`.
     pub fn copy(view: &MaskView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
+        if width == 0 || height == 0 {
+            return Err(Error::EmptyMask { width, height });
+        }
         let mut pixels = Vec::new();
         let bytes = width * height;
         pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
@@ -59,6 +62,12 @@ impl Mask {
     #[must_use]
     pub fn contains(&self, column: usize, row: usize) -> bool {
         column < self.width && row < self.height && self.pixels[row * self.width + column]
+    }
+
+    /// Whether a pixel that is counted row by row belongs to the cylinder.
+    #[inline]
+    pub(super) fn contains_index(&self, index: usize) -> bool {
+        self.pixels[index]
     }
 
     /// How many pixels are set.
@@ -111,5 +120,10 @@ mod tests {
     fn an_empty_mask_is_an_error_of_its_own() {
         let view = MaskView::from_u8(&[0; 6], (3, 2)).unwrap();
         assert_eq!(Mask::copy(&view), Err(Error::EmptyMask { width: 3, height: 2 }));
+        // Memory for the rows of no pixels would be asked for: there are none, however many rows there are.
+        for (width, height) in [(0, 0), (0, 5), (5, 0), (0, usize::MAX), (usize::MAX, 0)] {
+            let view = MaskView::from_u8(&[], (width, height)).unwrap();
+            assert_eq!(Mask::copy(&view), Err(Error::EmptyMask { width, height }));
+        }
     }
 }

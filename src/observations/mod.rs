@@ -3,20 +3,29 @@
 //! Views borrow the caller's memory as it lies, with byte strides, so that a PCL cloud, an OpenCV matrix or a
 //! plain array pass without conversion. Pushing copies what is usable and counts the rest by reason.
 
+mod batch;
 mod depth;
+mod frame;
 mod image;
 mod mask;
 mod points;
+mod reduced;
+mod registration;
 mod segments;
 mod size;
+mod strided;
 mod views;
 
 pub use depth::{DepthImage, DepthRange};
+pub use frame::{DepthCamera, Frame};
 pub use image::GreyImage;
 pub use mask::Mask;
 pub use points::{Dropped, Offsets, PointCloud};
+pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;
-pub use views::{
-    DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
-};
+pub use strided::{Scalar, Strided};
+pub use views::{DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView};
+
+#[cfg(test)]
+mod tests;

@@ -1,9 +1,10 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
+use super::batch::Batch;
 use super::mask::Mask;
-use super::views::{PointsView, Scalar};
+use super::strided::Scalar;
+use super::views::PointsView;
 use crate::error::{Error, Result};
-use crate::statistics::median;
 use nalgebra::Vector3;
 
 /// How many points were left out, by reason.
@@ -21,6 +22,8 @@ pub struct Dropped {
     pub out_of_range: usize,
     /// The camera model has no ray for the pixel.
     pub outside_camera: usize,
+    /// The mask is set there, but the colour camera sees something nearer.
+    pub hidden: usize,
 }
 
 impl Dropped {
@@ -33,17 +36,25 @@ impl Dropped {
             + self.no_depth
             + self.out_of_range
             + self.outside_camera
+            + self.hidden
     }
 
-    pub(super) fn add(&mut self, other: &Dropped) {
+    pub(crate) fn add(&mut self, other: &Dropped) {
         self.not_finite += other.not_finite;
         self.zero_weight += other.zero_weight;
         self.outside_mask += other.outside_mask;
         self.no_depth += other.no_depth;
         self.out_of_range += other.out_of_range;
         self.outside_camera += other.outside_camera;
+        self.hidden += other.hidden;
     }
 }
+
+/// Weights are kept as f32.
+const LARGEST_WEIGHT: f64 = f32::MAX as f64;
+
+/// What a weight must do that is larger.
+const WEIGHT_REQUIREMENT: &str = "be at most 3.4e38; only the ratios of the weights count, so scale them all";
 
 /// Coordinates relative to the origin of a [`PointCloud`].
 #[derive(Debug, Clone)]
@@ -55,6 +66,22 @@ pub enum Offsets {
     F64([Vec<f64>; 3]),
 }
 
+impl Offsets {
+    fn len(&self) -> usize {
+        match self {
+            Offsets::F32(axes) => axes[0].len(),
+            Offsets::F64(axes) => axes[0].len(),
+        }
+    }
+}
+
+/// Makes room for a total number of elements.
+fn reserve<T>(elements: &mut Vec<T>, total: usize, what: &'static str) -> Result<()> {
+    let bytes = total.saturating_mul(size_of::<T>());
+    let additional = total.saturating_sub(elements.len());
+    elements.try_reserve(additional).map_err(|_| Error::OutOfMemory { what, bytes })
+}
+
 /// Points in structure-of-arrays form. Coordinates are `origin` + offset.
 #[derive(Debug, Clone)]
 pub struct PointCloud {
@@ -64,6 +91,8 @@ pub struct PointCloud {
     weights: Vec<f32>,
     /// Empty unless every point came with one.
     normals: Vec<Vector3<f32>>,
+    /// Empty unless all points came from one grid.
+    pixels: Vec<[u32; 2]>,
     dropped: Dropped,
     given: usize,
     /// The largest distance between neighbouring representable numbers of the input, over all coordinates.
@@ -77,6 +106,7 @@ impl Default for PointCloud {
             offsets: Offsets::F32(Default::default()),
             weights: Vec::new(),
             normals: Vec::new(),
+            pixels: Vec::new(),
             dropped: Dropped::default(),
             given: 0,
             resolution: 0.0,
@@ -93,6 +123,7 @@ impl PointCloud {
         }
         self.weights.clear();
         self.normals.clear();
+        self.pixels.clear();
         self.dropped = Dropped::default();
         self.given = 0;
         self.resolution = 0.0;
@@ -115,10 +146,7 @@ impl PointCloud {
     /// Usable points.
     #[must_use]
     pub fn len(&self) -> usize {
-        match &self.offsets {
-            Offsets::F32(axes) => axes[0].len(),
-            Offsets::F64(axes) => axes[0].len(),
-        }
+        self.offsets.len()
     }
 
     /// Whether there is no usable point.
@@ -164,6 +192,14 @@ impl PointCloud {
         (!self.normals.is_empty()).then_some(&self.normals)
     }
 
+    /// The pixel of each point, column and row, in the grid of the sensor that measured it: that of the depth camera,
+    /// or of an organised cloud. `None` unless all points came from one such grid: points of several pushes, or of a
+    /// cloud of one row, have no common neighbourhood.
+    #[must_use]
+    pub fn pixels(&self) -> Option<&[[u32; 2]]> {
+        (!self.pixels.is_empty()).then_some(&self.pixels)
+    }
+
     /// The distance between neighbouring numbers of the input at its largest coordinate: what the input could
     /// resolve. An f32 cloud 10 km from the origin has 1 mm.
     #[must_use]
@@ -202,28 +238,32 @@ impl PointCloud {
     /// Copies the usable points of a cloud. A mask selects pixels of an organised one.
     ///
     /// # Errors
-    /// `SizeMismatch` when the mask has another size than the cloud, `InvalidArgument` for a negative weight,
-    /// `OutOfMemory`. Nothing is added then.
+    /// `SizeMismatch` when the mask has another size than the cloud; `InvalidArgument` for a weight that is negative or
+    /// larger than an f32 can hold, and for a point so far from the others that the type of the cloud cannot hold the
+    /// distance; `OutOfMemory`. Nothing is added then.
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
         let (width, height) = (view.width(), view.height());
         if let Some(mask) = mask {
             mask.check_size("organised cloud", (width, height))?;
         }
-        let mut batch = Batch { given: width * height, ..Batch::default() };
-        for row in 0..height {
+        let mut batch = Batch::grid(width, height);
+        // Rows of no points are as many as the caller likes.
+        for row in 0..if width == 0 { 0 } else { height } {
             for column in 0..width {
                 let (point, weight) = (view.points.at(column, row), view.weight(column, row));
+                let index = row * width + column;
                 if mask.is_some_and(|mask| !mask.contains(column, row)) {
                     batch.dropped.outside_mask += 1;
                 } else if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
                     batch.dropped.not_finite += 1;
-                } else if weight < 0.0 {
-                    let name = format!("the weight of point {}", row * width + column);
-                    return Err(Error::argument(name, weight, "be at least 0"));
-                } else if weight == 0.0 {
+                } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
+                    let name = format!("the weight of point {index}");
+                    let requirement = if weight < 0.0 { "be at least 0" } else { WEIGHT_REQUIREMENT };
+                    return Err(Error::argument(name, format!("{weight:?}"), requirement));
+                } else if weight as f32 == 0.0 {
                     batch.dropped.zero_weight += 1;
                 } else {
-                    batch.push(point, weight)?;
+                    batch.push(point, weight, index)?;
                     if let Some(normals) = &view.normals {
                         batch.push_normal(&normals.at(column, row))?;
                     }
@@ -236,43 +276,45 @@ impl PointCloud {
     /// Adds the points of a batch whose input had the given type.
     pub(super) fn append(&mut self, batch: &Batch, scalar: Scalar) -> Result<()> {
         let first = self.is_empty();
-        let (origin, offsets) = if first {
-            let empty = match (scalar, &self.offsets) {
-                (Scalar::F32, Offsets::F64(_)) => Some(Offsets::F32(Default::default())),
-                (Scalar::F64, Offsets::F32(_)) => Some(Offsets::F64(Default::default())),
-                _ => None,
-            };
-            (batch.middle(), empty)
-        } else {
-            // One f64 cloud makes the whole f64: mixing costs nothing but memory.
-            let wide = match (scalar, &self.offsets) {
-                (Scalar::F64, Offsets::F32(axes)) => {
-                    Some(Offsets::F64(axes.each_ref().map(|a| a.iter().map(|&x| f64::from(x)).collect())))
-                }
-                _ => None,
-            };
-            (self.origin, wide)
-        };
-        if let Some(offsets) = offsets {
-            self.offsets = offsets;
+        let origin = if first { batch.middle() } else { self.origin };
+        // One f64 cloud makes the whole f64: mixing costs nothing but memory.
+        let wide = scalar == Scalar::F64 || !first && matches!(self.offsets, Offsets::F64(_));
+        batch.check_distances(&origin, wide)?;
+        match &self.offsets {
+            Offsets::F64(_) if !wide => self.offsets = Offsets::F32(Default::default()),
+            Offsets::F32(axes) if wide => self.offsets = widened(axes)?,
+            _ => {}
         }
         self.reserve(batch.points.len())?;
+        let added = batch.points.len();
         let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
+        let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == added;
+        let ordered = first && batch.height > 1;
+        let total = self.len() + added;
+        // All memory is there before anything is added.
         if weighted {
-            let total = self.len() + batch.points.len();
-            let out_of_memory = |_| Error::OutOfMemory { what: "the weights", bytes: total * 4 };
-            self.weights.try_reserve(total - self.weights.len()).map_err(out_of_memory)?;
+            reserve(&mut self.weights, total, "the weights")?;
+        }
+        if oriented {
+            reserve(&mut self.normals, total, "the normals")?;
+        }
+        if ordered {
+            reserve(&mut self.pixels, added, "the pixels of the points")?;
+        }
+        if weighted {
             self.weights.resize(self.len(), 1.0);
             self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
         }
-        let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == batch.points.len();
         if oriented {
-            let bytes = batch.normals.len() * size_of::<Vector3<f32>>();
-            let out_of_memory = |_| Error::OutOfMemory { what: "the normals", bytes };
-            self.normals.try_reserve(batch.normals.len()).map_err(out_of_memory)?;
             self.normals.extend_from_slice(&batch.normals);
-        } else if !batch.points.is_empty() {
+        } else if added > 0 {
             self.normals.clear();
+        }
+        if ordered {
+            let pixel = |&index: &usize| [(index % batch.width) as u32, (index / batch.width) as u32];
+            self.pixels.extend(batch.indices.iter().map(pixel));
+        } else if added > 0 {
+            self.pixels.clear();
         }
         self.origin = origin;
         for point in &batch.points {
@@ -294,50 +336,15 @@ impl PointCloud {
     }
 }
 
-/// Usable points on their way into a cloud.
-#[derive(Default)]
-pub(super) struct Batch {
-    pub points: Vec<Vector3<f64>>,
-    pub weights: Vec<f64>,
-    pub normals: Vec<Vector3<f32>>,
-    pub dropped: Dropped,
-    pub given: usize,
-}
-
-impl Batch {
-    pub fn push(&mut self, point: Vector3<f64>, weight: f64) -> Result<()> {
-        let bytes = self.points.len() * 64;
-        let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
-        self.points.try_reserve(1).map_err(out_of_memory)?;
-        self.weights.try_reserve(1).map_err(out_of_memory)?;
-        self.points.push(point);
-        self.weights.push(weight);
-        Ok(())
+/// Offsets of twice the width.
+fn widened(axes: &[Vec<f32>; 3]) -> Result<Offsets> {
+    let bytes = axes[0].len() * 3 * size_of::<f64>();
+    let mut wide: [Vec<f64>; 3] = Default::default();
+    for (wide, axis) in wide.iter_mut().zip(axes) {
+        wide.try_reserve(axis.len()).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
+        wide.extend(axis.iter().map(|&x| f64::from(x)));
     }
-
-    fn push_normal(&mut self, normal: &Vector3<f64>) -> Result<()> {
-        let bytes = self.normals.len() * 24;
-        self.normals.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "the normals", bytes })?;
-        let length = normal.norm();
-        let known = length > 0.0 && length.is_finite();
-        self.normals.push(if known { (normal / length).cast() } else { Vector3::zeros() });
-        Ok(())
-    }
-
-    /// A point in the middle of most of them: the median of a few in each coordinate, which single far
-    /// points do not carry away.
-    fn middle(&self) -> Vector3<f64> {
-        const SAMPLES: usize = 255;
-        let count = self.points.len().min(SAMPLES);
-        if count == 0 {
-            return Vector3::zeros();
-        }
-        let sample: Vec<_> = (0..count).map(|k| self.points[k * self.points.len() / count]).collect();
-        Vector3::from_fn(|axis, _| {
-            let mut values: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
-            median(&mut values)
-        })
-    }
+    Ok(Offsets::F64(wide))
 }
 
 #[cfg(test)]
@@ -374,7 +381,7 @@ mod tests {
         assert_eq!(cloud.weights().unwrap(), [1.0, 1.0, 1.0, 2.0, 0.5]);
         assert_eq!(cloud.dropped().zero_weight, 1);
     }
-    use super::super::views::Strided;
+    use super::super::strided::Strided;
 
     #[test]
     fn normals_count_only_when_every_point_has_one() {

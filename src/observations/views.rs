@@ -1,156 +1,8 @@
 //! Checked views of the caller's memory.
 
+use super::strided::{PlainNumber, Scalar, Strided, bytes_of};
 use crate::error::{Error, Result};
 use nalgebra::Vector3;
-
-/// The type of a coordinate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scalar {
-    /// 32-bit float.
-    F32,
-    /// 64-bit float.
-    F64,
-}
-
-impl Scalar {
-    /// Size in bytes.
-    #[must_use]
-    pub const fn size(self) -> usize {
-        match self {
-            Scalar::F32 => 4,
-            Scalar::F64 => 8,
-        }
-    }
-}
-
-/// A grid of equal elements in memory: element (column, row) starts at byte
-/// `first + column · element_stride + row · row_stride`. Strides may be negative or overlap; no alignment is
-/// needed.
-///
-/// Invariant: every element lies inside `bytes`.
-#[derive(Debug, Clone, Copy)]
-pub struct Strided<'a> {
-    bytes: &'a [u8],
-    first: usize,
-    width: usize,
-    height: usize,
-    element_stride: isize,
-    row_stride: isize,
-}
-
-impl<'a> Strided<'a> {
-    /// Checks that all `width` × `height` elements of `element_size` bytes lie inside `bytes`.
-    ///
-    /// # Errors
-    /// `InvalidArgument` when one lies outside.
-    pub fn new(
-        bytes: &'a [u8],
-        first: usize,
-        (width, height): (usize, usize),
-        element_size: usize,
-        (element_stride, row_stride): (isize, isize),
-    ) -> Result<Self> {
-        let view = Self { bytes, first, width, height, element_stride, row_stride };
-        let Some((lowest, end)) = Self::reach((width, height), element_size, (element_stride, row_stride))
-        else {
-            return Err(Error::argument(
-                "image size",
-                format!("{width} x {height} with strides {element_stride} and {row_stride}"),
-                "fit into memory",
-            ));
-        };
-        let low = first as i128 + lowest as i128;
-        let high = first as i128 + end as i128;
-        if width * height > 0 && (low < 0 || high > bytes.len() as i128) {
-            return Err(Error::argument(
-                "buffer length",
-                format!("{} bytes", bytes.len()),
-                format!("hold bytes {low} to {high} for {width} x {height} elements with these strides"),
-            ));
-        }
-        Ok(view)
-    }
-
-    /// The byte offsets, relative to the first element, of the lowest byte and of the end of the highest one;
-    /// `None` when they do not fit an `isize`.
-    #[must_use]
-    pub fn reach(
-        (width, height): (usize, usize),
-        element_size: usize,
-        (element_stride, row_stride): (isize, isize),
-    ) -> Option<(isize, isize)> {
-        width.checked_mul(height)?;
-        if width == 0 || height == 0 {
-            return Some((0, 0));
-        }
-        let across = isize::try_from(width - 1).ok()?.checked_mul(element_stride)?;
-        let down = isize::try_from(height - 1).ok()?.checked_mul(row_stride)?;
-        let lowest = across.min(0).checked_add(down.min(0))?;
-        let highest = across.max(0).checked_add(down.max(0))?;
-        Some((lowest, highest.checked_add(isize::try_from(element_size).ok()?)?))
-    }
-
-    /// Columns.
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Rows.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// The N bytes at `offset` bytes after the start of an element.
-    #[inline]
-    fn read<const N: usize>(&self, column: usize, row: usize, offset: usize) -> [u8; N] {
-        let start = self.first as isize
-            + column as isize * self.element_stride
-            + row as isize * self.row_stride
-            + offset as isize;
-        let start = start as usize;
-        let mut value = [0; N];
-        value.copy_from_slice(&self.bytes[start..start + N]);
-        value
-    }
-
-    /// A coordinate, widened to f64.
-    #[inline]
-    pub(crate) fn scalar(&self, scalar: Scalar, column: usize, row: usize, component: usize) -> f64 {
-        match scalar {
-            Scalar::F32 => f64::from(f32::from_ne_bytes(self.read(column, row, component * 4))),
-            Scalar::F64 => f64::from_ne_bytes(self.read(column, row, component * 8)),
-        }
-    }
-
-    #[inline]
-    fn u16(&self, column: usize, row: usize) -> u16 {
-        u16::from_ne_bytes(self.read(column, row, 0))
-    }
-
-    #[inline]
-    fn u8(&self, column: usize, row: usize) -> u8 {
-        self.read::<1>(column, row, 0)[0]
-    }
-}
-
-/// The memory of a slice of plain numbers.
-///
-/// Only used with the number types below, which have no padding and no invalid bytes to expose.
-#[allow(unsafe_code)]
-fn bytes_of<T: PlainNumber>(slice: &[T]) -> &[u8] {
-    // SAFETY: T is one of the primitive number types or an array of them (sealed trait), so all
-    // size_of_val(slice) bytes are initialised; u8 has no alignment; the lifetime is that of the slice.
-    unsafe { std::slice::from_raw_parts(slice.as_ptr().cast::<u8>(), std::mem::size_of_val(slice)) }
-}
-
-trait PlainNumber: Copy {}
-impl PlainNumber for u8 {}
-impl PlainNumber for u16 {}
-impl PlainNumber for f32 {}
-impl PlainNumber for f64 {}
-impl<T: PlainNumber, const N: usize> PlainNumber for [T; N] {}
 
 /// Vectors of three coordinates in memory: x, y, z follow each other at the start of each element.
 #[derive(Debug, Clone, Copy)]
@@ -167,16 +19,7 @@ impl<'a> VectorsView<'a> {
     }
 
     fn packed<T: PlainNumber>(slice: &'a [[T; 3]], scalar: Scalar) -> Self {
-        let stride = 3 * scalar.size() as isize;
-        let elements = Strided {
-            bytes: bytes_of(slice),
-            first: 0,
-            width: slice.len(),
-            height: 1,
-            element_stride: stride,
-            row_stride: 0,
-        };
-        Self { elements, scalar }
+        Self { elements: Strided::packed(slice), scalar }
     }
 
     /// One vector, widened to f64.
@@ -216,13 +59,13 @@ impl<'a> PointsView<'a> {
     /// Columns of an organised cloud, or the number of points.
     #[must_use]
     pub fn width(&self) -> usize {
-        self.points.elements.width
+        self.points.elements.width()
     }
 
     /// Rows of an organised cloud, or 1.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.points.elements.height
+        self.points.elements.height()
     }
 
     /// The type of the coordinates.
@@ -290,42 +133,75 @@ impl<'a> DepthView<'a> {
     /// Columns.
     #[must_use]
     pub fn width(&self) -> usize {
-        self.pixels.width
+        self.pixels.width()
     }
 
     /// Rows.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.pixels.height
+        self.pixels.height()
     }
 
     /// The depth z of a pixel; `None` where nothing was measured.
     #[inline]
     #[must_use]
     pub fn depth(&self, column: usize, row: usize) -> Option<f64> {
-        let raw = match self.format {
-            Pixels::U16 => f64::from(self.pixels.u16(column, row)),
-            Pixels::F32 => self.pixels.scalar(Scalar::F32, column, row, 0),
+        self.value(column, row).map(|value| f64::from(value) * self.scale)
+    }
+
+    /// The stored value of a pixel; `None` where nothing was measured.
+    #[inline]
+    pub(super) fn value(&self, column: usize, row: usize) -> Option<f32> {
+        let value = match self.format {
+            Pixels::U16 => f32::from(self.pixels.u16(column, row)),
+            Pixels::F32 => f32::from_ne_bytes(self.pixels.read(column, row, 0)),
         };
-        (raw > 0.0 && raw.is_finite()).then_some(raw * self.scale)
+        (value > 0.0 && value.is_finite()).then_some(value)
     }
 }
 
-/// How a value of a grey image is stored.
+/// How a pixel of an image is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageFormat {
-    /// 8-bit unsigned integer.
+    /// Grey, 8-bit unsigned integer.
     U8,
-    /// 16-bit unsigned integer.
+    /// Grey, 16-bit unsigned integer.
     U16,
-    /// 32-bit float.
+    /// Grey, 32-bit float.
     F32,
+    /// Red, green, blue, 8-bit unsigned integers.
+    Rgb8,
+    /// Blue, green, red, 8-bit unsigned integers.
+    Bgr8,
+    /// Red, green, blue and a byte that does not count, 8-bit unsigned integers.
+    Rgba8,
+    /// Blue, green, red and a byte that does not count, 8-bit unsigned integers.
+    Bgra8,
+}
+
+impl ImageFormat {
+    /// Bytes of a pixel.
+    #[must_use]
+    pub const fn pixel_bytes(self) -> usize {
+        match self {
+            ImageFormat::U8 => 1,
+            ImageFormat::U16 => 2,
+            ImageFormat::Rgb8 | ImageFormat::Bgr8 => 3,
+            ImageFormat::F32 | ImageFormat::Rgba8 | ImageFormat::Bgra8 => 4,
+        }
+    }
+
+    /// Whether a pixel has several channels.
+    #[must_use]
+    pub const fn is_color(self) -> bool {
+        !matches!(self, ImageFormat::U8 | ImageFormat::U16 | ImageFormat::F32)
+    }
 }
 
 /// The gammas that an image may have, far beyond those in use (0.45 to 2.8).
 const GAMMAS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// A grey image in memory.
+/// A grey or colour image in memory.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageView<'a> {
     pixels: Strided<'a>,
@@ -334,7 +210,7 @@ pub struct ImageView<'a> {
 }
 
 impl<'a> ImageView<'a> {
-    /// A grey image at the elements of a grid, its values linear in light.
+    /// An image at the elements of a grid of [`ImageFormat::pixel_bytes`] each, its values linear in light.
     #[must_use]
     pub fn new(pixels: Strided<'a>, format: ImageFormat) -> Self {
         Self { pixels, format, gamma: 1.0 }
@@ -379,19 +255,29 @@ impl<'a> ImageView<'a> {
         Ok(Self::new(rows, ImageFormat::F32))
     }
 
+    /// Packed pixels of any format as bytes, row by row.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when the slice is too short.
+    pub fn from_bytes(bytes: &'a [u8], (width, height): (usize, usize), format: ImageFormat) -> Result<Self> {
+        let size = format.pixel_bytes();
+        let strides = (size as isize, (width * size) as isize);
+        Ok(Self::new(Strided::new(bytes, 0, (width, height), size, strides)?, format))
+    }
+
     /// Columns.
     #[must_use]
     pub fn width(&self) -> usize {
-        self.pixels.width
+        self.pixels.width()
     }
 
     /// Rows.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.pixels.height
+        self.pixels.height()
     }
 
-    /// How a value is stored.
+    /// How a pixel is stored.
     #[must_use]
     pub fn format(&self) -> ImageFormat {
         self.format
@@ -403,29 +289,49 @@ impl<'a> ImageView<'a> {
         self.gamma
     }
 
-    /// One value.
+    /// One value of a grey image.
     #[inline]
-    #[must_use]
-    pub fn value(&self, column: usize, row: usize) -> f32 {
+    pub(super) fn value(&self, column: usize, row: usize) -> f32 {
         match self.format {
-            ImageFormat::U8 => f32::from(self.pixels.u8(column, row)),
             ImageFormat::U16 => f32::from(self.pixels.u16(column, row)),
-            ImageFormat::F32 => self.pixels.scalar(Scalar::F32, column, row, 0) as f32,
+            ImageFormat::F32 => f32::from_ne_bytes(self.pixels.read(column, row, 0)),
+            _ => f32::from(self.pixels.u8(column, row)),
+        }
+    }
+
+    /// Red, green and blue of a pixel; three times the byte of an 8-bit grey one.
+    #[inline]
+    pub(super) fn color(&self, column: usize, row: usize) -> [u8; 3] {
+        let channels = || self.pixels.read::<3>(column, row, 0);
+        match self.format {
+            ImageFormat::Rgb8 | ImageFormat::Rgba8 => channels(),
+            ImageFormat::Bgr8 | ImageFormat::Bgra8 => {
+                let [blue, green, red] = channels();
+                [red, green, blue]
+            }
+            _ => [self.pixels.u8(column, row); 3],
         }
     }
 }
 
-/// A mask in memory: non-zero = cylinder.
+/// A mask in memory: non-zero = cylinder, or one value of an image of labels.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskView<'a> {
     pixels: Strided<'a>,
+    label: Option<u8>,
 }
 
 impl<'a> MaskView<'a> {
     /// A mask at the elements of a grid of bytes.
     #[must_use]
     pub fn new(pixels: Strided<'a>) -> Self {
-        Self { pixels }
+        Self { pixels, label: None }
+    }
+
+    /// The pixels of one value only.
+    #[must_use]
+    pub fn of_label(self, label: u8) -> Self {
+        Self { label: Some(label), ..self }
     }
 
     /// A packed mask, row by row.
@@ -439,53 +345,27 @@ impl<'a> MaskView<'a> {
     /// Columns.
     #[must_use]
     pub fn width(&self) -> usize {
-        self.pixels.width
+        self.pixels.width()
     }
 
     /// Rows.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.pixels.height
+        self.pixels.height()
     }
 
     /// Whether a pixel belongs to the cylinder.
     #[inline]
     #[must_use]
     pub fn contains(&self, column: usize, row: usize) -> bool {
-        self.pixels.u8(column, row) != 0
+        let value = self.pixels.u8(column, row);
+        self.label.map_or(value != 0, |label| value == label)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn strides_of_either_sign_reach_the_right_elements() {
-        // Points of 5 floats, rows bottom-up.
-        let memory: Vec<f32> = (0..30_u8).map(f32::from).collect();
-        let bytes = bytes_of(&memory);
-        let grid = Strided::new(bytes, 15 * 4, (3, 2), 12, (20, -60)).unwrap();
-        let view = VectorsView::new(grid, Scalar::F32);
-        assert_eq!(view.at(0, 0), Vector3::new(15.0, 16.0, 17.0));
-        assert_eq!(view.at(2, 1), Vector3::new(10.0, 11.0, 12.0));
-    }
-
-    #[test]
-    fn views_that_leave_their_memory_are_refused() {
-        let memory = [0_u8; 100];
-        for (first, size, strides) in [
-            (0, (10, 11), (1, 10)),
-            (1, (10, 10), (1, 10)),
-            (0, (10, 2), (-1, 10)),
-            (0, (usize::MAX, 2), (1, 1)),
-            (0, (2, 2), (isize::MAX, isize::MAX)),
-        ] {
-            assert!(Strided::new(&memory, first, size, 1, strides).is_err(), "{first} {size:?} {strides:?}");
-        }
-        assert!(Strided::new(&memory, 99, (10, 10), 1, (-1, -10)).is_ok());
-        assert!(Strided::new(&[], 0, (0, 5), 4, (4, 0)).is_ok());
-    }
 
     #[test]
     fn depth_without_a_measurement_is_none() {

@@ -55,12 +55,22 @@ fn all_images_pass_in_all_their_types() {
     assert!(fitter.cloud().len() > 2 * used);
 
     let grey = grey_image("image.png");
-    let mut colour = Mat::default();
+    let expected = f32::from(*grey.at_2d::<u8>(240, 340).unwrap());
+    let (mut colour, mut with_alpha) = (Mat::default(), Mat::default());
     imgproc::cvt_color_def(&grey, &mut colour, imgproc::COLOR_GRAY2BGR).unwrap();
-    for image in [&grey, &colour] {
+    imgproc::cvt_color_def(&grey, &mut with_alpha, imgproc::COLOR_GRAY2BGRA).unwrap();
+    for image in [&grey, &colour, &with_alpha] {
         push_image(&mut fitter, image, 1.0).unwrap();
-        assert_eq!(fitter.image().unwrap().value(340, 240), f32::from(*grey.at_2d::<u8>(240, 340).unwrap()));
+        assert!((fitter.image().unwrap().value(340, 240) - expected).abs() < 1e-3);
     }
+    // Blue comes first: it is the darkest of the three.
+    let mut seen = |blue, red| {
+        let image =
+            Mat::new_rows_cols_with_default(480, 640, CV_8UC3, Value::new(blue, 0.0, red, 0.0)).unwrap();
+        push_image(&mut fitter, &image, 1.0).unwrap();
+        fitter.image().unwrap().value(340, 240)
+    };
+    assert!(seen(200.0, 0.0) < seen(0.0, 200.0));
 }
 
 #[test]

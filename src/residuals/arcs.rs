@@ -5,7 +5,7 @@
 //! of the end, in pixels across the arc. With the outward unit normal n at p and κ = (d̂ · v) / (n · v),
 //! δt = κ (n · δc + t n · δd + δr) + r n · δd.
 
-use super::NormalEquations;
+use super::pixel_terms::{PixelResiduals, PixelRow};
 use crate::geometry::{Cylinder, LocalFrame, Tangent};
 use nalgebra::Vector3;
 
@@ -27,9 +27,6 @@ pub struct ArcTerm {
     pub ends: Vec<Vec<ArcRay>>,
 }
 
-/// One place: weight, residual in pixels, and its Jacobian in the tangent of the frame.
-pub(super) type ArcRow = (f64, f64, Tangent);
-
 /// Where a ray meets the near wall: position along the axis and outward unit normal; `None` when it misses.
 #[must_use]
 pub fn near_wall(cylinder: &Cylinder, ray: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
@@ -39,19 +36,9 @@ pub fn near_wall(cylinder: &Cylinder, ray: &Vector3<f64>) -> Option<(f64, Vector
     Some((position, normal))
 }
 
-impl ArcTerm {
-    /// The sum of weight · distance², in pixels².
-    #[must_use]
-    pub fn linearise(&self, frame: &LocalFrame) -> NormalEquations {
-        let mut equations = NormalEquations::zero();
-        for (weight, residual, jacobian) in self.rows(frame) {
-            equations.add_residual(weight, residual, &jacobian);
-        }
-        equations
-    }
-
+impl PixelResiduals for ArcTerm {
     /// A place whose ray misses the cylinder is left out.
-    pub(super) fn rows(&self, frame: &LocalFrame) -> Vec<ArcRow> {
+    fn pixel_rows(&self, frame: &LocalFrame) -> Option<Vec<PixelRow>> {
         let mut all = Vec::new();
         for end in &self.ends {
             let rows: Vec<(f64, f64, f64, Tangent)> =
@@ -65,15 +52,18 @@ impl ArcTerm {
                 mean_jacobian += jacobian * w;
             }
             if square > 0.0 {
-                all.extend(rows.iter().map(|(weight, across, position, jacobian)| {
-                    let residual = (position - mean / square) * across;
-                    (*weight, residual, (jacobian - mean_jacobian / square) * *across)
+                all.extend(rows.iter().map(|(weight, across, position, jacobian)| PixelRow {
+                    weight: *weight,
+                    residual: (position - mean / square) * across,
+                    jacobian: (jacobian - mean_jacobian / square) * *across,
                 }));
             }
         }
-        all
+        Some(all)
     }
+}
 
+impl ArcTerm {
     /// Weight, pixels by length, position and its derivative.
     fn row(frame: &LocalFrame, place: &ArcRay) -> Option<(f64, f64, f64, Tangent)> {
         let LocalFrame { cylinder, u, v, unit } = frame;
@@ -112,10 +102,13 @@ mod tests {
     #[test]
     fn places_on_two_circles_have_no_residual() {
         let (frame, term) = scene();
-        assert!(term.linearise(&frame).cost < 1e-20);
+        let cost = |frame: &LocalFrame| -> f64 {
+            term.pixel_rows(frame).unwrap().iter().map(|row| row.weight * row.residual.powi(2)).sum()
+        };
+        assert!(cost(&frame) < 1e-20);
         let tilted =
             LocalFrame { cylinder: frame.retract(&Tangent::new(0.0, 0.0, 0.05, 0.05, 0.0)), ..frame };
-        assert!(term.linearise(&tilted).cost > 1.0);
+        assert!(cost(&tilted) > 1.0);
     }
 
     #[test]
@@ -127,19 +120,19 @@ mod tests {
             &frame.cylinder.axis.point,
             0.05,
         );
-        let rows = term.rows(&frame);
+        let rows = term.pixel_rows(&frame).unwrap();
         let h = 1e-6;
         for k in 0..5 {
             let at = |sign: f64| {
                 let moved = frame.retract(&Tangent::ith(k, sign * h));
-                term.rows(&LocalFrame { cylinder: moved, ..frame })
+                term.pixel_rows(&LocalFrame { cylinder: moved, ..frame }).unwrap()
             };
             for ((ahead, behind), row) in at(1.0).iter().zip(&at(-1.0)).zip(&rows) {
-                let difference = (ahead.1 - behind.1) / (2.0 * h);
+                let difference = (ahead.residual - behind.residual) / (2.0 * h);
                 assert!(
-                    (difference - row.2[k]).abs() < 1e-5 * (1.0 + difference.abs()),
+                    (difference - row.jacobian[k]).abs() < 1e-5 * (1.0 + difference.abs()),
                     "{k} {difference} {}",
-                    row.2[k]
+                    row.jacobian[k]
                 );
             }
         }

@@ -5,6 +5,7 @@
 //! B = ‖c‖ sin γ cos γ, σ₁ = 1, σ₂ = −1. The ray v of an endpoint meets Π at A v / (ĉ · v), so that
 //! e = A τ − σ_j B with τ = (ŝ · v) / (ĉ · v): the signed distance within Π from limb line j.
 
+use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent, TangentMap};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -23,16 +24,29 @@ pub struct LimbPair {
 pub struct LimbTerm {
     pair: LimbPair,
     line_projection: Matrix3<f64>,
+    /// Standard deviation of an endpoint across its limb line, in pixels.
+    deviation: f64,
+    /// For w_L = 1, the distance of the start's axis from the camera, which stands for the scale that the edges
+    /// cannot see.
+    held_distance: Option<f64>,
 }
 
 /// One endpoint: its residual and its Jacobian in the tangent of the frame.
 pub(super) type LimbRow = (f64, Tangent);
 
 impl LimbTerm {
-    /// The term of two segments seen by a camera with the line projection K_L (10).
+    /// The term of two segments seen by a camera with the line projection K_L (10), whose endpoints have a standard
+    /// deviation in pixels across the limb lines.
     #[must_use]
-    pub fn new(pair: LimbPair, line_projection: Matrix3<f64>) -> Self {
-        Self { pair, line_projection }
+    pub fn new(pair: LimbPair, line_projection: Matrix3<f64>, deviation: f64) -> Self {
+        Self { pair, line_projection, deviation, held_distance: None }
+    }
+
+    /// The same for w_L = 1, where the scale of the model is not observable: every residual is multiplied by
+    /// ‖c₀‖ / ‖c‖ with the distance ‖c₀‖ of the start, which takes the descent along the scale away.
+    #[must_use]
+    pub fn held_at(self, start_distance: f64) -> Self {
+        Self { held_distance: Some(start_distance), ..self }
     }
 
     /// Whether the observed segments go with the limb lines in the direct order (true) or swapped: the smaller
@@ -45,49 +59,6 @@ impl LimbTerm {
             self.pair.pixels[segment].iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
         };
         sum(0, &lines[0]) + sum(1, &lines[1]) <= sum(0, &lines[1]) + sum(1, &lines[0])
-    }
-
-    /// The mean over the four endpoints: cost = E_L / unit². `None` where the energy is infinite: an observer
-    /// inside the cylinder, or an endpoint whose ray meets Π behind the camera.
-    #[must_use]
-    pub fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        let mut equations = NormalEquations::zero();
-        for (residual, jacobian) in self.rows(frame)?.iter().flatten() {
-            equations.add_residual(0.25, *residual, jacobian);
-        }
-        Some(equations)
-    }
-
-    /// The same for w_L = 1, where the scale of the model is not observable: every residual is multiplied by
-    /// ‖c₀‖ / ‖c‖ with the distance ‖c₀‖ of the start, which takes the descent along the scale away.
-    #[must_use]
-    pub fn linearise_at_scale(&self, frame: &LocalFrame, start_distance: f64) -> Option<NormalEquations> {
-        let limbs = LimbFrame::new(&frame.cylinder)?;
-        let factor = start_distance / limbs.distance;
-        let distance_row = AxisMotion::new(frame, &limbs).toward * (frame.unit / limbs.distance);
-        let mut equations = NormalEquations::zero();
-        for (residual, jacobian) in self.rows(frame)?.iter().flatten() {
-            let scaled = (jacobian - distance_row * *residual) * factor;
-            equations.add_residual(0.25, residual * factor, &scaled);
-        }
-        Some(equations)
-    }
-
-    /// What E_L adds to the covariance of a minimum when the endpoints have independent errors of the standard
-    /// deviation `pixel` across the limb lines, in pixels.
-    #[must_use]
-    pub fn sandwich(&self, frame: &LocalFrame, pixel: f64) -> Option<SandwichPart> {
-        let equations = self.linearise(frame)?;
-        let limbs = LimbFrame::new(&frame.cylinder)?;
-        let lengths = self.lengths_of_pixel(&limbs);
-        let mut covariance = TangentMap::zeros();
-        for (lengths, rows) in lengths.iter().zip(self.rows(frame)?) {
-            for (length, (_, jacobian)) in lengths.iter().zip(rows) {
-                let deviation = pixel * length / frame.unit;
-                covariance += jacobian * jacobian.transpose() * (0.25 * deviation).powi(2);
-            }
-        }
-        Some(SandwichPart { gradient: equations.gradient, derivative: equations.hessian, covariance })
     }
 
     /// The residual of each endpoint over its distance from the limb line in pixels. With the unit moment m of the
@@ -110,11 +81,11 @@ impl LimbTerm {
     #[must_use]
     pub fn energy(&self, cylinder: &Cylinder) -> Option<f64> {
         let frame = LocalFrame::new(cylinder, &cylinder.axis.point, 1.0);
-        Some(self.linearise(&frame)?.cost)
+        self.cost(&frame)
     }
 
     /// Distances in ideal pixels of the endpoints from the projected limb lines they go with, by segment.
-    #[must_use]
+    #[cfg(test)]
     pub fn pixel_distances(&self, cylinder: &Cylinder) -> Option<[[f64; 2]; 2]> {
         let limbs = LimbFrame::new(cylinder)?;
         let direct = self.associate(&limbs);
@@ -126,7 +97,7 @@ impl LimbTerm {
     }
 
     /// The residuals of the endpoints by observed segment, with their Jacobians.
-    pub(super) fn rows(&self, frame: &LocalFrame) -> Option<[[LimbRow; 2]; 2]> {
+    pub(super) fn endpoints(&self, frame: &LocalFrame) -> Option<[[LimbRow; 2]; 2]> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let direct = self.associate(&limbs);
         let shared = AxisMotion::new(frame, &limbs);
@@ -162,6 +133,60 @@ impl LimbTerm {
             }
         }
         rows.iter().flatten().all(|(residual, _)| residual.is_finite()).then_some(rows)
+    }
+}
+
+impl Term for LimbTerm {
+    fn source(&self) -> Source {
+        Source::Image
+    }
+
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        Some(self.linearise(frame)?.cost)
+    }
+
+    /// The mean over the four endpoints: cost = E_L / unit². `None` where the energy is infinite: an observer
+    /// inside the cylinder, or an endpoint whose ray meets Π behind the camera.
+    fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
+        let mut equations = NormalEquations::zero();
+        let Some(start_distance) = self.held_distance else {
+            for (residual, jacobian) in self.endpoints(frame)?.iter().flatten() {
+                equations.add_residual(0.25, *residual, jacobian);
+            }
+            return Some(equations);
+        };
+        let limbs = LimbFrame::new(&frame.cylinder)?;
+        let factor = start_distance / limbs.distance;
+        let distance_row = AxisMotion::new(frame, &limbs).toward * (frame.unit / limbs.distance);
+        for (residual, jacobian) in self.endpoints(frame)?.iter().flatten() {
+            let scaled = (jacobian - distance_row * *residual) * factor;
+            equations.add_residual(0.25, residual * factor, &scaled);
+        }
+        Some(equations)
+    }
+
+    /// Those of E_L itself, also where a distance is held.
+    fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
+        Some(self.endpoints(frame)?.iter().flatten().map(|(e, j)| (e * 0.5, j * 0.5)).collect())
+    }
+
+    /// The endpoints have independent errors across the limb lines; four are too few to tell their variance, so it is
+    /// given. `None` where a distance is held: the scale is left open.
+    fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
+        if self.held_distance.is_some() {
+            return None;
+        }
+        let equations = self.linearise(frame)?;
+        let limbs = LimbFrame::new(&frame.cylinder)?;
+        let lengths = self.lengths_of_pixel(&limbs);
+        let mut covariance = TangentMap::zeros();
+        for (lengths, endpoints) in lengths.iter().zip(self.endpoints(frame)?) {
+            for (length, (_, jacobian)) in lengths.iter().zip(endpoints) {
+                let deviation = self.deviation * length / frame.unit;
+                covariance += jacobian * jacobian.transpose() * (0.25 * deviation).powi(2);
+            }
+        }
+        Some(SandwichPart { gradient: equations.gradient, derivative: equations.hessian, covariance })
     }
 }
 

@@ -6,22 +6,31 @@
 
 mod arcs;
 mod limbs;
+mod loss;
 mod paper;
+mod pixel_terms;
 mod pixels;
+mod point_terms;
 mod points;
 mod robust;
 mod sandwich;
+mod terms;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
-pub use paper::PaperObjective;
+pub use loss::{Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Wall};
+pub use paper::paper_objective;
+pub use pixel_terms::PixelResiduals;
 pub use pixels::{PixelSegment, PixelTerm};
-pub use points::{Loss, PointTerm, Squared};
-pub use robust::{RobustObjective, RobustScales, TUKEY_EFFICIENT, Tukey, Wall};
+pub use point_terms::{LossInFrame, Robust};
+pub(crate) use points::PointRows;
+pub use points::PointTerm;
+pub use robust::{RobustScales, RobustView, robust_objective};
+pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
+pub use terms::{Sum, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
-use crate::observations::PointCloud;
 
 /// What a solver minimises.
 pub trait Objective {
@@ -32,10 +41,6 @@ pub trait Objective {
     fn cost(&self, frame: &LocalFrame) -> Option<f64> {
         self.linearise(frame).map(|equations| equations.cost)
     }
-
-    /// The whole stacked system Ω^½ e, Ω^½ J (27), (28) row by row, points first: what the normal equations
-    /// sum, without squaring the condition of the problem. `None` where the cost is infinite.
-    fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>>;
 }
 
 /// The sums of one linearisation: with residuals e, weights Ω and Jacobian J,

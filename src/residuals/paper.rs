@@ -1,120 +1,46 @@
 //! The objective of the paper: F = (1 − w_L) E_P + w_L E_L (15), with the stacked weights (28).
 
 use super::limbs::LimbTerm;
-use super::points::{PointRows, PointTerm, Squared};
-use super::{NormalEquations, Objective, Sandwich, SandwichPart};
-use crate::geometry::{LocalFrame, Tangent};
-use crate::observations::PointCloud;
+use super::point_terms::{Plain, Points};
+use super::points::PointTerm;
+use super::terms::{Sum, Summand};
+use crate::geometry::RigidMotion;
 
-/// F of the paper. Infinite (`None`) for r ≤ 0, and while edges count also for r ≥ ‖c‖ and where an
-/// endpoint's ray meets the reference plane behind the camera.
-#[derive(Debug, Clone, Copy)]
-pub struct PaperObjective<'a> {
-    points: PointTerm<'a>,
-    /// The edges with w_L; `None` where they do not count.
-    limbs: Option<(LimbTerm, f64)>,
-    /// For w_L = 1 the distance of the start's axis from the camera, which stands for the scale that the edges
-    /// cannot see.
-    held_distance: Option<f64>,
-}
-
-impl<'a> PaperObjective<'a> {
-    /// Points alone: w_L = 0.
-    #[must_use]
-    pub fn points_only(points: PointTerm<'a>) -> Self {
-        Self { points, limbs: None, held_distance: None }
+/// F of the paper. Infinite for r ≤ 0, and while edges count also for r ≥ ‖c‖ and where an endpoint's ray meets the
+/// reference plane behind the camera.
+///
+/// `points` are those of each view with the motion into it and how many of them are independent; E_P is the mean over
+/// all. `limbs` are the edge terms with the motions into their views; E_L is the mean over them. For `edge_weight` 1 the
+/// points do not count.
+#[must_use]
+pub fn paper_objective<'a>(
+    points: &[(PointTerm<'a>, RigidMotion, f64)],
+    limbs: &[(LimbTerm, RigidMotion)],
+    edge_weight: f64,
+) -> Sum<'a> {
+    let mut summands = Vec::new();
+    for &(term, into_view) in limbs {
+        let factor = edge_weight / limbs.len() as f64;
+        summands.push(Summand { factor, into_view, term: Box::new(term) });
     }
-
-    /// Points and edges, or for `edge_weight` 1 the edges alone at the distance of `start`.
-    #[must_use]
-    pub fn new(points: PointTerm<'a>, limbs: LimbTerm, edge_weight: f64, start_distance: f64) -> Self {
-        if edge_weight == 0.0 {
-            return Self::points_only(points);
+    let total: f64 = points.iter().map(|(points, ..)| points.total_weight()).sum();
+    for &(points, into_view, independent_points) in points {
+        let factor = (1.0 - edge_weight) * points.total_weight() / total;
+        if factor > 0.0 {
+            let term = Box::new(Points { points, loss: Plain, independent_points });
+            summands.push(Summand { factor, into_view, term });
         }
-        let held_distance = (edge_weight == 1.0).then_some(start_distance);
-        Self { points, limbs: Some((limbs, edge_weight)), held_distance }
     }
-
-    /// w_L, 0 where no edges count.
-    #[must_use]
-    pub fn edge_weight(&self) -> f64 {
-        self.limbs.map_or(0.0, |(_, weight)| weight)
-    }
-
-    /// The edge term, where edges count.
-    #[must_use]
-    pub fn limbs(&self) -> Option<&LimbTerm> {
-        self.limbs.as_ref().map(|(term, _)| term)
-    }
-
-    /// What the covariance of the minimum follows from; `None` where the cost is infinite, and for w_L = 1, which
-    /// leaves the scale open. The variance of the points is that of their residuals, of which `independent_points`
-    /// are independent; four endpoints are too few to tell theirs, so it is given by their standard deviation in
-    /// pixels.
-    #[must_use]
-    pub fn sandwich(&self, frame: &LocalFrame, independent_points: f64, pixel: f64) -> Option<Sandwich> {
-        let edge_weight = self.edge_weight();
-        if edge_weight == 1.0 {
-            return None;
-        }
-        let mut points = self.points.sandwich(frame, Squared, independent_points);
-        points.scale(1.0 - edge_weight);
-        let mut edges = SandwichPart::zero();
-        if let Some((term, weight)) = &self.limbs {
-            edges = term.sandwich(frame, pixel)?;
-            edges.scale(*weight);
-        }
-        Some(Sandwich { points, edges })
-    }
-}
-
-impl Objective for PaperObjective<'_> {
-    fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        let radius = frame.cylinder.radius;
-        if !(radius > 0.0 && radius.is_finite()) {
-            return None;
-        }
-        let mut equations = NormalEquations::zero();
-        let edge_weight = self.edge_weight();
-        if let Some((limbs, weight)) = &self.limbs {
-            let part = match self.held_distance {
-                None => limbs.linearise(frame)?,
-                Some(distance) => limbs.linearise_at_scale(frame, distance)?,
-            };
-            equations.add_scaled(*weight, &part);
-        }
-        if edge_weight < 1.0 {
-            equations.add_scaled(1.0 - edge_weight, &self.points.linearise(frame, Squared));
-        }
-        equations.cost.is_finite().then_some(equations)
-    }
-
-    fn stacked_rows(&self, cloud: &PointCloud, frame: &LocalFrame) -> Option<Vec<(f64, Tangent)>> {
-        let edge_weight = self.edge_weight();
-        let mut rows = Vec::with_capacity(cloud.len() + 4);
-        if edge_weight < 1.0 {
-            let total: f64 = (0..cloud.len()).map(|index| cloud.weight(index)).sum();
-            let of_points = PointRows::new(frame);
-            for (index, point) in cloud.points().enumerate() {
-                let root = ((1.0 - edge_weight) * cloud.weight(index) / total).sqrt();
-                let (residual, jacobian, _) = of_points.row(&point);
-                rows.push((residual * root, jacobian * root));
-            }
-        }
-        if let Some((limbs, weight)) = &self.limbs {
-            let root = (weight / 4.0).sqrt();
-            rows.extend(limbs.rows(frame)?.iter().flatten().map(|(e, j)| (e * root, j * root)));
-        }
-        Some(rows)
-    }
+    Sum { summands }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::limbs::LimbPair;
+    use super::super::{NormalEquations, Objective, Term};
     use super::*;
-    use crate::geometry::{Cylinder, LimbFrame};
-    use crate::observations::PointsView;
+    use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent, TangentMap};
+    use crate::observations::{PointCloud, PointsView};
     use nalgebra::{Matrix3, Vector2, Vector3};
 
     const FX: f64 = 570.0;
@@ -129,7 +55,7 @@ mod tests {
     fn limb_term(pixels: [[[f64; 2]; 2]; 2]) -> LimbTerm {
         let pixels = pixels.map(|segment| segment.map(Vector2::from));
         let ray = |q: Vector2<f64>| Vector3::new((q.x - CX) / FX, (q.y - CY) / FY, 1.0);
-        LimbTerm::new(LimbPair { rays: pixels.map(|s| s.map(ray)), pixels }, line_projection())
+        LimbTerm::new(LimbPair { rays: pixels.map(|s| s.map(ray)), pixels }, line_projection(), 1.0)
     }
 
     fn scene() -> (Cylinder, LimbTerm) {
@@ -166,10 +92,10 @@ mod tests {
         let (cylinder, term) = scene();
         let frame = LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0);
         // One pixel of noise, and each of the four residuals by its own pixel distance.
-        let covariance = term.sandwich(&frame, 1.0).unwrap().covariance;
-        let mut expected = crate::geometry::TangentMap::zeros();
+        let covariance = term.sandwich(&frame).unwrap().covariance;
+        let mut expected = TangentMap::zeros();
         let distances = term.pixel_distances(&cylinder).unwrap();
-        for (rows, distances) in term.rows(&frame).unwrap().iter().zip(distances) {
+        for (rows, distances) in term.endpoints(&frame).unwrap().iter().zip(distances) {
             for ((residual, jacobian), distance) in rows.iter().zip(distances) {
                 expected += jacobian * jacobian.transpose() * (residual / distance / 4.0).powi(2);
             }
@@ -195,12 +121,12 @@ mod tests {
     fn edge_jacobians_agree_with_central_differences() {
         let (cylinder, term) = scene();
         let frame = LocalFrame::new(&cylinder, &Vector3::new(0.03, 0.06, 0.66), 0.05);
-        let rows = term.rows(&frame).unwrap();
+        let rows = term.endpoints(&frame).unwrap();
         let h = 1e-6;
         for k in 0..5 {
             let at = |sign: f64| {
                 let moved = frame.retract(&Tangent::ith(k, sign * h));
-                term.rows(&LocalFrame { cylinder: moved, ..frame }).unwrap()
+                term.endpoints(&LocalFrame { cylinder: moved, ..frame }).unwrap()
             };
             let (ahead, behind) = (at(1.0), at(-1.0));
             for segment in 0..2 {
@@ -218,10 +144,8 @@ mod tests {
         let (cylinder, term) = scene();
         let frame = LocalFrame::new(&cylinder, &Vector3::new(0.03, 0.06, 0.66), 0.05);
         let start = cylinder.distance_of_axis_from_origin();
-        let cost = |cylinder: Cylinder| {
-            term.linearise_at_scale(&LocalFrame { cylinder, ..frame }, start).unwrap().cost
-        };
-        let equations = term.linearise_at_scale(&frame, start).unwrap();
+        let cost = |cylinder: Cylinder| term.held_at(start).cost(&LocalFrame { cylinder, ..frame }).unwrap();
+        let equations = term.held_at(start).linearise(&frame).unwrap();
         let h = 1e-6;
         for k in 0..5 {
             let step = Tangent::ith(k, h);
@@ -245,30 +169,69 @@ mod tests {
         assert!(behind.energy(&tilted).is_none());
     }
 
-    #[test]
-    fn stacked_rows_give_the_normal_equations() {
-        let (cylinder, term) = scene();
-        let frame = LocalFrame::new(&cylinder, &Vector3::new(0.0, 0.0, 0.68), 0.05);
+    fn cloud() -> PointCloud {
         let points: Vec<[f64; 3]> =
             (0..40).map(|k| [0.02 * f64::from(k).sin(), 0.002 * f64::from(k), 0.67]).collect();
         let mut cloud = PointCloud::default();
         cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+        cloud
+    }
+
+    #[test]
+    fn stacked_rows_give_the_normal_equations() {
+        let (cylinder, term) = scene();
+        let frame = LocalFrame::new(&cylinder, &Vector3::new(0.0, 0.0, 0.68), 0.05);
+        let (cloud, here) = (cloud(), RigidMotion::identity());
+        let points = PointTerm::new(&cloud, None);
         for edge_weight in [0.0, 0.6, 1.0] {
-            let objective = PaperObjective {
-                held_distance: None,
-                ..PaperObjective::new(PointTerm::new(&cloud, 1), term, edge_weight, 0.0)
-            };
+            let objective = paper_objective(&[(points, here, 40.0)], &[(term, here)], edge_weight);
             let mut expected = NormalEquations::zero();
-            for (residual, jacobian) in objective.stacked_rows(&cloud, &frame).unwrap() {
+            for (residual, jacobian) in objective.rows(&frame).unwrap() {
                 expected.add_residual(1.0, residual, &jacobian);
             }
             let equations = objective.linearise(&frame).unwrap();
             assert!((equations.cost - expected.cost).abs() < 1e-13 * expected.cost);
             assert!((equations.gradient - expected.gradient).norm() < 1e-12 * expected.gradient.norm());
             assert!((equations.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
+            assert_eq!(objective.cost(&frame), Some(equations.cost));
         }
         let negative = Cylinder { radius: -0.01, ..cylinder };
-        let objective = PaperObjective::points_only(PointTerm::new(&cloud, 1));
+        let objective = paper_objective(&[(points, here, 40.0)], &[], 0.0);
         assert!(objective.linearise(&LocalFrame { cylinder: negative, ..frame }).is_none());
+    }
+
+    #[test]
+    fn a_view_elsewhere_has_the_same_tangent() {
+        let (cylinder, term) = scene();
+        let frame = LocalFrame::new(&cylinder, &Vector3::new(0.0, 0.0, 0.68), 0.05);
+        let cloud = cloud();
+        let points = PointTerm::new(&cloud, None);
+        let rotation = crate::geometry::exp_so3(&Vector3::new(0.3, -0.7, 1.1));
+        let pose = RigidMotion::new(rotation, Vector3::new(0.4, -0.1, 2.0)).unwrap();
+        let at_identity = RigidMotion::identity();
+        let here = paper_objective(&[(points, at_identity, 40.0)], &[(term, at_identity)], 0.6);
+        let there = paper_objective(&[(points, pose.inverse(), 40.0)], &[(term, pose.inverse())], 0.6);
+        let (a, b) = (here.linearise(&frame).unwrap(), there.linearise(&frame.moved(&pose)).unwrap());
+        assert!((a.cost - b.cost).abs() < 1e-12 * a.cost);
+        assert!((a.gradient - b.gradient).norm() < 1e-12 * a.gradient.norm());
+        // Two views, one elsewhere, against central differences.
+        let both =
+            paper_objective(&[(points, at_identity, 40.0), (points, pose, 40.0)], &[(term, pose)], 0.6);
+        let back = pose.inverse();
+        let off = LocalFrame::new(&back.cylinder(&cylinder), &back.point(&Vector3::z()), 0.05);
+        let equations = both.linearise(&off).unwrap();
+        let h = 1e-6;
+        for k in 0..5 {
+            let at = |size: f64| {
+                let cylinder = off.retract(&Tangent::ith(k, size));
+                both.cost(&LocalFrame::new(&cylinder, &off.cylinder.axis.point, 0.05)).unwrap()
+            };
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            let expected = 2.0 * equations.gradient[k];
+            assert!(
+                (difference - expected).abs() < 1e-6 * (1.0 + expected.abs()),
+                "{k} {difference} {expected}"
+            );
+        }
     }
 }

@@ -3,8 +3,8 @@
 //! With the limb plane normal m_j = −cos γ ŝ + σ_j sin γ ĉ (up to the scale, the moment (13)) and
 //! l_j = K_L m_j (9), the residual of an endpoint q̃ is l_j · q̃ / ‖(l_j₁, l_j₂)‖.
 
-use super::NormalEquations;
 use super::limbs::{AxisMotion, LimbRow};
+use super::pixel_terms::{PixelResiduals, PixelRow};
 use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent};
 use nalgebra::{Matrix3, SMatrix, Vector2, Vector3};
 
@@ -55,29 +55,23 @@ impl LimbLine {
     }
 }
 
+impl PixelResiduals for PixelTerm {
+    /// `None` where there are no limbs.
+    fn pixel_rows(&self, frame: &LocalFrame) -> Option<Vec<PixelRow>> {
+        let rows = self.rows(frame)?;
+        let weighted = |(segment, rows): (&PixelSegment, [LimbRow; 2])| {
+            let weight = segment.weight;
+            rows.map(|(residual, jacobian)| PixelRow { weight, residual, jacobian })
+        };
+        Some(self.segments.iter().zip(rows).flat_map(weighted).collect())
+    }
+}
+
 impl PixelTerm {
     /// The term of segments seen by a camera with the line projection K_L (10).
     #[must_use]
     pub fn new(segments: Vec<PixelSegment>, line_projection: Matrix3<f64>) -> Self {
         Self { segments, line_projection }
-    }
-
-    /// The segments.
-    #[must_use]
-    pub fn segments(&self) -> &[PixelSegment] {
-        &self.segments
-    }
-
-    /// The sum over the endpoints of weight · distance², in pixels²; `None` where there are no limbs.
-    #[must_use]
-    pub fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        let mut equations = NormalEquations::zero();
-        for (segment, rows) in self.segments.iter().zip(self.rows(frame)?) {
-            for (residual, jacobian) in rows {
-                equations.add_residual(segment.weight, residual, &jacobian);
-            }
-        }
-        equations.cost.is_finite().then_some(equations)
     }
 
     /// Signed pixel distances of the endpoints from the limb lines, by segment; `None` where there are no limbs.
@@ -87,7 +81,7 @@ impl PixelTerm {
         Some(self.rows(&frame)?.into_iter().map(|rows| rows.map(|(distance, _)| distance)).collect())
     }
 
-    pub(super) fn rows(&self, frame: &LocalFrame) -> Option<Vec<[LimbRow; 2]>> {
+    fn rows(&self, frame: &LocalFrame) -> Option<Vec<[LimbRow; 2]>> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let lines = self.limb_lines(frame, &limbs);
         let row = |segment: &PixelSegment, limb: usize| segment.endpoints.map(|q| lines[limb].distance(&q));

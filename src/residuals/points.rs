@@ -3,43 +3,20 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
+use super::loss::{Loss, Squared};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::observations::{Offsets, PointCloud};
+use crate::workers::Workers;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use pulp::Arch;
-
-/// How a residual counts.
-pub trait Loss: Copy + Sync {
-    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
-    /// negative where the outward normal of the surface points towards the observer at the origin.
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
-
-    /// The derivative of the influence ψ(e) = ρ′(e) / 2 of a residual.
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64;
-}
-
-/// The plain square.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Squared;
-
-impl Loss for Squared {
-    #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
-        (residual * residual, 1.0)
-    }
-
-    fn influence_slope(&self, _residual: f64, _facing: f64) -> f64 {
-        1.0
-    }
-}
 
 /// The points of a fit with the sum of their weights.
 #[derive(Debug, Clone, Copy)]
 pub struct PointTerm<'a> {
     cloud: &'a PointCloud,
     total_weight: f64,
-    threads: usize,
+    workers: Option<&'a Workers>,
 }
 
 /// A leverage above this says that the points hardly do more than determine the cylinder: their residuals tell nothing
@@ -59,14 +36,14 @@ const LANES: usize = 8;
 const SUMS: usize = 20;
 
 impl<'a> PointTerm<'a> {
-    /// The term of a cloud, summed on up to `threads` threads.
+    /// The term of a cloud, summed on the thread of the caller or by workers, with the same bits.
     #[must_use]
-    pub fn new(cloud: &'a PointCloud, threads: usize) -> Self {
+    pub fn new(cloud: &'a PointCloud, workers: Option<&'a Workers>) -> Self {
         let total_weight = match cloud.weights() {
             None => cloud.len() as f64,
             Some(weights) => weights.iter().map(|&weight| f64::from(weight)).sum(),
         };
-        Self { cloud, total_weight, threads: threads.max(1) }
+        Self { cloud, total_weight, workers }
     }
 
     /// The number of points.
@@ -75,21 +52,46 @@ impl<'a> PointTerm<'a> {
         self.cloud.len()
     }
 
+    /// The sum of their weights.
+    #[must_use]
+    pub fn total_weight(&self) -> f64 {
+        self.total_weight
+    }
+
     /// The mean over the points: cost = Σ w ρ(e) / Σ w, which is E_P / unit² for the plain square.
     #[must_use]
     pub fn linearise(&self, frame: &LocalFrame, loss: impl Loss) -> NormalEquations {
         if self.cloud.is_empty() {
             return NormalEquations::zero();
         }
-        let kernel = Kernel::new(self.cloud.origin(), frame);
-        let weights = self.cloud.weights();
-        let sums = match self.cloud.offsets() {
-            Offsets::F32(axes) => self.sum(|range| kernel.chunk(axes, weights, range, loss)),
-            Offsets::F64(axes) => self.sum(|range| kernel.chunk(axes, weights, range, loss)),
-        };
         let mut equations = NormalEquations::zero();
-        equations.add_scaled(1.0 / self.total_weight, &unpack(&sums));
+        equations.add_scaled(1.0 / self.total_weight, &unpack(&self.sums(frame, Whole(loss))));
         equations
+    }
+
+    /// The cost of [`PointTerm::linearise`] alone, to the last bit.
+    #[must_use]
+    pub fn cost(&self, frame: &LocalFrame, loss: impl Loss) -> f64 {
+        if self.cloud.is_empty() {
+            return 0.0;
+        }
+        let [cost] = self.sums(frame, CostAlone(loss));
+        1.0 / self.total_weight * cost
+    }
+
+    /// The weighted residuals and their Jacobians one by one: what [`PointTerm::linearise`] sums.
+    pub fn rows<L: Loss>(
+        &self,
+        frame: &LocalFrame,
+        loss: L,
+    ) -> impl Iterator<Item = (f64, Tangent)> + use<'a, L> {
+        let Self { cloud, total_weight, .. } = *self;
+        let rows = PointRows::new(frame);
+        cloud.points().enumerate().map(move |(index, point)| {
+            let (residual, jacobian, facing) = rows.row(&point);
+            let weight = cloud.weight(index) / total_weight * loss.loss_and_weight(residual, facing).1;
+            (residual * weight.sqrt(), jacobian * weight.sqrt())
+        })
     }
 
     /// The signed distances of the points from the surface, in units of the frame.
@@ -152,33 +154,100 @@ impl<'a> PointTerm<'a> {
     }
 
     /// Sums over all chunks, always added in the order of the chunks.
-    fn sum(&self, chunk: impl Fn(std::ops::Range<usize>) -> [f64; SUMS] + Sync) -> [f64; SUMS] {
+    fn sums<const N: usize>(&self, frame: &LocalFrame, terms: impl Terms<N>) -> [f64; N] {
+        let kernel = Kernel::new(self.cloud.origin(), frame);
+        let weights = self.cloud.weights();
+        match self.cloud.offsets() {
+            Offsets::F32(axes) => self.sum(|range| kernel.chunk(axes, weights, range, terms)),
+            Offsets::F64(axes) => self.sum(|range| kernel.chunk(axes, weights, range, terms)),
+        }
+    }
+
+    fn sum<const N: usize>(&self, chunk: impl Fn(std::ops::Range<usize>) -> [f64; N] + Sync) -> [f64; N] {
         let count = self.cloud.len();
         let chunks = count.div_ceil(CHUNK);
         let one = |index: usize| chunk(index * CHUNK..((index + 1) * CHUNK).min(count));
-        let mut total = [0.0; SUMS];
-        let mut add = |part: &[f64; SUMS]| total.iter_mut().zip(part).for_each(|(t, p)| *t += p);
-        // Starting a thread costs about as much as ten chunks.
-        let threads = self.threads.min(chunks / 16).max(1);
-        if threads == 1 {
-            (0..chunks).for_each(|index| add(&one(index)));
-            return total;
-        }
-        let mut parts = vec![[0.0; SUMS]; chunks];
-        let share = chunks.div_ceil(threads);
-        std::thread::scope(|scope| {
-            for (block, slots) in parts.chunks_mut(share).enumerate() {
-                let one = &one;
-                scope.spawn(move || {
-                    for (offset, slot) in slots.iter_mut().enumerate() {
-                        *slot = one(block * share + offset);
-                    }
-                });
+        let mut total = [0.0; N];
+        let mut add = |part: &[f64; N]| total.iter_mut().zip(part).for_each(|(t, p)| *t += p);
+        let mut parts = Vec::new();
+        match self.workers.filter(|_| chunks > 1) {
+            // Without memory for the parts the work is done without workers.
+            Some(workers) if parts.try_reserve_exact(chunks).is_ok() => {
+                parts.resize(chunks, [0.0; N]);
+                workers.fill(&mut parts, one);
+                parts.iter().for_each(add);
             }
-        });
-        parts.iter().for_each(add);
+            _ => (0..chunks).for_each(|index| add(&one(index))),
+        }
         total
     }
+}
+
+/// What is summed over the points.
+trait Terms<const N: usize>: Copy + Sync {
+    /// The terms of one point with its weight.
+    fn of(&self, place: &Place, residual: f64, weight: f64) -> [f64; N];
+}
+
+/// Everything that the normal equations need.
+#[derive(Clone, Copy)]
+struct Whole<L>(L);
+
+/// The loss alone, the first of these sums.
+#[derive(Clone, Copy)]
+struct CostAlone<L>(L);
+
+impl<L: Loss> Terms<SUMS> for Whole<L> {
+    #[inline(always)]
+    fn of(&self, place: &Place, e: f64, weight: f64) -> [f64; SUMS] {
+        let Place { a, b, h, facing, .. } = *place;
+        let (value, factor) = self.0.loss_and_weight(e, facing);
+        let w = weight * factor;
+        let (wa, wb, we) = (w * a, w * b, w * e);
+        let (aa, ab, bb) = (wa * a, wa * b, wb * b);
+        [
+            weight * value,
+            w,
+            we,
+            we * a,
+            we * b,
+            we * a * h,
+            we * b * h,
+            wa,
+            wb,
+            wa * h,
+            wb * h,
+            aa,
+            ab,
+            bb,
+            aa * h,
+            ab * h,
+            bb * h,
+            aa * h * h,
+            ab * h * h,
+            bb * h * h,
+        ]
+    }
+}
+
+impl<L: Loss> Terms<1> for CostAlone<L> {
+    #[inline(always)]
+    fn of(&self, place: &Place, e: f64, weight: f64) -> [f64; 1] {
+        [weight * self.0.loss_and_weight(e, place.facing).0]
+    }
+}
+
+/// Where a point lies in relation to a cylinder, in the frame and its unit.
+struct Place {
+    /// Distance from the axis.
+    rho: f64,
+    /// The direction from the axis to the point, (a, b) across the axis; 0 on it.
+    a: f64,
+    b: f64,
+    /// The coordinate along the axis.
+    h: f64,
+    /// Negative where the outward normal points towards the observer at the origin.
+    facing: f64,
 }
 
 /// What all points share: the motion into the local frame.
@@ -191,6 +260,7 @@ struct Kernel {
 }
 
 impl Kernel {
+    /// For points given by their offset from an origin.
     fn new(origin: &Vector3<f64>, frame: &LocalFrame) -> Self {
         let rotation = frame.rotation() / frame.unit;
         // The difference of two nearby points first: both may be far from the origin of coordinates.
@@ -199,38 +269,48 @@ impl Kernel {
         Self { rotation, shift, radius: frame.cylinder.radius / frame.unit, observer }
     }
 
-    fn distances<T: Copy + Into<f64>>(&self, [xs, ys, zs]: &[Vec<T>; 3]) -> Vec<f64> {
+    /// The mathematics of a point: everything about it that a residual, its Jacobian or its loss needs.
+    #[inline(always)]
+    fn place(&self, [px, py, pz]: [f64; 3]) -> Place {
         let r = &self.rotation;
+        let x = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
+        let y = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
+        let h = r[(2, 0)] * px + r[(2, 1)] * py + r[(2, 2)] * pz + self.shift.z;
+        let rho = (x * x + y * y).sqrt();
+        // On the axis the direction of the gradient is undefined; 0 is the mean over all of them.
+        let inverse = 1.0 / rho.max(f64::MIN_POSITIVE);
+        let facing = x * (x - self.observer.x) + y * (y - self.observer.y);
+        Place { rho, a: x * inverse, b: y * inverse, h, facing }
+    }
+
+    fn distances<T: Copy + Into<f64>>(&self, [xs, ys, zs]: &[Vec<T>; 3]) -> Vec<f64> {
         let distance = |((x, y), z): ((&T, &T), &T)| {
-            let (px, py, pz) = ((*x).into(), (*y).into(), (*z).into());
-            let x: f64 = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
-            let y: f64 = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
-            (x * x + y * y).sqrt() - self.radius
+            self.place([(*x).into(), (*y).into(), (*z).into()]).rho - self.radius
         };
         xs.iter().zip(ys).zip(zs).map(distance).collect()
     }
 
     /// The sums over some points, with the widest vector instructions of the machine. They all round alike, so the bits
     /// do not depend on them.
-    fn chunk<T: Copy + Into<f64>>(
+    fn chunk<T: Copy + Into<f64>, const N: usize>(
         &self,
         axes: &[Vec<T>; 3],
         weights: Option<&[f32]>,
         range: std::ops::Range<usize>,
-        loss: impl Loss,
-    ) -> [f64; SUMS] {
-        Arch::new().dispatch(|| self.plain_chunk(axes, weights, range, loss))
+        terms: impl Terms<N>,
+    ) -> [f64; N] {
+        Arch::new().dispatch(|| self.plain_chunk(axes, weights, range, terms))
     }
 
     #[inline(always)]
-    fn plain_chunk<T: Copy + Into<f64>>(
+    fn plain_chunk<T: Copy + Into<f64>, const N: usize>(
         &self,
         axes: &[Vec<T>; 3],
         weights: Option<&[f32]>,
         range: std::ops::Range<usize>,
-        loss: impl Loss,
-    ) -> [f64; SUMS] {
-        let mut lanes = [[0.0; LANES]; SUMS];
+        terms: impl Terms<N>,
+    ) -> [f64; N] {
+        let mut lanes = [[0.0; LANES]; N];
         // x, y, z and weight in f64; the last block is filled up with points of weight 0.
         let mut block = [[0.0; BLOCK]; 4];
         for start in range.clone().step_by(BLOCK) {
@@ -251,53 +331,22 @@ impl Kernel {
             block[3][count..].fill(0.0);
             let [x, y, z, w] = block.each_ref().map(|values| values.as_chunks::<LANES>().0);
             for (((x, y), z), w) in x.iter().zip(y).zip(z).zip(w).take(count.div_ceil(LANES)) {
-                self.add_block([x, y, z, w], &mut lanes, loss);
+                self.add_block([x, y, z, w], &mut lanes, terms);
             }
         }
         lanes.map(|sums| sums.iter().sum())
     }
 
     #[inline(always)]
-    fn add_block(&self, block: [&[f64; LANES]; 4], sums: &mut [[f64; LANES]; SUMS], loss: impl Loss) {
-        let [px, py, pz, weights] = block;
-        let r = &self.rotation;
+    fn add_block<const N: usize>(
+        &self,
+        [x, y, z, weights]: [&[f64; LANES]; 4],
+        sums: &mut [[f64; LANES]; N],
+        terms: impl Terms<N>,
+    ) {
         for lane in 0..LANES {
-            let (px, py, pz) = (px[lane], py[lane], pz[lane]);
-            let x = r[(0, 0)] * px + r[(0, 1)] * py + r[(0, 2)] * pz + self.shift.x;
-            let y = r[(1, 0)] * px + r[(1, 1)] * py + r[(1, 2)] * pz + self.shift.y;
-            let h = r[(2, 0)] * px + r[(2, 1)] * py + r[(2, 2)] * pz + self.shift.z;
-            let rho = (x * x + y * y).sqrt();
-            // On the axis the direction of the gradient is undefined; 0 is the mean over all of them.
-            let inverse = 1.0 / rho.max(f64::MIN_POSITIVE);
-            let (a, b) = (x * inverse, y * inverse);
-            let e = rho - self.radius;
-            let facing = x * (x - self.observer.x) + y * (y - self.observer.y);
-            let (value, weight) = loss.loss_and_weight(e, facing);
-            let w = weights[lane] * weight;
-            let (wa, wb, we) = (w * a, w * b, w * e);
-            let (aa, ab, bb) = (wa * a, wa * b, wb * b);
-            let terms = [
-                weights[lane] * value,
-                w,
-                we,
-                we * a,
-                we * b,
-                we * a * h,
-                we * b * h,
-                wa,
-                wb,
-                wa * h,
-                wb * h,
-                aa,
-                ab,
-                bb,
-                aa * h,
-                ab * h,
-                bb * h,
-                aa * h * h,
-                ab * h * h,
-                bb * h * h,
-            ];
+            let place = self.place([x[lane], y[lane], z[lane]]);
+            let terms = terms.of(&place, place.rho - self.radius, weights[lane]);
             for (sum, term) in sums.iter_mut().zip(terms) {
                 sum[lane] += term;
             }
@@ -318,104 +367,39 @@ fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
     NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian }
 }
 
-/// Residuals and their Jacobians one by one, by the formula and without the sums: for the covariance, the stacked system
-/// and tests.
-pub(super) struct PointRows {
-    /// Into the frame and its unit.
-    rotation: Matrix3<f64>,
+/// Residuals and their Jacobians one by one, without the sums: for the covariance, the stacked system, and points that
+/// are no [`PointCloud`].
+pub(crate) struct PointRows {
+    /// For points by their offset from the axis point.
+    kernel: Kernel,
     axis_point: Vector3<f64>,
-    /// The axis point across the axis.
-    axis_across: Vector2<f64>,
-    radius: f64,
 }
 
 impl PointRows {
     pub fn new(frame: &LocalFrame) -> Self {
-        let rotation = frame.rotation() / frame.unit;
         let axis_point = frame.cylinder.axis.point;
-        let axis_across = (rotation * axis_point).xy();
-        Self { rotation, axis_point, axis_across, radius: frame.cylinder.radius / frame.unit }
+        Self { kernel: Kernel::new(&axis_point, frame), axis_point }
+    }
+
+    #[inline(always)]
+    fn place(&self, point: &Vector3<f64>) -> Place {
+        self.kernel.place((point - self.axis_point).into())
     }
 
     /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::loss_and_weight`].
     #[inline]
     pub fn row(&self, point: &Vector3<f64>) -> (f64, Tangent, f64) {
-        let q = self.rotation * (point - self.axis_point);
-        let rho = q.xy().norm();
-        let (a, b) = if rho > 0.0 { (q.x / rho, q.y / rho) } else { (0.0, 0.0) };
-        let facing = q.xy().dot(&(q.xy() + self.axis_across));
-        (rho - self.radius, Tangent::new(-a, -b, -q.z * a, -q.z * b, -1.0), facing)
+        let Place { rho, a, b, h, facing } = self.place(point);
+        (rho - self.kernel.radius, Tangent::new(-a, -b, -h * a, -h * b, -1.0), facing)
+    }
+
+    /// Residual and side alone.
+    #[inline]
+    pub fn residual(&self, point: &Vector3<f64>) -> (f64, f64) {
+        let place = self.place(point);
+        (place.rho - self.kernel.radius, place.facing)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::Cylinder;
-    use crate::observations::PointsView;
-
-    fn scene(count: usize) -> (Vec<[f64; 3]>, LocalFrame) {
-        let cylinder =
-            Cylinder::new(Vector3::new(0.1, -0.2, 0.9), Vector3::new(0.4, 0.8, 0.3), 0.07).unwrap();
-        let points = (0..count)
-            .map(|k| {
-                let t = k as f64;
-                [0.1 + 0.09 * (t * 0.37).sin(), -0.2 + 0.1 * (t * 0.11).cos(), 0.85 + 0.03 * (t * 1.7).sin()]
-            })
-            .collect();
-        (points, LocalFrame::new(&cylinder, &Vector3::new(0.1, -0.1, 0.8), 0.05))
-    }
-
-    #[test]
-    fn the_jacobian_agrees_with_central_differences() {
-        let (points, frame) = scene(50);
-        let h = 1e-6;
-        for point in points {
-            let point = Vector3::from(point);
-            let (residual, jacobian, _) = PointRows::new(&frame).row(&point);
-            assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
-            for k in 0..5 {
-                let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
-                let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h * frame.unit);
-                assert!((difference - jacobian[k]).abs() < 1e-8, "{k}: {difference} {}", jacobian[k]);
-            }
-        }
-    }
-
-    #[test]
-    fn the_sums_are_those_of_the_rows_and_the_same_for_any_number_of_threads() {
-        let (points, frame) = scene(150_003);
-        let mut cloud = PointCloud::default();
-        cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
-        let mut expected = NormalEquations::zero();
-        for point in &points {
-            let (residual, jacobian, _) = PointRows::new(&frame).row(&Vector3::from(*point));
-            expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
-        }
-        let one = PointTerm::new(&cloud, 1).linearise(&frame, Squared);
-        assert!((one.cost - expected.cost).abs() < 1e-12 * expected.cost);
-        assert!((one.gradient - expected.gradient).norm() < 1e-12 * expected.gradient.norm());
-        assert!((one.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
-        for threads in [2, 3, 8] {
-            assert_eq!(PointTerm::new(&cloud, threads).linearise(&frame, Squared), one);
-        }
-    }
-
-    #[test]
-    fn weights_count_as_repeated_points() {
-        let (mut points, frame) = scene(20);
-        let mut weighted = PointCloud::default();
-        let memory: Vec<u8> =
-            (0..20).flat_map(|k| if k == 3 { 3.0_f64 } else { 1.0 }.to_ne_bytes()).collect();
-        let weights = crate::observations::Strided::new(&memory, 0, (20, 1), 8, (8, 0)).unwrap();
-        let view = PointsView { weights: Some(weights), ..PointsView::from_f64(&points) };
-        weighted.push_points(&view, None).unwrap();
-        points.extend([points[3]; 2]);
-        let mut repeated = PointCloud::default();
-        repeated.push_points(&PointsView::from_f64(&points), None).unwrap();
-        let a = PointTerm::new(&weighted, 1).linearise(&frame, Squared);
-        let b = PointTerm::new(&repeated, 1).linearise(&frame, Squared);
-        assert!((a.cost - b.cost).abs() < 1e-14 * b.cost);
-        assert!((a.hessian - b.hessian).norm() < 1e-13 * b.hessian.norm());
-    }
-}
+mod tests;

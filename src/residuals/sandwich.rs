@@ -6,6 +6,10 @@
 //! they only have to be the ones that were used.
 
 use crate::geometry::{Tangent, TangentMap};
+use nalgebra::SymmetricEigen;
+
+/// What rounding leaves of nothing in sums of squares over thousands of points, as a part of their terms.
+const ROUNDING: f64 = 1e-13;
 
 /// What one kind of residuals adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,8 +27,8 @@ pub struct SandwichPart {
 pub struct Sandwich {
     /// What the points add.
     pub points: SandwichPart,
-    /// What edges in the image add: given segments, located limb lines and arcs of the ends. Zero where none count.
-    pub edges: SandwichPart,
+    /// What the image adds: given segments, located limb lines and arcs of the ends. Zero where none count.
+    pub image: SandwichPart,
 }
 
 impl SandwichPart {
@@ -34,11 +38,11 @@ impl SandwichPart {
         Self { gradient: Tangent::zeros(), derivative: TangentMap::zeros(), covariance: TangentMap::zeros() }
     }
 
-    /// Takes the part `weight` times into the objective.
-    pub(super) fn scale(&mut self, weight: f64) {
-        self.gradient *= weight;
-        self.derivative *= weight;
-        self.covariance *= weight * weight;
+    /// Adds a part that the objective takes `factor` times.
+    pub(super) fn add_scaled(&mut self, factor: f64, part: &Self) {
+        self.gradient += part.gradient * factor;
+        self.derivative += part.derivative * factor;
+        self.covariance += part.covariance * (factor * factor);
     }
 }
 
@@ -46,7 +50,7 @@ impl Sandwich {
     /// A of everything.
     #[must_use]
     pub fn derivative(&self) -> TangentMap {
-        self.points.derivative + self.edges.derivative
+        self.points.derivative + self.image.derivative
     }
 
     /// The covariance of the minimum, A⁻¹ B A⁻¹, over the degrees of freedom that are not `known`; these have none.
@@ -54,7 +58,7 @@ impl Sandwich {
     #[must_use]
     pub fn covariance(&self, known: &[bool; 5]) -> Option<TangentMap> {
         let (mut derivative, mut of_gradient) =
-            (self.derivative(), self.points.covariance + self.edges.covariance);
+            (self.derivative(), self.points.covariance + self.image.covariance);
         for k in (0..5).filter(|&k| known[k]) {
             for matrix in [&mut derivative, &mut of_gradient] {
                 matrix.fill_row(k, 0.0);
@@ -62,9 +66,96 @@ impl Sandwich {
             }
             derivative[(k, k)] = 1.0;
         }
+        if !is_determined(&derivative) {
+            return None;
+        }
         let inverse = derivative.cholesky()?.inverse();
-        let covariance = inverse * of_gradient * inverse;
-        let covariance = (covariance + covariance.transpose()) * 0.5;
-        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
+        let root = root(&(inverse * of_gradient * inverse))?;
+        Some(root * root.transpose())
+    }
+}
+
+/// Whether what is known of every degree of freedom stands out of the rounding of the sums, each in its own unit.
+fn is_determined(derivative: &TangentMap) -> bool {
+    let Some(scaled) = scaled(derivative) else { return false };
+    scaled.1.symmetric_eigenvalues().min() > ROUNDING
+}
+
+/// A matrix L with L Lᵀ = C for a covariance C, where rounding made its small variances negative too; `None` where a
+/// number is not finite.
+pub(crate) fn root(covariance: &TangentMap) -> Option<TangentMap> {
+    let (sizes, correlation) = scaled(covariance)?;
+    let SymmetricEigen { eigenvalues, eigenvectors } = correlation.symmetric_eigen();
+    let roots = eigenvalues.map(|variance| variance.max(0.0).sqrt());
+    Some(TangentMap::from_diagonal(&sizes) * eigenvectors * TangentMap::from_diagonal(&roots))
+}
+
+/// The roots of the diagonal, and the symmetric matrix in units of them; where the diagonal is not positive the row is 0.
+fn scaled(matrix: &TangentMap) -> Option<(Tangent, TangentMap)> {
+    let sizes = matrix.diagonal().map(|variance| variance.max(0.0).sqrt());
+    let inverse = TangentMap::from_diagonal(&sizes.map(|size| if size > 0.0 { size.recip() } else { 0.0 }));
+    let scaled = inverse * (matrix + matrix.transpose()) * inverse * 0.5;
+    (sizes.iter().chain(&scaled).all(|x| x.is_finite())).then_some((sizes, scaled))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(derivative: TangentMap, covariance: TangentMap) -> SandwichPart {
+        SandwichPart { gradient: Tangent::zeros(), derivative, covariance }
+    }
+
+    fn of_points(derivative: TangentMap, covariance: TangentMap) -> Sandwich {
+        Sandwich { points: part(derivative, covariance), image: SandwichPart::zero() }
+    }
+
+    /// Six rows, of which five are independent, in units as different as can be.
+    fn derivative(last: f64) -> TangentMap {
+        let units = Tangent::new(1.0, 1e-5, 1e4, 1.0, last);
+        let row =
+            |k: u32| Tangent::from_fn(|i, _| (f64::from(k) * (1.3 + i as f64)).sin()).component_mul(&units);
+        (1..=6).map(row).map(|row| row * row.transpose()).sum()
+    }
+
+    #[test]
+    fn the_root_of_a_covariance_gives_it_back() {
+        let covariance = derivative(1e-3);
+        let root = root(&covariance).unwrap();
+        let difference = root * root.transpose() - covariance;
+        for (row, column) in (0..5).flat_map(|row| (0..5).map(move |column| (row, column))) {
+            let size = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
+            assert!(difference[(row, column)].abs() <= 1e-14 * size, "{row} {column}");
+        }
+    }
+
+    #[test]
+    fn variances_that_rounding_made_negative_are_none() {
+        let mut covariance = TangentMap::identity();
+        (covariance[(0, 1)], covariance[(1, 0)]) = (1.0 + 1e-9, 1.0 + 1e-9);
+        covariance[(4, 4)] = -1e-20;
+        let root = root(&covariance).unwrap();
+        let mended = root * root.transpose();
+        assert!(mended.diagonal().iter().all(|variance| *variance >= 0.0));
+        assert!(mended[(0, 1)].powi(2) <= (1.0 + 1e-15) * mended[(0, 0)] * mended[(1, 1)]);
+        covariance[(2, 2)] = f64::NAN;
+        assert!(super::root(&covariance).is_none());
+    }
+
+    #[test]
+    fn what_nothing_determines_has_no_covariance() {
+        let known = [false; 5];
+        let sandwich = of_points(derivative(1e-3), TangentMap::identity());
+        assert!(sandwich.covariance(&known).is_some());
+        // Two rows alike but for rounding.
+        let mut singular = derivative(1e-3);
+        for k in 0..5 {
+            singular[(4, k)] = singular[(3, k)] * 1e-3;
+            singular[(k, 4)] = singular[(4, k)];
+        }
+        singular[(4, 4)] = singular[(3, 3)] * 1e-6 * (1.0 + 1e-15);
+        let sandwich = of_points(singular, TangentMap::identity());
+        assert_eq!(sandwich.covariance(&known), None);
+        assert!(sandwich.covariance(&[false, false, false, false, true]).is_some());
     }
 }

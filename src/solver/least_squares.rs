@@ -57,6 +57,7 @@ impl LeastSquares {
     ///
     /// # Errors
     /// `Numerical` when the factorisation does not converge.
+    #[cfg(test)]
     pub fn step(&self) -> Result<Tangent> {
         let svd = self.singular_value_decomposition()?;
         let residual = Tangent::from_fn(|k, _| self.triangle[(k, 5)]);

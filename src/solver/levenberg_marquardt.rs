@@ -19,6 +19,12 @@ pub struct IterationLimits {
     pub max_lambda: f64,
     /// Smallest relative decrease of the cost that counts as progress.
     pub cost_tolerance: f64,
+    /// The gradient JᵀΩe counts as 0 where it is at most this part of ‖Ω^½ J‖ ‖Ω^½ e‖: the cosine of the angle between
+    /// the residuals and what a step can change of them. The default is the rounding of that cosine.
+    pub gradient_tolerance: f64,
+    /// A step that moves the surface where the data are by at most this part of their largest coordinate (and of their
+    /// size) is the last. The default is what the numbers of the result resolve: a smaller step leaves their bits.
+    pub step_tolerance: f64,
 }
 
 impl Default for IterationLimits {
@@ -29,6 +35,8 @@ impl Default for IterationLimits {
             lambda_factor: 10.0,
             max_lambda: 1e12,
             cost_tolerance: 1e-12,
+            gradient_tolerance: f64::EPSILON,
+            step_tolerance: f64::EPSILON,
         }
     }
 }
@@ -36,8 +44,13 @@ impl Default for IterationLimits {
 /// Why an iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
-    /// The cost no longer fell by more than the tolerance, or reached the rounding error of the data.
+    /// The cost no longer falls by more than the tolerance, as the last step showed or the linearisation predicts, or
+    /// it reached the rounding error of the data.
     Cost,
+    /// The gradient fell below its tolerance.
+    Gradient,
+    /// The step fell below its tolerance.
+    Step,
     /// No step down to the largest damping lowered the cost: a minimum to rounding.
     Stalled,
     /// The limit of iterations was reached.
@@ -85,14 +98,8 @@ pub struct Convergence {
     pub termination: Termination,
     /// The last damping.
     pub lambda: f64,
-    /// Norm of half the gradient of the cost at the end, as far as the limits leave it free, in units of the frame.
-    pub gradient_norm: f64,
     /// Norm of the last accepted step, in units of the frame.
     pub step_norm: f64,
-    /// The frame at the minimum.
-    pub frame: LocalFrame,
-    /// The linearisation at the minimum.
-    pub equations: NormalEquations,
 }
 
 impl Convergence {
@@ -164,6 +171,8 @@ pub fn minimise(
     let mut lambda = limits.initial_lambda;
     let mut step_norm = 0.0;
     let mut second_derivative = None;
+    // Whether a step from here that promised progress failed.
+    let mut disappointed = false;
     let (mut iterations, mut rejected_steps) = (0, 0);
     let termination = loop {
         let iteration = Iteration {
@@ -181,6 +190,11 @@ pub fn minimise(
         if frame.cylinder.radius > LARGEST_RADIUS * data_unit {
             break Termination::RadiusRanAway;
         }
+        let largest = (equations.hessian.trace() * equations.cost).sqrt();
+        let gradient = cylinder_limits.free_gradient(&frame, &equations.gradient);
+        if gradient.norm() <= limits.gradient_tolerance * largest {
+            break Termination::Gradient;
+        }
         if iterations == limits.max_iterations {
             break Termination::MaxIterations;
         }
@@ -191,38 +205,64 @@ pub fn minimise(
         }
         let hessian = second_derivative.unwrap_or(equations.hessian);
         let step = match chart {
-            Chart::Local => cylinder_limits.step(&frame, &damped(&hessian, lambda), &equations.gradient),
+            Chart::Local => cylinder_limits
+                .step(&frame, &damped(&hessian, lambda), &equations.gradient)
+                .map(|(step, cylinder)| Step::new(step, cylinder, &hessian, &equations.gradient)),
             Chart::Orthonormal => {
                 let map = frame.orthonormal_tangent_map();
                 let hessian = map.transpose() * hessian * map;
-                let factors = damped(&hessian, lambda).cholesky();
-                factors.map(|factors| {
-                    let step = -factors.solve(&(map.transpose() * equations.gradient));
-                    (step, frame.retract_orthonormal(&step))
+                let gradient = map.transpose() * equations.gradient;
+                damped(&hessian, lambda).cholesky().map(|factors| {
+                    let step = -factors.solve(&gradient);
+                    Step::new(step, frame.retract_orthonormal(&step), &hessian, &gradient)
                 })
             }
         };
-        let finite = step.filter(|(step, _)| step.iter().all(|x| x.is_finite()));
-        let trial = finite.and_then(|(step, cylinder)| Some((step, linearise(&cylinder)?)));
-        match trial {
-            Some((step, (trial_frame, trial_equations))) if trial_equations.cost < equations.cost => {
-                let decrease = equations.cost - trial_equations.cost;
-                let converged = decrease < limits.cost_tolerance * equations.cost;
-                (frame, equations) = (trial_frame, trial_equations);
-                second_derivative = None;
-                step_norm = step.norm();
-                lambda /= limits.lambda_factor;
-                if converged {
-                    break Termination::Cost;
-                }
+        let step = step.filter(|step| step.tangent.iter().all(|x| x.is_finite()));
+        let promises = |part: f64| step.is_none_or(|step| !(step.decrease <= part * equations.cost));
+        if !promises(ROUNDING) {
+            break if disappointed { Termination::Stalled } else { Termination::Cost };
+        }
+        let small = step.is_some_and(|step| {
+            moved_by(&frame, &step.cylinder, data_unit) <= limits.step_tolerance * extent
+        });
+        let trial = step.and_then(|step| {
+            let trial_frame = LocalFrame::new(&step.cylinder, &data_center, unit);
+            let lower = |cost: &f64| *cost < equations.cost;
+            // The first step from a place is nearly always taken, so it is linearised at once; after a rejection the
+            // cost alone comes first.
+            if disappointed {
+                objective.cost(&trial_frame).filter(lower)?;
             }
-            _ => {
-                rejected_steps += 1;
-                lambda *= limits.lambda_factor;
-                if lambda > limits.max_lambda {
-                    break Termination::Stalled;
-                }
+            let trial_equations = objective.linearise(&trial_frame)?;
+            lower(&trial_equations.cost).then_some((step, trial_frame, trial_equations))
+        });
+        if let Some((step, trial_frame, trial_equations)) = trial {
+            let decrease = equations.cost - trial_equations.cost;
+            let converged = decrease < limits.cost_tolerance * equations.cost;
+            (frame, equations) = (trial_frame, trial_equations);
+            (second_derivative, disappointed) = (None, false);
+            step_norm = step.tangent.norm();
+            // Never 0, from which it could not grow again.
+            lambda = (lambda / limits.lambda_factor).max(f64::MIN_POSITIVE);
+            if converged {
+                break Termination::Cost;
             }
+        } else {
+            rejected_steps += 1;
+            // A larger damping promises less still.
+            let promised = promises(limits.cost_tolerance);
+            let raised = lambda * limits.lambda_factor;
+            if !promised && !disappointed {
+                break Termination::Cost;
+            }
+            if !promised || raised > limits.max_lambda {
+                break Termination::Stalled;
+            }
+            (lambda, disappointed) = (raised, true);
+        }
+        if small {
+            break Termination::Step;
         }
     };
     Ok(Convergence {
@@ -233,11 +273,36 @@ pub fn minimise(
         rejected_steps,
         termination,
         lambda,
-        gradient_norm: cylinder_limits.free_gradient(&frame, &equations.gradient).norm(),
         step_norm,
-        frame,
-        equations,
     })
+}
+
+/// The decrease of the cost, as a part of it, that its rounding hides: a mean of squares that are all positive.
+const ROUNDING: f64 = f64::EPSILON;
+
+/// A step of the damped normal equations.
+#[derive(Clone, Copy)]
+struct Step {
+    /// In the coordinates of the chart.
+    tangent: Tangent,
+    /// Where it leads.
+    cylinder: Cylinder,
+    /// By how much the cost falls if the linearisation holds: −2 gᵀδ − δᵀHδ.
+    decrease: f64,
+}
+
+impl Step {
+    fn new(tangent: Tangent, cylinder: Cylinder, hessian: &TangentMap, gradient: &Tangent) -> Self {
+        let decrease = -(gradient * 2.0 + hessian * tangent).dot(&tangent);
+        Self { tangent, cylinder, decrease }
+    }
+}
+
+/// How far a step moves the surface near the data, as a length.
+fn moved_by(frame: &LocalFrame, cylinder: &Cylinder, data_unit: f64) -> f64 {
+    let step = frame.difference(cylinder);
+    let lengths = Tangent::new(frame.unit, frame.unit, data_unit, data_unit, frame.unit);
+    step.component_mul(&lengths).norm()
 }
 
 /// Half the second derivative of the cost in the tangent of a frame, by differences to the gradient there; `None` next
@@ -259,3 +324,6 @@ fn differentiate_gradient(
 fn damped(hessian: &TangentMap, lambda: f64) -> TangentMap {
     hessian + TangentMap::identity() * lambda
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,7 @@
 //!    robust regression of the votes on the tilt refines tilt and scale together.
 
 use crate::geometry::{Cylinder, LimbFrame};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector3;
 
 /// Points that are used at most; more hardly help a start.
@@ -38,8 +38,6 @@ const MAX_TURN: f64 = 0.2;
 const SMALL_TURN: f64 = 1e-4;
 /// Step of the difference quotient in the tilt, in radians.
 const DIFFERENCE_STEP: f64 = 1e-5;
-/// Residuals beyond this many standard deviations have no weight: Tukey's biweight at 95 % efficiency.
-const TUKEY_CUTOFF: f64 = 4.685;
 /// Residuals of logarithmic votes count as at least this large, so that exact data do not divide by zero.
 const LEAST_SIGMA: f64 = 1e-12;
 
@@ -222,50 +220,54 @@ fn shortest_half(votes: &mut [f64]) -> (f64, f64) {
 fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Option<(f64, f64)> {
     let (mut tilt, mut log_scale) = start;
     let (low, high) = limbs.tilt_range;
-    let mut rows = Vec::with_capacity(points.len());
-    let mut sizes = Vec::with_capacity(points.len());
-    for _ in 0..MAX_ROUNDS {
+    let mut slopes = vec![0.0; points.len()];
+    // A missing vote is a residual that is not finite.
+    let linearise = |tilt: f64, log_scale: f64, residuals: &mut [f64], slopes: &mut [f64]| {
         let here = limbs.unit_cylinder(tilt);
         let beside = limbs.unit_cylinder(tilt + DIFFERENCE_STEP);
-        rows.clear();
-        rows.extend(points.iter().filter_map(|p| {
+        for ((residual, slope), p) in residuals.iter_mut().zip(slopes).zip(points) {
             let (s, moved) = (vote(&here, p), vote(&beside, p));
-            let row = (s.ln() - log_scale, (moved - s) / (s * DIFFERENCE_STEP));
-            (row.0.is_finite() && row.1.is_finite()).then_some(row)
-        }));
-        if rows.len() < MIN_VOTES {
-            return None;
+            *slope = (moved - s) / (s * DIFFERENCE_STEP);
+            *residual = if slope.is_finite() { s.ln() - log_scale } else { f64::INFINITY };
         }
-        sizes.clear();
-        sizes.extend(rows.iter().map(|(residual, _)| residual.abs()));
-        let cutoff = TUKEY_CUTOFF * (DEVIATION_OF_MEDIAN * median(&mut sizes)).max(LEAST_SIGMA);
-
-        let (turn, growth) = regress(&rows, cutoff);
-        let part = if turn.abs() > MAX_TURN { MAX_TURN / turn.abs() } else { 1.0 };
-        tilt = (tilt + part * turn).clamp(low, high);
-        log_scale += part * growth;
-        if turn.abs() < SMALL_TURN {
-            break;
-        }
+        residuals.iter().filter(|residual| residual.is_finite()).count() >= MIN_VOTES
+    };
+    let mut residuals = vec![0.0; points.len()];
+    if !linearise(tilt, log_scale, &mut residuals, &mut slopes) {
+        return None;
     }
+    Reweighting { rounds: MAX_ROUNDS, scale: Scale::AtLeast(LEAST_SIGMA) }.continue_from(
+        &mut residuals,
+        |weights, residuals| {
+            let (turn, growth) = regress(weights, residuals, &slopes);
+            let part = if turn.abs() > MAX_TURN { MAX_TURN / turn.abs() } else { 1.0 };
+            tilt = (tilt + part * turn).clamp(low, high);
+            log_scale += part * growth;
+            if turn.abs() < SMALL_TURN {
+                return Some(Progress::Settled);
+            }
+            linearise(tilt, log_scale, residuals, &mut slopes).then_some(Progress::Moved)
+        },
+    )?;
     Some((tilt, log_scale))
 }
 
-/// The changes (of tilt, of logarithmic scale) that make the weighted squares of the residuals smallest, from
-/// pairs (residual, its derivative in the tilt); the tilt stays when the points cannot tell it.
-fn regress(rows: &[(f64, f64)], cutoff: f64) -> (f64, f64) {
-    let weight = |residual: f64| (1.0 - (residual / cutoff).powi(2)).max(0.0).powi(2);
-    let (mut total, mut residuals, mut slopes) = (0.0, 0.0, 0.0);
-    for &(residual, slope) in rows {
-        let w = weight(residual);
+/// The changes (of tilt, of logarithmic scale) that make the weighted squares of the residuals smallest, given their
+/// derivatives in the tilt; the tilt stays when the points cannot tell it.
+fn regress(weights: &[f64], residuals: &[f64], slopes: &[f64]) -> (f64, f64) {
+    let rows = || {
+        let rows = weights.iter().zip(residuals.iter().zip(slopes)).map(|(w, (e, s))| (*w, *e, *s));
+        rows.filter(|(w, ..)| *w > 0.0)
+    };
+    let (mut total, mut residual_sum, mut slope_sum) = (0.0, 0.0, 0.0);
+    for (w, residual, slope) in rows() {
         total += w;
-        residuals += w * residual;
-        slopes += w * slope;
+        residual_sum += w * residual;
+        slope_sum += w * slope;
     }
-    let (residual_mean, slope_mean) = (residuals / total, slopes / total);
+    let (residual_mean, slope_mean) = (residual_sum / total, slope_sum / total);
     let (mut covariance, mut variance) = (0.0, 0.0);
-    for &(residual, slope) in rows {
-        let w = weight(residual);
+    for (w, residual, slope) in rows() {
         covariance += w * (residual - residual_mean) * (slope - slope_mean);
         variance += w * (slope - slope_mean).powi(2);
     }

@@ -137,7 +137,7 @@ impl Moments {
     /// The best cylinder with the axis along `direction`, which need not have unit length.
     ///
     /// `None` when the direction vanishes or is not finite.
-    #[must_use]
+    #[cfg(test)]
     pub fn evaluate(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
         Some(self.fit(&self.slice(&unit_direction(direction)?)?))
     }
@@ -145,7 +145,7 @@ impl Moments {
     /// The minimum of G that Newton's method reaches from `direction`, which need not have unit length.
     ///
     /// `None` when the direction vanishes or is not finite.
-    #[must_use]
+    #[cfg(test)]
     pub fn refine(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
         Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?)))
     }
@@ -353,6 +353,7 @@ impl Moments {
 }
 
 /// The direction scaled to unit length; `None` when it vanishes or is not finite.
+#[cfg(test)]
 fn unit_direction(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     // By the largest component first, so that squares neither overflow nor vanish.
     let scaled = direction / direction.amax();

@@ -14,6 +14,10 @@
 //! and keeps depths that smear past the limbs from widening it: on frames of a depth camera it halves the
 //! mean error of the radius.
 //!
+//! Where no limit holds the radius, a plane is a cylinder too, and in a room the one with the best support. So a
+//! hypothesis that spans few degrees is no candidate when the plane through its inliers explains about as many points:
+//! its sagitta is lost in the noise. It is the answer only where no sample gives another, or a largest radius is set.
+//!
 //! The work does not depend on the number of points beyond one pass to choose [`SCORED_POINTS`] of them and
 //! one to count the inliers. It is done in one order with a generator of its own, so equal input gives equal
 //! bits.
@@ -24,12 +28,15 @@ mod score;
 use super::moments::Moments;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::observations::{PointCloud, PointsView};
+use crate::residuals::PointTerm;
 use crate::statistics::DEVIATION_OF_MEDIAN;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use sample::{PLAIN_SAMPLE, Sampler};
 use score::Scorer;
+use std::ops::ControlFlow;
 
 /// Points that hypotheses are drawn from and scored on, at most: evenly spaced in the order of the input.
 pub const SCORED_POINTS: usize = 2000;
@@ -69,7 +76,7 @@ pub struct RansacOptions {
     pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// What the cylinder keeps. Without a limit of the radius a plane in the background is a cylinder too.
+    /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
     pub limits: CylinderLimits,
 }
 
@@ -106,9 +113,11 @@ pub struct RansacFit {
 ///
 /// `normals` are directions across the surface at the points, of any length and sign. `observer_at_origin`
 /// says that the points are what an observer at the origin of coordinates sees. Points that are not finite
-/// are left out.
+/// are left out. `check` is called at every sample and every step of the local optimisation; where it breaks the search
+/// ends.
 ///
 /// # Errors
+/// `Cancelled` when `check` breaks;
 /// `InvalidArgument` when an option is out of its range or there are not as many normals as points;
 /// `TooFewPoints` when fewer than five points are finite; `NoStart` when the points lie in one plane or on
 /// one line, or no cylinder within the limits comes near enough to five of them.
@@ -117,14 +126,18 @@ pub fn ransac(
     normals: Option<&[Vector3<f64>]>,
     observer_at_origin: bool,
     options: &RansacOptions,
+    check: Check<'_>,
 ) -> Result<RansacFit> {
-    check(points, normals, options)?;
-    let chosen = choose(points)?;
+    check_arguments(points, normals, options)?;
+    let chosen = choose(points, check)?;
     let chosen_points: Vec<_> = chosen.iter().map(|&i| points[i]).collect();
     let chosen_normals: Option<Vec<_>> = normals.map(|n| chosen.iter().map(|&i| n[i]).collect());
     let Some(moments) = Moments::new(chosen_points.iter().map(|p| (*p, 1.0))) else {
         return Err(no_start("the points lie in one plane or on one line".into()));
     };
+    let coordinates: Vec<[f64; 3]> = chosen_points.iter().map(|p| (*p).into()).collect();
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&coordinates), None)?;
 
     let sampler = Sampler {
         points: &chosen_points,
@@ -135,6 +148,7 @@ pub fn ransac(
     };
     let scorer = Scorer {
         points: &chosen_points,
+        term: PointTerm::new(&cloud, None),
         observer_at_origin,
         threshold: options.threshold,
         center: moments.center(),
@@ -142,29 +156,42 @@ pub fn ransac(
         limits: options.limits,
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let mut search = Search { sampler, scorer, options, best: None };
+    let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
     if options.threshold == 0.0 {
-        search.choose_threshold(&mut rng);
+        search.choose_threshold(&mut rng)?;
     }
-    let iterations = search.run(&mut rng);
+    let iterations = search.run(&mut rng)?;
+    search.best = search.best.or(search.flat);
     if options.threshold == 0.0 {
-        search.narrow_threshold();
+        search.narrow_threshold()?;
     }
 
-    let Search { scorer, best, .. } = search;
-    let fit = best.map(|best| RansacFit {
-        cylinder: best.cylinder,
-        inliers: scorer.inliers(&best.cylinder, points),
-        iterations,
-        score: best.score,
-        threshold: scorer.threshold,
-    });
-    fit.filter(|fit| fit.inliers >= FEWEST_POINTS).ok_or_else(|| {
+    let Search { scorer, best, check, samples, .. } = search;
+    let nothing = || {
         no_start(format!(
             "none of {iterations} samples gave a cylinder with {FEWEST_POINTS} points within {:.3e}",
             scorer.threshold
         ))
+    };
+    let best = best.ok_or_else(nothing)?;
+    let inliers = scorer.inliers(&best.cylinder, points, check).map_err(|_| cancelled(samples))?;
+    if inliers < FEWEST_POINTS {
+        return Err(nothing());
+    }
+    Ok(RansacFit {
+        cylinder: best.cylinder,
+        inliers,
+        iterations,
+        score: best.score,
+        threshold: scorer.threshold,
     })
+}
+
+/// Whether to go on.
+pub type Check<'a> = &'a mut dyn FnMut() -> ControlFlow<()>;
+
+fn cancelled(samples: usize) -> Error {
+    Error::Cancelled { iterations: samples }
 }
 
 /// A cylinder with its score at the threshold of the search.
@@ -179,34 +206,77 @@ struct Search<'a> {
     sampler: Sampler<'a>,
     scorer: Scorer<'a>,
     options: &'a RansacOptions,
+    check: Check<'a>,
+    /// Samples that were drawn, all in all.
+    samples: usize,
+    /// The best cylinder.
     best: Option<Candidate>,
+    /// The best of those that are planes.
+    flat: Option<Candidate>,
 }
 
 impl Search<'_> {
     /// Draws samples until the best cylinder leaves enough confidence; returns their number.
-    fn run(&mut self, rng: &mut ChaCha8Rng) -> usize {
+    fn run(&mut self, rng: &mut ChaCha8Rng) -> Result<usize> {
         let mut needed = self.needed_iterations();
         let mut iterations = 0;
         while iterations < needed {
             iterations += 1;
-            for hypothesis in self.sampler.draw(rng) {
-                if self.consider(&hypothesis) {
+            for hypothesis in self.draw(rng)? {
+                if self.consider(&hypothesis)? {
                     needed = self.needed_iterations();
                 }
             }
         }
-        iterations
+        Ok(iterations)
+    }
+
+    /// The cylinders of the next sample.
+    fn draw(&mut self, rng: &mut ChaCha8Rng) -> Result<Vec<Cylinder>> {
+        if (self.check)().is_break() {
+            return Err(cancelled(self.samples));
+        }
+        self.samples += 1;
+        Ok(self.sampler.draw(rng))
     }
 
     /// Takes a hypothesis that scores better than the best one so far, and improves it.
-    fn consider(&mut self, hypothesis: &Cylinder) -> bool {
-        let Some(cylinder) = self.scorer.within_limits(hypothesis) else { return false };
-        let limit = self.best.map_or(f64::INFINITY, |best| best.score);
-        let Some(score) = self.scorer.score(&cylinder, limit) else { return false };
+    fn consider(&mut self, hypothesis: &Cylinder) -> Result<bool> {
+        let Some(cylinder) = self.scorer.within_limits(hypothesis) else { return Ok(false) };
+        let score = self.scorer.score(&cylinder);
+        let beats = |other: &Option<Candidate>| score < other.map_or(f64::INFINITY, |other| other.score);
+        if !beats(&self.best) {
+            return Ok(false);
+        }
         let given = Candidate { cylinder, score };
-        let improved = self.scorer.improve(&cylinder);
-        self.best = Some(if improved.score < score { improved } else { given });
-        true
+        if self.scorer.is_flat(&cylinder) {
+            // Only the answer while there is no other, which is improved then.
+            if beats(&self.flat) {
+                let improved = self.improve(&cylinder)?;
+                self.take(improved);
+            }
+            return Ok(false);
+        }
+        let improved = self.improve(&cylinder)?;
+        let better = improved.score < score && !self.scorer.is_flat(&improved.cylinder);
+        self.best = Some(if better { improved } else { given });
+        Ok(true)
+    }
+
+    fn improve(&mut self, cylinder: &Cylinder) -> Result<Candidate> {
+        self.scorer.improve(cylinder, self.check).map_err(|error| match error {
+            Error::Cancelled { .. } => cancelled(self.samples),
+            other => other,
+        })
+    }
+
+    /// Takes a candidate as the best of its kind.
+    fn take(&mut self, candidate: Candidate) {
+        let flat = self.scorer.is_flat(&candidate.cylinder);
+        let best = if flat { &mut self.flat } else { &mut self.best };
+        if best.is_none_or(|best| candidate.score < best.score) {
+            *best = Some(candidate);
+        }
     }
 
     /// log(1 − confidence) / log(1 − wᵐ) samples of m points hold one without outliers, for the part w of
@@ -219,20 +289,19 @@ impl Search<'_> {
         } else {
             (PLAIN_SAMPLE as i32, FEWEST_ITERATIONS)
         };
-        let points = self.scorer.points;
-        let inliers = self.scorer.inliers(&best.cylinder, points) as f64 / points.len() as f64;
+        let inliers = self.scorer.inlier_fraction(&best.cylinder);
         let needed = (1.0 - self.options.confidence).ln() / (-inliers.powi(size)).ln_1p();
         // Without inliers this is infinite, with no outliers 0: the cast saturates.
         (needed.ceil() as usize).max(fewest).min(most)
     }
 
     /// Sets the threshold from the hypothesis with the least median distance.
-    fn choose_threshold(&mut self, rng: &mut ChaCha8Rng) {
+    fn choose_threshold(&mut self, rng: &mut ChaCha8Rng) -> Result<()> {
         let draws =
             if self.sampler.normals.is_some() { FEWEST_ORIENTED_ITERATIONS } else { FEWEST_ITERATIONS };
         let mut least: Option<(Cylinder, f64)> = None;
         for _ in 0..draws.min(self.options.max_iterations) {
-            for hypothesis in self.sampler.draw(rng) {
+            for hypothesis in self.draw(rng)? {
                 let Some(cylinder) = self.scorer.within_limits(&hypothesis) else { continue };
                 let median = self.scorer.median_distance(&cylinder);
                 if least.is_none_or(|(_, so_far)| median < so_far) {
@@ -245,31 +314,42 @@ impl Search<'_> {
         if let Some((cylinder, median)) = least.filter(|(_, median)| median.is_finite()) {
             let threshold = THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median;
             self.scorer.threshold = self.scorer.threshold.max(threshold);
-            self.best = Some(self.scorer.improve(&cylinder));
-            self.narrow_threshold();
+            let improved = self.improve(&cylinder)?;
+            // The noise of a plane is that of the cylinder beside it.
+            self.best = Some(improved);
+            self.narrow_threshold()?;
+            if let Some(best) = self.best.take() {
+                self.take(best);
+            }
         }
+        Ok(())
     }
 
     /// Narrows the threshold on the inliers of the best cylinder until it no longer shrinks.
-    fn narrow_threshold(&mut self) {
+    fn narrow_threshold(&mut self) -> Result<()> {
         /// With half of the points outliers the first threshold is too wide by a factor of about three.
         const ROUNDS: usize = 10;
         for _ in 0..ROUNDS {
-            let Some(Candidate { cylinder, .. }) = self.best else { return };
-            let Some(median) = self.scorer.median_inlier_distance(&cylinder) else { return };
+            let Some(Candidate { cylinder, .. }) = self.best else { return Ok(()) };
+            let Some(median) = self.scorer.median_inlier_distance(&cylinder) else { return Ok(()) };
             let threshold = THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median;
             let threshold = threshold.max(SMALLEST_THRESHOLD * self.scorer.size);
             if threshold > 0.99 * self.scorer.threshold {
-                return;
+                return Ok(());
             }
             self.scorer.threshold = threshold;
-            self.best = Some(self.scorer.improve(&cylinder));
+            self.best = Some(self.improve(&cylinder)?);
         }
+        Ok(())
     }
 }
 
 /// Refuses options out of their range.
-fn check(points: &[Vector3<f64>], normals: Option<&[Vector3<f64>]>, options: &RansacOptions) -> Result<()> {
+fn check_arguments(
+    points: &[Vector3<f64>],
+    normals: Option<&[Vector3<f64>]>,
+    options: &RansacOptions,
+) -> Result<()> {
     let RansacOptions { max_iterations, threshold, confidence, limits, .. } = *options;
     if let Some(normals) = normals.filter(|normals| normals.len() != points.len()) {
         let requirement = format!("be {}, the number of points", points.len());
@@ -277,7 +357,7 @@ fn check(points: &[Vector3<f64>], normals: Option<&[Vector3<f64>]>, options: &Ra
     }
     if !(1..=LARGEST_MAX_ITERATIONS).contains(&max_iterations) {
         let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
-        return Err(Error::argument("max_iterations", max_iterations, requirement));
+        return Err(Error::argument("ransac_max_iterations", max_iterations, requirement));
     }
     if !(threshold >= 0.0 && threshold.is_finite()) {
         return Err(Error::argument("threshold", threshold, "be finite and at least 0"));
@@ -289,9 +369,19 @@ fn check(points: &[Vector3<f64>], normals: Option<&[Vector3<f64>]>, options: &Ra
 }
 
 /// Indices of at most [`SCORED_POINTS`] finite points, evenly spaced among these.
-fn choose(points: &[Vector3<f64>]) -> Result<Vec<usize>> {
-    let finite = || (0..points.len()).filter(|&i| points[i].iter().all(|x| x.is_finite()));
-    let usable = finite().count();
+fn choose(points: &[Vector3<f64>], check: Check<'_>) -> Result<Vec<usize>> {
+    /// Points between two looks at whether to go on.
+    const LOOKED_AT: usize = 1 << 16;
+    let finite = |i: &usize| points[*i].iter().all(|x| x.is_finite());
+    let parts =
+        || (0..points.len()).step_by(LOOKED_AT).map(|first| first..(first + LOOKED_AT).min(points.len()));
+    let mut usable = 0;
+    for part in parts() {
+        if check().is_break() {
+            return Err(cancelled(0));
+        }
+        usable += part.filter(finite).count();
+    }
     if usable < FEWEST_POINTS {
         return Err(Error::TooFewPoints {
             usable,
@@ -302,7 +392,19 @@ fn choose(points: &[Vector3<f64>]) -> Result<Vec<usize>> {
     }
     let wanted = usable.min(SCORED_POINTS) as u64;
     let before = |rank: usize| rank as u64 * wanted / usable as u64;
-    Ok(finite().enumerate().filter(|(rank, _)| before(*rank) < before(rank + 1)).map(|(_, i)| i).collect())
+    let (mut chosen, mut rank) = (Vec::new(), 0);
+    for part in parts() {
+        if check().is_break() {
+            return Err(cancelled(0));
+        }
+        for index in part.filter(finite) {
+            if before(rank) < before(rank + 1) {
+                chosen.push(index);
+            }
+            rank += 1;
+        }
+    }
+    Ok(chosen)
 }
 
 fn no_start(reason: String) -> Error {

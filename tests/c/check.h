@@ -70,10 +70,14 @@ cylfuse_fitter *new_full_fitter(void);
 void destroy(cylfuse_fitter *fitter);
 
 cylfuse_result fit(cylfuse_fitter *fitter);
+/* Fits and gives the cylinder; the cylinder of the last fit. */
+cylfuse_cylinder_estimate fit_cylinder(cylfuse_fitter *fitter);
+cylfuse_cylinder_estimate cylinder_of(const cylfuse_fitter *fitter);
 cylfuse_counts counts(const cylfuse_fitter *fitter);
 /* Whether a model is the true one to a tolerance in length and angle. */
 int is_truth(const cylfuse_cylinder *model, double tolerance);
-/* Whether a fit gives the true one. */
+/* Whether the last fit, or a new one, gave the true one. */
+int found_truth(const cylfuse_fitter *fitter, double tolerance);
 int fits_truth(cylfuse_fitter *fitter, double tolerance);
 
 void test_library(void);
@@ -94,6 +98,8 @@ void test_extent(void);
 void test_edge_selection(void);
 void test_cylinder(void);
 void test_memory(void);
+void test_views(void);
+void test_readers(void);
 #ifdef CYLFUSE_PANIC_TEST
 void test_panic(void);
 #endif

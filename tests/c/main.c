@@ -83,16 +83,31 @@ void destroy(cylfuse_fitter *fitter)
 cylfuse_result fit(cylfuse_fitter *fitter)
 {
     cylfuse_result result;
-    memset(&result, 0, sizeof result);
-    result.struct_size = sizeof result;
-    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), OK, "");
+    CHECK_OK(cylfuse_result_init(&result, sizeof result));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result, NULL), OK, "");
     return result;
+}
+
+cylfuse_cylinder_estimate fit_cylinder(cylfuse_fitter *fitter)
+{
+    cylfuse_cylinder_estimate estimate;
+    CHECK_OK(cylfuse_cylinder_estimate_init(&estimate, sizeof estimate));
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, NULL, &estimate), OK, "");
+    return estimate;
+}
+
+cylfuse_cylinder_estimate cylinder_of(const cylfuse_fitter *fitter)
+{
+    cylfuse_cylinder_estimate estimate;
+    CHECK_OK(cylfuse_cylinder_estimate_init(&estimate, sizeof estimate));
+    CHECK_ERROR(fitter, cylfuse_fitter_get_cylinder(fitter, &estimate), OK, "");
+    return estimate;
 }
 
 cylfuse_counts counts(const cylfuse_fitter *fitter)
 {
     cylfuse_counts counts;
-    counts.struct_size = sizeof counts;
+    CHECK_OK(cylfuse_counts_init(&counts, sizeof counts));
     CHECK_OK(cylfuse_fitter_counts(fitter, &counts));
     return counts;
 }
@@ -108,10 +123,16 @@ int is_truth(const cylfuse_cylinder *model, double tolerance)
     return holds;
 }
 
+int found_truth(const cylfuse_fitter *fitter, double tolerance)
+{
+    cylfuse_cylinder_estimate estimate = cylinder_of(fitter);
+    return is_truth(&estimate.model, tolerance);
+}
+
 int fits_truth(cylfuse_fitter *fitter, double tolerance)
 {
-    cylfuse_result result = fit(fitter);
-    return is_truth(&result.model, tolerance);
+    fit(fitter);
+    return found_truth(fitter, tolerance);
 }
 
 int main(void)
@@ -135,6 +156,8 @@ int main(void)
     test_edge_selection();
     test_cylinder();
     test_memory();
+    test_views();
+    test_readers();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
 #endif

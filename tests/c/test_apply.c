@@ -1,6 +1,8 @@
 /* Completion, extent, geometry without a fitter, memory. */
 #include "check.h"
 
+static const cylfuse_layout PACKED = CYLFUSE_LAYOUT_PACKED;
+
 static cylfuse_fitter *new_depth_fitter(void)
 {
     cylfuse_fitter *fitter = new_camera_fitter();
@@ -29,7 +31,7 @@ static void packed_points(cylfuse_fitter *fitter)
     CHECK(bound == the_scene.mask_pixels);
     double *points = exactly(24 * bound);
     cylfuse_points_out out = points_out(points, CYLFUSE_SCALAR_F64, bound);
-    CHECK_OK(cylfuse_fitter_complete(fitter, &the_scene.truth, NULL, &out, &done));
+    CHECK_OK(cylfuse_fitter_complete(fitter, &the_scene.truth, NULL, PACKED, &out, &done));
     CHECK(done.count == done.hits && done.hits + done.misses == bound && done.outside_camera == 0);
     CHECK(done.count == bound && done.out_of_range == 0);
     cylfuse_points_view view = scene_points();
@@ -45,36 +47,36 @@ static void packed_points(cylfuse_fitter *fitter)
     /* Too small a buffer: the need is told and nothing written. */
     points[0] = 77.0;
     out.capacity = bound - 1;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, &the_scene.truth, NULL, &out, &done), BUFFER_TOO_SMALL,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, &the_scene.truth, NULL, PACKED, &out, &done), BUFFER_TOO_SMALL,
                 "out.data holds");
     CHECK(done.count == bound && done.hits == 0 && points[0] == 77.0);
     out.data = NULL;
     out.capacity = 0;
-    CHECK_STATUS(cylfuse_fitter_complete(fitter, NULL, NULL, &out, &done), BUFFER_TOO_SMALL);
+    CHECK_STATUS(cylfuse_fitter_complete(fitter, NULL, NULL, PACKED, &out, &done), BUFFER_TOO_SMALL);
     CHECK(done.count > 0 && done.count <= bound);
 
     /* A thinner model: fewer hits than pixels, and that many fit. */
     cylfuse_cylinder thin = the_scene.truth;
     thin.radius = 0.02;
     out = points_out(points, CYLFUSE_SCALAR_F64, bound);
-    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, &out, &done));
+    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, PACKED, &out, &done));
     CHECK(done.hits < bound && done.misses == bound - done.hits && done.count == done.hits);
     double *few = exactly(24 * (size_t)done.hits);
     out = points_out(few, CYLFUSE_SCALAR_F64, (size_t)done.hits);
-    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, &out, &done));
+    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, PACKED, &out, &done));
     CHECK(memcmp(few, points, 24 * (size_t)done.hits) == 0);
     out.capacity--;
-    CHECK_STATUS(cylfuse_fitter_complete(fitter, &thin, NULL, &out, &done), BUFFER_TOO_SMALL);
+    CHECK_STATUS(cylfuse_fitter_complete(fitter, &thin, NULL, PACKED, &out, &done), BUFFER_TOO_SMALL);
     CHECK(done.count == out.capacity + 1);
 
     /* A cylinder that no ray meets. */
     thin.point[0] += 10.0;
     thin.point[1] += 20.0;
-    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, &out, &done));
+    CHECK_OK(cylfuse_fitter_complete(fitter, &thin, NULL, PACKED, &out, &done));
     CHECK(done.count == 0 && done.hits == 0 && done.misses == bound);
 
     out.row_stride = 100;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, &out, &done), INVALID_ARGUMENT,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, PACKED, &out, &done), INVALID_ARGUMENT,
                 "out.row_stride is 100; it must be 0 for packed points");
     free(few);
     free(points);
@@ -92,11 +94,10 @@ static void organised_points(cylfuse_fitter *fitter)
     CHECK_OK(cylfuse_fitter_complete_bound(fitter, NULL, CYLFUSE_LAYOUT_ORGANISED, &bound));
     CHECK(bound == PIXELS);
     cylfuse_points_out out = points_out(memory, CYLFUSE_SCALAR_F32, bound);
-    out.layout = CYLFUSE_LAYOUT_ORGANISED;
     out.point_stride = STRIDE;
     out.row_stride = ROW;
     cylfuse_mask_view mask = scene_mask();
-    CHECK_OK(cylfuse_fitter_complete(fitter, NULL, &mask, &out, &done));
+    CHECK_OK(cylfuse_fitter_complete(fitter, NULL, &mask, CYLFUSE_LAYOUT_ORGANISED, &out, &done));
     CHECK(done.count == PIXELS && done.hits + done.misses == the_scene.mask_pixels);
     size_t found = 0;
     for (int k = 0; k < PIXELS; k++) {
@@ -114,17 +115,17 @@ static void organised_points(cylfuse_fitter *fitter)
     }
     CHECK(found == done.hits);
     out.capacity--;
-    CHECK_STATUS(cylfuse_fitter_complete(fitter, NULL, &mask, &out, &done), BUFFER_TOO_SMALL);
+    CHECK_STATUS(cylfuse_fitter_complete(fitter, NULL, &mask, CYLFUSE_LAYOUT_ORGANISED, &out, &done), BUFFER_TOO_SMALL);
     CHECK(done.count == PIXELS);
     out.capacity++;
     out.point_stride = 8;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, &out, &done), INVALID_ARGUMENT,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, CYLFUSE_LAYOUT_ORGANISED, &out, &done), INVALID_ARGUMENT,
                 "out.data: the stride of a point is 8; it must be at least 12 bytes");
     out.point_stride = PTRDIFF_MAX;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, &out, &done), INVALID_ARGUMENT,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, CYLFUSE_LAYOUT_ORGANISED, &out, &done), INVALID_ARGUMENT,
                 "fit into memory");
     mask.height = 60;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, &out, &done), SIZE_MISMATCH, "mask is 160 x 60");
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, &mask, CYLFUSE_LAYOUT_ORGANISED, &out, &done), SIZE_MISMATCH, "mask is 160 x 60");
     free(memory);
 }
 

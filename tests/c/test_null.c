@@ -11,7 +11,7 @@ static void without_a_fitter(void)
     cylfuse_image_view image = scene_image();
     cylfuse_counts out_counts = {.struct_size = sizeof out_counts};
     cylfuse_result result = {.struct_size = sizeof result};
-    cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
+    cylfuse_cylinder_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
     cylfuse_completion completion = {.struct_size = sizeof completion};
     cylfuse_extent extent = {.struct_size = sizeof extent};
     cylfuse_points_out out;
@@ -36,15 +36,15 @@ static void without_a_fitter(void)
     CHECK_STATUS(cylfuse_fitter_push_edges(NULL, &edges), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_push_image(NULL, &image), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_counts(NULL, &out_counts), NULL_POINTER);
-    CHECK_STATUS(cylfuse_fitter_fit(NULL, &result), NULL_POINTER);
-    CHECK_STATUS(cylfuse_fitter_evaluate(NULL, &the_scene.truth, &result), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_fit(NULL, &result, NULL), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_evaluate(NULL, &the_scene.truth, &result, NULL), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_get_result(NULL, &result), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_residuals(NULL, NULL, CYLFUSE_RESIDUAL_KIND_POINTS, values, 2, &count),
                  NULL_POINTER);
-    CHECK_STATUS(cylfuse_fitter_limb_samples(NULL, NULL, 0, &count), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_limb_samples(NULL, NULL, sizeof(cylfuse_limb_sample), 0, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_diagnose(NULL, NULL, &diagnosis), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete_bound(NULL, NULL, CYLFUSE_LAYOUT_PACKED, &count), NULL_POINTER);
-    CHECK_STATUS(cylfuse_fitter_complete(NULL, NULL, NULL, &out, &completion), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_complete(NULL, NULL, NULL, CYLFUSE_LAYOUT_PACKED, &out, &completion), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_complete_depth(NULL, NULL, NULL, &depth_out, &completion), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_extent(NULL, NULL, NULL, &extent), NULL_POINTER);
     uint8_t limbs[2];
@@ -78,24 +78,22 @@ static void without_an_argument(void)
     CHECK_ERROR(fitter, cylfuse_fitter_push_edges(fitter, NULL), NULL_POINTER, "segments is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, NULL), NULL_POINTER, "image is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_counts(fitter, NULL), NULL_POINTER, "out_counts is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, NULL), NULL_POINTER, "out_result is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_evaluate(fitter, NULL, &result), NULL_POINTER, "model is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_evaluate(fitter, &the_scene.truth, NULL), NULL_POINTER,
-                "out_result is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_evaluate(fitter, NULL, &result, NULL), NULL_POINTER, "model is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_get_cylinder(fitter, NULL), NULL_POINTER, "out_estimate is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_get_result(fitter, NULL), NULL_POINTER, "out_result is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, kind, NULL, POINTS + PIXELS, &count), NULL_POINTER,
                 "out is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_residuals(fitter, NULL, kind, values, 2, NULL), NULL_POINTER,
                 "out_count is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, 0, NULL), NULL_POINTER, "out_count is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_limb_samples(fitter, NULL, sizeof(cylfuse_limb_sample), 0, NULL), NULL_POINTER, "out_count is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_diagnose(fitter, NULL, NULL), NULL_POINTER, "out_diagnosis is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_complete_bound(fitter, NULL, CYLFUSE_LAYOUT_PACKED, NULL), NULL_POINTER,
                 "out_capacity is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, NULL, &completion), NULL_POINTER, "out is NULL");
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, &out, NULL), NULL_POINTER,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, CYLFUSE_LAYOUT_PACKED, NULL, &completion), NULL_POINTER, "out is NULL");
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, CYLFUSE_LAYOUT_PACKED, &out, NULL), NULL_POINTER,
                 "out_completion is NULL");
     out.capacity = PIXELS;
-    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, &out, &completion), NULL_POINTER,
+    CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, CYLFUSE_LAYOUT_PACKED, &out, &completion), NULL_POINTER,
                 "out.data is NULL");
     CHECK_ERROR(fitter, cylfuse_fitter_complete_depth(fitter, NULL, NULL, NULL, &completion), NULL_POINTER,
                 "out is NULL");

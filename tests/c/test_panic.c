@@ -13,7 +13,7 @@ void test_panic(void)
     CHECK(strstr(cylfuse_fitter_last_error(fitter), "defect of the library") != NULL);
     /* The message stays, and nothing else works any more. */
     cylfuse_result result = {.struct_size = sizeof result};
-    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result), PANIC, "provoked by cylfuse_test_panic");
+    CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &result, NULL), PANIC, "provoked by cylfuse_test_panic");
     CHECK_STATUS(cylfuse_fitter_clear(fitter), PANIC);
     CHECK_STATUS(cylfuse_fitter_cancel(fitter), PANIC);
     CHECK_STATUS(cylfuse_fitter_set_options(fitter, NULL), PANIC);

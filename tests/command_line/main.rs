@@ -7,4 +7,7 @@ mod clouds;
 mod formats;
 mod options;
 mod output;
+#[path = "../support/scene.rs"]
+mod scene;
 mod support;
+mod views;

@@ -54,6 +54,15 @@ fn values_out_of_range_are_named_with_their_limit() {
         "--axis-max-angle is 91; it must lie in [0, 90] degrees",
     );
     refused(&["--method", "magic"], "magic");
+    refused(
+        &["--noise", "edge-endpoint=0"],
+        "deviation of an edge endpoint is 0; it must be finite and greater",
+    );
+    refused(&["--noise=depth=-1"], "noise of depth is -1; it must be finite and at least 0; 0 = estimated");
+    refused(&["--noise", "edge-endpoint"], "give NAME=VALUE, such as edge-endpoint=0.3");
+    refused(&["--noise", "edge=1"], "'edge' is none of edge-endpoint, mask-side,");
+    refused(&["--noise", "blur=much"], "'much' is not a number");
+    refused(&["--independent-points", "-2"], "independent points is -2; it must be finite and at least 0");
     refused(&["--threads", "many"], "--threads");
 }
 
@@ -68,7 +77,17 @@ fn something_must_be_fitted() {
 fn help_and_version_are_there() {
     let help = run(["fit", "--help"]);
     assert_eq!(help.code, 0);
-    for word in ["--objective", "--edge-weight", "--start", "--no-image", "depth_scale", "kannala_brandt"] {
+    for word in [
+        "--objective",
+        "--edge-weight",
+        "--start",
+        "--no-image",
+        "depth_scale",
+        "kannala_brandt",
+        "depth_camera",
+        "views",
+        "mask-growth",
+    ] {
         assert!(help.stdout.contains(word), "no {word} in the help");
     }
     assert_eq!(run(["--version"]).stdout, concat!("cylfuse ", env!("CARGO_PKG_VERSION"), "\n"));
@@ -117,6 +136,24 @@ fn other_methods_fit_the_points_alone() {
     for name in ["termination", "lambda", "step_norm", "initial_cost", "rejected_steps"] {
         assert!(result[name].is_null(), "{name}");
     }
+}
+
+#[test]
+fn what_is_known_of_the_noise_can_be_told() {
+    let frame = data("w004");
+    let deviation = |options: &[&str]| fitted(&frame, options)["uncertainty"]["radius"].as_f64().unwrap();
+    let points = |count: &str| fitted(&frame, &["--method", "points", "--independent-points", count]);
+    assert_eq!(points("50")["result"]["independent_points"], 50.0);
+    let [few, many] = ["50", "200"].map(|count| points(count)["uncertainty"]["radius"].as_f64().unwrap());
+    assert!(few > 1.5 * many, "{few} {many}");
+    // Edges that are set better, and depth that is better, tell more of the radius.
+    let given = ["--edges-as-given", "--noise"];
+    let edges = |value: &str| deviation(&[&given[..], &[value]].concat());
+    assert!(edges("edge-endpoint=0.1") < edges("edge-endpoint=1"));
+    let depth = |value: &str| deviation(&["--no-edges", "--no-image", "--noise", value]);
+    assert!(depth("depth=0.0001") < depth("depth=0.01"));
+    let sides = ["--no-edges", "--noise", "mask-side=5", "--noise", "mask-unevenness=3"];
+    assert_ne!(fitted(&frame, &sides)["cylinder"], fitted(&frame, &sides[..1])["cylinder"]);
 }
 
 #[test]

@@ -34,6 +34,7 @@ fn check_shape(object: &Value) {
     let mut top = keys(object);
     top.sort_unstable();
     let expected = [
+        "arc_samples",
         "completion",
         "cylinder",
         "extent",
@@ -45,8 +46,10 @@ fn check_shape(object: &Value) {
         "result",
         "seconds",
         "uncertainty",
+        "views",
     ];
     assert_eq!(top, expected);
+    assert!(object["views"].is_null(), "the only view is the whole");
     let direction = vector(&object["cylinder"]["direction"]);
     assert!((direction.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14);
     vector(&object["cylinder"]["point"]);
@@ -62,6 +65,12 @@ fn check_shape(object: &Value) {
     for state in ["start_state", "end_state"] {
         assert!(["seen", "cut", "hidden", "unknown"].contains(&extent[state].as_str().unwrap()));
     }
+
+    for source in ["start_source", "end_source"] {
+        assert!(["mask", "image", "border"].contains(&extent[source].as_str().unwrap()), "{extent}");
+    }
+    assert_eq!((&extent["start_view"], &extent["end_view"]), (&0.into(), &0.into()));
+    assert!(object["arc_samples"].as_array().unwrap().iter().all(Value::is_u64));
 
     let uncertainty = &object["uncertainty"];
     let covariance = &uncertainty["covariance"];
@@ -95,6 +104,8 @@ fn check_shape(object: &Value) {
         "energy_edges",
         "initial_cost",
         "point_rms",
+        "point_scale",
+        "independent_points",
         "edge_rms_pixels",
         "near_wall_fraction",
         "condition",
@@ -116,7 +127,7 @@ fn check_shape(object: &Value) {
     assert!(result["flags"].as_array().unwrap().iter().all(Value::is_string));
     vector(&result["start"]["point"]);
     let dropped = result["dropped"].as_object().unwrap();
-    assert_eq!(dropped.len(), 6);
+    assert_eq!(dropped.len(), 7);
     let total: u64 = dropped.values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(total + result["points_used"].as_u64().unwrap(), result["points_given"].as_u64().unwrap());
 

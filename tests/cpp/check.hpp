@@ -29,7 +29,7 @@ static inline bool check(bool holds, const char *what, const char *file, int lin
             statement;                                                                                    \
         } catch (const cylfuse::Error &error) {                                                           \
             thrown = true;                                                                                \
-            if (!CHECK(error.status() == CYLFUSE_STATUS_##expected) ||                                    \
+            if (!CHECK(int(error.status()) == CYLFUSE_STATUS_##expected) ||                                    \
                 !CHECK(std::string(error.what()).find(text) != std::string::npos)) {                      \
                 std::printf("    status %d: %s\n", int(error.status()), error.what());                    \
             }                                                                                             \

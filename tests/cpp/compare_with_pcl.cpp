@@ -63,13 +63,12 @@ struct Frame {
         cylfuse::Fitter fitter;
         fitter.set_intrinsics(cylfuse::intrinsics(matrix, distortion, depth.size()));
         fitter.push_depth(cylfuse::depth_view(depth, unit), cylfuse::mask_view(mask));
-        cylfuse::Options options;
-        options.method = CYLFUSE_METHOD_RANSAC;
-        fitter.set_options(options);
+        fitter.set_options(cylfuse::Options().method(cylfuse::Method::Ransac));
         fitter.fit();
         fitter.set_options(cylfuse::Options());
-        fitter.push_edges(cylfuse::segments_view(cylfuse::propose_edges(fitter, image)));
-        return fitter.fit().model;
+        const std::vector<cv::Vec4f> edges = cylfuse::propose_edges(fitter, image);
+        fitter.push_edges(cylfuse::segments_view(edges));
+        return fitter.fit().cylinder.model;
     }
 };
 

@@ -14,5 +14,5 @@ double radius_in_another_unit(const pcl::PointCloud<pcl::PointXYZ> &cloud)
 {
     cylfuse::Fitter fitter;
     fitter.push_points(cylfuse::points_view(cloud));
-    return fitter.fit().model.radius;
+    return fitter.fit().cylinder.model.radius;
 }

@@ -3,12 +3,11 @@
 
 #include <cylfuse/eigen.hpp>
 
-template <class Points>
-static double radius(const Points &points)
+static double radius(const cylfuse::PointsView &points)
 {
     cylfuse::Fitter fitter;
-    fitter.push_points(cylfuse::points_view(points));
-    return fitter.fit().model.radius;
+    fitter.push_points(points);
+    return fitter.fit().cylinder.model.radius;
 }
 
 int main()
@@ -27,20 +26,21 @@ int main()
         list.push_back(p.cast<float>());
         homogeneous.push_back(p.homogeneous());
     }
-    CHECK_NEAR(radius(columns), 0.05, 1e-9);
-    CHECK_NEAR(radius(rows), 0.05, 1e-6);
-    CHECK_NEAR(radius(wide.middleRows<3>(2)), 0.05, 1e-9);
-    CHECK_NEAR(radius(columns.leftCols(200)), 0.05, 1e-9);
-    CHECK_NEAR(radius(list), 0.05, 1e-6);
-    CHECK_NEAR(radius(homogeneous), 0.05, 1e-9);
-    CHECK_ERROR(radius(Eigen::Matrix3Xd(3, 0)), TOO_FEW_POINTS, "0 of 0 points");
+    CHECK_NEAR(radius(cylfuse::points_view(columns)), 0.05, 1e-9);
+    CHECK_NEAR(radius(cylfuse::points_view(rows)), 0.05, 1e-6);
+    CHECK_NEAR(radius(cylfuse::points_view(wide.middleRows<3>(2))), 0.05, 1e-9);
+    CHECK_NEAR(radius(cylfuse::points_view(columns.leftCols(200))), 0.05, 1e-9);
+    CHECK_NEAR(radius(cylfuse::points_view(list)), 0.05, 1e-6);
+    CHECK_NEAR(radius(cylfuse::points_view(homogeneous)), 0.05, 1e-9);
+    const Eigen::Matrix3Xd none(3, 0);
+    CHECK_ERROR(radius(cylfuse::points_view(none)), TOO_FEW_POINTS, "0 of 0 points");
 
     // The radius is the last of the seven numbers.
     cylfuse::Fitter fitter;
     fitter.push_points(cylfuse::points_view(list));
-    const cylfuse::Result result = fitter.fit();
-    const Eigen::Matrix<double, 7, 7> covariance = cylfuse::covariance(result);
-    CHECK_NEAR(std::sqrt(covariance(6, 6)), result.radius_deviation, 1e-12);
+    const cylfuse::CylinderEstimate cylinder = fitter.fit().cylinder;
+    const Eigen::Matrix<double, 7, 7> covariance = cylfuse::covariance(cylinder);
+    CHECK_NEAR(std::sqrt(covariance(6, 6)), cylinder.radius_deviation, 1e-12);
     CHECK(covariance.isApprox(covariance.transpose()));
 
     const cylfuse::Cylinder model =
@@ -48,6 +48,11 @@ int main()
     CHECK(cylfuse::point(model) == Eigen::Vector3d(1, 2, 3) && model.radius == 0.5);
     CHECK(cylfuse::direction(model) == Eigen::Vector3d(0, 0, 2));
     CHECK_NEAR(cylfuse::axis(model).distance(Eigen::Vector3d(1, 5, 9)), 3.0, 1e-12);
+    const Eigen::Isometry3d pose =
+        Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.5, Eigen::Vector3d(1, 2, 2).normalized());
+    const cylfuse::RigidMotion motion = cylfuse::rigid_motion(pose);
+    CHECK(motion.rotation[1] == pose(0, 1) && motion.translation[2] == 3.0);
+    CHECK(cylfuse::isometry(motion).isApprox(pose, 1e-15));
     Eigen::Matrix3d k;
     k << 500, 0, 320, 0, 510, 240, 0, 0, 1;
     const cylfuse::Intrinsics camera = cylfuse::intrinsics(k, 640, 480);

@@ -14,7 +14,7 @@ int main()
     }
     cylfuse::Fitter &fitter = *made;
     const auto none = fitter.fit();
-    if (none || none.status() != CYLFUSE_STATUS_TOO_FEW_POINTS ||
+    if (none || none.status() != cylfuse::Status::TooFewPoints ||
         std::string(none.error().what()).find("0 of 0 points") == std::string::npos) {
         std::printf("a fit without points: %d %s\n", int(none.status()), none.error().what());
         return 1;
@@ -23,13 +23,24 @@ int main()
     for (int k = 0; k < 200; ++k) {
         points.push_back({0.5F * std::cos(0.008F * float(k)), 0.1F * float(k % 7), 2.0F - 0.5F * std::sin(0.008F * float(k))});
     }
-    fitter.set_progress([](const cylfuse_progress &) { return true; });
+    fitter.set_progress([](const cylfuse::Progress &) { return true; });
     if (!fitter.push_points(points)) {
         return 1;
     }
     const auto result = fitter.fit();
-    if (!result || std::abs(result->model.radius - 0.5) > 1e-5) {
-        std::printf("%s, radius %f\n", result.error().what(), result->model.radius);
+    if (!result || std::abs(result->cylinder.model.radius - 0.5) > 1e-5) {
+        std::printf("%s, radius %f\n", result.error().what(), result->cylinder.model.radius);
+        return 1;
+    }
+    double some[10];
+    const auto residuals = fitter.residuals(cylfuse::ResidualKind::Points, some);
+    if (residuals || residuals.status() != cylfuse::Status::BufferTooSmall || residuals.error().needed() != 200) {
+        std::printf("a small buffer: %s, %zu needed\n", residuals.error().what(), residuals.error().needed());
+        return 1;
+    }
+    const auto all = fitter.residuals(cylfuse::ResidualKind::Points);
+    auto frame = cylfuse::Frame::create();
+    if (!all || all->size() != 200 || !frame || frame->set_intrinsics(cylfuse::Intrinsics())) {
         return 1;
     }
     std::printf("without exceptions: all checks hold\n");

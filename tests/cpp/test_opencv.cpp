@@ -39,11 +39,11 @@ static void all_types_pass()
         cylfuse::Fitter fitter;
         fitter.set_intrinsics(cylfuse::intrinsics(MATRIX, cv::noArray(), {160, 120}));
         fitter.push_depth(depth, cylfuse::mask_view(images.mask));
-        CHECK_NEAR(fitter.fit().model.radius, PIPE.radius, 1e-4);
+        CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-4);
         cv::Mat completed;
-        cylfuse::complete_depth(fitter, completed, CV_32FC1, {160, 120}, 1.0, &PIPE);
+        cylfuse::complete_depth(fitter, completed, CV_32FC1, {160, 120}, 1.0, PIPE);
         CHECK_NEAR(completed.at<float>(60, 80), images.depth.at<float>(60, 80), 1e-6);
-        cylfuse::complete_depth(fitter, completed, CV_16UC1, {160, 120}, 1e-4, &PIPE);
+        cylfuse::complete_depth(fitter, completed, CV_16UC1, {160, 120}, 1e-4, PIPE);
         CHECK_NEAR(completed.at<std::uint16_t>(60, 80), 1e4 * images.depth.at<float>(60, 80), 1.0);
         CHECK(completed.at<std::uint16_t>(0, 0) == 0);
     }
@@ -55,25 +55,26 @@ static void all_types_pass()
     cylfuse::Fitter fitter;
     fitter.push_points(cylfuse::points_view(cloud));
     CHECK(fitter.counts().points_used == 300);
-    CHECK_NEAR(fitter.fit().model.radius, PIPE.radius, 1e-9);
+    CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-9);
 }
 
 static void segments_and_cameras()
 {
     const std::vector<cv::Vec4f> segments = {{1, 2, 3, 4}, {5, 6, 7, 8}};
     const cylfuse::SegmentsView of_vector = cylfuse::segments_view(segments);
-    const cylfuse::SegmentsView of_column = cylfuse::segments_view(cv::Mat(segments));
+    const cv::Mat column(segments);
+    const cylfuse::SegmentsView of_column = cylfuse::segments_view(column);
     CHECK(of_vector.count == 2 && of_column.count == 2 && of_column.segment_stride == 16);
     CHECK(cylfuse::segments_view(cv::Mat()).count == 0);
     CHECK_ERROR(cylfuse::segments_view(cv::Mat(2, 1, CV_32SC4)), INVALID_ARGUMENT, "CV_32SC4");
 
     const cylfuse::Intrinsics five =
         cylfuse::intrinsics(cv::Mat(cv::Matx33f(MATRIX)), std::vector<float>{0.5F, 0, 0, 0, 0.25F}, {160, 120});
-    CHECK(five.distortion_model == CYLFUSE_DISTORTION_BROWN_CONRADY && five.fx == 200.0);
+    CHECK(five.distortion_model() == cylfuse::Distortion::BrownConrady && five.fx == 200.0);
     CHECK(five.distortion[0] == 0.5 && five.distortion[4] == 0.25);
     cylfuse::intrinsics(MATRIX, std::vector<double>(14, 0.0), {160, 120});
     const auto fisheye = cylfuse::fisheye_intrinsics(MATRIX, cv::Vec4d(0.1, 0.2, 0.3, 0.4), {160, 120});
-    CHECK(fisheye.distortion_model == CYLFUSE_DISTORTION_KANNALA_BRANDT && fisheye.distortion[3] == 0.4);
+    CHECK(fisheye.distortion_model() == cylfuse::Distortion::KannalaBrandt && fisheye.distortion[3] == 0.4);
     CHECK_ERROR(cylfuse::intrinsics(MATRIX, std::vector<double>(6, 0.0), {160, 120}), INVALID_INTRINSICS, "6");
     CHECK_ERROR(cylfuse::intrinsics(MATRIX, std::vector<double>(12, 0.1), {160, 120}), UNSUPPORTED, "thin prism");
     CHECK_ERROR(cylfuse::intrinsics(MATRIX, cv::noArray(), {160, 0}), INVALID_INTRINSICS, "160 x 0");
@@ -102,24 +103,62 @@ static void edges_are_proposed_and_drawn()
         }
     }
     // In the image the limbs are located near given edges that are a pixel off.
-    for (const cv::Mat &image : {images.image, colour}) {
+    cv::Mat with_alpha;
+    cv::cvtColor(colour, with_alpha, cv::COLOR_BGR2BGRA);
+    for (const cv::Mat &image : {images.image, colour, with_alpha}) {
         std::vector<std::array<double, 4>> off = images.scene.edges;
         off[0][0] -= 1.0, off[0][2] -= 1.0;
-        cylfuse::push_image(fitter, image);
+        fitter.push_image(cylfuse::image_view(image));
         fitter.push_edges(off);
-        const cylfuse::Result result = fitter.fit();
-        std::vector<cylfuse_limb_sample> samples(1000);
-        CHECK(result.limbs_located == 2 && fitter.limb_samples(samples) > 4);
-        CHECK_NEAR(result.model.radius, PIPE.radius, 0.0005);
+        const cylfuse::CylinderFit fit = fitter.fit();
+        CHECK(fit.result.limbs_located == 2 && fitter.limb_samples().size() > 4);
+        CHECK_NEAR(fit.cylinder.model.radius, PIPE.radius, 0.0005);
     }
     cv::Mat drawn = colour.clone();
     cylfuse::draw(drawn, PIPE, fitter.extent(), images.scene.camera);
-    const cylfuse::Colours colours;
     const int limb = int(std::lround(images.scene.edges[0][0]));
     const cv::Vec3b pixel = drawn.at<cv::Vec3b>(50, limb);
     CHECK(pixel[1] > 150 && pixel[0] < 100 && pixel[2] < 100);
     CHECK(cv::norm(drawn, colour) > 0.0 && drawn.at<cv::Vec3b>(5, 5) == colour.at<cv::Vec3b>(5, 5));
     CHECK_ERROR(cylfuse::draw(images.image, PIPE, fitter.extent(), images.scene.camera), INVALID_ARGUMENT, "CV_8UC3");
+}
+
+// Colours weigh as in the library, whatever the order of the bytes; a label is one of several masks.
+static void colours_and_labels_pass()
+{
+    const cv::Mat colours(120, 160, CV_8UC3, cv::Scalar(10, 20, 30));
+    const cylfuse::ImageView view = cylfuse::image_view(colours);
+    CHECK(view.format == CYLFUSE_IMAGE_FORMAT_BGR8 && view.data == colours.data && view.gamma == 1.0);
+    Images images;
+    cv::Mat labels(120, 160, CV_8UC1, cv::Scalar(3));
+    labels.setTo(7, images.mask);
+    cylfuse::Fitter fitter;
+    fitter.set_intrinsics(images.scene.camera);
+    fitter.push_depth(cylfuse::depth_view(images.depth, 1.0), cylfuse::mask_view(labels, 7));
+    CHECK(fitter.counts().points_used == std::uint64_t(cv::countNonZero(images.mask)));
+}
+
+static void motions_are_read_and_draw()
+{
+    const cv::Vec3d angle(0.0, CV_PI, 0.0), translation(0.0, 0.0, 1.6);
+    cv::Matx33d matrix;
+    cv::Rodrigues(angle, matrix);
+    const cylfuse::RigidMotion by_vector = cylfuse::rigid_motion(angle, translation);
+    const cylfuse::RigidMotion by_matrix = cylfuse::rigid_motion(cv::Mat(cv::Matx33f(matrix)), cv::Mat(translation));
+    for (std::size_t k = 0; k < 9; ++k) {
+        CHECK_NEAR(by_vector.rotation[k], by_matrix.rotation[k], 1e-6);
+        CHECK_NEAR(by_vector.rotation[k], matrix.val[k], 1e-12);
+    }
+    CHECK(by_matrix.translation[2] == 1.6);
+    // From behind the pipe looks the same.
+    Images images;
+    cylfuse::Extent extent;
+    extent.start[1] = -0.1, extent.end[1] = 0.1;
+    extent.start[2] = extent.end[2] = 0.8;
+    cv::Mat front(120, 160, CV_8UC3, cv::Scalar::all(0)), back = front.clone();
+    cylfuse::draw(front, PIPE, extent, images.scene.camera);
+    cylfuse::draw(back, PIPE, extent, images.scene.camera, cylfuse::Colours(), by_vector);
+    CHECK(cv::norm(front, cv::NORM_L1) > 0.0 && cv::norm(front, back, cv::NORM_INF) < 60.0);
 }
 
 static void bad_images_are_named()
@@ -129,6 +168,8 @@ static void bad_images_are_named()
     CHECK_ERROR(cylfuse::depth_view(images.image, 1.0), INVALID_ARGUMENT, "CV_8UC1; it must be of type CV_16UC1");
     CHECK_ERROR(cylfuse::mask_view(images.depth), INVALID_ARGUMENT, "the mask is of type CV_32FC1");
     CHECK_ERROR(cylfuse::points_view(images.depth), INVALID_ARGUMENT, "CV_32FC3 or CV_64FC3");
+    CHECK_ERROR(cylfuse::rigid_motion(cv::Mat::eye(4, 4, CV_64F), cv::Vec3d()), INVALID_ARGUMENT, "3 x 3");
+    CHECK_ERROR(cylfuse::rigid_motion(cv::Vec3d(), cv::Vec4d()), INVALID_ARGUMENT, "translation");
     const int sizes[] = {4, 5, 6};
     CHECK_ERROR(cylfuse::mask_view(cv::Mat(3, sizes, CV_8UC1)), INVALID_ARGUMENT, "3 dimensions");
     cylfuse::Fitter fitter;
@@ -138,11 +179,11 @@ static void bad_images_are_named()
     cv::Mat large(200, 200, CV_8UC3);
     CHECK_ERROR(cylfuse::draw(large, PIPE, cylfuse::Extent(), images.scene.camera), SIZE_MISMATCH, "200 x 200");
     CHECK_ERROR(cylfuse::propose_edges(fitter, images.image), BAD_STATE, "fit first");
-    CHECK_ERROR(cylfuse::push_image(fitter, images.image.rowRange(0, 7)), SIZE_MISMATCH, "160 x 7");
-    CHECK_ERROR(cylfuse::push_image(fitter, cv::Mat(120, 160, CV_16UC3)), INVALID_ARGUMENT, "CV_16UC3");
-    CHECK_ERROR(cylfuse::push_image(fitter, images.image, 22.0), INVALID_ARGUMENT, "gamma of the image is 22");
+    CHECK_ERROR(fitter.push_image(cylfuse::image_view(images.image.rowRange(0, 7))), SIZE_MISMATCH, "160 x 7");
+    CHECK_ERROR(cylfuse::image_view(cv::Mat(120, 160, CV_16UC3)), INVALID_ARGUMENT, "CV_16UC3");
+    CHECK_ERROR(fitter.push_image(cylfuse::image_view(images.image, 22.0)), INVALID_ARGUMENT, "gamma of the image is 22");
     images.depth.at<float>(0, 0) = NAN;
-    CHECK_ERROR(cylfuse::push_image(fitter, images.depth), INVALID_ARGUMENT, "NaN");
+    CHECK_ERROR(fitter.push_image(cylfuse::image_view(images.depth)), INVALID_ARGUMENT, "NaN");
 }
 
 int main()
@@ -150,6 +191,8 @@ int main()
     all_types_pass();
     segments_and_cameras();
     edges_are_proposed_and_drawn();
+    colours_and_labels_pass();
+    motions_are_read_and_draw();
     bad_images_are_named();
     return finish("OpenCV");
 }

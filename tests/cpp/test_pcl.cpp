@@ -60,7 +60,7 @@ static void any_type_of_points_passes()
     cylfuse::Fitter fitter;
     fitter.push_points(cylfuse::points_view(*cloud));
     CHECK(fitter.counts().points_used == 599 && fitter.counts().dropped_not_finite == 1);
-    CHECK_NEAR(fitter.fit().model.radius, PIPE.radius, 1e-6);
+    CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-6);
 
     // Whatever the number of points that are gathered at a time.
     pcl::Indices indices;
@@ -71,16 +71,15 @@ static void any_type_of_points_passes()
     fitter.clear();
     cylfuse::push_points(fitter, *cloud, indices);
     CHECK(fitter.counts().points_given == 2300 && fitter.counts().points_used == 2299);
-    std::vector<double> residuals(2299);
     const double first = (*cloud)[599].z;
-    CHECK(fitter.residuals(CYLFUSE_RESIDUAL_KIND_POINTS, residuals, &PIPE) == 2299);
+    const std::vector<double> residuals = fitter.residuals(cylfuse::ResidualKind::Points, PIPE);
+    CHECK(residuals.size() == 2299);
     CHECK_NEAR(residuals[0], std::hypot((*cloud)[599].x, first - 0.8) - 0.05, 1e-7);
 
     const Scene scene;
     fitter.set_intrinsics(scene.camera);
-    const cylfuse::MaskView mask = scene.mask_view();
     pcl::PointCloud<PointT> completed;
-    const cylfuse::Completion completion = cylfuse::complete(fitter, completed, &PIPE, &mask);
+    const cylfuse::Completion completion = cylfuse::complete(fitter, completed, PIPE, scene.mask_view());
     CHECK(completed.size() == completion.count && completed.width == completion.count && completed.is_dense);
     CHECK_NEAR(std::hypot(completed[0].x, completed[0].z - 0.8), 0.05, 1e-6);
 }
@@ -125,7 +124,7 @@ static void the_class_stands_in_for_that_of_pcl()
     CHECK(coefficients.values.size() == 7);
     CHECK_NEAR(coefficients.values[6], 0.05, 1e-4);
     CHECK(segmentation.getIndices()->size() == 600);
-    CHECK(segmentation.getResult().points_used == 599);
+    CHECK(segmentation.getResult().result.points_used == 599);
 
     // Only the points with these indices, in their order.
     segmentation.setIndices(pcl::IndicesPtr(new pcl::Indices{500, 5, 4, 3, 100, 200, 300, 400, 17, 230, 599}));
@@ -135,6 +134,92 @@ static void the_class_stands_in_for_that_of_pcl()
     segmentation.setIndices(pcl::IndicesPtr());
     segmentation.segment(inliers, coefficients);
     CHECK_NEAR(coefficients.values[6], 0.05, 1e-3);
+}
+
+// What PCL's users ask a model for, without normals.
+static void the_model_can_be_used()
+{
+    const Cloud::Ptr cloud = make_cloud<pcl::PointXYZ>(pipe_points(30, 20, -1.0, 1.0));
+    (*cloud)[4].x += 0.05F;
+    cylfuse::CylinderSegmentation<pcl::PointXYZ> segmentation;
+    settings(segmentation, cloud);
+    pcl::PointIndices inliers;
+    pcl::ModelCoefficients coefficients;
+    segmentation.segment(inliers, coefficients);
+    const auto model = segmentation.getModel();
+    if (!CHECK(model != nullptr)) {
+        return;
+    }
+    CHECK(model->getModelType() == pcl::SACMODEL_CYLINDER && model->getIndices()->size() == 600);
+    const Eigen::VectorXf values = Eigen::Map<const Eigen::VectorXf>(coefficients.values.data(), 7);
+    pcl::Indices selected;
+    model->selectWithinDistance(values, 0.005, selected);
+    CHECK(selected == inliers.indices && model->countWithinDistance(values, 0.005) == selected.size());
+    std::vector<double> distances;
+    model->getDistancesToModel(values, distances);
+    CHECK(distances.size() == 600 && distances[4] > 0.005 && distances[5] < 1e-5);
+    Cloud projected;
+    model->projectPoints(selected, values, projected, false);
+    CHECK(projected.size() == 599);
+    // Where there is no cylinder there still is a model.
+    cylfuse::CylinderSegmentation<pcl::PointXYZ> failing;
+    const Cloud::Ptr few(new Cloud(3, 1));
+    settings(failing, few);
+    failing.segment(inliers, coefficients);
+    CHECK(coefficients.values.empty() && failing.getModel() != nullptr);
+    CHECK(failing.getError().status() == cylfuse::Status::TooFewPoints);
+}
+
+// Camera, image, edges and mask go into the fit, and the fitter gives what it knows.
+static void camera_image_edges_and_mask_count()
+{
+    const Scene scene;
+    const Cloud::Ptr cloud(new Cloud(160, 120));
+    std::vector<std::uint8_t> image(160 * 120);
+    for (int row = 0; row < 120; ++row) {
+        for (int column = 0; column < 160; ++column) {
+            const auto pixel = std::size_t(row * 160 + column);
+            // A wall 0.3 behind the pipe.
+            const float z = scene.depth[pixel] > 0.0F ? scene.depth[pixel] : 1.1F;
+            (*cloud)[pixel] = {float((column - scene.camera.cx) / scene.camera.fx) * z,
+                               float((row - scene.camera.cy) / scene.camera.fy) * z, z};
+            const double inside = std::min(column - scene.edges[0][0], scene.edges[1][0] - column);
+            const double part = row > 35 && row < 85 ? 0.5 * (1.0 + std::erf(inside / 0.8)) : 0.0;
+            image[pixel] = std::uint8_t(60 + 120 * part);
+        }
+    }
+    cylfuse::CylinderSegmentation<pcl::PointXYZ> segmentation;
+    settings(segmentation, cloud);
+    segmentation.setIntrinsics(scene.camera);
+    segmentation.setImage(cylfuse::ImageView(image.data(), 160, 120));
+    segmentation.setEdges(scene.edges);
+    segmentation.setMask(scene.mask_view());
+    pcl::PointIndices inliers;
+    pcl::ModelCoefficients coefficients;
+    segmentation.segment(inliers, coefficients);
+    if (!CHECK(coefficients.values.size() == 7)) {
+        return;
+    }
+    CHECK_NEAR(coefficients.values[6], PIPE.radius, 1e-4);
+    const cylfuse::Result &result = segmentation.getResult().result;
+    CHECK(result.segments_given == 2 && result.limbs_located == 2);
+    CHECK(inliers.indices.size() == result.points_used);
+    for (const pcl::index_t index : inliers.indices) {
+        CHECK(scene.mask[std::size_t(index)] != 0);
+    }
+    CHECK(segmentation.getFitter().point_weights().inliers.size() == result.points_used);
+    CHECK_NEAR(segmentation.getFitter().extent({}, scene.mask_view()).length, 0.2, 0.02);
+    // Indices and mask together; a mask of another size is refused.
+    pcl::IndicesPtr every_other(new pcl::Indices);
+    for (pcl::index_t k = 0; k < 160 * 120; k += 2) {
+        every_other->push_back(k);
+    }
+    segmentation.setIndices(every_other);
+    segmentation.segment(inliers, coefficients);
+    CHECK(!inliers.indices.empty() && inliers.indices.size() == segmentation.getResult().result.points_used);
+    segmentation.setMask(cylfuse::MaskView(scene.mask.data(), 160, 60));
+    segmentation.segment(inliers, coefficients);
+    CHECK(inliers.indices.empty() && segmentation.getError().status() == cylfuse::Status::SizeMismatch);
 }
 
 // The origin is taken for the sensor only where the points face it.
@@ -157,14 +242,14 @@ static void bad_input_is_named()
 {
     pcl::PointIndices inliers;
     pcl::ModelCoefficients coefficients;
+    // As from PCL: nothing is thrown, the outputs are empty.
     const auto fails = [&](cylfuse::CylinderSegmentation<pcl::PointXYZ> &segmentation) {
         inliers.indices = {1};
         coefficients.values = {1.0F};
-        try {
-            segmentation.segment(inliers, coefficients);
-        } catch (const cylfuse::Error &) {
-            CHECK(inliers.indices.empty() && coefficients.values.empty());
-            throw;
+        segmentation.segment(inliers, coefficients);
+        CHECK(inliers.indices.empty() && coefficients.values.empty());
+        if (segmentation.getError().status() != cylfuse::Status::Ok) {
+            throw segmentation.getError();
         }
     };
     const Cloud::Ptr cloud = make_cloud<pcl::PointXYZ>(pipe_points(30, 20, -1.0, 1.0));
@@ -212,8 +297,9 @@ static void distances_inliers_and_projection_agree()
         cloud->push_back({anywhere(random), anywhere(random), anywhere(random)});
     }
     cylfuse::Fitter fitter;
-    fitter.push_points(cylfuse::points_view(*noisy_cloud(3.0, 0.003, 1)));
-    const pcl::ModelCoefficients coefficients = cylfuse::to_coefficients(fitter.fit().model);
+    const Cloud::Ptr on_pipe = noisy_cloud(3.0, 0.003, 1);
+    fitter.push_points(cylfuse::points_view(*on_pipe));
+    const pcl::ModelCoefficients coefficients = cylfuse::to_coefficients(fitter.fit().cylinder.model);
     const cylfuse::Cylinder model = cylfuse::to_cylinder(coefficients); // Of the same rounded numbers.
     const Eigen::VectorXf values = Eigen::Map<const Eigen::VectorXf>(coefficients.values.data(), 7);
 
@@ -262,6 +348,14 @@ static void distances_inliers_and_projection_agree()
 }
 
 // Limits that the data do not keep to hold in what comes out, as PCL reads it.
+static void fails(cylfuse::CylinderSegmentation<pcl::PointXYZ> &segmentation, pcl::PointIndices &inliers,
+                  pcl::ModelCoefficients &coefficients)
+{
+    segmentation.segment(inliers, coefficients);
+    CHECK(inliers.indices.empty() && coefficients.values.empty());
+    throw segmentation.getError();
+}
+
 static void limits_hold_as_pcl_checks_them()
 {
     const Cloud::Ptr cloud = noisy_cloud(1.5, 0.001, 3);
@@ -294,14 +388,14 @@ static void limits_hold_as_pcl_checks_them()
     pcl::ModelCoefficients coefficients;
     segmentation.setRadiusLimits(0.045, 0.045);
     segmentation.segment(inliers, coefficients);
-    CHECK(segmentation.getResult().model.radius == 0.045);
+    CHECK(segmentation.getResult().cylinder.model.radius == 0.045);
     segmentation.setRadiusLimits(0.05, 0.04);
-    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "radius");
+    CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "radius");
     segmentation.setRadiusLimits(-1.0, 0.0);
-    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "setRadiusLimits");
+    CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "setRadiusLimits");
     segmentation.setRadiusLimits(0.01, 0.2);
     segmentation.setEpsAngle(0.1);
-    CHECK_ERROR(segmentation.segment(inliers, coefficients), INVALID_ARGUMENT, "setAxis");
+    CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "setAxis");
 }
 
 // On clean full and half cylinders both find the same, to what PCL is off.
@@ -342,6 +436,8 @@ int main()
     any_type_of_points_passes<pcl::PointXYZI>();
     coefficients_go_both_ways();
     the_class_stands_in_for_that_of_pcl();
+    the_model_can_be_used();
+    camera_image_edges_and_mask_count();
     clouds_in_other_coordinates_fit_too();
     bad_input_is_named();
     distances_inliers_and_projection_agree();

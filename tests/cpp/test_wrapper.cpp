@@ -1,7 +1,23 @@
 // The wrapper with exceptions.
 #include "check.hpp"
 
+#include <future>
+#include <memory>
 #include <stdexcept>
+#include <thread>
+#include <type_traits>
+
+using cylfuse::Layout;
+using cylfuse::ResidualKind;
+
+// Views of what is about to vanish do not compile.
+using Points = std::vector<std::array<double, 3>>;
+using Segments = std::vector<std::array<double, 4>>;
+static_assert(std::is_constructible<cylfuse::PointsView, const Points &>::value, "a cloud that stays");
+static_assert(!std::is_constructible<cylfuse::PointsView, Points>::value, "a cloud that is gone");
+static_assert(std::is_constructible<cylfuse::SegmentsView, Segments &>::value, "segments that stay");
+static_assert(!std::is_constructible<cylfuse::SegmentsView, Segments>::value, "segments that are gone");
+static_assert(!std::is_constructible<cylfuse::SegmentsView, std::array<std::array<float, 4>, 2>>::value, "gone");
 
 static void fits_and_applies()
 {
@@ -12,19 +28,15 @@ static void fits_and_applies()
     fitter.push_depth(scene.depth_view(), scene.mask_view());
     fitter.push_edges(scene.edges);
     CHECK(fitter.counts().segments_given == 2);
-    const cylfuse::Result result = fitter.fit();
-    CHECK_NEAR(result.model.radius, PIPE.radius, 1e-6);
-    CHECK(result.segments_used == 2 && !result.has(CYLFUSE_RESULT_FLAGS_NOT_CONVERGED));
-    CHECK(fitter.result().model.radius == result.model.radius);
-    CHECK_NEAR(fitter.evaluate(PIPE).point_rms, 0.0, 1e-6);
-
-    std::vector<double> residuals(static_cast<std::size_t>(result.points_used));
-    CHECK(fitter.residuals(CYLFUSE_RESIDUAL_KIND_POINTS, residuals) == residuals.size());
-    double four[4];
-    CHECK(fitter.residuals(CYLFUSE_RESIDUAL_KIND_EDGES, four) == 4);
-    CHECK_NEAR(four[3], 0.0, 1e-3);
-    CHECK_ERROR(fitter.residuals(CYLFUSE_RESIDUAL_KIND_POINTS, four), BUFFER_TOO_SMALL, "4");
-    CHECK(fitter.diagnose().rank == 5);
+    const cylfuse::CylinderFit fit = fitter.fit();
+    CHECK_NEAR(fit.cylinder.model.radius, PIPE.radius, 1e-6);
+    CHECK(fit.result.segments_used == 2 && !fit.result.has(cylfuse::ResultFlags::NotConverged));
+    CHECK(fit.result.termination() != cylfuse::Termination::None);
+    CHECK(fit.cylinder.start_kind() != cylfuse::Start::Auto);
+    CHECK(fitter.last_fit().cylinder.model.radius == fit.cylinder.model.radius);
+    CHECK(fitter.last_fit().result.points_used == fit.result.points_used);
+    CHECK_NEAR(fitter.evaluate(PIPE).result.point_rms, 0.0, 1e-6);
+    CHECK(fitter.diagnose().rank == 5 && fitter.diagnose(PIPE).rank == 5);
 
     std::vector<std::array<float, 3>> completed;
     const cylfuse::Completion completion = fitter.complete(completed);
@@ -35,15 +47,18 @@ static void fits_and_applies()
         CHECK_NEAR(distance, 0.0, 1e-6);
     }
     std::vector<std::array<double, 3>> organised(160 * 120);
-    cylfuse::PointsOut out(organised[0].data(), organised.size());
-    out.layout = CYLFUSE_LAYOUT_ORGANISED;
-    CHECK(fitter.complete_bound(CYLFUSE_LAYOUT_ORGANISED) == organised.size());
-    fitter.complete(out);
+    const cylfuse::PointsOut out(organised[0].data(), organised.size());
+    CHECK(fitter.complete_bound(Layout::Organised) == organised.size());
+    fitter.complete(out, Layout::Organised);
     CHECK(std::isnan(organised[0][2]) && std::abs(organised[60 * 160 + 80][2] - 0.75) < 1e-3);
     std::vector<std::uint16_t> depth(160 * 120);
-    fitter.complete_depth(cylfuse::DepthOut(depth.data(), 160, 120, 1e-4), &PIPE);
+    fitter.complete_depth(cylfuse::DepthOut(depth.data(), 160, 120, 1e-4), PIPE);
     CHECK_NEAR(depth[60 * 160 + 80], 7500, 2);
-    CHECK_NEAR(fitter.extent().length, 0.2, 0.01);
+    const cylfuse::Extent extent = fitter.extent();
+    CHECK_NEAR(extent.length, 0.2, 0.01);
+    CHECK(extent.start_source() == cylfuse::EndSource::Mask && extent.start_state() != cylfuse::EndState::Cut);
+    CHECK_NEAR(fitter.extent({}, scene.mask_view()).length, extent.length, 1e-12);
+    CHECK_NEAR(fitter.extent(PIPE).length, extent.length, 1e-3);
 
     std::uint8_t limbs[2];
     fitter.select_edges(scene.edges, limbs);
@@ -52,8 +67,131 @@ static void fits_and_applies()
     CHECK_NEAR(std::abs(lines[0][0] * scene.edges[0][0] + lines[0][2]) *
                    std::abs(lines[1][0] * scene.edges[0][0] + lines[1][2]),
                0.0, 1e-9);
-    const cylfuse::Difference difference = cylfuse::compare(PIPE, result.model);
+    const cylfuse::Difference difference = cylfuse::compare(PIPE, fit.cylinder.model);
     CHECK(difference.angle < 1e-5 && difference.axis_distance < 1e-6);
+
+    // The camera there and back.
+    const std::vector<std::array<double, 2>> pixels = {{{0.0, 0.0}}, {{100.0, 30.5}}};
+    std::vector<std::array<double, 3>> rays = cylfuse::unproject(scene.camera, pixels);
+    CHECK(rays.size() == 2 && rays[1][2] == 1.0);
+    rays.push_back({{0.0, 0.0, -1.0}});
+    const std::vector<std::array<double, 2>> back = cylfuse::project(scene.camera, rays);
+    CHECK(back.size() == 3 && std::isnan(back[2][0]));
+    CHECK_NEAR(back[1][0], 100.0, 1e-9);
+    CHECK_NEAR(back[1][1], 30.5, 1e-9);
+}
+
+// A pipe that is brighter than what is behind it, with soft limbs.
+static std::vector<std::uint8_t> bright_pipe(const Scene &scene)
+{
+    std::vector<std::uint8_t> image(160 * 120 * 3);
+    for (int row = 0; row < 120; ++row) {
+        for (int column = 0; column < 160; ++column) {
+            const double inside = std::min(column - scene.edges[0][0], scene.edges[1][0] - column);
+            const double part = row > 35 && row < 85 ? 0.5 * (1.0 + std::erf(inside / 0.8)) : 0.0;
+            for (int channel = 0; channel < 3; ++channel) {
+                image[std::size_t(3 * (row * 160 + column) + channel)] = std::uint8_t(60 + 120 * part);
+            }
+        }
+    }
+    return image;
+}
+
+// However many there are, and the number that is needed where a buffer is too small.
+static void lists_come_whole()
+{
+    const Scene scene;
+    const std::vector<std::uint8_t> colours = bright_pipe(scene);
+    cylfuse::Fitter fitter;
+    fitter.set_intrinsics(scene.camera);
+    fitter.push_depth(scene.depth_view(), scene.mask_view());
+    fitter.push_edges(scene.edges);
+    fitter.push_image(cylfuse::ImageView(colours.data(), cylfuse::ImageFormat::Rgb8, 160, 120));
+    const cylfuse::CylinderFit fit = fitter.fit();
+    const auto used = static_cast<std::size_t>(fit.result.points_used);
+    CHECK(fit.result.limbs_located == 2);
+
+    std::vector<double> residuals(used);
+    CHECK(fitter.residuals(ResidualKind::Points, residuals) == used);
+    CHECK(fitter.residuals(ResidualKind::Points) == residuals);
+    CHECK(fitter.residuals(ResidualKind::Points, PIPE).size() == used);
+    double four[4];
+    CHECK(fitter.residuals(ResidualKind::Edges, four) == 4);
+    CHECK_NEAR(four[3], 0.0, 1e-2);
+    CHECK_ERROR(fitter.residuals(ResidualKind::Points, four), BUFFER_TOO_SMALL, "4");
+
+    const cylfuse::PointWeights weights = fitter.point_weights();
+    CHECK(weights.weights.size() == used && weights.inliers.size() == used);
+    CHECK(weights.inliers[used / 2] == 1 && weights.weights[used / 2] > 0.0);
+    const std::vector<cylfuse::Limb> limbs = fitter.limbs();
+    CHECK(limbs.size() == 2 && limbs[1].limb == 1 && limbs[1].status() == cylfuse::LimbStatus::Located);
+    const std::vector<cylfuse::LimbSample> samples = fitter.limb_samples();
+    CHECK(samples.size() == limbs[0].samples + limbs[1].samples && samples.size() > 4);
+    cylfuse::LimbSample one[1];
+    std::size_t needed = 0;
+    try {
+        fitter.limb_samples(one);
+    } catch (const cylfuse::Error &error) {
+        CHECK(error.status() == cylfuse::Status::BufferTooSmall);
+        needed = error.needed();
+    }
+    CHECK(needed == samples.size());
+    for (const cylfuse::EndSample &sample : fitter.end_samples()) {
+        CHECK(sample.end < 2 && sample.deviation > 0.0);
+    }
+}
+
+// The same pipe from a second camera half a turn around it, and from a frame that two fitters share.
+static void views_and_frames()
+{
+    const Scene scene;
+    const std::vector<std::uint8_t> colours = bright_pipe(scene);
+    cylfuse::Fitter fitter;
+    CHECK(fitter.view_count() == 1);
+    fitter.set_intrinsics(scene.camera);
+    fitter.push_depth(scene.depth_view(), scene.mask_view());
+    fitter.select_view(1);
+    CHECK(fitter.view_count() == 2);
+    cylfuse::RigidMotion behind;
+    behind.rotation = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}};
+    behind.translation = {{0, 0, 1.6}};
+    fitter.set_pose(behind);
+    fitter.set_intrinsics(scene.camera);
+    fitter.push_depth(scene.depth_view(), scene.mask_view());
+    const cylfuse::CylinderFit both = fitter.fit();
+    CHECK_NEAR(both.cylinder.model.radius, PIPE.radius, 1e-6);
+    CHECK_NEAR(both.cylinder.model.point[2], PIPE.point[2], 1e-6);
+    CHECK(both.result.points_used == 2 * fitter.residuals(ResidualKind::Points).size());
+    CHECK_ERROR(fitter.select_view(3), INVALID_ARGUMENT, "3");
+    behind.rotation[0] = 1.0;
+    CHECK_ERROR(fitter.set_pose(behind), INVALID_ARGUMENT, "rotation");
+    // The depth camera a little beside: all points and the result move with it.
+    fitter.select_view(0);
+    fitter.clear();
+    cylfuse::RigidMotion beside;
+    beside.translation = {{0.02, 0.0, 0.0}};
+    fitter.set_depth_camera(scene.camera, beside);
+    fitter.push_depth(scene.depth_view());
+    CHECK_NEAR(fitter.fit().cylinder.model.point[0], 0.02, 1e-6);
+    fitter.clear_input(cylfuse::Input::Points | cylfuse::Input::Depth);
+    fitter.clear_depth_camera();
+    CHECK_ERROR(fitter.fit(), TOO_FEW_POINTS, "0 of 0 points");
+
+    cylfuse::Frame frame;
+    CHECK_ERROR(frame.set_depth(scene.depth_view()), BAD_STATE, "intrinsics");
+    frame.set_intrinsics(scene.camera);
+    frame.set_depth(scene.depth_view());
+    frame.set_image(cylfuse::ImageView(colours.data(), cylfuse::ImageFormat::Bgr8, 160, 120));
+    frame.set_pose(cylfuse::RigidMotion());
+    const cylfuse::Frame moved(std::move(frame));
+    CHECK_ERROR(frame.set_depth(scene.depth_view()), NULL_POINTER, "frame");
+    for (int k = 0; k < 2; ++k) {
+        cylfuse::Fitter one;
+        one.use_frame(moved, scene.mask_view());
+        CHECK_NEAR(one.fit().cylinder.model.radius, PIPE.radius, 1e-3);
+    }
+    const std::vector<std::uint8_t> nothing(160 * 120, 0);
+    CHECK_ERROR(fitter.use_frame(moved, cylfuse::MaskView(nothing.data(), 160, 120)), EMPTY_MASK, "mask");
 }
 
 static void images_of_each_type_pass()
@@ -73,45 +211,116 @@ static void images_of_each_type_pass()
     fitter.push_image(coded);
     coded.gamma = 22.0;
     CHECK_ERROR(fitter.push_image(coded), INVALID_ARGUMENT, "gamma of the image is 22");
-    cylfuse_limb_sample none[1];
-    CHECK_ERROR(fitter.limb_samples(none), BAD_STATE, "fit first");
+    const std::vector<std::uint8_t> colours(160 * 120 * 4, 100);
+    for (const auto format : {cylfuse::ImageFormat::Rgb8, cylfuse::ImageFormat::Bgr8, cylfuse::ImageFormat::Rgba8,
+                              cylfuse::ImageFormat::Bgra8}) {
+        fitter.push_image(cylfuse::ImageView(colours.data(), format, 160, 120));
+    }
+    CHECK_ERROR(fitter.limb_samples(), BAD_STATE, "fit first");
+    CHECK_ERROR(fitter.point_weights(), BAD_STATE, "fit");
 }
 
 static void keeps_its_settings_and_moves()
 {
+    const Points points = pipe_points(20, 10, -1.0, 1.0);
     cylfuse::Fitter first;
     cylfuse::Options options = first.options();
-    CHECK(options.method == CYLFUSE_METHOD_FUSED && options.edge_weight == 0.6);
-    options.method = CYLFUSE_METHOD_POINTS;
+    CHECK(options.method() == cylfuse::Method::Fused && options.edge_weight == 0.6 && options.edge_noise == 0.0);
+    options.method(cylfuse::Method::Points).chart(cylfuse::Chart::Local);
+    options.edge_noise = 0.25;
     first.set_options(options);
     int solves = 0;
-    first.set_progress([&](const cylfuse_progress &) { return ++solves > 0; });
+    first.set_progress([&](const cylfuse::Progress &) { return ++solves > 0; });
     std::vector<std::string> lines;
-    first.set_log(CYLFUSE_LOG_LEVEL_INFO, [&](cylfuse_log_level, const char *line) { lines.push_back(line); });
+    first.set_log(cylfuse::LogLevel::Info, [&](cylfuse::LogLevel, const char *line) { lines.push_back(line); });
 
     cylfuse::Fitter second(std::move(first));
     CHECK(first.handle() == nullptr && second.handle() != nullptr);
     CHECK_ERROR(first.clear(), NULL_POINTER, "fitter is NULL");
-    second.push_points(pipe_points(20, 10, -1.0, 1.0));
-    second.set_start_model(&PIPE);
+    second.push_points(points);
+    second.set_start_model(PIPE);
     second.fit();
     CHECK(solves > 0 && !lines.empty());
-    CHECK(second.options().method == CYLFUSE_METHOD_POINTS);
+    CHECK(second.options().method() == cylfuse::Method::Points && second.options().edge_noise == 0.25);
+    second.set_start_model({});
 
     // A fitter that was given away calls nobody back.
     cylfuse_fitter *raw = second.release();
     const int before = solves;
-    cylfuse::Result result;
-    CHECK(cylfuse_fitter_fit(raw, &result) == CYLFUSE_STATUS_OK && solves == before);
-    const cylfuse::Fitter third(raw);
+    CHECK(cylfuse_fitter_fit(raw, nullptr, nullptr) == CYLFUSE_STATUS_OK && solves == before);
+    cylfuse::Fitter third(raw);
     CHECK(third.handle() == raw);
+    third = cylfuse::Fitter();
+    CHECK(third.handle() != raw && third.counts().points_given == 0);
+}
+
+// What a callback holds must live as long as the library may call it.
+static void a_running_callback_is_not_replaced()
+{
+    const Points points = pipe_points(20, 10, -1.0, 1.0);
+    cylfuse::Fitter fitter;
+    fitter.push_points(points);
+    // From inside: the closure that runs holds the last reference to the witness.
+    auto witness = std::make_shared<int>(7);
+    const std::weak_ptr<int> alive = witness;
+    int refused = 0, ran = 0;
+    fitter.set_progress([&, held = std::move(witness)](const cylfuse::Progress &) {
+        const cylfuse::ProgressCallback stop = [](const cylfuse::Progress &) { return false; };
+        for (const auto &other : {cylfuse::ProgressCallback(), stop}) {
+            try {
+                fitter.set_progress(other);
+            } catch (const cylfuse::Error &error) {
+                refused += error.status() == cylfuse::Status::Busy;
+            }
+        }
+        CHECK(fitter.release() == nullptr); // Nor given away.
+        ran += *held == 7 && !alive.expired();
+        return true;
+    });
+    fitter.fit();
+    CHECK(ran > 0 && refused == 2 * ran && !alive.expired());
+    CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-9);
+    fitter.set_progress(nullptr);
+    CHECK(alive.expired());
+
+    // From another thread while a fit runs: it waits in its callback.
+    std::promise<void> started, go_on;
+    auto other = std::make_shared<int>(8);
+    const std::weak_ptr<int> other_alive = other;
+    bool first = true;
+    fitter.set_progress([&, held = std::move(other)](const cylfuse::Progress &) {
+        if (first) {
+            first = false;
+            started.set_value();
+            go_on.get_future().wait();
+        }
+        return *held == 8;
+    });
+    std::thread fitting([&] { fitter.fit(); });
+    started.get_future().wait();
+    CHECK_ERROR(fitter.set_progress([](const cylfuse::Progress &) { return false; }), BUSY, "");
+    CHECK_ERROR(fitter.set_log(cylfuse::LogLevel::Debug, [](cylfuse::LogLevel, const char *) {}), BUSY, "");
+    CHECK(!other_alive.expired());
+    go_on.set_value();
+    fitting.join();
+    CHECK_NEAR(fitter.last_fit().cylinder.model.radius, PIPE.radius, 1e-9);
+
+    // A log callback replaces none that runs either.
+    int lines = 0;
+    fitter.set_log(cylfuse::LogLevel::Info, [&](cylfuse::LogLevel, const char *) {
+        ++lines;
+        CHECK_ERROR(fitter.set_log(cylfuse::LogLevel::Off, nullptr), BUSY, "");
+    });
+    fitter.fit();
+    CHECK(lines > 0);
 }
 
 static void exceptions_of_callbacks_come_out()
 {
+    const Points points = pipe_points(20, 10, -1.0, 1.0);
     cylfuse::Fitter fitter;
-    fitter.push_points(pipe_points(20, 10, -1.0, 1.0));
-    fitter.set_progress([](const cylfuse_progress &) -> bool { throw std::runtime_error("from the callback"); });
+    fitter.push_points(points);
+    fitter.set_progress([](const cylfuse::Progress &) -> bool { throw std::runtime_error("from the callback"); });
     std::string caught;
     try {
         fitter.fit();
@@ -119,12 +328,20 @@ static void exceptions_of_callbacks_come_out()
         caught = error.what();
     }
     CHECK(caught == "from the callback");
-    fitter.set_progress([](const cylfuse_progress &) { return false; });
+    fitter.set_progress([](const cylfuse::Progress &) { return false; });
     CHECK_ERROR(fitter.fit(), CANCELLED, "cancelled");
     fitter.set_progress(nullptr);
-    fitter.cancel();
-    CHECK_ERROR(fitter.fit(), CANCELLED, "cancelled");
-    CHECK_NEAR(fitter.fit().model.radius, PIPE.radius, 1e-9);
+    fitter.cancel(); // Nothing runs: nothing is cancelled.
+    CHECK_NEAR(fitter.fit().cylinder.model.radius, PIPE.radius, 1e-9);
+    fitter.set_log(cylfuse::LogLevel::Info,
+                   [](cylfuse::LogLevel, const char *) { throw std::logic_error("from the log"); });
+    caught.clear();
+    try {
+        fitter.fit();
+    } catch (const std::logic_error &error) {
+        caught = error.what();
+    }
+    CHECK(caught == "from the log");
 }
 
 static void bad_input_is_named()
@@ -148,15 +365,18 @@ static void bad_input_is_named()
     flat.radius = 0.0;
     double out[10];
     CHECK_ERROR(cylfuse::distances(flat, points, out), INVALID_ARGUMENT, "radius is 0; it must be");
-    const cylfuse::Error error(CYLFUSE_STATUS_PANIC, std::string(1000, 'x').c_str());
+    const cylfuse::Error error(cylfuse::Status::Panic, std::string(1000, 'x').c_str());
     CHECK(std::string(error.what()).size() == 511);
 }
 
 int main()
 {
     fits_and_applies();
+    lists_come_whole();
+    views_and_frames();
     images_of_each_type_pass();
     keeps_its_settings_and_moves();
+    a_running_callback_is_not_replaced();
     exceptions_of_callbacks_come_out();
     bad_input_is_named();
     return finish("wrapper");

@@ -42,7 +42,7 @@ double number_or(const cJSON *object, const char *key, double otherwise)
     return value ? number(value) : otherwise;
 }
 
-static void numbers(const cJSON *list, double *out, int count)
+void numbers(const cJSON *list, double *out, int count)
 {
     for (int k = 0; k < count; k++) out[k] = number(cJSON_GetArrayItem(list, k));
 }
@@ -120,11 +120,14 @@ cylfuse_options read_options(const cJSON *given)
 #define COUNT(field) if (strcmp(key, #field) == 0) options.field = (uint32_t)number(value); else
         NAME(method, methods) NAME(objective, objectives) NAME(start, starts) NAME(near_wall, near_walls)
         NAME(chart, charts) NAME(edge_use, edge_uses) NAME(extent_rule, extent_rules)
-        COUNT(max_iterations) COUNT(max_threads) COUNT(ransac_max_iterations)
+        COUNT(max_iterations) COUNT(max_threads)
         NUMBER(edge_weight) NUMBER(initial_lambda) NUMBER(lambda_factor) NUMBER(max_lambda)
         NUMBER(cost_tolerance) NUMBER(ransac_threshold) NUMBER(radius_min) NUMBER(radius_max)
-        NUMBER(axis_max_angle)
+        NUMBER(gradient_tolerance) NUMBER(step_tolerance) NUMBER(independent_points) NUMBER(depth_noise)
+        NUMBER(image_noise) NUMBER(edge_noise) NUMBER(mask_noise) NUMBER(image_blur)
+        NUMBER(drawn_pixel) NUMBER(axis_max_angle)
         if (strcmp(key, "seed") == 0) options.seed = (uint64_t)number(value);
+        else if (strcmp(key, "ransac_max_iterations") == 0) options.ransac_max_iterations = (uint64_t)number(value);
         else if (strcmp(key, "axis") == 0) numbers(value, options.axis, 3);
         else stop("unknown option", key);
     }
@@ -167,7 +170,49 @@ const cylfuse_mask_view *read_mask(const run *r, cylfuse_mask_view *view)
     view->data = mask.bytes;
     view->width = (uint32_t)mask.width;
     view->height = (uint32_t)mask.height;
+    view->label = (uint32_t)number_or(r->step, "label", 0.0);
     return view;
+}
+
+cylfuse_depth_view read_depth(const run *r)
+{
+    array depth = read_array(r, need(r->step, "depth"));
+    cylfuse_depth_view view;
+    cylfuse_depth_view_init(&view, sizeof view);
+    view.format = strcmp(depth.type, "u16") == 0 ? CYLFUSE_DEPTH_FORMAT_U16 : CYLFUSE_DEPTH_FORMAT_F32;
+    view.data = depth.bytes;
+    view.width = (uint32_t)depth.width;
+    view.height = (uint32_t)depth.height;
+    view.scale = number(need(r->step, "scale"));
+    view.min_depth = number_or(r->step, "min_depth", 0.0);
+    view.max_depth = number_or(r->step, "max_depth", 0.0);
+    return view;
+}
+
+cylfuse_image_view read_image(const run *r)
+{
+    static const char *const formats[] = {"", "U8", "U16", "F32", "RGB8", "BGR8", "RGBA8", "BGRA8", NULL};
+    const cJSON *format = get(r->step, "format");
+    array image = read_array(r, need(r->step, "image"));
+    cylfuse_image_view view;
+    cylfuse_image_view_init(&view, sizeof view);
+    if (format) view.format = named(format, formats);
+    else if (image.channels == 3) view.format = CYLFUSE_IMAGE_FORMAT_RGB8;
+    else if (image.channels == 4) view.format = CYLFUSE_IMAGE_FORMAT_RGBA8;
+    else if (image.element_size == 1) view.format = CYLFUSE_IMAGE_FORMAT_U8;
+    else view.format = image.element_size == 2 ? CYLFUSE_IMAGE_FORMAT_U16 : CYLFUSE_IMAGE_FORMAT_F32;
+    view.data = image.bytes;
+    view.width = (uint32_t)image.width;
+    view.height = (uint32_t)image.height;
+    view.gamma = number_or(r->step, "gamma", view.gamma);
+    return view;
+}
+
+void read_pose(const run *r, double *rotation, double *translation)
+{
+    const cJSON *pose = need(r->step, "pose");
+    numbers(need(pose, "rotation"), rotation, 9);
+    numbers(need(pose, "translation"), translation, 3);
 }
 
 /* Address and strides of the columns from `column` on. */

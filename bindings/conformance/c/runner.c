@@ -1,5 +1,5 @@
 /* Runs the golden cases by the C interface and prints the results as bits; the format is that of README.md.
- * cc -I../../../include runner.c read.c print.c -lcylfuse -lcjson -lm; runner cases.json */
+ * cc -I../../../include *.c -lcylfuse -lcjson -lm; runner cases.json */
 #include "runner.h"
 
 #include <stdio.h>
@@ -15,32 +15,15 @@ static cylfuse_status push_points(const run *r)
 
 static cylfuse_status push_depth(const run *r)
 {
-    array depth = read_array(r, need(r->step, "depth"));
-    cylfuse_depth_view view;
-    cylfuse_depth_view_init(&view, sizeof view);
-    view.format = strcmp(depth.type, "u16") == 0 ? CYLFUSE_DEPTH_FORMAT_U16 : CYLFUSE_DEPTH_FORMAT_F32;
-    view.data = depth.bytes;
-    view.width = (uint32_t)depth.width;
-    view.height = (uint32_t)depth.height;
-    view.scale = number(need(r->step, "scale"));
-    view.min_depth = number_or(r->step, "min_depth", 0.0);
-    view.max_depth = number_or(r->step, "max_depth", 0.0);
+    cylfuse_depth_view depth = read_depth(r);
     cylfuse_mask_view mask;
-    return cylfuse_fitter_push_depth(r->fitter, &view, read_mask(r, &mask));
+    return cylfuse_fitter_push_depth(r->fitter, &depth, read_mask(r, &mask));
 }
 
 static cylfuse_status push_image(const run *r)
 {
-    array image = read_array(r, need(r->step, "image"));
-    cylfuse_image_view view;
-    cylfuse_image_view_init(&view, sizeof view);
-    view.format = image.element_size == 1   ? CYLFUSE_IMAGE_FORMAT_U8
-                  : image.element_size == 2 ? CYLFUSE_IMAGE_FORMAT_U16
-                                            : CYLFUSE_IMAGE_FORMAT_F32;
-    view.data = image.bytes;
-    view.width = (uint32_t)image.width;
-    view.height = (uint32_t)image.height;
-    return cylfuse_fitter_push_image(r->fitter, &view);
+    cylfuse_image_view image = read_image(r);
+    return cylfuse_fitter_push_image(r->fitter, &image);
 }
 
 static cylfuse_status push_edges(const run *r)
@@ -65,69 +48,18 @@ static void select_edges(const run *r)
 
 static void counts(const run *r)
 {
-    cylfuse_counts counts = {.struct_size = sizeof counts};
-    if (!succeeded(r, cylfuse_fitter_counts(r->fitter, &counts), r->fitter)) return;
-    PRINT(r, counts, points_given);
-    PRINT(r, counts, points_used);
-    PRINT(r, counts, dropped_not_finite);
-    PRINT(r, counts, dropped_zero_weight);
-    PRINT(r, counts, dropped_outside_mask);
-    PRINT(r, counts, dropped_no_depth);
-    PRINT(r, counts, dropped_out_of_range);
-    PRINT(r, counts, dropped_outside_camera);
-    PRINT(r, counts, segments_given);
-}
-
-static void residuals(const run *r)
-{
-    static const char *const kinds[] = {"", "POINTS", "EDGES", NULL};
-    cylfuse_cylinder model;
-    const cylfuse_cylinder *given = read_model(r, "model", &model);
-    cylfuse_residual_kind kind = named(need(r->step, "kind"), kinds);
-    size_t count = 0;
-    cylfuse_status status = cylfuse_fitter_residuals(r->fitter, given, kind, NULL, 0, &count);
-    double *values = allocate(count * sizeof *values);
-    if (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
-        status = cylfuse_fitter_residuals(r->fitter, given, kind, values, count, &count);
-    }
-    if (succeeded(r, status, r->fitter)) print_numbers(r, "residuals", values, count);
-    free(values);
-}
-
-static void limb_samples(const run *r)
-{
-    size_t count = 0;
-    cylfuse_status status = cylfuse_fitter_limb_samples(r->fitter, NULL, 0, &count);
-    cylfuse_limb_sample *samples = allocate(count * sizeof *samples);
-    if (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
-        status = cylfuse_fitter_limb_samples(r->fitter, samples, count, &count);
-    }
-    if (succeeded(r, status, r->fitter)) {
-        double *values = allocate(2 * count * sizeof *values);
-        for (size_t k = 0; k < 2 * count; k++) values[k] = samples[k / 2].pixel[k % 2];
-        print_numbers(r, "pixel", values, 2 * count);
-        for (size_t k = 0; k < count; k++) values[k] = samples[k].sigma;
-        print_numbers(r, "sigma", values, count);
-        for (size_t k = 0; k < count; k++) values[k] = samples[k].weight;
-        print_numbers(r, "weight", values, count);
-        for (size_t k = 0; k < count; k++) values[k] = samples[k].limb;
-        print_numbers(r, "limb", values, count);
-        free(values);
-    }
-    free(samples);
+    cylfuse_counts counts;
+    cylfuse_counts_init(&counts, sizeof counts);
+    if (succeeded(r, cylfuse_fitter_counts(r->fitter, &counts), r->fitter)) print_counts(r, &counts);
 }
 
 static void diagnose(const run *r)
 {
     cylfuse_cylinder model;
-    cylfuse_diagnosis diagnosis = {.struct_size = sizeof diagnosis};
-    if (!succeeded(r, cylfuse_fitter_diagnose(r->fitter, read_model(r, "model", &model), &diagnosis), r->fitter)) return;
-    PRINT(r, diagnosis, rank);
-    PRINT_LIST(r, diagnosis, singular_values);
-    PRINT(r, diagnosis, condition);
-    PRINT_LIST(r, diagnosis, weakest_shift);
-    PRINT_LIST(r, diagnosis, weakest_tilt);
-    PRINT(r, diagnosis, weakest_radius);
+    cylfuse_cylinder_diagnosis diagnosis;
+    cylfuse_cylinder_diagnosis_init(&diagnosis, sizeof diagnosis);
+    cylfuse_status status = cylfuse_fitter_diagnose(r->fitter, read_model(r, "model", &model), &diagnosis);
+    if (succeeded(r, status, r->fitter)) print_diagnosis(r, &diagnosis);
 }
 
 static void complete(const run *r)
@@ -136,17 +68,18 @@ static void complete(const run *r)
     cylfuse_cylinder model;
     cylfuse_mask_view mask;
     cylfuse_points_out out;
-    cylfuse_completion completion = {.struct_size = sizeof completion};
+    cylfuse_completion completion;
+    cylfuse_completion_init(&completion, sizeof completion);
     const cylfuse_cylinder *given = read_model(r, "model", &model);
     const cylfuse_mask_view *region = read_mask(r, &mask);
     cylfuse_points_out_init(&out, sizeof out);
-    out.layout = named(need(r->step, "layout"), layouts);
+    cylfuse_layout layout = named(need(r->step, "layout"), layouts);
     out.scalar = named(need(r->step, "scalar"), scalars);
-    cylfuse_status status = cylfuse_fitter_complete_bound(r->fitter, region, out.layout, &out.capacity);
+    cylfuse_status status = cylfuse_fitter_complete_bound(r->fitter, region, layout, &out.capacity);
     unsigned char *bytes = allocate(out.capacity * 3 * sizeof(double));
     if (status == CYLFUSE_STATUS_OK) {
         out.data = bytes;
-        status = cylfuse_fitter_complete(r->fitter, given, region, &out, &completion);
+        status = cylfuse_fitter_complete(r->fitter, given, region, layout, &out, &completion);
     }
     if (succeeded(r, status, r->fitter)) {
         size_t count = (size_t)completion.count * 3;
@@ -170,7 +103,8 @@ static void complete_depth(const run *r)
     cylfuse_cylinder model;
     cylfuse_mask_view mask;
     cylfuse_depth_out out;
-    cylfuse_completion completion = {.struct_size = sizeof completion};
+    cylfuse_completion completion;
+    cylfuse_completion_init(&completion, sizeof completion);
     const cylfuse_cylinder *given = read_model(r, "model", &model);
     const cylfuse_mask_view *region = read_mask(r, &mask);
     cylfuse_depth_out_init(&out, sizeof out);
@@ -205,21 +139,12 @@ static void extent(const run *r)
 {
     cylfuse_cylinder model;
     cylfuse_mask_view mask;
-    cylfuse_extent extent = {.struct_size = sizeof extent};
+    cylfuse_extent extent;
+    cylfuse_extent_init(&extent, sizeof extent);
     const cylfuse_cylinder *given = read_model(r, "model", &model);
-    if (!succeeded(r, cylfuse_fitter_extent(r->fitter, given, read_mask(r, &mask), &extent), r->fitter)) return;
-    PRINT(r, extent, start_state);
-    PRINT(r, extent, end_state);
-    PRINT_LIST(r, extent, start);
-    PRINT_LIST(r, extent, end);
-    PRINT_LIST(r, extent, center);
-    PRINT(r, extent, length);
-    PRINT(r, extent, start_deviation);
-    PRINT(r, extent, end_deviation);
-    PRINT(r, extent, length_deviation);
-    PRINT_LIST(r, extent, start_covariance);
-    PRINT_LIST(r, extent, end_covariance);
-    PRINT_LIST(r, extent, center_covariance);
+    if (succeeded(r, cylfuse_fitter_extent(r->fitter, given, read_mask(r, &mask), &extent), r->fitter)) {
+        print_extent(r, &extent);
+    }
 }
 
 static void distances(const run *r)
@@ -255,6 +180,30 @@ static void compare(const run *r)
     print_number(r, "radius_relative", radius_relative);
 }
 
+static void intrinsics_project(const run *r)
+{
+    cylfuse_intrinsics camera = read_camera(r);
+    cylfuse_points_view points = read_points(r);
+    size_t count = points.width * points.height;
+    double *pixels = allocate(2 * count * sizeof *pixels);
+    cylfuse_status status = cylfuse_intrinsics_project(&camera, &points, pixels, count);
+    if (succeeded(r, status, NULL)) print_numbers(r, "pixels", pixels, 2 * count);
+    free(pixels);
+}
+
+static void intrinsics_unproject(const run *r)
+{
+    cylfuse_intrinsics camera = read_camera(r);
+    const cJSON *rows = need(r->step, "pixels");
+    int count = cJSON_GetArraySize(rows);
+    double *pixels = allocate(2 * (size_t)count * sizeof *pixels), *rays = allocate(3 * (size_t)count * sizeof *rays);
+    for (int k = 0; k < count; k++) numbers(cJSON_GetArrayItem(rows, k), pixels + 2 * k, 2);
+    cylfuse_status status = cylfuse_intrinsics_unproject(&camera, pixels, (size_t)count, rays);
+    if (succeeded(r, status, NULL)) print_numbers(r, "rays", rays, 3 * (size_t)count);
+    free(pixels);
+    free(rays);
+}
+
 static void set_options(const run *r)
 {
     cylfuse_options options = read_options(need(r->step, "options"));
@@ -263,61 +212,177 @@ static void set_options(const run *r)
 
 static void get_options(const run *r)
 {
-    cylfuse_options options = {.struct_size = sizeof options};
+    cylfuse_options options;
+    cylfuse_options_init(&options, sizeof options);
     if (succeeded(r, cylfuse_fitter_get_options(r->fitter, &options), r->fitter)) print_options(r, &options);
 }
 
-static void run_step(const run *r)
+static void view_count(const run *r)
+{
+    size_t count = 0;
+    if (succeeded(r, cylfuse_fitter_view_count(r->fitter, &count), r->fitter)) print_number(r, "count", (double)count);
+}
+
+static cylfuse_status clear_input(const run *r)
+{
+    static const char *const names[] = {"POINTS", "DEPTH", "EDGES", "IMAGE", NULL};
+    static const cylfuse_input bits[] = {CYLFUSE_INPUT_POINTS, CYLFUSE_INPUT_DEPTH, CYLFUSE_INPUT_EDGES,
+                                         CYLFUSE_INPUT_IMAGE};
+    const cJSON *name;
+    cylfuse_input inputs = 0;
+    cJSON_ArrayForEach(name, need(r->step, "inputs")) inputs |= bits[named(name, names)];
+    return cylfuse_fitter_clear_input(r->fitter, inputs);
+}
+
+/* What a camera is, of the fitter or of the frame. */
+static void set_camera(const run *r, int of_frame)
+{
+    cylfuse_intrinsics camera = read_camera(r);
+    if (of_frame) succeeded_on_frame(r, cylfuse_frame_set_intrinsics(r->frame, &camera));
+    else succeeded(r, cylfuse_fitter_set_intrinsics(r->fitter, &camera), r->fitter);
+}
+
+static void set_pose(const run *r, int of_frame)
+{
+    double rotation[9], translation[3];
+    read_pose(r, rotation, translation);
+    if (of_frame) succeeded_on_frame(r, cylfuse_frame_set_pose(r->frame, rotation, translation));
+    else succeeded(r, cylfuse_fitter_set_pose(r->fitter, rotation, translation), r->fitter);
+}
+
+static void set_depth_camera(const run *r, int of_frame)
+{
+    double rotation[9], translation[3];
+    cylfuse_intrinsics camera, *given = NULL;
+    if (cJSON_IsString(need(r->step, "camera"))) {
+        camera = read_camera(r);
+        given = &camera;
+        read_pose(r, rotation, translation);
+    }
+    if (of_frame) succeeded_on_frame(r, cylfuse_frame_set_depth_camera(r->frame, given, rotation, translation));
+    else succeeded(r, cylfuse_fitter_set_depth_camera(r->fitter, given, rotation, translation), r->fitter);
+}
+
+static void frame_set_depth(const run *r)
+{
+    cylfuse_depth_view depth = read_depth(r);
+    succeeded_on_frame(r, cylfuse_frame_set_depth(r->frame, &depth));
+}
+
+static void frame_set_image(const run *r)
+{
+    cylfuse_image_view image = read_image(r);
+    succeeded_on_frame(r, cylfuse_frame_set_image(r->frame, &image));
+}
+
+static void use_frame(const run *r)
+{
+    cylfuse_mask_view mask;
+    succeeded(r, cylfuse_fitter_use_frame(r->fitter, r->frame, read_mask(r, &mask)), r->fitter);
+}
+
+static cylfuse_status new_fitter(run *r)
+{
+    cylfuse_fitter_destroy(r->fitter);
+    return cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &r->fitter);
+}
+
+static cylfuse_status new_frame(run *r)
+{
+    cylfuse_frame_destroy(r->frame);
+    return cylfuse_frame_create(CYLFUSE_ABI_VERSION, &r->frame);
+}
+
+/* A fit, or what it would report for a given model. */
+static void fit(const run *r, int with_model)
+{
+    cylfuse_cylinder model;
+    cylfuse_result result;
+    cylfuse_cylinder_estimate estimate;
+    cylfuse_result_init(&result, sizeof result);
+    cylfuse_cylinder_estimate_init(&estimate, sizeof estimate);
+    cylfuse_status status =
+        with_model ? cylfuse_fitter_evaluate(r->fitter, read_model(r, "model", &model), &result, &estimate)
+                   : cylfuse_fitter_fit(r->fitter, &result, &estimate);
+    if (succeeded(r, status, r->fitter)) {
+        print_result(r, &result);
+        print_estimate(r, &estimate);
+    }
+}
+
+static void get_result(const run *r)
+{
+    cylfuse_result result;
+    cylfuse_result_init(&result, sizeof result);
+    if (succeeded(r, cylfuse_fitter_get_result(r->fitter, &result), r->fitter)) print_result(r, &result);
+}
+
+static void get_cylinder(const run *r)
+{
+    cylfuse_cylinder_estimate estimate;
+    cylfuse_cylinder_estimate_init(&estimate, sizeof estimate);
+    if (succeeded(r, cylfuse_fitter_get_cylinder(r->fitter, &estimate), r->fitter)) print_estimate(r, &estimate);
+}
+
+static void run_step(run *r)
 {
     const char *call = need(r->step, "call")->valuestring;
     cylfuse_cylinder model;
-    cylfuse_result result = {.struct_size = sizeof result};
-#define CALL(name) else if (strcmp(call, #name) == 0)
-    if (strcmp(call, "set_intrinsics") == 0) {
-        cylfuse_intrinsics camera = read_camera(r);
-        succeeded(r, cylfuse_fitter_set_intrinsics(r->fitter, &camera), r->fitter);
+#define CALL(name) if (strcmp(call, #name) == 0)
+    CALL(new_fitter) succeeded(r, new_fitter(r), NULL);
+    else CALL(new_frame) succeeded(r, new_frame(r), NULL);
+    else CALL(set_intrinsics) set_camera(r, 0);
+    else CALL(frame_set_intrinsics) set_camera(r, 1);
+    else CALL(set_pose) set_pose(r, 0);
+    else CALL(frame_set_pose) set_pose(r, 1);
+    else CALL(set_depth_camera) set_depth_camera(r, 0);
+    else CALL(frame_set_depth_camera) set_depth_camera(r, 1);
+    else CALL(frame_set_depth) frame_set_depth(r);
+    else CALL(frame_set_image) frame_set_image(r);
+    else CALL(use_frame) use_frame(r);
+    else CALL(set_options) set_options(r);
+    else CALL(get_options) get_options(r);
+    else CALL(select_view)
+    {
+        succeeded(r, cylfuse_fitter_select_view(r->fitter, (size_t)number(need(r->step, "index"))), r->fitter);
     }
-    CALL(set_options) set_options(r);
-    CALL(get_options) get_options(r);
-    CALL(set_start_model)
+    else CALL(view_count) view_count(r);
+    else CALL(set_start_model)
     {
         succeeded(r, cylfuse_fitter_set_start_model(r->fitter, read_model(r, "model", &model)), r->fitter);
     }
-    CALL(reserve)
+    else CALL(reserve)
     {
         size_t points = (size_t)number(need(r->step, "points")), segments = (size_t)number(need(r->step, "segments"));
         succeeded(r, cylfuse_fitter_reserve(r->fitter, points, segments), r->fitter);
     }
-    CALL(clear) succeeded(r, cylfuse_fitter_clear(r->fitter), r->fitter);
-    CALL(cancel) succeeded(r, cylfuse_fitter_cancel(r->fitter), r->fitter);
-    CALL(push_points) succeeded(r, push_points(r), r->fitter);
-    CALL(push_depth) succeeded(r, push_depth(r), r->fitter);
-    CALL(push_image) succeeded(r, push_image(r), r->fitter);
-    CALL(push_edges) succeeded(r, push_edges(r), r->fitter);
-    CALL(select_edges) select_edges(r);
-    CALL(counts) counts(r);
-    CALL(fit)
-    {
-        if (succeeded(r, cylfuse_fitter_fit(r->fitter, &result), r->fitter)) print_result(r, &result);
-    }
-    CALL(get_result)
-    {
-        if (succeeded(r, cylfuse_fitter_get_result(r->fitter, &result), r->fitter)) print_result(r, &result);
-    }
-    CALL(evaluate)
-    {
-        cylfuse_status status = cylfuse_fitter_evaluate(r->fitter, read_model(r, "model", &model), &result);
-        if (succeeded(r, status, r->fitter)) print_result(r, &result);
-    }
-    CALL(residuals) residuals(r);
-    CALL(limb_samples) limb_samples(r);
-    CALL(diagnose) diagnose(r);
-    CALL(complete) complete(r);
-    CALL(complete_depth) complete_depth(r);
-    CALL(extent) extent(r);
-    CALL(distances) distances(r);
-    CALL(project) project(r);
-    CALL(compare) compare(r);
+    else CALL(clear) succeeded(r, cylfuse_fitter_clear(r->fitter), r->fitter);
+    else CALL(clear_input) succeeded(r, clear_input(r), r->fitter);
+    else CALL(cancel) succeeded(r, cylfuse_fitter_cancel(r->fitter), r->fitter);
+    else CALL(push_points) succeeded(r, push_points(r), r->fitter);
+    else CALL(push_depth) succeeded(r, push_depth(r), r->fitter);
+    else CALL(push_image) succeeded(r, push_image(r), r->fitter);
+    else CALL(push_edges) succeeded(r, push_edges(r), r->fitter);
+    else CALL(select_edges) select_edges(r);
+    else CALL(counts) counts(r);
+    else CALL(fit) fit(r, 0);
+    else CALL(evaluate) fit(r, 1);
+    else CALL(get_result) get_result(r);
+    else CALL(get_cylinder) get_cylinder(r);
+    else CALL(residuals) residuals(r);
+    else CALL(point_weights) point_weights(r);
+    else CALL(limbs) limbs(r);
+    else CALL(limb_samples) limb_samples(r);
+    else CALL(end_samples) end_samples(r);
+    else CALL(diagnose) diagnose(r);
+    else CALL(complete) complete(r);
+    else CALL(complete_depth) complete_depth(r);
+    else CALL(extent) extent(r);
+    else CALL(distances) distances(r);
+    else CALL(project) project(r);
+    else CALL(compare) compare(r);
+    else CALL(intrinsics_project) intrinsics_project(r);
+    else CALL(intrinsics_unproject) intrinsics_unproject(r);
     else stop("unknown call", call);
 }
 
@@ -343,7 +408,7 @@ int main(int argc, char **argv)
     cJSON_ArrayForEach(one, need(file, "cases"))
     {
         run r = {.file = file, .name = need(one, "name")->valuestring, .index = 0};
-        if (cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &r.fitter) != CYLFUSE_STATUS_OK) stop("no fitter", r.name);
+        if (new_fitter(&r) != CYLFUSE_STATUS_OK || new_frame(&r) != CYLFUSE_STATUS_OK) stop("no handle", r.name);
         cJSON_ArrayForEach(step, need(one, "steps"))
         {
             r.step = step;
@@ -351,6 +416,7 @@ int main(int argc, char **argv)
             r.index++;
         }
         cylfuse_fitter_destroy(r.fitter);
+        cylfuse_frame_destroy(r.frame);
     }
     cJSON_Delete(file);
     free(text);

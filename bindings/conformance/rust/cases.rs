@@ -2,42 +2,44 @@
 
 #![allow(clippy::needless_pass_by_value, reason = "what is passed is written on the spot")]
 
-use super::scene::{self, RADIUS, edges, truth};
+use super::failures::failures;
+use super::scene::{self, edges, truth};
+use super::views::views;
 use serde_json::{Value, json};
 
-fn case(name: &str, about: &str, steps: Vec<Value>) -> Value {
+pub fn case(name: &str, about: &str, steps: Vec<Value>) -> Value {
     json!({"name": name, "about": about, "steps": steps})
 }
 
-fn call(name: &str) -> Value {
+pub fn call(name: &str) -> Value {
     json!({"call": name})
 }
 
-fn camera(name: &str) -> Value {
+pub fn camera(name: &str) -> Value {
     json!({"call": "set_intrinsics", "camera": name})
 }
 
-fn options(options: Value) -> Value {
+pub fn options(options: Value) -> Value {
     json!({"call": "set_options", "options": options})
 }
 
-fn points(array: &str) -> Value {
+pub fn points(array: &str) -> Value {
     json!({"call": "push_points", "points": {"array": array}})
 }
 
-fn depth() -> Value {
+pub fn depth() -> Value {
     json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "mask": "mask"})
 }
 
-fn push_edges() -> Value {
+pub fn push_edges() -> Value {
     json!({"call": "push_edges", "segments": edges()})
 }
 
-fn image(array: &str) -> Value {
+pub fn image(array: &str) -> Value {
     json!({"call": "push_image", "image": array})
 }
 
-fn residuals(kind: &str) -> Value {
+pub fn residuals(kind: &str) -> Value {
     json!({"call": "residuals", "kind": kind})
 }
 
@@ -61,7 +63,10 @@ fn points_of_every_kind() -> Vec<Value> {
                 call("counts"),
                 call("fit"),
                 call("get_result"),
+                call("get_cylinder"),
                 residuals("POINTS"),
+                call("point_weights"),
+                call("limbs"),
                 call("diagnose"),
                 json!({"call": "diagnose", "model": truth()}),
                 json!({"call": "residuals", "kind": "POINTS", "model": truth()}),
@@ -80,7 +85,11 @@ fn points_of_every_kind() -> Vec<Value> {
             "rows and columns with NaN and a mask",
             vec![organised, call("counts"), call("fit"), residuals("POINTS")],
         ),
-        case("points_weighted", "weights of which some are 0", vec![weighted, call("counts"), call("fit")]),
+        case(
+            "points_weighted",
+            "weights of which some are 0",
+            vec![weighted, call("counts"), call("fit"), call("point_weights")],
+        ),
         case(
             "points_twice",
             "two clouds one after the other, then the next frame on the same fitter",
@@ -188,11 +197,40 @@ fn frames() -> Vec<Value> {
                 image(&name),
                 push_edges(),
                 call("fit"),
+                call("limbs"),
                 call("limb_samples"),
                 call("extent"),
+                call("end_samples"),
             ],
         ));
     }
+    cases.push(case(
+        "image_color",
+        "images in colour, with a gamma and an alpha that does not count",
+        vec![
+            camera("pinhole"),
+            depth(),
+            push_edges(),
+            image("image_rgb"),
+            call("fit"),
+            json!({"call": "push_image", "image": "image_rgb", "format": "BGR8"}),
+            call("fit"),
+            json!({"call": "push_image", "image": "image_bgra", "format": "BGRA8", "gamma": 2.2}),
+            call("fit"),
+            json!({"call": "push_image", "image": "image_bgra", "gamma": 22.0}),
+            call("end_samples"),
+        ],
+    ));
+    cases.push(case(
+        "mask_label",
+        "the pixels of one label in a mask of labels",
+        vec![
+            camera("pinhole"),
+            json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "mask": "mask", "label": 255}),
+            call("counts"),
+            json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "mask": "mask", "label": 7}),
+        ],
+    ));
     cases.push(case(
         "image_as_given",
         "the edges are the measurement",
@@ -304,6 +342,15 @@ fn settings() -> Vec<Value> {
                 "method": "RANSAC", "seed": 7, "ransac_max_iterations": 200, "ransac_threshold": 0.002,
             }),
         ),
+        with(
+            "noise",
+            "what is known of the errors of the data",
+            json!({
+                "independent_points": 50.0, "depth_noise": 1e-3, "image_noise": 2.5, "edge_noise": 0.25,
+                "mask_noise": 0.75, "image_blur": 0.5, "drawn_pixel": 1.5, "gradient_tolerance": 1e-6,
+                "step_tolerance": 1e-7,
+            }),
+        ),
         with("start_ransac", "the start from random samples", json!({"start": "RANSAC", "near_wall": "ON"})),
     ];
     cases.push(case(
@@ -326,6 +373,7 @@ fn settings() -> Vec<Value> {
 fn completion() -> Vec<Value> {
     let complete = |layout: &str, scalar: &str| json!({"call": "complete", "layout": layout, "scalar": scalar, "model": truth(), "mask": "small_mask"});
     let depth = |format: &str, scale: f64| json!({"call": "complete_depth", "format": format, "scale": scale, "model": truth(), "mask": "small_mask"});
+    let pixels = json!([[48.0, 38.5], [0.0, 74.25], [-20.0, 3.0], [null, 3.0]]);
     let pipe = json!({"point": [0.0, 0.1, 0.0], "direction": [0.1, 0.0, 1.0], "radius": 0.5});
     vec![
         case(
@@ -352,143 +400,15 @@ fn completion() -> Vec<Value> {
                 json!({"call": "distances", "model": truth(), "points": {"array": "none"}}),
                 json!({"call": "project", "model": truth(), "camera": "pinhole"}),
                 json!({"call": "project", "model": pipe, "camera": "pinhole"}),
+                json!({"call": "intrinsics_project", "camera": "pinhole", "points": {"array": "beside_f64"}}),
+                json!({"call": "intrinsics_project", "camera": "brown_conrady", "points": {"array": "beside_f64"}}),
+                json!({"call": "intrinsics_project", "camera": "kannala_brandt", "points": {"array": "beside_f64"}}),
+                json!({"call": "intrinsics_project", "camera": "focal_length_nan", "points": {"array": "none"}}),
+                json!({"call": "intrinsics_unproject", "camera": "pinhole", "pixels": pixels}),
+                json!({"call": "intrinsics_unproject", "camera": "brown_conrady", "pixels": pixels}),
+                json!({"call": "intrinsics_unproject", "camera": "kannala_brandt", "pixels": pixels}),
                 json!({"call": "compare", "a": truth(), "b": pipe}),
                 json!({"call": "compare", "a": truth(), "b": {"point": [0, 0, 0], "direction": [0, 0, 0], "radius": 1}}),
-            ],
-        ),
-    ]
-}
-
-fn failures() -> Vec<Value> {
-    let bad = |about: &str, value: Value| {
-        let name = value.as_object().into_iter().flat_map(|o| o.keys()).next().cloned().unwrap_or_default();
-        case(&format!("bad_{name}"), about, vec![options(value), call("get_options")])
-    };
-    let model = |direction: [i32; 3], radius: f64| json!({"call": "set_start_model", "model": {"point": [0, 0, 1], "direction": direction, "radius": radius}});
-    let fit = |name: &str, about: &str, array: &str| case(name, about, vec![points(array), call("fit")]);
-    vec![
-        fit("too_few_points", "four points", "few"),
-        fit("plane", "points on a plane", "plane"),
-        fit("line", "points on a line", "line"),
-        fit("no_usable_points", "no coordinate is finite", "not_finite"),
-        case(
-            "no_data",
-            "a fit of nothing, and what needs a fit",
-            vec![
-                call("fit"),
-                call("get_result"),
-                residuals("POINTS"),
-                call("diagnose"),
-                call("limb_samples"),
-                points("none"),
-                call("fit"),
-            ],
-        ),
-        bad("a weight beyond 1", json!({"edge_weight": 1.4})),
-        bad("a negative damping", json!({"initial_lambda": -1.0})),
-        bad("a limit below the other", json!({"radius_max": 0.01, "radius_min": 0.02})),
-        bad("a tolerance that is not a number", json!({"cost_tolerance": null})),
-        case(
-            "bad_intrinsics",
-            "the old camera stays",
-            vec![
-                camera("focal_length_nan"),
-                camera("focal_length_negative"),
-                depth(),
-                camera("pinhole"),
-                camera("focal_length_nan"),
-                depth(),
-                call("counts"),
-            ],
-        ),
-        case(
-            "no_intrinsics",
-            "what needs a camera",
-            vec![
-                depth(),
-                image("image_u8"),
-                push_edges(),
-                points("cloud_f64"),
-                call("fit"),
-                call("extent"),
-                json!({"call": "complete", "layout": "PACKED", "scalar": "F64", "model": truth(), "mask": "mask"}),
-            ],
-        ),
-        case(
-            "sizes",
-            "images that do not go together; nothing is added",
-            vec![
-                camera("pinhole"),
-                json!({"call": "push_depth", "depth": "no_depth", "scale": 1e-4}),
-                json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "mask": "small_mask"}),
-                json!({"call": "push_image", "image": "small_image_not_finite"}),
-                json!({"call": "push_points", "points": {"array": "organised_f32"}, "mask": "small_mask"}),
-                call("counts"),
-            ],
-        ),
-        case(
-            "images",
-            "images without a usable pixel",
-            vec![
-                camera("small"),
-                json!({"call": "push_depth", "depth": "no_depth", "scale": 1e-4}),
-                image("small_image_not_finite"),
-                camera("pinhole"),
-                json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "mask": "empty_mask"}),
-                json!({"call": "push_depth", "depth": "depth_u16", "scale": 0.0}),
-                json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4, "min_depth": 0.5, "max_depth": 0.4}),
-            ],
-        ),
-        case(
-            "bad_data",
-            "negative weights, edges that are not finite, bad models",
-            vec![
-                json!({"call": "push_points", "points": {
-                    "array": "cloud_f64", "weights": {"array": "negative_weight"},
-                }}),
-                json!({"call": "push_edges", "segments": [[1.0, 2.0, null, 4.0]]}),
-                json!({"call": "push_edges", "segments": [[1.0, 2.0, 3.0, 4.0]], "weights": [-1.0]}),
-                model([0, 0, 0], 1.0),
-                model([0, 0, 1], 0.0),
-                model([0, 0, 1], -RADIUS),
-                call("counts"),
-            ],
-        ),
-        case(
-            "paper_needs_two_edges",
-            "the paper's objective with one edge",
-            vec![
-                options(json!({"objective": "PAPER"})),
-                camera("pinhole"),
-                depth(),
-                json!({"call": "push_edges", "segments": [edges()[0]]}),
-                call("fit"),
-            ],
-        ),
-        case(
-            "no_region",
-            "completion without a model and without a mask",
-            vec![
-                camera("pinhole"),
-                json!({"call": "complete", "layout": "PACKED", "scalar": "F64", "mask": "mask"}),
-                json!({"call": "extent", "model": truth()}),
-                json!({"call": "extent", "model": truth(), "mask": "empty_mask"}),
-                json!({"call": "extent", "model": {"point": [0, 0, 1], "direction": [1, 0, 0], "radius": 0.001},
-                "mask": "mask"}),
-            ],
-        ),
-        case(
-            "cancel",
-            "a request before the fit stops it; clear takes it back",
-            vec![
-                points("cloud_f64"),
-                call("cancel"),
-                call("fit"),
-                call("fit"),
-                call("cancel"),
-                call("clear"),
-                points("cloud_f64"),
-                call("fit"),
             ],
         ),
     ]
@@ -498,6 +418,7 @@ fn failures() -> Vec<Value> {
 pub fn file() -> Value {
     let mut cases = points_of_every_kind();
     cases.extend(frames());
+    cases.extend(views());
     cases.push(selection());
     cases.extend(settings());
     cases.extend(completion());

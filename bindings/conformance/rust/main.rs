@@ -6,8 +6,10 @@
 #![allow(clippy::unwrap_used)] // A generator that cannot go on should stop.
 
 mod cases;
+mod failures;
 mod run;
 mod scene;
+mod views;
 
 use serde_json::{Value, json};
 use std::fmt::Write;

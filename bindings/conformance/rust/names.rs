@@ -1,6 +1,6 @@
 //! The names of the C enumerations, in the order of their numbers from 0 on.
 
-use cylfuse::fitter::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, StartKind};
+use cylfuse::fitter::{ChartChoice, EdgeUse, ExtentRule, Inputs, Method, NearWall, ObjectiveKind, StartKind};
 use serde_json::Value;
 
 /// The value of a name.
@@ -36,3 +36,9 @@ pub const CHARTS: &[(&str, ChartChoice)] =
 pub const EDGE_USES: &[(&str, EdgeUse)] = &[("REFINE", EdgeUse::Refine), ("AS_GIVEN", EdgeUse::AsGiven)];
 pub const EXTENT_RULES: &[(&str, ExtentRule)] =
     &[("AUTO", ExtentRule::Auto), ("EXTREMES", ExtentRule::Extremes), ("LOCATED", ExtentRule::Located)];
+pub const INPUTS: &[(&str, Inputs)] = &[
+    ("POINTS", Inputs::POINTS),
+    ("DEPTH", Inputs::DEPTH),
+    ("EDGES", Inputs::EDGES),
+    ("IMAGE", Inputs::IMAGE),
+];

@@ -13,6 +13,8 @@ use serde_json::Value;
 /// An array of the file: packed, row by row, little-endian.
 pub struct Array {
     pub element: String,
+    /// As a mask: the pixels of this value are meant, 0 for all that are not 0.
+    pub label: u8,
     shape: Vec<usize>,
     bytes: Vec<u8>,
 }
@@ -22,7 +24,7 @@ impl Array {
         let array = &file["arrays"][name.as_str().unwrap()];
         let shape = array["shape"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as usize).collect();
         let bytes = base64::decode(array["data"].as_str().unwrap());
-        Self { element: array["type"].as_str().unwrap().into(), shape, bytes }
+        Self { element: array["type"].as_str().unwrap().into(), label: 0, shape, bytes }
     }
 
     pub fn element_size(&self) -> usize {
@@ -44,9 +46,15 @@ impl Array {
         (self.shape[1], self.shape[0])
     }
 
-    pub fn image(&self) -> Strided<'_> {
+    /// Values of a pixel.
+    pub fn channels(&self) -> usize {
+        self.shape.get(2).copied().unwrap_or(1)
+    }
+
+    /// An image of so many values a pixel.
+    pub fn image(&self, channels: usize) -> Strided<'_> {
         let (width, height) = self.size();
-        let size = self.element_size();
+        let size = channels * self.element_size();
         let strides = (size as isize, (width * size) as isize);
         Strided::new(&self.bytes, 0, (width, height), size, strides).unwrap()
     }
@@ -102,6 +110,15 @@ pub fn options(value: &Value) -> Options {
             "lambda_factor" => options.limits.lambda_factor = number(value),
             "max_lambda" => options.limits.max_lambda = number(value),
             "cost_tolerance" => options.limits.cost_tolerance = number(value),
+            "gradient_tolerance" => options.limits.gradient_tolerance = number(value),
+            "step_tolerance" => options.limits.step_tolerance = number(value),
+            "independent_points" => options.independent_points = number(value),
+            "depth_noise" => options.noise.depth = number(value),
+            "image_noise" => options.noise.image = number(value),
+            "edge_noise" => options.noise.edge_endpoint = number(value),
+            "mask_noise" => options.noise.mask_side = number(value),
+            "image_blur" => options.noise.blur = number(value),
+            "drawn_pixel" => options.noise.drawn_pixel = number(value),
             "ransac_threshold" => options.ransac_threshold = number(value),
             "ransac_max_iterations" => options.ransac_iterations = count(value),
             "seed" => options.seed = value.as_u64().unwrap(),

@@ -7,6 +7,8 @@
 
 #[path = "base64.rs"]
 pub mod base64;
+#[path = "lists.rs"]
+mod lists;
 #[path = "names.rs"]
 mod names;
 #[path = "read.rs"]
@@ -17,14 +19,15 @@ mod write;
 use cylfuse::camera::{Camera, Intrinsics};
 use cylfuse::error::{Error, Result};
 use cylfuse::fitter::{Fitter, ResidualKind};
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{Cylinder, RigidMotion};
 use cylfuse::observations::{
-    DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView,
+    DepthCamera, DepthRange, DepthView, EdgeSegment, Frame, ImageFormat, ImageView, MaskView, Pixels,
+    PointsView, VectorsView,
 };
-use nalgebra::Vector2;
+use nalgebra::{Matrix3, Vector2, Vector3};
+use names::INPUTS;
 use read::{Array, count, cylinder, number, optional_cylinder};
 use serde_json::Value;
-use std::ops::ControlFlow;
 use write::{Fields, Output};
 
 /// What a step gave: its outputs, or the name of the status and the message.
@@ -34,13 +37,13 @@ pub type Outcome = std::result::Result<Fields, (String, String)>;
 pub struct Runner<'a> {
     file: &'a Value,
     fitter: Fitter,
-    cancelled: bool,
+    frame: Frame,
 }
 
 impl<'a> Runner<'a> {
-    /// A new fitter; `file` has the arrays and cameras.
+    /// A new fitter and a new frame; `file` has the arrays and cameras.
     pub fn new(file: &'a Value) -> Self {
-        Self { file, fitter: Fitter::new(), cancelled: false }
+        Self { file, fitter: Fitter::new(), frame: Frame::default() }
     }
 
     /// Runs the next step.
@@ -52,50 +55,75 @@ impl<'a> Runner<'a> {
     fn run(&mut self, call: &str, step: &Value) -> Result<Fields> {
         let model = optional_cylinder(&step["model"]);
         match call {
+            "new_fitter" => self.fitter = Fitter::new(),
+            "new_frame" => self.frame = Frame::default(),
             "set_options" => self.fitter.set_options(read::options(&step["options"]))?,
             "get_options" => return Ok(write::options(self.fitter.options())),
+            "select_view" => self.fitter.select_view(count(&step["index"]))?,
+            "view_count" => return Ok(Output::default().count("count", self.fitter.view_count()).0),
+            "set_pose" => self.fitter.set_pose(pose(step)?),
+            "frame_set_pose" => self.frame.set_pose(pose(step)?),
             "set_intrinsics" => self.fitter.set_intrinsics(self.camera(step))?,
+            "frame_set_intrinsics" => self.frame.set_camera(Camera::new(self.camera(step))?)?,
+            "set_depth_camera" => self.fitter.set_depth_camera(self.depth_camera(step)?)?,
+            "frame_set_depth_camera" => self.frame.set_depth_camera(self.depth_camera(step)?)?,
             "set_start_model" => self.fitter.set_start(model?),
             "reserve" => self.fitter.reserve(count(&step["points"]), count(&step["segments"]))?,
-            "clear" => {
-                self.fitter.clear();
-                self.cancelled = false;
+            "clear" => self.fitter.clear(),
+            "clear_input" => {
+                let names = step["inputs"].as_array().unwrap();
+                self.fitter.clear_inputs(names.iter().map(|name| names::named(name, INPUTS)).collect());
             }
-            "cancel" => self.cancelled = true,
+            // Of a call that is running, and none is.
+            "cancel" => (),
             "push_points" => {
                 let (points, mask) = (Points::read(self.file, &step["points"]), self.mask(step));
                 self.fitter.push_points(&points.view(), mask.as_ref().map(mask_view).as_ref())?;
             }
-            "push_depth" => self.push_depth(step)?,
+            "push_depth" => {
+                let (depth, mask) = (Array::read(self.file, &step["depth"]), self.mask(step));
+                let (view, range) = depth_view(&depth, step)?;
+                self.fitter.push_depth(&view, mask.as_ref().map(mask_view).as_ref(), &range)?;
+            }
+            "frame_set_depth" => {
+                let depth = Array::read(self.file, &step["depth"]);
+                let (view, range) = depth_view(&depth, step)?;
+                self.frame.set_depth(&view, &range)?;
+            }
             "push_image" => {
-                let image = Array::read(self.file, &step["image"]);
-                let format = match image.element.as_str() {
-                    "u8" => ImageFormat::U8,
-                    "u16" => ImageFormat::U16,
-                    _ => ImageFormat::F32,
-                };
-                self.fitter.push_image(&ImageView::new(image.image(), format))?;
+                self.fitter.push_image(&image_view(&Array::read(self.file, &step["image"]), step)?)?;
+            }
+            "frame_set_image" => {
+                self.frame.set_image(&image_view(&Array::read(self.file, &step["image"]), step)?)?;
+            }
+            "use_frame" => {
+                let mask = self.mask(step);
+                self.fitter.use_frame(&self.frame, mask.as_ref().map(mask_view).as_ref())?;
             }
             "push_edges" => self.fitter.push_edges(&self.segments(step))?,
             "select_edges" => return self.select_edges(step, model?.as_ref()),
             "counts" => return Ok(write::counts(&self.fitter)),
-            "fit" => return self.fit(),
-            "get_result" => {
+            "fit" => return Ok(write::outcome(&self.fitter.fit()?)),
+            "get_result" | "get_cylinder" => {
+                let reading = call == "get_result";
                 let last = self.fitter.result().ok_or(Error::BadState {
-                    call: "reading the result",
+                    call: if reading { "reading the result" } else { "reading the cylinder" },
                     missing: "a result",
                     remedy: "fit first",
                 })?;
-                return Ok(write::result(last));
+                return Ok(if reading { write::result(last).0 } else { write::estimate(last).0 });
             }
-            "evaluate" => return Ok(write::result(&self.fitter.evaluate(&cylinder(&step["model"])?)?)),
+            "evaluate" => return Ok(write::outcome(&self.fitter.evaluate(&cylinder(&step["model"])?)?)),
             "residuals" => {
                 let kinds = [("POINTS", ResidualKind::Points), ("EDGES", ResidualKind::Edges)];
                 let kind = names::named(&step["kind"], &kinds);
                 let residuals = self.fitter.residuals(model?.as_ref(), kind)?;
                 return Ok(Output::default().list("residuals", &residuals).0);
             }
+            "point_weights" => return self.point_weights(),
+            "limbs" => return self.limbs(),
             "limb_samples" => return self.limb_samples(),
+            "end_samples" => return self.end_samples(step, self.mask(step).as_ref()),
             "diagnose" => {
                 let diagnosis = self.fitter.diagnose(model?.as_ref())?;
                 return Ok(Output::default()
@@ -129,6 +157,8 @@ impl<'a> Runner<'a> {
                     .number("radius_relative", difference.radius_relative)
                     .0);
             }
+            "intrinsics_project" => return self.pixels(step),
+            "intrinsics_unproject" => return self.rays(step),
             other => panic!("unknown call {other}"),
         }
         Ok(Fields::new())
@@ -139,20 +169,22 @@ impl<'a> Runner<'a> {
         read::intrinsics(&self.file["cameras"][step["camera"].as_str().unwrap()])
     }
 
-    fn mask(&self, step: &Value) -> Option<Array> {
-        let name = &step["mask"];
-        (!name.is_null()).then(|| Array::read(self.file, name))
+    /// A depth camera of its own, or none.
+    fn depth_camera(&self, step: &Value) -> Result<Option<DepthCamera>> {
+        if step["camera"].is_null() {
+            return Ok(None);
+        }
+        let camera = Camera::new(self.camera(step))?;
+        Ok(Some(DepthCamera { camera, to_color: pose(step)? }))
     }
 
-    fn push_depth(&mut self, step: &Value) -> Result<()> {
-        let (depth, mask) = (Array::read(self.file, &step["depth"]), self.mask(step));
-        let format = if depth.element == "u16" { Pixels::U16 } else { Pixels::F32 };
-        let view = DepthView::new(depth.image(), format, number(&step["scale"]))?;
-        let range = DepthRange {
-            min: step["min_depth"].as_f64().unwrap_or(0.0),
-            max: step["max_depth"].as_f64().unwrap_or(f64::INFINITY),
-        };
-        self.fitter.push_depth(&view, mask.as_ref().map(mask_view).as_ref(), &range)
+    fn mask(&self, step: &Value) -> Option<Array> {
+        if step["mask"].is_null() {
+            return None;
+        }
+        let mut mask = Array::read(self.file, &step["mask"]);
+        mask.label = step["label"].as_u64().unwrap_or(0) as u8;
+        Some(mask)
     }
 
     fn segments(&self, step: &Value) -> Vec<EdgeSegment> {
@@ -173,37 +205,6 @@ impl<'a> Runner<'a> {
         Ok(Output::default().list("selected", &selected).0)
     }
 
-    fn fit(&mut self) -> Result<Fields> {
-        let stop = std::mem::take(&mut self.cancelled);
-        let mut report = |_: &_| if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        Ok(write::result(&self.fitter.fit_with(&mut report)?))
-    }
-
-    fn limb_samples(&self) -> Result<Fields> {
-        if self.fitter.result().is_none() {
-            let (call, missing) = ("listing limb samples", "a result");
-            return Err(Error::BadState { call, missing, remedy: "fit first" });
-        }
-        let (mut pixels, mut sigmas, mut weights, mut limbs) = (vec![], vec![], vec![], vec![]);
-        if let (Some(seen), Some(camera)) = (self.fitter.limbs(), self.fitter.camera()) {
-            for (limb, observation) in seen.iter().enumerate() {
-                for sample in &observation.samples {
-                    let Some(pixel) = camera.project(&camera.ideal_ray(&sample.position)) else { continue };
-                    pixels.extend([pixel.x, pixel.y]);
-                    sigmas.push(sample.sigma);
-                    weights.push(if observation.uses(sample) { sample.weight } else { 0.0 });
-                    limbs.push(limb as f64);
-                }
-            }
-        }
-        Ok(Output::default()
-            .list("pixel", &pixels)
-            .list("sigma", &sigmas)
-            .list("weight", &weights)
-            .list("limb", &limbs)
-            .0)
-    }
-
     fn complete(&self, step: &Value, model: Option<&Cylinder>) -> Result<Fields> {
         let organised = step["layout"] == "ORGANISED";
         let stored = |x: f64| if step["scalar"] == "F32" { f64::from(x as f32) } else { x };
@@ -215,6 +216,7 @@ impl<'a> Runner<'a> {
                 }
             })?;
         Ok(Output::default()
+            .count("view", self.fitter.selected_view())
             .count("count", points.len() / 3)
             .count("hits", counts.hits)
             .count("misses", counts.misses)
@@ -229,16 +231,20 @@ impl<'a> Runner<'a> {
             if step["format"] == "U16" { (65535.0, true) } else { (f64::from(f32::MAX), false) };
         let scale = number(&step["scale"]);
         let (mut pixels, mut count, mut out_of_range, mask) = (Vec::new(), 0, 0, self.mask(step));
-        let counts =
-            self.fitter.complete(model, mask.as_ref().map(mask_view).as_ref(), &mut |_, _, point| {
-                let value = point.map_or(0.0, |p| p.z / scale);
+        let counts = self.fitter.complete_depth(
+            model,
+            mask.as_ref().map(mask_view).as_ref(),
+            &mut |_, _, depth| {
+                let value = depth.map_or(0.0, |z| z / scale);
                 let stored = if whole { value.round() } else { f64::from(value as f32) };
                 let stored = if stored <= largest { stored } else { 0.0 };
                 count += usize::from(stored > 0.0);
-                out_of_range += usize::from(point.is_some() && stored <= 0.0);
+                out_of_range += usize::from(depth.is_some() && stored <= 0.0);
                 pixels.push(stored);
-            })?;
+            },
+        )?;
         Ok(Output::default()
+            .count("view", self.fitter.selected_view())
             .count("count", count)
             .count("hits", counts.hits)
             .count("misses", counts.misses)
@@ -250,21 +256,63 @@ impl<'a> Runner<'a> {
 
     fn distances(&self, step: &Value) -> Result<Fields> {
         let (model, points) = (cylinder(&step["model"])?, Points::read(self.file, &step["points"]));
-        let view = points.view();
-        let mut distances = Vec::new();
-        for row in 0..view.height() {
-            for column in 0..view.width() {
-                let point = view.points.at(column, row);
-                let finite = point.iter().all(|x| x.is_finite());
-                distances.push(if finite { model.distance(&point) } else { f64::NAN });
-            }
-        }
+        let distance = |point: &Vector3<f64>| {
+            if point.iter().all(|x| x.is_finite()) { model.distance(point) } else { f64::NAN }
+        };
+        let distances: Vec<f64> = points.all().iter().map(distance).collect();
         Ok(Output::default().list("distances", &distances).0)
+    }
+
+    fn pixels(&self, step: &Value) -> Result<Fields> {
+        let (camera, points) = (Camera::new(self.camera(step))?, Points::read(self.file, &step["points"]));
+        let pixel = |point: &Vector3<f64>| camera.project(point).map_or([f64::NAN; 2], Into::into);
+        let pixels: Vec<f64> = points.all().iter().flat_map(pixel).collect();
+        Ok(Output::default().list("pixels", &pixels).0)
+    }
+
+    fn rays(&self, step: &Value) -> Result<Fields> {
+        let camera = Camera::new(self.camera(step))?;
+        let ray = |pixel: &Value| {
+            camera.unproject(&read::numbers::<2>(pixel).into()).map_or([f64::NAN; 3], Into::into)
+        };
+        let rays: Vec<f64> = step["pixels"].as_array().unwrap().iter().flat_map(ray).collect();
+        Ok(Output::default().list("rays", &rays).0)
     }
 }
 
 fn mask_view(mask: &Array) -> MaskView<'_> {
-    MaskView::new(mask.image())
+    let view = MaskView::new(mask.image(1));
+    if mask.label == 0 { view } else { view.of_label(mask.label) }
+}
+
+fn depth_view<'a>(depth: &'a Array, step: &Value) -> Result<(DepthView<'a>, DepthRange)> {
+    let format = if depth.element == "u16" { Pixels::U16 } else { Pixels::F32 };
+    let view = DepthView::new(depth.image(1), format, number(&step["scale"]))?;
+    let range = DepthRange {
+        min: step["min_depth"].as_f64().unwrap_or(0.0),
+        max: step["max_depth"].as_f64().unwrap_or(f64::INFINITY),
+    };
+    Ok((view, range))
+}
+
+fn image_view<'a>(image: &'a Array, step: &Value) -> Result<ImageView<'a>> {
+    let format = match (step["format"].as_str(), image.channels(), image.element.as_str()) {
+        (Some("RGB8"), ..) | (None, 3, _) => ImageFormat::Rgb8,
+        (Some("BGR8"), ..) => ImageFormat::Bgr8,
+        (Some("RGBA8"), ..) | (None, 4, _) => ImageFormat::Rgba8,
+        (Some("BGRA8"), ..) => ImageFormat::Bgra8,
+        (None, _, "u8") => ImageFormat::U8,
+        (None, _, "u16") => ImageFormat::U16,
+        (None, _, "f32") => ImageFormat::F32,
+        (other, ..) => panic!("unknown format {other:?}"),
+    };
+    ImageView::new(image.image(image.channels()), format).with_gamma(step["gamma"].as_f64().unwrap_or(1.0))
+}
+
+fn pose(step: &Value) -> Result<RigidMotion> {
+    let pose = &step["pose"];
+    let rotation = Matrix3::from_row_slice(&read::numbers::<9>(&pose["rotation"]));
+    RigidMotion::new(rotation, read::numbers::<3>(&pose["translation"]).into())
 }
 
 /// A cloud with what belongs to it.
@@ -284,6 +332,13 @@ impl Points {
             weights: optional(&given["weights"]),
             normals: optional(&given["normals"]),
         }
+    }
+
+    /// All points, row by row.
+    fn all(&self) -> Vec<Vector3<f64>> {
+        let view = self.view();
+        let places = (0..view.height()).flat_map(|row| (0..view.width()).map(move |column| (column, row)));
+        places.map(|(column, row)| view.points.at(column, row)).collect()
     }
 
     fn view<'a>(&'a self) -> PointsView<'a> {

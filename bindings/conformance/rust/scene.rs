@@ -1,7 +1,7 @@
 //! The data of the golden cases: one cylinder before a wall, seen by a small camera, with noise.
 
 use super::run::base64;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
 
 pub const WIDTH: usize = 100;
@@ -10,6 +10,12 @@ const FOCAL: [f64; 2] = [125.0, 126.0];
 const CENTRE: [f64; 2] = [48.0, 38.5];
 pub const RADIUS: f64 = 0.04;
 const HALF_LENGTH: f64 = 0.08;
+
+/// The value of the cylinder in the masks.
+const LABEL: u8 = 255;
+
+const SECOND_POSITION: [f64; 3] = [-0.13, 0.0, 0.02];
+const DEPTH_POSITION: [f64; 3] = [0.03, 0.0, -0.01];
 
 /// Rays by which a pixel of the image is averaged, in each direction.
 const RAYS: usize = 8;
@@ -34,17 +40,116 @@ fn across() -> (Vector3<f64>, Vector3<f64>) {
     (toward, direction().cross(&toward))
 }
 
-/// The depth at which the ray of a pixel meets the near wall between the ends.
-fn near_wall(column: f64, row: f64) -> Option<f64> {
-    let ray = Vector3::new((column - CENTRE[0]) / FOCAL[0], (row - CENTRE[1]) / FOCAL[1], 1.0);
-    let off = |v: &Vector3<f64>| v - direction() * v.dot(&direction());
-    let (k, w) = (off(&ray), off(&middle()));
-    // |t k - w| = r
-    let (a, b, c) = (k.dot(&k), k.dot(&w), w.dot(&w) - RADIUS * RADIUS);
-    let root = (b * b - a * c).max(0.0).sqrt();
-    let t = (b - root) / a;
-    let along = (ray * t - middle()).dot(&direction());
-    (b * b >= a * c && along.abs() <= HALF_LENGTH).then_some(t)
+/// A pinhole somewhere in the scene.
+struct Viewpoint {
+    size: [usize; 2],
+    focal: [f64; 2],
+    centre: [f64; 2],
+    /// To the frame of the first camera, which is the reference.
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+}
+
+impl Viewpoint {
+    /// The camera of most cases.
+    fn first() -> Self {
+        let (size, rotation) = ([WIDTH, HEIGHT], Matrix3::identity());
+        Self { size, focal: FOCAL, centre: CENTRE, rotation, position: Vector3::zeros() }
+    }
+
+    /// The same camera elsewhere, as `second_pose` says.
+    fn second() -> Self {
+        Self { rotation: about_y(0.28, 0.96), position: SECOND_POSITION.into(), ..Self::first() }
+    }
+
+    /// A depth camera beside the first one, as `depth_pose` says.
+    fn depth() -> Self {
+        Self {
+            size: [60, 45],
+            focal: [76.0, 75.0],
+            centre: [30.0, 21.5],
+            rotation: about_y(0.04, 0.9992),
+            position: DEPTH_POSITION.into(),
+        }
+    }
+
+    /// The depth at which the ray of a pixel meets the near wall between the ends.
+    fn near_wall(&self, column: f64, row: f64) -> Option<f64> {
+        let [cx, cy] = self.centre;
+        let ray = Vector3::new((column - cx) / self.focal[0], (row - cy) / self.focal[1], 1.0);
+        let (ray, middle) = (self.rotation * ray, middle() - self.position);
+        let off = |v: &Vector3<f64>| v - direction() * v.dot(&direction());
+        let (k, w) = (off(&ray), off(&middle));
+        // |t k - w| = r
+        let (a, b, c) = (k.dot(&k), k.dot(&w), w.dot(&w) - RADIUS * RADIUS);
+        let root = (b * b - a * c).max(0.0).sqrt();
+        let t = (b - root) / a;
+        let along = (ray * t - middle).dot(&direction());
+        (b * b >= a * c && along.abs() <= HALF_LENGTH).then_some(t)
+    }
+
+    fn shape(&self) -> [usize; 2] {
+        [self.size[1], self.size[0]]
+    }
+
+    fn pixels(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let [width, height] = self.size;
+        (0..width * height).map(move |k| ((k % width) as f64, (k / width) as f64))
+    }
+
+    /// With noise, and here and there nothing is measured.
+    fn measured(&self, seed: u64) -> Vec<f64> {
+        let mut noise = Noise(seed);
+        let depth = self.pixels().enumerate().map(|(k, (column, row))| {
+            let z = self.near_wall(column, row).unwrap_or(0.9) + 5e-4 * noise.normal();
+            if k % 37 == 0 { 0.0 } else { z }
+        });
+        depth.collect()
+    }
+
+    fn mask(&self) -> Vec<f64> {
+        let value =
+            |(column, row)| if self.near_wall(column, row).is_some() { f64::from(LABEL) } else { 0.0 };
+        self.pixels().map(value).collect()
+    }
+
+    /// The part of each pixel that shows the surface.
+    fn parts(&self) -> Vec<f64> {
+        let offset = |k: usize| (k as f64 + 0.5) / RAYS as f64 - 0.5;
+        let part = |(column, row): (f64, f64)| {
+            let meets =
+                |k: usize| self.near_wall(column + offset(k % RAYS), row + offset(k / RAYS)).is_some();
+            (0..RAYS * RAYS).filter(|&k| meets(k)).count() as f64 / (RAYS * RAYS) as f64
+        };
+        self.pixels().map(part).collect()
+    }
+
+    /// The grey image, with noise.
+    fn image(&self, seed: u64) -> Vec<f64> {
+        let mut noise = Noise(seed);
+        self.parts().iter().map(|part| 40.0 + 160.0 * part + 2.0 * noise.normal()).collect()
+    }
+}
+
+/// A turn about y by the sine and the cosine of an angle.
+fn about_y(sine: f64, cosine: f64) -> Matrix3<f64> {
+    Matrix3::new(cosine, 0.0, sine, 0.0, 1.0, 0.0, -sine, 0.0, cosine)
+}
+
+fn pose(viewpoint: &Viewpoint) -> Value {
+    json!({
+        "rotation": viewpoint.rotation.transpose().as_slice(), "translation": viewpoint.position.as_slice(),
+    })
+}
+
+/// The pose of the second view.
+pub fn second_pose() -> Value {
+    pose(&Viewpoint::second())
+}
+
+/// The motion from the depth camera to the first one. The rotation is rounded.
+pub fn depth_pose() -> Value {
+    pose(&Viewpoint::depth())
 }
 
 /// Noise of unit variance, the same at every run.
@@ -138,35 +243,41 @@ fn clouds(arrays: &mut Map<String, Value>) {
     arrays.insert("few".into(), f64_array(&[4, 3], flat(&points[..4])));
     arrays.insert("not_finite".into(), f64_array(&[6, 3], [f64::NAN; 18]));
     arrays.insert("none".into(), f64_array(&[0, 3], []));
+    // In the image, beyond its border, far beyond, behind the camera, not finite.
+    let beside =
+        [[0.1, -0.05, 0.5], [0.3, 0.2, 0.4], [9.0, 0.0, 0.1], [0.1, 0.1, -0.5], [f64::NAN, 0.0, 1.0]];
+    arrays.insert("beside_f64".into(), f64_array(&[5, 3], beside.concat()));
     let negative = (0..100).map(|k| if k == 7 { -1.0 } else { 1.0 });
     arrays.insert("negative_weight".into(), f64_array(&[100, 1], negative));
 }
 
 fn images(arrays: &mut Map<String, Value>) {
-    let shape = [HEIGHT, WIDTH];
-    let pixels = || (0..WIDTH * HEIGHT).map(|k| ((k % WIDTH) as f64, (k / WIDTH) as f64));
-    let (mut noise, mut depth) = (Noise(2), Vec::new());
-    for (k, (column, row)) in pixels().enumerate() {
-        let z = near_wall(column, row).unwrap_or(0.9) + 5e-4 * noise.normal();
-        // Here and there nothing is measured.
-        depth.push(if k % 37 == 0 { 0.0 } else { z });
-    }
-    arrays.insert("depth_f32".into(), f32_array(&shape, depth.iter().copied()));
-    arrays.insert("depth_u16".into(), u16_array(&shape, depth.iter().map(|z| z * 1e4)));
-    let mask = pixels().map(|(column, row)| if near_wall(column, row).is_some() { 255.0 } else { 0.0 });
-    arrays.insert("mask".into(), u8_array(&shape, mask));
-    let mut noise = Noise(3);
-    let offset = |k: usize| (k as f64 + 0.5) / RAYS as f64 - 0.5;
-    let mut image = Vec::new();
-    for (column, row) in pixels() {
-        let meets = |k: usize| near_wall(column + offset(k % RAYS), row + offset(k / RAYS)).is_some();
-        let part = (0..RAYS * RAYS).filter(|&k| meets(k)).count() as f64 / (RAYS * RAYS) as f64;
-        image.push(40.0 + 160.0 * part + 2.0 * noise.normal());
-    }
+    let (first, second, apart) = (Viewpoint::first(), Viewpoint::second(), Viewpoint::depth());
+    let shape = first.shape();
+    let stored = |depth: &[f64]| depth.iter().map(|z| z * 1e4).collect::<Vec<_>>();
+    let depth = first.measured(2);
+    arrays.insert("depth_u16".into(), u16_array(&shape, stored(&depth)));
+    arrays.insert("depth_f32".into(), f32_array(&shape, depth));
+    arrays.insert("mask".into(), u8_array(&shape, first.mask()));
+    let image = first.image(3);
     arrays.insert("image_u8".into(), u8_array(&shape, image.iter().copied()));
     arrays.insert("image_u16".into(), u16_array(&shape, image.iter().map(|x| x * 250.0)));
     arrays.insert("image_f32".into(), f32_array(&shape, image));
-    arrays.insert("empty_mask".into(), u8_array(&shape, pixels().map(|_| 0.0)));
+    arrays.insert("second_depth".into(), u16_array(&shape, stored(&second.measured(4))));
+    arrays.insert("second_mask".into(), u8_array(&shape, second.mask()));
+    arrays.insert("second_image".into(), u8_array(&shape, second.image(5)));
+    arrays.insert("own_depth".into(), u16_array(&apart.shape(), stored(&apart.measured(6))));
+    // A red cylinder on blue, of about the same red and green: grey by the wrong weights it is another image.
+    let mut noise = Noise(7);
+    let colors = first.parts().into_iter().flat_map(|part| {
+        [60.0 + 150.0 * part, 80.0 + 20.0 * part, 150.0 - 110.0 * part]
+            .map(|value| value + 2.0 * noise.normal())
+    });
+    let colors: Vec<f64> = colors.collect();
+    let with_alpha = colors.chunks(3).enumerate().flat_map(|(k, c)| [c[2], c[1], c[0], (k % 256) as f64]);
+    arrays.insert("image_bgra".into(), u8_array(&[HEIGHT, WIDTH, 4], with_alpha));
+    arrays.insert("image_rgb".into(), u8_array(&[HEIGHT, WIDTH, 3], colors));
+    arrays.insert("empty_mask".into(), u8_array(&shape, [0.0; WIDTH * HEIGHT]));
     arrays.insert("no_depth".into(), u16_array(&[12, 16], [0.0; 192]));
     arrays
         .insert("small_mask".into(), u8_array(&[12, 16], (0..192).map(|k| f64::from(u8::from(k % 16 > 1)))));
@@ -195,6 +306,7 @@ fn camera(model: &str, distortion: [f64; 8]) -> Value {
 
 /// All cameras by their names.
 pub fn cameras() -> Value {
+    let apart = Viewpoint::depth();
     let mut nan = camera("NONE", [0.0; 8]);
     nan["fx"] = Value::Null;
     let mut negative = camera("NONE", [0.0; 8]);
@@ -203,6 +315,10 @@ pub fn cameras() -> Value {
         "pinhole": camera("NONE", [0.0; 8]),
         "brown_conrady": camera("BROWN_CONRADY", [0.02, -0.01, 0.001, -0.0005, 0.002, 0.0, 0.0, 0.0]),
         "kannala_brandt": camera("KANNALA_BRANDT", [0.01, -0.002, 0.001, -0.0005, 0.0, 0.0, 0.0, 0.0]),
+        "own_depth": {
+            "width": apart.size[0], "height": apart.size[1], "fx": apart.focal[0], "fy": apart.focal[1],
+            "cx": apart.centre[0], "cy": apart.centre[1], "distortion_model": "NONE", "distortion": vec![0.0; 8],
+        },
         "focal_length_nan": nan,
         "focal_length_negative": negative,
         "small": {

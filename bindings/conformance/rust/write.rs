@@ -1,9 +1,10 @@
 //! What a call gives, as numbers under the names of the C fields.
 
 use super::names::*;
-use cylfuse::extent::{EndState, Extent};
-use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Uncertainty};
+use cylfuse::extent::{EndSource, EndState, Extent};
+use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Termination, Uncertainty};
 use cylfuse::geometry::Cylinder;
+use cylfuse::noise::NoiseModel;
 use nalgebra::{Matrix3, Vector3};
 
 /// The numbers of every output.
@@ -39,34 +40,59 @@ impl Output {
     }
 }
 
-pub fn result(result: &FitResult) -> Fields {
-    let uncertainty = result.uncertainty.as_ref();
-    let radii = result.radii.as_ref();
-    let covariance = uncertainty.map_or_else(|| vec![f64::NAN; 49], |u| u.covariance().as_slice().to_vec());
+/// What a fit gives: the fields of both structs.
+pub fn outcome(outcome: &FitResult) -> Fields {
+    let mut fields = result(outcome).0;
+    fields.extend(estimate(outcome).0);
+    fields
+}
+
+fn termination(termination: Termination) -> f64 {
+    match termination {
+        Termination::Cost => 1.0,
+        Termination::Stalled => 2.0,
+        Termination::MaxIterations => 3.0,
+        Termination::RadiusRanAway => 4.0,
+        Termination::Gradient => 5.0,
+        Termination::Step => 6.0,
+    }
+}
+
+pub fn result(result: &FitResult) -> Output {
     Output::default()
-        .number("termination", result.termination.map_or(0, |end| end as i32 + 1))
-        .number("start_kind", position(&result.start_kind, STARTS))
         .number("flags", result.flags.bits())
+        .number("termination", result.termination.map_or(0.0, termination))
         .count("iterations", result.iterations)
         .count("rejected_steps", result.rejected_steps)
-        .count("segments_used", result.segments_used)
+        .count("limbs_located", result.limbs_located)
         .count("segments_given", result.segments_given)
-        .count("points_used", result.points_used)
+        .count("segments_used", result.segments_used)
         .count("points_given", result.points_given)
-        .model("model", &result.cylinder)
-        .model("start_model", &result.start)
+        .count("points_used", result.points_used)
+        .number("independent_points", result.independent_points)
+        .number("point_deviation", result.point_scale)
+        .number("point_rms", result.point_rms)
+        .optional("edge_rms_pixels", result.edge_rms_pixels)
+        .optional("near_wall_fraction", result.near_wall_fraction)
         .number("initial_cost", result.initial_cost)
         .number("cost", result.cost)
         .number("energy_points", result.energy_points)
         .optional("energy_edges", result.energy_edges)
         .optional("edge_weight", result.edge_weight)
-        .number("point_rms", result.point_rms)
-        .optional("edge_rms_pixels", result.edge_rms_pixels)
-        .optional("near_wall_fraction", result.near_wall_fraction)
         .number("condition", result.condition)
-        .number("lambda", result.lambda)
         .number("gradient_norm", result.gradient_norm)
         .number("step_norm", result.step_norm)
+        .number("lambda", result.lambda)
+}
+
+pub fn estimate(result: &FitResult) -> Output {
+    let uncertainty = result.uncertainty.as_ref();
+    let radii = result.radii.as_ref();
+    let covariance = uncertainty.map_or_else(|| vec![f64::NAN; 49], |u| u.covariance().as_slice().to_vec());
+    Output::default()
+        .number("start_kind", position(&result.start_kind, STARTS))
+        .model("model", &result.cylinder)
+        .model("start_model", &result.start)
         .optional("radius_deviation", uncertainty.map(Uncertainty::radius))
         .optional("direction_deviation", uncertainty.map(Uncertainty::direction))
         .optional("position_deviation", uncertainty.map(Uncertainty::position))
@@ -76,8 +102,15 @@ pub fn result(result: &FitResult) -> Fields {
         .optional("radius_from_limbs_deviation", radii.map(|r| r.from_limbs_deviation))
         .optional("radius_z_score", radii.map(RadiusComparison::z_score))
         .list("covariance", &covariance)
-        .count("limbs_located", result.limbs_located)
-        .0
+}
+
+fn end_source(source: EndSource) -> f64 {
+    match source {
+        EndSource::Extreme => 0.0,
+        EndSource::Mask => 1.0,
+        EndSource::Image => 2.0,
+        EndSource::Border => 3.0,
+    }
 }
 
 fn end_state(state: EndState) -> f64 {
@@ -96,6 +129,11 @@ pub fn extent(extent: &Extent) -> Fields {
     Output::default()
         .number("start_state", end_state(extent.start_state))
         .number("end_state", end_state(extent.end_state))
+        .number("start_source", end_source(extent.start_source))
+        .number("end_source", end_source(extent.end_source))
+        .count("start_view", extent.start_view)
+        .count("end_view", extent.end_view)
+        .number("limbs_known", extent.limbs_known)
         .list("start", extent.start.as_slice())
         .list("end", extent.end.as_slice())
         .list("center", extent.center.as_slice())
@@ -111,6 +149,8 @@ pub fn extent(extent: &Extent) -> Fields {
 
 pub fn options(options: &Options) -> Fields {
     let limits = &options.cylinder_limits;
+    let (noise, usual) = (&options.noise, NoiseModel::default());
+    let unless = |told: f64, usual: f64| if told == usual { 0.0 } else { told };
     let largest = if limits.radius_max.is_finite() { limits.radius_max } else { 0.0 };
     Output::default()
         .number("method", position(&options.method, METHODS))
@@ -125,6 +165,15 @@ pub fn options(options: &Options) -> Fields {
         .number("lambda_factor", options.limits.lambda_factor)
         .number("max_lambda", options.limits.max_lambda)
         .number("cost_tolerance", options.limits.cost_tolerance)
+        .number("gradient_tolerance", options.limits.gradient_tolerance)
+        .number("step_tolerance", options.limits.step_tolerance)
+        .number("independent_points", options.independent_points)
+        .number("depth_noise", noise.depth)
+        .number("image_noise", noise.image)
+        .number("edge_noise", unless(noise.edge_endpoint, usual.edge_endpoint))
+        .number("mask_noise", unless(noise.mask_side, usual.mask_side))
+        .number("image_blur", noise.blur)
+        .number("drawn_pixel", noise.drawn_pixel)
         .number("ransac_threshold", options.ransac_threshold)
         .number("seed", options.seed as f64)
         .count("ransac_max_iterations", options.ransac_iterations)
@@ -141,6 +190,7 @@ pub fn counts(fitter: &Fitter) -> Fields {
     let cloud = fitter.cloud();
     let dropped = cloud.dropped();
     Output::default()
+        .count("view", fitter.selected_view())
         .count("points_given", cloud.given())
         .count("points_used", cloud.len())
         .count("dropped_not_finite", dropped.not_finite)
@@ -149,6 +199,7 @@ pub fn counts(fitter: &Fitter) -> Fields {
         .count("dropped_no_depth", dropped.no_depth)
         .count("dropped_out_of_range", dropped.out_of_range)
         .count("dropped_outside_camera", dropped.outside_camera)
+        .count("dropped_hidden", dropped.hidden)
         .count("segments_given", fitter.segments().len())
         .0
 }

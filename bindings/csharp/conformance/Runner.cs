@@ -11,14 +11,19 @@ namespace Cylfuse.Conformance
     internal sealed class Runner : IDisposable
     {
         private readonly JsonValue file;
-        private readonly Fitter fitter = new Fitter();
+        private Fitter fitter = new Fitter();
+        private Frame frame = new Frame();
 
         internal Runner(JsonValue file)
         {
             this.file = file;
         }
 
-        public void Dispose() => fitter.Dispose();
+        public void Dispose()
+        {
+            fitter.Dispose();
+            frame.Dispose();
+        }
 
         /// <summary>What a step gives: numbers under the names of the C fields.</summary>
         internal Dictionary<string, double[]> Run(JsonValue step)
@@ -28,6 +33,32 @@ namespace Cylfuse.Conformance
             string call = step["call"];
             switch (call)
             {
+                case "new_fitter":
+                    fitter.Dispose();
+                    fitter = new Fitter();
+                    break;
+                case "new_frame":
+                    frame.Dispose();
+                    frame = new Frame();
+                    break;
+                case "select_view": fitter.SelectView(step["index"]); break;
+                case "view_count": outputs["count"] = new[] { (double)fitter.ViewCount }; break;
+                case "set_pose": fitter.SetPose(Pose(step["pose"])); break;
+                case "frame_set_pose": frame.SetPose(Pose(step["pose"])); break;
+                case "frame_set_intrinsics": frame.Intrinsics = Camera(step["camera"]); break;
+                case "set_depth_camera":
+                    fitter.SetDepthCamera(Camera(step["camera"]), Pose(Given(step, "pose")));
+                    break;
+                case "frame_set_depth_camera":
+                    frame.SetDepthCamera(Camera(step["camera"]), Pose(Given(step, "pose")));
+                    break;
+                case "frame_set_depth": frame.SetDepth(Depth(step)); break;
+                case "frame_set_image": frame.SetImage(Image(step)); break;
+                case "use_frame": fitter.UseFrame(frame, Mask(step)); break;
+                case "clear_input":
+                    fitter.ClearInput(((JsonArray)step["inputs"])
+                        .Aggregate(Inputs.None, (inputs, input) => inputs | Named<Inputs>(input)));
+                    break;
                 case "set_options": fitter.Options = Options(step["options"]); break;
                 case "get_options": Describe(fitter.Options, "", outputs); break;
                 case "set_intrinsics": fitter.Intrinsics = Camera(step["camera"]); break;
@@ -37,7 +68,7 @@ namespace Cylfuse.Conformance
                 case "cancel": fitter.Cancel(); break;
                 case "push_points": fitter.PushPoints(Cloud(step["points"]), Mask(step)); break;
                 case "push_depth": fitter.PushDepth(Depth(step), Mask(step)); break;
-                case "push_image": fitter.PushImage(Image(step["image"])); break;
+                case "push_image": fitter.PushImage(Image(step)); break;
                 case "push_edges": fitter.PushEdges(Edges(step)); break;
                 case "select_edges":
                     byte[] limbs = fitter.SelectEdges(Edges(step), model, Number(step, "reach", 0));
@@ -45,28 +76,38 @@ namespace Cylfuse.Conformance
                     break;
                 case "counts": Describe(fitter.Counts(), "", outputs); break;
                 case "fit": Describe(fitter.Fit(), "", outputs); break;
-                case "get_result": Describe(fitter.Result(), "", outputs); break;
+                case "get_result": DescribeResult(false, outputs); break;
+                case "get_cylinder": DescribeResult(true, outputs); break;
                 case "evaluate": Describe(fitter.Evaluate(model), "", outputs); break;
                 case "residuals":
                     outputs["residuals"] = fitter.Residuals(Named<ResidualKind>(step["kind"]), model);
                     break;
-                case "limb_samples":
-                    LimbSample[] samples = fitter.LimbSamples();
-                    outputs["pixel"] = samples.SelectMany(sample => sample.Pixel).ToArray();
-                    outputs["sigma"] = samples.Select(sample => sample.Sigma).ToArray();
-                    outputs["weight"] = samples.Select(sample => sample.Weight).ToArray();
-                    outputs["limb"] = samples.Select(sample => (double)sample.Limb).ToArray();
-                    break;
+                case "point_weights": Describe(fitter.PointWeights(), "", outputs); break;
+                case "limbs": DescribeAll(fitter.Limbs(), outputs); break;
+                case "limb_samples": DescribeAll(fitter.LimbSamples(), outputs); break;
+                case "end_samples": DescribeAll(fitter.EndSamples(model, Mask(step)), outputs); break;
                 case "diagnose": Describe(fitter.Diagnose(model), "", outputs); break;
                 case "extent": Describe(fitter.Extent(model, Mask(step)), "", outputs); break;
                 case "complete": Complete(step, model, outputs); break;
                 case "complete_depth": CompleteDepth(step, model, outputs); break;
                 case "distances": outputs["distances"] = model.Distances(Cloud(step["points"])); break;
                 case "project": outputs["lines"] = Flatten(model.Project(Camera(step["camera"]))); break;
+                case "intrinsics_project":
+                    outputs["pixels"] = Flatten(Camera(step["camera"]).Project(Cloud(step["points"])));
+                    break;
+                case "intrinsics_unproject": outputs["rays"] = Flatten(Unproject(step)); break;
                 case "compare": Describe(Cylinder(step, "a").Compare(Cylinder(step, "b")), "", outputs); break;
                 default: throw new NotSupportedException($"unknown call {call}");
             }
             return outputs;
+        }
+
+        private double[,] Unproject(JsonValue step)
+        {
+            double[] numbers = ((JsonArray)step["pixels"]).SelectMany(Numbers).ToArray();
+            var pixels = new double[numbers.Length / 2, 2];
+            Buffer.BlockCopy(numbers, 0, pixels, 0, 8 * numbers.Length);
+            return Camera(step["camera"]).Unproject(pixels);
         }
 
         private void Complete(JsonValue step, Cylinder model, Dictionary<string, double[]> outputs)
@@ -108,6 +149,16 @@ namespace Cylfuse.Conformance
         /// <summary>A number; null stands for NaN.</summary>
         private static double Number(JsonValue value) => value == null ? double.NaN : (double)value;
 
+        private static JsonValue Given(JsonValue step, string key) => step.ContainsKey(key) ? step[key] : null;
+
+        private static RigidMotion Pose(JsonValue value)
+        {
+            if (value == null) return null;
+            var rotation = new double[3, 3];
+            Buffer.BlockCopy(Numbers(value["rotation"]), 0, rotation, 0, 72);
+            return new RigidMotion(rotation, Vector(value["translation"]));
+        }
+
         private static double Number(JsonValue step, string key, double otherwise) =>
             step.ContainsKey(key) ? Number(step[key]) : otherwise;
 
@@ -130,9 +181,10 @@ namespace Cylfuse.Conformance
                 : new Cylinder(Vector(value["point"]), Vector(value["direction"]), Number(value["radius"]));
         }
 
-        private Intrinsics Camera(string name)
+        private Intrinsics Camera(JsonValue name)
         {
-            JsonValue camera = file["cameras"][name];
+            if (name == null) return null;
+            JsonValue camera = file["cameras"][(string)name];
             return new Intrinsics(
                 camera["width"], camera["height"], Number(camera["fx"]), Number(camera["fy"]), Number(camera["cx"]),
                 Number(camera["cy"]),
@@ -199,7 +251,9 @@ namespace Cylfuse.Conformance
         {
             if (!step.ContainsKey("mask")) return null;
             (Array elements, int[] shape) = Data(step["mask"]);
-            return Cylfuse.Mask.From((byte[])elements, shape[1], shape[0]);
+            Mask mask = Cylfuse.Mask.From((byte[])elements, shape[1], shape[0]);
+            mask.Label = (byte)Number(step, "label", 0);
+            return mask;
         }
 
         private DepthImage Depth(JsonValue step)
@@ -214,13 +268,19 @@ namespace Cylfuse.Conformance
             return depth;
         }
 
-        private GreyImage Image(string name)
+        private Image Image(JsonValue step)
         {
-            (Array elements, int[] shape) = Data(name);
-            if (elements is byte[] bytes) return GreyImage.From(bytes, shape[1], shape[0]);
-            return elements is ushort[] integers
-                ? GreyImage.From(integers, shape[1], shape[0])
-                : GreyImage.From((float[])elements, shape[1], shape[0]);
+            (Array elements, int[] shape) = Data(step["image"]);
+            int width = shape[1], height = shape[0];
+            Image image = shape.Length == 3
+                ? Cylfuse.Image.From((byte[])elements, width, height, step.ContainsKey("format")
+                    ? Named<ColourFormat>(step["format"])
+                    : shape[2] == 3 ? ColourFormat.Rgb8 : ColourFormat.Rgba8)
+                : elements is byte[] bytes ? Cylfuse.Image.From(bytes, width, height)
+                : elements is ushort[] integers ? Cylfuse.Image.From(integers, width, height)
+                : Cylfuse.Image.From((float[])elements, width, height);
+            image.Gamma = Number(step, "gamma", 1);
+            return image;
         }
 
         private static Segments Edges(JsonValue step)
@@ -231,6 +291,26 @@ namespace Cylfuse.Conformance
         }
 
         // What comes out.
+
+        /// <summary>One of the two parts of a result, which come from two functions of C.</summary>
+        private void DescribeResult(bool ofCylinder, Dictionary<string, double[]> outputs)
+        {
+            var all = new Dictionary<string, double[]>();
+            Describe(fitter.Result(), "", all);
+            var cylinder = new HashSet<string>(typeof(Fitter).Assembly.GetType("Cylfuse.NativeCylinderEstimate")
+                .GetFields(BindingFlags.NonPublic | BindingFlags.Instance).Select(field => field.Name));
+            foreach (KeyValuePair<string, double[]> output in all)
+                if (cylinder.Contains(output.Key.Split('.')[0]) == ofCylinder) outputs.Add(output.Key, output.Value);
+        }
+
+        /// <summary>A list for each property, over all elements.</summary>
+        private static void DescribeAll<T>(T[] elements, Dictionary<string, double[]> outputs)
+        {
+            foreach (PropertyInfo property in typeof(T).GetProperties())
+                outputs[Names.OfC(property.Name)] = elements.SelectMany(element =>
+                    property.GetValue(element) is Array array ? Flatten(array)
+                        : new[] { Convert.ToDouble(property.GetValue(element)) }).ToArray();
+        }
 
         private static void Describe(object values, string prefix, Dictionary<string, double[]> outputs)
         {

@@ -4,8 +4,8 @@ using System.Runtime.InteropServices;
 
 namespace Cylfuse
 {
-    /// <summary>The elements of an array that a view takes: a grid of items of a few neighbouring elements each, of which
-    /// every one is checked to lie inside the array. The array is not copied.</summary>
+    /// <summary>The elements of an array that a view takes: a grid of items of a few neighbouring elements each, of
+    /// which every one is checked to lie inside the array. The array is not copied.</summary>
     internal sealed class ArrayPart
     {
         private readonly Array array;

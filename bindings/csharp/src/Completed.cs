@@ -4,8 +4,8 @@ namespace Cylfuse
     /// <typeparam name="T">Type of a coordinate: double or float.</typeparam>
     public sealed class CompletedCloud<T> where T : struct
     {
-        /// <summary>x, y, z of one point after the other, in the camera frame: only the points that exist when packed, one
-        /// for each pixel of the image and NaN where there is none when organised.</summary>
+        /// <summary>x, y, z of one point after the other, in the reference frame: only the points that exist when
+        /// packed, one for each pixel of the image and NaN where there is none when organised.</summary>
         public T[] Coordinates { get; }
 
         /// <summary>Columns of the image when organised, else the number of points.</summary>

@@ -5,6 +5,9 @@ namespace Cylfuse
     {
         private readonly NativeCompletion native;
 
+        /// <summary>The view whose pixels were completed.</summary>
+        public int View => (int)native.view;
+
         /// <summary>Points or pixels that were written.</summary>
         public long Count => (long)native.count;
 

@@ -2,8 +2,8 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>A call of the library failed. <see cref="Status"/> is the kind; the message names the value, the limit and
-    /// the remedy. A call that failed has changed nothing.</summary>
+    /// <summary>A call of the library failed. <see cref="Status"/> is the kind; the message names the value, the limit
+    /// and the remedy. A call that failed has changed nothing.</summary>
     /// <remarks>Arrays of a wrong shape give an <see cref="ArgumentException"/> before the library is called.</remarks>
     public class CylfuseException : Exception
     {
@@ -22,8 +22,8 @@ namespace Cylfuse
                 : new CylfuseException(status, message);
     }
 
-    /// <summary>The data do not determine a cylinder: too few points, flat points, no depth in the mask and the like. In a
-    /// loop over frames the reason to leave one out; every other failure is one of the program.</summary>
+    /// <summary>The data do not determine a cylinder: too few points, flat points, no depth in the mask and the like.
+    /// In a loop over frames the reason to leave one out; every other failure is one of the program.</summary>
     public sealed class UnusableDataException : CylfuseException
     {
         internal UnusableDataException(Status status, string message) : base(status, message) { }

@@ -4,7 +4,7 @@ namespace Cylfuse
     /// of freedom, in units of the size of the data.</summary>
     public sealed class Diagnosis
     {
-        private readonly NativeDiagnosis native;
+        private readonly NativeCylinderDiagnosis native;
 
         /// <summary>How many singular values stand out of the rounding error; 5 when everything is
         /// determined.</summary>
@@ -17,8 +17,8 @@ namespace Cylfuse
         public double Condition => native.condition;
 
         /// <summary>The step along which the residuals change least: how it moves the axis at the middle of the points,
-        /// in the unit of length. Shift and radius over the size of the data and the tilt have a joint
-        /// norm of 1.</summary>
+        /// in the unit of length. Shift and radius over the size of the data and the tilt have a joint norm of
+        /// 1.</summary>
         public Vector WeakestShift => native.weakest_shift;
 
         /// <summary>How that step tilts the axis, in radians towards this vector.</summary>
@@ -27,7 +27,7 @@ namespace Cylfuse
         /// <summary>How that step changes the radius, in the unit of length.</summary>
         public double WeakestRadius => native.weakest_radius;
 
-        internal unsafe Diagnosis(NativeDiagnosis native)
+        internal unsafe Diagnosis(NativeCylinderDiagnosis native)
         {
             this.native = native;
             SingularValues = Native.Copy(native.singular_values, 5);

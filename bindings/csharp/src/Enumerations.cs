@@ -3,7 +3,7 @@ using System;
 namespace Cylfuse
 {
     /// <summary>What a call returns: 0 when it did what it was asked to, else a negative number that says why not. A
-    /// failed call changes nothing and writes no output unless its text says so; the fitter stays usable, but for <see
+    /// failed call changes nothing and writes no output unless its text says so; the handle stays usable, but for <see
     /// cref="Status.Panic"/>. The numbers never change and new ones may be added: treat an unknown negative number as a
     /// failure.</summary>
     public enum Status
@@ -14,15 +14,16 @@ namespace Cylfuse
         InvalidArgument = -1,
         /// <summary>A pointer that is needed is null.</summary>
         NullPointer = -2,
-        /// <summary>The <c>struct_size</c> of a struct is smaller than the first version of the struct or larger than
-        /// 4096, or the struct is larger than this library knows it and uses fields that this library does not
-        /// know.</summary>
+        /// <summary>A <c>struct_size</c> or <c>element_size</c> is smaller than the first version of the struct or
+        /// larger than 4096, or a struct to be read is larger than this library knows it and uses fields that this
+        /// library does not know.</summary>
         StructSize = -3,
         /// <summary>The program was compiled for another, incompatible version of the library.</summary>
         AbiMismatch = -4,
         /// <summary>The call came before something that it needs.</summary>
         BadState = -5,
-        /// <summary>Another call on the same fitter is running: in another thread, or around a callback.</summary>
+        /// <summary>Another call on the same handle is running, in another thread or around a callback, and one of the
+        /// two may change it.</summary>
         Busy = -6,
         /// <summary>The buffer for the output is too small; the call says how much it needs and writes nothing
         /// else.</summary>
@@ -53,7 +54,7 @@ namespace Cylfuse
         Numerical = -27,
         /// <summary>The progress callback or <see cref="Fitter.Cancel"/> asked to stop.</summary>
         Cancelled = -40,
-        /// <summary>A defect of the library. The fitter can only be destroyed after it; other fitters are not
+        /// <summary>A defect of the library. The handle can only be destroyed after it; others are not
         /// affected.</summary>
         Panic = -99,
     }
@@ -125,7 +126,7 @@ namespace Cylfuse
     /// <summary>What given edge segments are for the objective Robust. No other looks for limbs in the image.</summary>
     public enum EdgeUse
     {
-        /// <summary>A start: where there is a grey image, the limbs are located in it and join the fit.</summary>
+        /// <summary>A start: where there is an image, the limbs are located in it and join the fit.</summary>
         Refine = 0,
         /// <summary>The measurement: no limbs are looked for in the image. The arcs of the ends are.</summary>
         AsGiven = 1,
@@ -140,12 +141,12 @@ namespace Cylfuse
         /// <summary>The rule of the paper: the extreme positions along the axis of the points completed over the
         /// mask.</summary>
         Extremes = 1,
-        /// <summary>From all lines along the surface together, in the mask and, when there is one, in the grey image;
-        /// from inside a pipe as Extremes.</summary>
+        /// <summary>From all lines along the surface together, in the mask and, when there is one, in the image; from
+        /// inside a pipe as Extremes.</summary>
         Located = 2,
     }
 
-    /// <summary>The distortion of the lens. What the numbers in <see cref="Intrinsics"/> mean.</summary>
+    /// <summary>The distortion of the lens. What the numbers in Intrinsics mean.</summary>
     public enum DistortionModel
     {
         /// <summary>A pinhole; all coefficients are 0.</summary>
@@ -167,110 +168,20 @@ namespace Cylfuse
         Organised = 1,
     }
 
-    /// <summary>What a fit is doing.</summary>
-    public enum Phase
-    {
-        /// <summary>It is about to look for a start.</summary>
-        Start = 1,
-        /// <summary>It iterates.</summary>
-        Solve = 2,
-    }
-
-    /// <summary>How much a log line matters.</summary>
-    public enum LogLevel
-    {
-        /// <summary>No lines.</summary>
-        Off = 0,
-        /// <summary>Calls that failed, with the text of <see cref="CylfuseException"/>.</summary>
-        Error = 1,
-        /// <summary>Doubts about a result, such as ignored edges.</summary>
-        Warning = 2,
-        /// <summary>What was pushed, which start was taken, how a fit ended.</summary>
-        Info = 3,
-        /// <summary>Every iteration.</summary>
-        Debug = 4,
-    }
-
-    /// <summary>Why an iteration ended.</summary>
-    public enum Termination
-    {
-        /// <summary>There was no iteration: the method has none, or a given model was evaluated.</summary>
-        None = 0,
-        /// <summary>The cost no longer fell by more than the tolerance, or reached the rounding error of the
-        /// data.</summary>
-        Cost = 1,
-        /// <summary>No step down to the largest damping lowered the cost: a minimum to rounding.</summary>
-        Stalled = 2,
-        /// <summary>The limit of iterations was reached; <see cref="ResultFlags.NotConverged"/> is set too.</summary>
-        MaxIterations = 3,
-        /// <summary>The radius left all proportion to the data: they are flat.</summary>
-        RadiusRanAway = 4,
-    }
-
-    /// <summary>Doubts about a result, one bit each. None of them is an error.</summary>
+    /// <summary>Data of a view, one bit each.</summary>
     [Flags]
-    public enum ResultFlags : uint
+    public enum Inputs : uint
     {
-        /// <summary>No doubts.</summary>
+        /// <summary>Nothing.</summary>
         None = 0,
-        /// <summary>Segments were given but none of them counts; the other flags and the counts say why.</summary>
-        EdgesIgnored = 1,
-        /// <summary>Some segments have no length or lie outside the field of the camera model.</summary>
-        SegmentsUnusable = 2,
-        /// <summary>Two segments cross each other: they cannot be the two limbs.</summary>
-        EdgesCross = 4,
-        /// <summary>Two segments lie on one line to within 2 pixels: they are the same limb.</summary>
-        EdgesCoincide = 8,
-        /// <summary>The rays of the endpoints do not meet the plane of the limbs in front of the camera.</summary>
-        EdgesBehind = 16,
-        /// <summary>The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.</summary>
-        ScaleHeld = 32,
-        /// <summary>The data hardly determine the radius: see <see cref="FitResult.Condition"/>.</summary>
-        WeakRadius = 64,
-        /// <summary>The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.</summary>
-        ResolutionLost = 128,
-        /// <summary>The limit of iterations came before convergence.</summary>
-        NotConverged = 256,
-        /// <summary>Most points lie on the wall that the camera cannot see.</summary>
-        HiddenWall = 512,
-        /// <summary>The camera is inside the cylinder: there are no limbs.</summary>
-        CameraInside = 1024,
-        /// <summary>Points with coordinates that are not finite were left out.</summary>
-        PointsNotFinite = 2048,
-        /// <summary>The radius by the points alone and the radius by the limbs differ by more than 4 standard
-        /// deviations: <see cref="FitResult.RadiusFromPoints"/> and <see cref="FitResult.RadiusFromLimbs"/> say how. An
-        /// offset of the depth, depth that is smeared or bent, wrong intrinsics or edges that are not the limbs do
-        /// that.</summary>
-        PointsAndLimbsDisagree = 4096,
-        /// <summary>A limit of the radius holds it: the data want another one. Not for a radius that is
-        /// known.</summary>
-        RadiusAtLimit = 8192,
-        /// <summary>The axis is on the border of its cone: the data want another one. Not for a direction that is
-        /// known.</summary>
-        AxisAtLimit = 16384,
-    }
-
-    /// <summary>Which residuals to list.</summary>
-    public enum ResidualKind
-    {
-        /// <summary>Signed distance of every used point from the surface, in the unit of length, negative inside; in
-        /// the order in which the points were pushed, without the dropped ones.</summary>
+        /// <summary>All points: those of clouds and those that were made of depth images.</summary>
         Points = 1,
-        /// <summary>Signed distance of both endpoints of every used segment from its limb line, in ideal
-        /// pixels.</summary>
-        Edges = 2,
-    }
-
-    /// <summary>What an end of the visible cylinder is.</summary>
-    public enum EndState
-    {
-        /// <summary>No depth was measured beyond the end, or no depth image was pushed.</summary>
-        Unknown = 0,
-        /// <summary>The surface ends there: what lies beyond is farther than the surface would be.</summary>
-        Seen = 1,
-        /// <summary>The border of the image cuts the cylinder off.</summary>
-        Cut = 2,
-        /// <summary>Something nearer than the surface covers what lies beyond.</summary>
-        Hidden = 3,
+        /// <summary>The depth image and its mask, which completion and extent look at; the points that were made of it
+        /// stay.</summary>
+        Depth = 2,
+        /// <summary>Edge segments, of <see cref="Fitter.PushEdges(Segments)"/>.</summary>
+        Edges = 4,
+        /// <summary>The image, of <see cref="Fitter.PushImage"/> and of a frame.</summary>
+        Image = 8,
     }
 }

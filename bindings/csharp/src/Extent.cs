@@ -12,6 +12,22 @@ namespace Cylfuse
         /// <summary>What the end along the direction is.</summary>
         public EndState EndState => (EndState)native.end_state;
 
+        /// <summary>What the position of the start was taken from.</summary>
+        public EndSource StartSource => (EndSource)native.start_source;
+
+        /// <summary>What the position of the end was taken from.</summary>
+        public EndSource EndSource => (EndSource)native.end_source;
+
+        /// <summary>The view that tells most of the start.</summary>
+        public int StartView => (int)native.start_view;
+
+        /// <summary>The view that tells most of the end.</summary>
+        public int EndView => (int)native.end_view;
+
+        /// <summary>Whether the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the
+        /// mask was read off at them.</summary>
+        public bool LimbsKnown => native.limbs_known != 0;
+
         /// <summary>The end against the direction, a point on the axis.</summary>
         public Vector Start => native.start;
 

@@ -1,17 +1,17 @@
 using System;
-using System.Runtime.ExceptionServices;
 using System.Threading;
 
 namespace Cylfuse
 {
-    /// <summary>Estimates one cylinder: holds options, camera, data and the last result.</summary>
+    /// <summary>Estimates one cylinder: holds options, views with their data, and the last result.</summary>
     /// <remarks>
-    /// <para>Create it, push points (or set the intrinsics, push a depth image with a mask and edges), fit. For the next
-    /// frame: clear, push, fit. The library copies what is pushed.</para>
-    /// <para>A fitter may move between threads, but runs one call at a time: a second one, from another thread or from a
-    /// callback, throws a <see cref="CylfuseException"/> with <see cref="Status.Busy"/>. Only <see cref="Cancel"/> and
-    /// <see cref="Dispose"/> may come while another call is running; the fitter is then destroyed after that call.
-    /// Different fitters run in parallel.</para>
+    /// <para>Create it, push points (or set the intrinsics, push a depth image with a mask and the image), fit. For the
+    /// next frame: clear, push, fit. The library copies what is pushed.</para>
+    /// <para>A fitter may move between threads. Calls that only read, such as <see cref="Result"/>, <see
+    /// cref="Residuals"/> or <see cref="Evaluate"/>, run side by side; a call that may change the fitter runs alone.
+    /// What would disturb another call, from another thread or from a callback, throws a <see cref="CylfuseException"/>
+    /// with <see cref="Status.Busy"/> at once. Only <see cref="Cancel"/> and <see cref="Dispose"/> always go through;
+    /// the fitter is then destroyed after the calls that are running. Different fitters run in parallel.</para>
     /// </remarks>
     public sealed partial class Fitter : IDisposable
     {
@@ -21,15 +21,12 @@ namespace Cylfuse
         private Func<Progress, bool> progress;
         private Action<LogLevel, string> log;
         private bool progressInstalled;
-        private CancellationToken token;
-        private ExceptionDispatchInfo callbackFailure;
-        private Intrinsics intrinsics;
-        private int busy;
 
-        /// <summary>A fitter with default options and no data.</summary>
+        /// <summary>A fitter with default options, one view at the identity, and no data.</summary>
         /// <exception cref="DllNotFoundException">The native library was not found or cannot be loaded.</exception>
         /// <exception cref="EntryPointNotFoundException">The native library is older than this package.</exception>
-        /// <exception cref="CylfuseException">The native library has another binary interface (AbiMismatch).</exception>
+        /// <exception cref="CylfuseException">The native library has another binary interface
+        /// (AbiMismatch).</exception>
         public unsafe Fitter()
         {
             // Fields, because the library keeps these functions and the garbage collector does not know that.
@@ -42,50 +39,34 @@ namespace Cylfuse
         public void Dispose() => handle.Dispose();
 
         /// <summary>The options; setting them replaces all. What is read is a copy.</summary>
-        /// <exception cref="CylfuseException">A value is out of range (InvalidArgument); the old options stay.</exception>
+        /// <exception cref="CylfuseException">A value is out of range (InvalidArgument); the old options
+        /// stay.</exception>
         public unsafe FitOptions Options
         {
             get
             {
-                var native = new NativeOptions { struct_size = (uint)sizeof(NativeOptions) };
-                using (Enter()) Check(Native.Functions.FitterGetOptions(Pointer, &native));
+                NativeOptions native;
+                Native.Check(Native.Functions.OptionsInit(&native, (UIntPtr)sizeof(NativeOptions)));
+                using (Call call = Enter()) call.Check(Native.Functions.FitterGetOptions(call.Pointer, &native));
                 return new FitOptions(native);
             }
             set
             {
                 if (value == null) throw new ArgumentNullException(nameof(value));
                 NativeOptions native = value.ToNative();
-                using (Enter()) Check(Native.Functions.FitterSetOptions(Pointer, &native));
-            }
-        }
-
-        /// <summary>The camera, which depth images and edges need; null when it was not set. Points that were pushed before
-        /// stay as they are.</summary>
-        /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics); the old one
-        /// stays.</exception>
-        public unsafe Intrinsics Intrinsics
-        {
-            get => intrinsics;
-            set
-            {
-                if (value == null) throw new ArgumentNullException(nameof(value));
-                NativeIntrinsics native;
-                value.Write(&native);
-                using (Enter())
-                {
-                    Check(Native.Functions.FitterSetIntrinsics(Pointer, &native));
-                    intrinsics = value;
-                }
+                using (Call call = Enter()) call.Check(Native.Functions.FitterSetOptions(call.Pointer, &native));
             }
         }
 
         /// <summary>Sets a start model: a candidate for the start Auto, the start of Model.</summary>
-        /// <param name="model">The model; null takes it away.</param>
-        /// <exception cref="CylfuseException">The model is no cylinder (InvalidArgument); the old one stays.</exception>
+        /// <param name="model">The model, in the reference frame; null takes it away.</param>
+        /// <exception cref="CylfuseException">The model is no cylinder (InvalidArgument); the old one
+        /// stays.</exception>
         public unsafe void SetStartModel(Cylinder model)
         {
             NativeCylinder native;
-            using (Enter()) Check(Native.Functions.FitterSetStartModel(Pointer, Cylinder.Write(model, &native)));
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterSetStartModel(call.Pointer, Cylinder.Write(model, &native)));
         }
 
         /// <summary>Sets or takes away the function that hears of every linear solve of a fit, on the thread of the
@@ -94,65 +75,77 @@ namespace Cylfuse
         /// <param name="handler">null for none.</param>
         public void SetProgress(Func<Progress, bool> handler)
         {
-            using (Enter())
+            using (Call call = Enter())
             {
+                InstallProgress(call, handler != null);
                 progress = handler;
-                InstallProgress();
             }
         }
 
-        /// <summary>Sets or takes away the function that takes log lines, on the thread of the call. An exception that it
+        /// <summary>Sets or takes away the function that takes log lines, on the thread of the call: on
+        /// several at once when several threads make calls that only read. An exception that it
         /// throws comes out of the call when that has ended.</summary>
         /// <param name="maxLevel">Lines up to this level are handed over.</param>
         /// <param name="handler">null for none.</param>
         public unsafe void SetLog(LogLevel maxLevel, Action<LogLevel, string> handler)
         {
-            using (Enter())
+            using (Call call = Enter())
             {
-                Check(Native.Functions.FitterSetLog(Pointer, (int)maxLevel, handler == null ? null : nativeLog,
+                call.Check(Native.Functions.FitterSetLog(call.Pointer,
+                    (int)maxLevel, handler == null ? null : nativeLog,
                     IntPtr.Zero));
                 log = handler;
             }
         }
 
-        /// <summary>Makes room, so that pushing that many more points and segments needs no memory.</summary>
+        /// <summary>Makes room, so that pushing that many more points and segments into the selected view needs no
+        /// memory.</summary>
         /// <exception cref="CylfuseException">OutOfMemory.</exception>
         public void Reserve(int points, int segments)
         {
             if (points < 0 || segments < 0)
                 throw new ArgumentOutOfRangeException(nameof(points),
                     $"Room for {points} points and {segments} segments cannot be made: neither number may be negative.");
-            using (Enter()) Check(Native.Functions.FitterReserve(Pointer, (UIntPtr)points, (UIntPtr)segments));
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterReserve(call.Pointer, (UIntPtr)points, (UIntPtr)segments));
         }
 
-        /// <summary>Forgets data, result and a pending request to cancel; keeps options, camera, start model, callbacks and
-        /// memory: the way from one frame to the next.</summary>
+        /// <summary>Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of
+        /// the first view, start model, callbacks and memory: the way from one frame to the next.</summary>
         public void Clear()
-        {
-            using (Enter()) Check(Native.Functions.FitterClear(Pointer));
+        {            using (Call call = Enter())
+            {
+                call.Check(Native.Functions.FitterClear(call.Pointer));
+                lock (cameras)
+                {
+                    cameras.RemoveRange(1, cameras.Count - 1);
+                    selected = 0;
+                }
+            }
         }
 
-        /// <summary>Asks the running fit to stop: it throws with <see cref="Status.Cancelled"/>. When no fit is running,
-        /// the next one stops at once, unless <see cref="Clear"/> comes before it. From any thread, at any time.</summary>
+        /// <summary>Forgets some of the data of the selected view, and keeps the rest and the last result.</summary>
+        /// <param name="inputs">Which data.</param>
+        /// <exception cref="CylfuseException">An unknown bit (InvalidArgument).</exception>
+        public void ClearInput(Inputs inputs)
+        {
+            using (Call call = Enter()) call.Check(Native.Functions.FitterClearInput(call.Pointer, (uint)inputs));
+        }
+
+        /// <summary>Asks the calls that are running to stop: a fit throws with <see cref="Status.Cancelled"/>. When no
+        /// call is running it does nothing. From any thread, at any time.</summary>
         public void Cancel()
         {
-            IntPtr fitter = handle.Acquire();
-            try
-            {
-                var status = (Status)Native.Functions.FitterCancel(fitter);
-                // The fitter may be running: its message is that of another call.
-                if (status != Status.Ok) throw CylfuseException.For(status, Library.StatusText(status));
-            }
-            finally { handle.DangerousRelease(); }
+            using (Call call = Enter()) call.Check(Native.Functions.FitterCancel(call.Pointer));
         }
 
-        /// <summary>Adds points, in the camera frame when edges, the near-wall rule, completion or extent matter, else in
-        /// any frame. Points with a coordinate that is not finite, a weight of 0 or outside the mask are left out and
-        /// counted.</summary>
+        /// <summary>Adds points to the selected view, in its camera frame when edges, the near-wall rule, completion or
+        /// extent matter, else in any frame. Points with a coordinate that is not finite, a weight of 0 or outside the
+        /// mask are left out and counted.</summary>
         /// <param name="points">The points.</param>
         /// <param name="mask">Selects pixels of an organised cloud, of the same size as it; null = all.</param>
-        /// <exception cref="CylfuseException">SizeMismatch, EmptyMask, InvalidArgument for a negative weight; nothing is
-        /// added then.</exception>
+        /// <exception cref="CylfuseException">SizeMismatch, EmptyMask, InvalidArgument for a negative weight; nothing
+        /// is added then.</exception>
         public unsafe void PushPoints(PointCloud points, Mask mask = null)
         {
             if (points == null) throw new ArgumentNullException(nameof(points));
@@ -162,17 +155,18 @@ namespace Cylfuse
                 points.Write(&view, pins);
                 NativeMaskView region;
                 NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
-                using (Enter()) Check(Native.Functions.FitterPushPoints(Pointer, &view, regionOrNull));
+                using (Call call = Enter())
+                    call.Check(Native.Functions.FitterPushPoints(call.Pointer, &view, regionOrNull));
             }
         }
 
-        /// <summary>Adds the points of a depth image of the camera. Pixels without a depth, out of range or outside the mask
-        /// are left out and counted. The image and the mask are kept, in place of earlier ones, for completion and
-        /// extent.</summary>
+        /// <summary>Adds the points of a depth image of the selected view. Pixels without a depth, out of range,
+        /// outside the mask or hidden from the colour camera are left out and counted. The image and the mask are kept,
+        /// in place of earlier ones, for completion and extent.</summary>
         /// <param name="depth">The image.</param>
-        /// <param name="mask">Of the same size as the image; null = all pixels.</param>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, EmptyMask, NoDepth when no pixel
-        /// is usable, InvalidArgument for a bad scale or range; nothing is added then.</exception>
+        /// <param name="mask">In the pixels of the colour image; null = all pixels.</param>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, EmptyMask, NoDepth when no
+        /// pixel is usable, InvalidArgument for a bad scale or range; nothing is added then.</exception>
         public unsafe void PushDepth(DepthImage depth, Mask mask = null)
         {
             if (depth == null) throw new ArgumentNullException(nameof(depth));
@@ -182,26 +176,28 @@ namespace Cylfuse
                 depth.Write(&view, pins);
                 NativeMaskView region;
                 NativeMaskView* regionOrNull = Mask.Write(mask, &region, pins);
-                using (Enter()) Check(Native.Functions.FitterPushDepth(Pointer, &view, regionOrNull));
+                using (Call call = Enter())
+                    call.Check(Native.Functions.FitterPushDepth(call.Pointer, &view, regionOrNull));
             }
         }
 
-        /// <summary>Takes the grey image of the camera, in place of an earlier one: limbs, arcs of the ends and ends are
-        /// located in it, as options and objective say.</summary>
-        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a value that is
-        /// not finite; the earlier image stays then.</exception>
-        public unsafe void PushImage(GreyImage image)
+        /// <summary>Takes the image of the selected view, grey or in colour, in place of an earlier one: limbs, arcs of
+        /// the ends and ends are located in it, as options and objective say.</summary>
+        /// <exception cref="CylfuseException">BadState without intrinsics, SizeMismatch, InvalidArgument for a bad
+        /// gamma or a value that is not finite or that the gamma forbids; the earlier image stays then.</exception>
+        public unsafe void PushImage(Image image)
         {
             if (image == null) throw new ArgumentNullException(nameof(image));
             using (var pins = new Pins())
             {
                 NativeImageView view;
                 image.Write(&view, pins);
-                using (Enter()) Check(Native.Functions.FitterPushImage(Pointer, &view));
+                using (Call call = Enter()) call.Check(Native.Functions.FitterPushImage(call.Pointer, &view));
             }
         }
 
-        /// <summary>Adds edge segments, any number of either limb. A fit with segments needs intrinsics.</summary>
+        /// <summary>Adds edge segments to the selected view, any number of either limb. A fit with segments needs
+        /// intrinsics.</summary>
         /// <exception cref="CylfuseException">InvalidArgument when a coordinate is not finite or a weight is negative;
         /// nothing is added then.</exception>
         public unsafe void PushEdges(Segments segments)
@@ -211,135 +207,103 @@ namespace Cylfuse
             {
                 NativeSegmentsView view;
                 segments.Write(&view, pins);
-                using (Enter()) Check(Native.Functions.FitterPushEdges(Pointer, &view));
+                using (Call call = Enter()) call.Check(Native.Functions.FitterPushEdges(call.Pointer, &view));
             }
         }
 
         /// <summary>Adds edge segments, one a row: x1, y1, x2, y2.</summary>
         public void PushEdges(double[,] segments) => PushEdges(Segments.From(segments));
 
-        /// <summary>Says what was pushed since the fitter was created or cleared, and what was left out by
-        /// reason.</summary>
+        /// <summary>Says what was pushed into the selected view since the fitter was created or cleared, and what was
+        /// left out by reason.</summary>
         public unsafe Counts Counts()
         {
-            var native = new NativeCounts { struct_size = (uint)sizeof(NativeCounts) };
-            using (Enter()) Check(Native.Functions.FitterCounts(Pointer, &native));
+            NativeCounts native;
+            Native.Check(Native.Functions.CountsInit(&native, (UIntPtr)sizeof(NativeCounts)));
+            using (Call call = Enter()) call.Check(Native.Functions.FitterCounts(call.Pointer, &native));
             return new Counts(native);
         }
 
-        /// <summary>Estimates the cylinder from everything that was pushed. No convergence and other doubts are not errors
-        /// but properties of the result.</summary>
+        /// <summary>Estimates the cylinder from everything that was pushed into all views. Lack of convergence and
+        /// other warnings are not errors but properties of the result.</summary>
         /// <param name="cancellation">Stops the fit before its next linear solve.</param>
-        /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result stays.</exception>
-        /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options; Cancelled.</exception>
+        /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result
+        /// stays.</exception>
+        /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options;
+        /// Cancelled.</exception>
         /// <exception cref="OperationCanceledException">The token was cancelled.</exception>
         public unsafe FitResult Fit(CancellationToken cancellation = default(CancellationToken))
         {
             cancellation.ThrowIfCancellationRequested();
-            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
-            using (Enter())
+            NativeResult result;
+            NativeCylinderEstimate estimate;
+            Prepare(&result, &estimate);
+            using (Call call = Enter())
             {
-                token = cancellation;
-                if (cancellation.CanBeCanceled) InstallProgress();
-                int status = Native.Functions.FitterFit(Pointer, &native);
-                if (status == (int)Status.Cancelled && callbackFailure == null)
-                    cancellation.ThrowIfCancellationRequested();
-                Check(status);
+                call.Token = cancellation;
+                if (cancellation.CanBeCanceled && !progressInstalled) InstallProgress(call, true);
+                int status = Native.Functions.FitterFit(call.Pointer, &result, &estimate);
+                if (status == (int)Status.Cancelled && !call.CallbackFailed) cancellation.ThrowIfCancellationRequested();
+                call.Check(status);
             }
-            return new FitResult(native);
+            return new FitResult(result, estimate);
         }
 
-        /// <summary>Says what a fit would report for a given model, without iterating. The last result stays.</summary>
+        /// <summary>Says what a fit would report for a given cylinder, in the reference frame, without iterating. The
+        /// last result stays.</summary>
         /// <exception cref="CylfuseException">InvalidArgument for a bad model, else as <see cref="Fit"/>.</exception>
         public unsafe FitResult Evaluate(Cylinder model)
         {
             if (model == null) throw new ArgumentNullException(nameof(model));
             NativeCylinder cylinder;
-            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
-            using (Enter()) Check(Native.Functions.FitterEvaluate(Pointer, Cylinder.Write(model, &cylinder), &native));
-            return new FitResult(native);
+            NativeResult result;
+            NativeCylinderEstimate estimate;
+            Prepare(&result, &estimate);
+            using (Call call = Enter())
+                call.Check(Native.Functions.FitterEvaluate(call.Pointer,
+                    Cylinder.Write(model, &cylinder), &result, &estimate));
+            return new FitResult(result, estimate);
         }
 
         /// <summary>The result of the last fit that succeeded.</summary>
         /// <exception cref="CylfuseException">There is none (BadState).</exception>
         public unsafe FitResult Result()
         {
-            var native = new NativeResult { struct_size = (uint)sizeof(NativeResult) };
-            using (Enter()) Check(Native.Functions.FitterGetResult(Pointer, &native));
-            return new FitResult(native);
+            NativeResult result;
+            NativeCylinderEstimate estimate;
+            Prepare(&result, &estimate);
+            using (Call call = Enter())
+            {
+                call.Check(Native.Functions.FitterGetResult(call.Pointer, &result));
+                call.Check(Native.Functions.FitterGetCylinder(call.Pointer, &estimate));
+            }
+            return new FitResult(result, estimate);
         }
 
-        private void InstallProgress()
+        private static unsafe void Prepare(NativeResult* result, NativeCylinderEstimate* estimate)
         {
-            if (progressInstalled) return;
-            Check(Native.Functions.FitterSetProgress(Pointer, nativeProgress, IntPtr.Zero));
-            progressInstalled = true;
+            Native.Check(Native.Functions.ResultInit(result, (UIntPtr)sizeof(NativeResult)));
+            Native.Check(Native.Functions.CylinderEstimateInit(estimate, (UIntPtr)sizeof(NativeCylinderEstimate)));
+        }
+
+        private void InstallProgress(Call call, bool wanted)
+        {
+            call.Check(Native.Functions.FitterSetProgress(call.Pointer, wanted ? nativeProgress : null, IntPtr.Zero));
+            progressInstalled = wanted;
         }
 
         private unsafe int OnProgress(NativeProgress* native, IntPtr userData)
         {
             bool goesOn = false;
-            Guard(() => goesOn = !token.IsCancellationRequested &&
+            Call call = Call.Current;
+            call.Guard(() => goesOn = !call.Token.IsCancellationRequested &&
                 (progress == null || progress(new Progress(*native))));
             return goesOn ? 0 : 1;
         }
 
         private void OnLog(int level, IntPtr message, IntPtr userData) =>
-            Guard(() => log?.Invoke((LogLevel)level, Library.Text(message)));
+            Call.Current?.Guard(() => log?.Invoke((LogLevel)level, Library.Text(message)));
 
-        /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An abortion
-        /// of the thread would by itself.</summary>
-        private void Guard(Action callback)
-        {
-            try { callback(); }
-            catch (Exception failure)
-            {
-                if (failure is ThreadAbortException) Thread.ResetAbort();
-                callbackFailure = callbackFailure ?? ExceptionDispatchInfo.Capture(failure);
-            }
-        }
-
-        /// <summary>The native fitter, during a call.</summary>
-        private IntPtr Pointer => handle.DangerousGetHandle();
-
-        /// <summary>Takes the fitter for one call: it is not destroyed before the end, and its message is read before
-        /// another call replaces it.</summary>
-        private Call Enter()
-        {
-            handle.Acquire();
-            if (Interlocked.CompareExchange(ref busy, 1, 0) != 0)
-            {
-                handle.DangerousRelease();
-                throw CylfuseException.For(Status.Busy, Library.StatusText(Status.Busy));
-            }
-            callbackFailure = null;
-            token = CancellationToken.None;
-            return new Call(this);
-        }
-
-        /// <summary>Throws what a callback threw, or the failure of the call with its message.</summary>
-        private void Check(int status)
-        {
-            if (callbackFailure?.SourceException is ThreadAbortException) Thread.CurrentThread.Abort();
-            callbackFailure?.Throw();
-            Native.Check(status, Pointer);
-        }
-
-        /// <summary>A call that is running; disposing it ends it.</summary>
-        private struct Call : IDisposable
-        {
-            private readonly Fitter fitter;
-
-            internal Call(Fitter fitter)
-            {
-                this.fitter = fitter;
-            }
-
-            public void Dispose()
-            {
-                Volatile.Write(ref fitter.busy, 0);
-                fitter.handle.DangerousRelease();
-            }
-        }
+        private Call Enter() => new Call(handle);
     }
 }

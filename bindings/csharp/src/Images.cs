@@ -2,8 +2,9 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>A depth image in an array, on the pixels of the camera. A value is z, not the distance along the ray. The
-    /// array is not copied until a call takes the image, and then by the library alone.</summary>
+    /// <summary>A depth image in an array, on the pixels of the camera, or of the depth camera where there is one. A
+    /// value is z, not the distance along the ray. The array is not copied until a call takes the image, and then by
+    /// the library alone.</summary>
     public sealed class DepthImage
     {
         private readonly ArrayPart pixels;
@@ -14,8 +15,8 @@ namespace Cylfuse
             Scale = scale;
         }
 
-        /// <summary>Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-        /// is the metre.</summary>
+        /// <summary>Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+        /// length is the metre.</summary>
         public double Scale { get; }
 
         /// <summary>The nearest depth that counts, in the unit of length, 0 or greater. Default 0.</summary>
@@ -65,8 +66,8 @@ namespace Cylfuse
         }
     }
 
-    /// <summary>A mask in an array: non-zero = visible lateral surface of the cylinder. Its boundary may be some pixels
-    /// off: it is a hint and never measured.</summary>
+    /// <summary>A mask in an array, on the pixels of the colour image: non-zero = visible lateral surface of the
+    /// cylinder. Its boundary may be some pixels off: it is a hint and never measured.</summary>
     public sealed class Mask
     {
         private readonly ArrayPart pixels;
@@ -75,6 +76,10 @@ namespace Cylfuse
         {
             this.pixels = pixels;
         }
+
+        /// <summary>In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface.
+        /// Default 0 = all pixels that are not 0.</summary>
+        public byte Label { get; set; }
 
         /// <summary>Rows × columns of bytes, which are not copied until a call takes them.</summary>
         public static Mask From(byte[,] mask) => new Mask(Grid.Of("pixels", mask));
@@ -106,75 +111,13 @@ namespace Cylfuse
         {
             if (mask == null) return null;
             Native.Check(Native.Functions.MaskViewInit(native, (UIntPtr)sizeof(NativeMaskView)));
+            native->label = mask.Label;
             native->data = mask.pixels.Pin(pins);
             native->width = (uint)mask.pixels.Width;
             native->height = (uint)mask.pixels.Height;
             native->row_stride = mask.pixels.RowStride;
             native->pixel_stride = mask.pixels.ItemStride;
             return native;
-        }
-    }
-
-    /// <summary>A grey image in an array, on the pixels of the camera. Its values have no unit, but are those of the light,
-    /// as they are or with a gamma, not an equalised or filtered picture. The array is not copied until a call takes the
-    /// image, and then by the library alone.</summary>
-    public sealed class GreyImage
-    {
-        private readonly ArrayPart pixels;
-
-        private GreyImage(ArrayPart pixels)
-        {
-            this.pixels = pixels;
-        }
-
-        /// <summary>The power of the value that is light, from 0.1 to 10: 1 for values linear in light, 2.2 for sRGB, in
-        /// which cameras and image files usually come.</summary>
-        public double Gamma { get; set; } = 1;
-
-        /// <summary>Rows × columns of values.</summary>
-        public static GreyImage From(byte[,] image) => new GreyImage(Grid.Of("pixels", image));
-
-        /// <summary>Rows × columns of values.</summary>
-        public static GreyImage From(ushort[,] image) => new GreyImage(Grid.Of("pixels", image));
-
-        /// <summary>Rows × columns of values, finite.</summary>
-        public static GreyImage From(float[,] image) => new GreyImage(Grid.Of("pixels", image));
-
-        /// <summary>An image somewhere in an array.</summary>
-        /// <param name="data">The array.</param>
-        /// <param name="width">Columns; must be those of the intrinsics.</param>
-        /// <param name="height">Rows; must be those of the intrinsics.</param>
-        /// <param name="offset">Index of the first pixel of the first row.</param>
-        /// <param name="pixelStride">Elements from a pixel to the next one; 0 = 1; 3 for the first of packed colours.</param>
-        /// <param name="rowStride">Elements from a row to the next one, negative too; 0 = width * pixelStride.</param>
-        /// <exception cref="ArgumentException">A pixel lies outside the array.</exception>
-        public static GreyImage From(byte[] data, int width, int height, int offset = 0, int pixelStride = 0,
-            int rowStride = 0) =>
-            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
-
-        /// <summary>An image somewhere in an array.</summary>
-        /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
-        public static GreyImage From(ushort[] data, int width, int height, int offset = 0, int pixelStride = 0,
-            int rowStride = 0) =>
-            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
-
-        /// <summary>An image somewhere in an array.</summary>
-        /// <inheritdoc cref="From(byte[], int, int, int, int, int)"/>
-        public static GreyImage From(float[] data, int width, int height, int offset = 0, int pixelStride = 0,
-            int rowStride = 0) =>
-            new GreyImage(new ArrayPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
-
-        internal unsafe void Write(NativeImageView* native, Pins pins)
-        {
-            Native.Check(Native.Functions.ImageViewInit(native, (UIntPtr)sizeof(NativeImageView)));
-            native->format = pixels.ElementSize == 1 ? Native.ImageFormatU8
-                : pixels.ElementSize == 2 ? Native.ImageFormatU16 : Native.ImageFormatF32;
-            native->data = pixels.Pin(pins);
-            native->width = (uint)pixels.Width;
-            native->height = (uint)pixels.Height;
-            native->row_stride = pixels.RowStride;
-            native->pixel_stride = pixels.ItemStride;
-            native->gamma = Gamma;
         }
     }
 

@@ -60,6 +60,57 @@ namespace Cylfuse
             if (distortion != null) Array.Copy(distortion, Distortion, distortion.Length);
         }
 
+        /// <summary>The pixels of the (distorted) image at which the camera sees points of its frame, row by row of the
+        /// points.</summary>
+        /// <returns>n × 2 numbers, x and y. Pixels may lie beyond the border of the image; NaN for a point that is not
+        /// finite, not in front of the camera or outside the field of its model.</returns>
+        /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics,
+        /// InvalidArgument).</exception>
+        public unsafe double[,] Project(PointCloud points)
+        {
+            if (points == null) throw new ArgumentNullException(nameof(points));
+            using (var pins = new Pins())
+            {
+                NativeIntrinsics camera;
+                Write(&camera);
+                NativePointsView view;
+                points.Write(&view, pins);
+                var pixels = new double[points.Count, 2];
+                fixed (double* buffer = pixels)
+                    Native.Check(Native.Functions.IntrinsicsProject(&camera, &view, buffer, (UIntPtr)points.Count));
+                return pixels;
+            }
+        }
+
+        /// <summary>The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its
+        /// frame. The ray of an ideal pixel, as those of limb lines are, is that of the same intrinsics without
+        /// distortion.</summary>
+        /// <param name="pixels">n × 2 numbers, x and y, in the image or beyond its border.</param>
+        /// <returns>n × 3 numbers; NaN for a pixel that is not finite or for which the model has no ray.</returns>
+        /// <exception cref="ArgumentException">The second dimension is not 2.</exception>
+        /// <exception cref="CylfuseException">No camera works with these numbers (InvalidIntrinsics,
+        /// InvalidArgument).</exception>
+        public unsafe double[,] Unproject(double[,] pixels)
+        {
+            if (pixels == null) throw new ArgumentNullException(nameof(pixels));
+            ArrayPart.RequireColumns("pixels", pixels.GetLength(1), 2);
+            NativeIntrinsics camera;
+            Write(&camera);
+            int count = pixels.GetLength(0);
+            var rays = new double[count, 3];
+            fixed (double* given = pixels, buffer = rays)
+                Native.Check(Native.Functions.IntrinsicsUnproject(&camera, given, (UIntPtr)count, buffer));
+            return rays;
+        }
+
+        /// <summary>Fills the struct and gives its address; null where there is no camera.</summary>
+        internal static unsafe NativeIntrinsics* Write(Intrinsics intrinsics, NativeIntrinsics* native)
+        {
+            if (intrinsics == null) return null;
+            intrinsics.Write(native);
+            return native;
+        }
+
         internal unsafe void Write(NativeIntrinsics* native)
         {
             Native.Check(Native.Functions.IntrinsicsInit(native, (UIntPtr)sizeof(NativeIntrinsics)));

@@ -15,7 +15,8 @@ namespace Cylfuse
         /// <summary>The version as a number: major * 65536 + minor * 256 + patch.</summary>
         public static int VersionNumber => (int)Native.Functions.VersionNumber();
 
-        /// <summary>How the library was built: version, target, profile, compiler, features; for reports of defects.</summary>
+        /// <summary>How the library was built: version, target, profile, compiler, features; for reports of
+        /// defects.</summary>
         public static string BuildInfo => Text(Native.Functions.BuildInfo());
 
         /// <summary>The name of a status, a colon, and what it means in a few words.</summary>

@@ -22,14 +22,15 @@ namespace Cylfuse
         /// <exception cref="CylfuseException">The library has another binary interface (AbiMismatch).</exception>
         internal static NativeFunctions Functions => functions.Value;
 
-        /// <summary>Throws for a failed call without a fitter.</summary>
-        internal static void Check(int status) => Check(status, IntPtr.Zero);
-
-        /// <summary>Throws for a failed call on a fitter, or without one, with its message.</summary>
-        internal static void Check(int status, IntPtr fitter)
+        /// <summary>Throws for a failed call without a handle.</summary>
+        internal static void Check(int status)
         {
-            if (status != 0) throw CylfuseException.For((Status)status, Library.Text(Functions.FitterLastError(fitter)));
+            if (status != 0) throw Failure(status, Functions.FitterLastError(IntPtr.Zero));
         }
+
+        /// <summary>The exception for a failed call, with its message.</summary>
+        internal static CylfuseException Failure(int status, IntPtr message) =>
+            CylfuseException.For((Status)status, Library.Text(message));
 
         internal static unsafe double[] Copy(double* numbers, int count)
         {

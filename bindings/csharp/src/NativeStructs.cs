@@ -6,14 +6,6 @@ namespace Cylfuse
     // The structs of cylfuse.h, field by field. The tests compare sizes and offsets with those of the library.
 
     [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeCylinder
-    {
-        internal Vector point;
-        internal Vector direction;
-        internal double radius;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
     internal struct NativeOptions
     {
         internal uint struct_size;
@@ -22,19 +14,27 @@ namespace Cylfuse
         internal int start;
         internal int near_wall;
         internal int chart;
-        internal uint max_iterations;
+        internal int edge_use;
+        internal int extent_rule;
         internal uint max_threads;
-        internal double edge_weight;
+        internal uint max_iterations;
+        internal double cost_tolerance;
+        internal double gradient_tolerance;
+        internal double step_tolerance;
         internal double initial_lambda;
         internal double lambda_factor;
         internal double max_lambda;
-        internal double cost_tolerance;
-        internal double ransac_threshold;
+        internal double edge_weight;
         internal ulong seed;
-        internal uint ransac_max_iterations;
-        internal uint reserved;
-        internal int edge_use;
-        internal int extent_rule;
+        internal ulong ransac_max_iterations;
+        internal double ransac_threshold;
+        internal double independent_points;
+        internal double depth_noise;
+        internal double image_noise;
+        internal double edge_noise;
+        internal double mask_noise;
+        internal double image_blur;
+        internal double drawn_pixel;
         internal double radius_min;
         internal double radius_max;
         internal Vector axis;
@@ -92,10 +92,10 @@ namespace Cylfuse
     internal struct NativeMaskView
     {
         internal uint struct_size;
-        internal uint reserved;
-        internal IntPtr data;
         internal uint width;
         internal uint height;
+        internal uint label;
+        internal IntPtr data;
         internal IntPtr row_stride;
         internal IntPtr pixel_stride;
     }
@@ -133,8 +133,6 @@ namespace Cylfuse
         internal UIntPtr capacity;
         internal IntPtr point_stride;
         internal IntPtr row_stride;
-        internal int layout;
-        internal uint reserved;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -151,22 +149,10 @@ namespace Cylfuse
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    internal struct NativeProgress
-    {
-        internal uint struct_size;
-        internal int phase;
-        internal uint iteration;
-        internal uint max_iterations;
-        internal double cost;
-        internal double lambda;
-        internal NativeCylinder model;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
     internal struct NativeCounts
     {
         internal uint struct_size;
-        internal uint reserved;
+        internal uint view;
         internal ulong points_given;
         internal ulong points_used;
         internal ulong dropped_not_finite;
@@ -175,39 +161,57 @@ namespace Cylfuse
         internal ulong dropped_no_depth;
         internal ulong dropped_out_of_range;
         internal ulong dropped_outside_camera;
+        internal ulong dropped_hidden;
         internal ulong segments_given;
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    internal unsafe struct NativeResult
+    internal struct NativeResult
     {
         internal uint struct_size;
-        internal int termination;
-        internal int start_kind;
         internal uint flags;
+        internal int termination;
         internal uint iterations;
         internal uint rejected_steps;
-        internal uint segments_used;
+        internal uint limbs_located;
         internal uint segments_given;
-        internal ulong points_used;
+        internal uint segments_used;
         internal ulong points_given;
-        internal NativeCylinder model;
-        internal NativeCylinder start_model;
+        internal ulong points_used;
+        internal double independent_points;
+        internal double point_deviation;
+        internal double point_rms;
+        internal double edge_rms_pixels;
+        internal double near_wall_fraction;
         internal double initial_cost;
         internal double cost;
         internal double energy_points;
         internal double energy_edges;
         internal double edge_weight;
-        internal double point_rms;
-        internal double edge_rms_pixels;
-        internal double near_wall_fraction;
         internal double condition;
-        internal double lambda;
         internal double gradient_norm;
         internal double step_norm;
+        internal double lambda;
         internal double seconds_start;
         internal double seconds_solve;
         internal double seconds_total;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeCylinder
+    {
+        internal Vector point;
+        internal Vector direction;
+        internal double radius;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeCylinderEstimate
+    {
+        internal uint struct_size;
+        internal int start_kind;
+        internal NativeCylinder model;
+        internal NativeCylinder start_model;
         internal double radius_deviation;
         internal double direction_deviation;
         internal double position_deviation;
@@ -217,22 +221,10 @@ namespace Cylfuse
         internal double radius_from_limbs_deviation;
         internal double radius_z_score;
         internal fixed double covariance[49];
-        internal uint limbs_located;
-        internal uint reserved;
     }
 
     [StructLayout(LayoutKind.Sequential)]
-    internal unsafe struct NativeLimbSample
-    {
-        internal fixed double pixel[2];
-        internal double sigma;
-        internal double weight;
-        internal uint limb;
-        internal uint reserved;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    internal unsafe struct NativeDiagnosis
+    internal unsafe struct NativeCylinderDiagnosis
     {
         internal uint struct_size;
         internal uint rank;
@@ -247,7 +239,7 @@ namespace Cylfuse
     internal struct NativeCompletion
     {
         internal uint struct_size;
-        internal uint reserved;
+        internal uint view;
         internal ulong count;
         internal ulong hits;
         internal ulong misses;
@@ -261,7 +253,11 @@ namespace Cylfuse
         internal uint struct_size;
         internal int start_state;
         internal int end_state;
-        internal uint reserved;
+        internal int start_source;
+        internal int end_source;
+        internal uint start_view;
+        internal uint end_view;
+        internal uint limbs_known;
         internal Vector start;
         internal Vector end;
         internal Vector center;
@@ -272,5 +268,48 @@ namespace Cylfuse
         internal fixed double start_covariance[9];
         internal fixed double end_covariance[9];
         internal fixed double center_covariance[9];
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeProgress
+    {
+        internal uint struct_size;
+        internal int phase;
+        internal uint iteration;
+        internal uint max_iterations;
+        internal double cost;
+        internal double lambda;
+        internal IntPtr cylinder;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeLimb
+    {
+        internal uint view;
+        internal uint limb;
+        internal int status;
+        internal uint samples;
+        internal fixed double line[4];
+        internal double deviation;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeLimbSample
+    {
+        internal uint view;
+        internal uint limb;
+        internal fixed double pixel[2];
+        internal double deviation;
+        internal double weight;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal unsafe struct NativeEndSample
+    {
+        internal uint view;
+        internal uint end;
+        internal fixed double pixel[2];
+        internal fixed double normal[2];
+        internal double deviation;
     }
 }

@@ -2,8 +2,8 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>Points in an array, organised in rows and columns or not. The array is not copied until a call takes the
-    /// cloud, and then by the library alone.</summary>
+    /// <summary>Points in an array, organised in rows and columns or not. The array is not copied until a call takes
+    /// the cloud, and then by the library alone.</summary>
     public sealed class PointCloud
     {
         private readonly ArrayPart points;
@@ -71,7 +71,8 @@ namespace Cylfuse
         /// <param name="offset">Index of the weight of the first point.</param>
         /// <param name="stride">Elements from a weight to the next one in its row; 0 = 1.</param>
         /// <param name="rowStride">Elements from a row of weights to the next one; 0 = width * stride.</param>
-        /// <exception cref="ArgumentException">The coordinates are float, or a weight lies outside the array.</exception>
+        /// <exception cref="ArgumentException">The coordinates are float, or a weight lies outside the
+        /// array.</exception>
         public PointCloud WithWeights(double[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
             Weighted(data, offset, stride, rowStride);
 
@@ -86,7 +87,8 @@ namespace Cylfuse
         /// <param name="offset">Index of x of the first normal; y and z follow it.</param>
         /// <param name="stride">Elements from a normal to the next one in its row; 0 = 3.</param>
         /// <param name="rowStride">Elements from a row of normals to the next one; 0 = width * stride.</param>
-        /// <exception cref="ArgumentException">The coordinates are float, or a normal lies outside the array.</exception>
+        /// <exception cref="ArgumentException">The coordinates are float, or a normal lies outside the
+        /// array.</exception>
         public PointCloud WithNormals(double[] data, int offset = 0, int stride = 0, int rowStride = 0) =>
             Oriented(data, offset, stride, rowStride);
 

@@ -1,3 +1,5 @@
+using System;
+
 namespace Cylfuse
 {
     /// <summary>The state of a running fit, before each linear solve.</summary>
@@ -21,13 +23,13 @@ namespace Cylfuse
         /// <summary>The damping of the next step; 0 in the phase Start.</summary>
         public double Lambda => native.lambda;
 
-        /// <summary>The best cylinder so far; of radius 0 in the phase Start.</summary>
-        public Cylinder Model { get; }
+        /// <summary>The best cylinder so far; null in the phase Start.</summary>
+        public Cylinder Cylinder { get; }
 
-        internal Progress(NativeProgress native)
+        internal unsafe Progress(NativeProgress native)
         {
             this.native = native;
-            Model = new Cylinder(native.model);
+            if (native.cylinder != IntPtr.Zero) Cylinder = new Cylinder(*(NativeCylinder*)native.cylinder);
         }
     }
 }

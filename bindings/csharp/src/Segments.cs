@@ -2,8 +2,8 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>Edge segments in an array: pieces of the two lines that bound the cylinder in the (distorted) image, each
-    /// x1, y1, x2, y2 in pixels, its endpoints in any order.</summary>
+    /// <summary>Edge segments in an array: pieces of the two lines that bound the cylinder in the (distorted) image,
+    /// each x1, y1, x2, y2 in pixels, its endpoints in any order.</summary>
     public sealed class Segments
     {
         private readonly ArrayPart segments;

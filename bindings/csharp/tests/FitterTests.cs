@@ -66,8 +66,8 @@ namespace Cylfuse.Tests
                 Buffer.BlockCopy(Scene.Depth(), 0, depth, 0, 2 * depth.Length);
                 fitter.PushDepth(DepthImage.From((ushort[,])(object)depth, 1e-4), Mask.From(Scene.Mask()));
                 fitter.PushEdges(Scene.Edges());
-                fitter.PushImage(GreyImage.From((byte[,])(object)new sbyte[Scene.Height, Scene.Width]));
-                expected.PushImage(GreyImage.From(new byte[Scene.Height, Scene.Width]));
+                fitter.PushImage(Image.From((byte[,])(object)new sbyte[Scene.Height, Scene.Width]));
+                expected.PushImage(Image.From(new byte[Scene.Height, Scene.Width]));
                 Check.Near(expected.Fit().Cost, fitter.Fit().Cost, 0, "cost");
             }
         }
@@ -93,7 +93,7 @@ namespace Cylfuse.Tests
                 Check.Equal(given, fitter.Counts().PointsGiven);
                 Check.Equal(0, fitter.SelectEdges(Segments.From(new double[0, 4]), Scene.Truth).Length);
                 Check.Equal(0, Scene.Truth.Distances(PointCloud.From(new double[0, 3])).Length);
-                Check.Fails(Status.SizeMismatch, () => fitter.PushImage(GreyImage.From(new byte[0, 0])), "0 x 0");
+                Check.Fails(Status.SizeMismatch, () => fitter.PushImage(Image.From(new byte[0, 0])), "0 x 0");
             }
         }
 
@@ -192,10 +192,10 @@ namespace Cylfuse.Tests
                 for (int v = 0; v < Scene.Height; v++)
                     for (int u = 0; u < Scene.Width; u++)
                         image[v, u] = mask[v, u] > 0 ? 200 : 50;
-                GreyImage coded = GreyImage.From(image);
+                Image coded = Image.From(image);
                 coded.Gamma = 22;
                 Check.Fails(Status.InvalidArgument, () => fitter.PushImage(coded), "gamma of the image is 22");
-                fitter.PushImage(GreyImage.From(image));
+                fitter.PushImage(Image.From(image));
                 FitResult result = fitter.Fit();
                 Check.That(fitter.LimbSamples().Length > 0, "no samples");
                 Check.Equal(fitter.LimbSamples().Any(sample => sample.Weight > 0), result.LimbsLocated > 0, "limbs");
@@ -213,7 +213,9 @@ namespace Cylfuse.Tests
                     EdgeWeight = 0.25, InitialLambda = 0.5, LambdaFactor = 3, MaxLambda = 1e9, CostTolerance = 1e-11,
                     RansacThreshold = 0.125, Seed = 77, RansacMaxIterations = 321, EdgeUse = EdgeUse.AsGiven,
                     ExtentRule = ExtentRule.Extremes, RadiusMin = 0.05, RadiusMax = 0.0625,
-                    Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75,
+                    Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75, GradientTolerance = 1e-9, StepTolerance = 1e-10,
+                    IndependentPoints = 500, DepthNoise = 2e-3, ImageNoise = 3, EdgeNoise = 0.75, MaskNoise = 2,
+                    ImageBlur = 1.25, DrawnPixel = 1.5,
                 };
                 fitter.Options = options;
                 FitOptions read = fitter.Options;
@@ -281,7 +283,7 @@ namespace Cylfuse.Tests
                 "weights");
             Check.Throws<ArgumentException>(() => DepthImage.From(new ushort[11], 4, 3, 1.0), "elements 0 to 11");
             Check.Throws<ArgumentException>(() => Mask.From(new byte[12], 4, -3), "negative");
-            Check.Throws<ArgumentException>(() => GreyImage.From(new byte[33], 4, 3, 0, 3),
+            Check.Throws<ArgumentException>(() => Image.From(new byte[33], 4, 3, 0, 3),
                 "elements 0 to 33 of an array that has 33");
             Check.Throws<ArgumentException>(() => Segments.From(new double[2, 3]), "must be 4");
             Check.Throws<ArgumentException>(() => Segments.From(new double[2, 4]).WithWeights(new double[3]),
@@ -313,10 +315,9 @@ namespace Cylfuse.Tests
                 Check.Throws<FormatException>(() => fitter.Fit(), "from the callback");
                 fitter.SetLog(LogLevel.Off, null);
                 fitter.SetProgress(progress => { fitter.Clear(); return true; });
-                Check.Fails(Status.Busy, () => fitter.Fit(), "BUSY");
+                Check.Fails(Status.Busy, () => fitter.Fit(), "busy");
                 fitter.SetProgress(null);
-                fitter.Cancel();
-                Check.Fails(Status.Cancelled, () => fitter.Fit());
+                fitter.Cancel(); // no fit is running: nothing happens
                 Check.Near(Scene.Truth.Radius, fitter.Fit().Model.Radius, 1e-3, "after all that");
             }
         }

@@ -7,7 +7,8 @@ using System.Runtime.InteropServices;
 
 namespace Cylfuse.Tests
 {
-    /// <summary>The structs of the binding against tests/data/abi_layout.txt, the statuses against status_codes.txt.</summary>
+    /// <summary>The structs of the binding against tests/data/abi_layout.txt, the statuses against
+    /// status_codes.txt.</summary>
     [Tests]
     internal static class LayoutTests
     {

@@ -115,6 +115,34 @@ namespace Cylfuse.Tests
             GC.WaitForPendingFinalizers();
         }
 
+        /// <summary>A leak of one frame a cycle would be 1,000 times 100 kB.</summary>
+        public static void FramesAreFreedWithTheirFitters()
+        {
+            CycleFrames(200);
+            long before = ResidentKilobytes();
+            CycleFrames(1000);
+            long growth = ResidentKilobytes() - before;
+            Check.That(growth < 16 * 1024, $"memory grew by {growth} kB");
+        }
+
+        private static void CycleFrames(int count)
+        {
+            DepthImage depth = DepthImage.From(Scene.Depth(), 1e-4);
+            Image image = Image.From(Scene.Grey());
+            for (int k = 0; k < count; k++)
+            {
+                using (var fitter = new Fitter())
+                using (var frame = new Frame { Intrinsics = Scene.Camera })
+                {
+                    frame.SetDepth(depth);
+                    frame.SetImage(image);
+                    fitter.UseFrame(frame);
+                }
+            }
+            GC.Collect();
+            GC.WaitForPendingFinalizers();
+        }
+
         private static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
             .Where(line => line.StartsWith("VmRSS:"))
             .Select(line => long.Parse(line.Split(new[] { ' ', '\t' },
@@ -146,8 +174,8 @@ namespace Cylfuse.Tests
                 fitter.SetProgress(progress => { inside.Set(); tried.Wait(); return true; });
                 Task<FitResult> fit = Task.Factory.StartNew(() => fitter.Fit(), TaskCreationOptions.LongRunning);
                 inside.Wait();
-                Check.Fails(Status.Busy, () => fitter.Counts(), "BUSY");
-                Check.Fails(Status.Busy, () => fitter.Fit(), "BUSY");
+                Check.Fails(Status.Busy, () => fitter.Counts(), "busy");
+                Check.Fails(Status.Busy, () => fitter.Fit(), "busy");
                 tried.Set();
                 Check.Near(Scene.Truth.Radius, fit.Result.Model.Radius, 1e-3, "radius");
             }

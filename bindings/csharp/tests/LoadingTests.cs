@@ -4,8 +4,8 @@ using System.Linq;
 
 namespace Cylfuse.Tests
 {
-    /// <summary>What happens when the native library is missing or another one. Each case is a process of its own, because a
-    /// process opens the library once.</summary>
+    /// <summary>What happens when the native library is missing or another one. Each case is a process of its own,
+    /// because a process opens the library once.</summary>
     [Tests]
     internal static class LoadingTests
     {

@@ -8,8 +8,8 @@ namespace Cylfuse.Tests
     [AttributeUsage(AttributeTargets.Class)]
     internal sealed class TestsAttribute : Attribute { }
 
-    /// <summary>Runs all tests and prints "N passed, N failed". A runner of 30 lines, because Debian has no test framework
-    /// for Mono that works without the whole of Mono.</summary>
+    /// <summary>Runs all tests and prints "N passed, N failed". A runner of 30 lines, because Debian has no test
+    /// framework for Mono that works without the whole of Mono.</summary>
     internal static class Program
     {
         private static int Main(string[] arguments)

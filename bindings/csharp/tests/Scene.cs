@@ -2,7 +2,8 @@ using System;
 
 namespace Cylfuse.Tests
 {
-    /// <summary>A small rendered view of a cylinder: 96 × 80 pixels, radius 0.1, axis tilted in the image and in depth.</summary>
+    /// <summary>A small rendered view of a cylinder: 96 × 80 pixels, radius 0.1, axis tilted in the image and in
+    /// depth.</summary>
     internal static class Scene
     {
         internal const int Width = 96, Height = 80;
@@ -10,25 +11,66 @@ namespace Cylfuse.Tests
             0.1);
         internal static readonly Intrinsics Camera = new Intrinsics(Width, Height, 150, 150, 47.5, 39.5);
 
-        /// <summary>z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the border.</summary>
-        internal static ushort[,] Depth()
+        /// <summary>z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the
+        /// border.</summary>
+        internal static ushort[,] Depth() => Depth(Truth);
+
+        /// <summary>That of a cylinder in the camera frame.</summary>
+        internal static ushort[,] Depth(Cylinder cylinder)
         {
             var depth = new ushort[Height, Width];
             for (int v = 4; v < Height - 4; v++)
                 for (int u = 4; u < Width - 4; u++)
-                    depth[v, u] = (ushort)Math.Round(NearWall((u - Camera.Cx) / Camera.Fx,
+                    depth[v, u] = (ushort)Math.Round(NearWall(cylinder, (u - Camera.Cx) / Camera.Fx,
                         (v - Camera.Cy) / Camera.Fy) / 1e-4);
             return depth;
         }
 
-        internal static byte[,] Mask()
+        internal static byte[,] Mask() => Mask(Truth);
+
+        internal static byte[,] Mask(Cylinder cylinder)
         {
-            ushort[,] depth = Depth();
+            ushort[,] depth = Depth(cylinder);
             var mask = new byte[Height, Width];
             for (int v = 0; v < Height; v++)
                 for (int u = 0; u < Width; u++)
                     mask[v, u] = (byte)(depth[v, u] > 0 ? 255 : 0);
             return mask;
+        }
+
+        /// <summary>Bright on the cylinder, dark beside it.</summary>
+        internal static byte[,] Grey()
+        {
+            byte[,] image = Mask();
+            for (int v = 0; v < Height; v++)
+                for (int u = 0; u < Width; u++) image[v, u] = (byte)(image[v, u] > 0 ? 200 : 50);
+            return image;
+        }
+
+        /// <summary>A camera that looks at the cylinder from 30 degrees beside the first one.</summary>
+        internal static readonly RigidMotion Aside = new RigidMotion(
+            new[,] { { Math.Sqrt(0.75), 0, 0.5 }, { 0, 1, 0 }, { -0.5, 0, Math.Sqrt(0.75) } },
+            new Vector(-0.5, 0, 1 - Math.Sqrt(0.75)));
+
+        /// <summary>The cylinder in the frame of a camera with a pose.</summary>
+        internal static Cylinder Seen(RigidMotion pose)
+        {
+            Vector t = pose.Translation, p = Truth.Point;
+            return new Cylinder(Back(pose.Rotation, new Vector(p.X - t.X, p.Y - t.Y, p.Z - t.Z)),
+                Back(pose.Rotation, Truth.Direction), Truth.Radius);
+        }
+
+        private static Vector Back(double[,] r, Vector x) => new Vector(
+            r[0, 0] * x.X + r[1, 0] * x.Y + r[2, 0] * x.Z, r[0, 1] * x.X + r[1, 1] * x.Y + r[2, 1] * x.Z,
+            r[0, 2] * x.X + r[1, 2] * x.Y + r[2, 2] * x.Z);
+
+        /// <summary>Pushes the depth that a camera with a pose sees into the selected view.</summary>
+        internal static void PushView(Fitter fitter, RigidMotion pose)
+        {
+            Cylinder seen = Seen(pose);
+            fitter.Intrinsics = Camera;
+            fitter.SetPose(pose);
+            fitter.PushDepth(DepthImage.From(Depth(seen), 1e-4), Cylfuse.Mask.From(Mask(seen)));
         }
 
         /// <summary>The two limb lines between the rows 10 and 70.</summary>
@@ -68,14 +110,14 @@ namespace Cylfuse.Tests
             return points;
         }
 
-        private static double NearWall(double x, double y)
+        private static double NearWall(Cylinder cylinder, double x, double y)
         {
             // |(t r - p) × d|² = R² for the ray t r with r = (x, y, 1), so that t is the depth.
-            Vector p = Truth.Point, d = Truth.Direction;
+            Vector p = cylinder.Point, d = cylinder.Direction;
             double rd = x * d.X + y * d.Y + d.Z, pd = p.X * d.X + p.Y * d.Y + p.Z * d.Z;
             double a = x * x + y * y + 1 - rd * rd;
             double b = x * p.X + y * p.Y + p.Z - rd * pd;
-            double c = p.X * p.X + p.Y * p.Y + p.Z * p.Z - pd * pd - Truth.Radius * Truth.Radius;
+            double c = p.X * p.X + p.Y * p.Y + p.Z * p.Z - pd * pd - cylinder.Radius * cylinder.Radius;
             double discriminant = b * b - a * c;
             return discriminant < 0 ? 0 : (b - Math.Sqrt(discriminant)) / a;
         }

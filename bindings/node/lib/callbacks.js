@@ -9,7 +9,8 @@ const listeners = new Map();
 let last = 0n;
 
 const progressCallback = koffi.register(
-  (progress, key) => listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, native.Progress)) ?? 0,
+  (progress, key) =>
+    listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, native.structs.progress)) ?? 0,
   native.ProgressCallback,
 );
 

@@ -2,10 +2,8 @@
 // Between JavaScript values and the structs of the C interface. What has a wrong type or shape is refused here, before
 // the library is called.
 
-const native = require('./native.js');
+const { koffi, structs, initialised } = require('./native.js');
 const { kindOf, numberOf, nameOf, flagsOf } = require('./names.js');
-
-const { functions, initialised } = native;
 
 const SCALARS = new Map([[Float32Array, 1], [Float64Array, 2]]);
 const DEPTH_FORMATS = new Map([[Uint16Array, 1], [Float32Array, 2]]);
@@ -119,11 +117,15 @@ function holds(what, length, width, height, stride, rowStride, item) {
 const OPTION_FIELDS = {
   method: ['method', 'method'], objective: ['objective', 'objective'], start: ['start', 'start'],
   nearWall: ['near_wall', 'nearWall'], chart: ['chart', 'chart'], edgeUse: ['edge_use', 'edgeUse'],
-  extentRule: ['extent_rule', 'extentRule'], maxIterations: ['max_iterations', uint32],
-  maxThreads: ['max_threads', uint32], edgeWeight: ['edge_weight', number], initialLambda: ['initial_lambda', number],
-  lambdaFactor: ['lambda_factor', number], maxLambda: ['max_lambda', number], costTolerance: ['cost_tolerance', number],
-  ransacThreshold: ['ransac_threshold', number], seed: ['seed', uint64],
-  ransacMaxIterations: ['ransac_max_iterations', uint32], radiusMin: ['radius_min', number],
+  extentRule: ['extent_rule', 'extentRule'], maxThreads: ['max_threads', uint32],
+  maxIterations: ['max_iterations', uint32], costTolerance: ['cost_tolerance', number],
+  gradientTolerance: ['gradient_tolerance', number], stepTolerance: ['step_tolerance', number],
+  initialLambda: ['initial_lambda', number], lambdaFactor: ['lambda_factor', number],
+  maxLambda: ['max_lambda', number], edgeWeight: ['edge_weight', number], seed: ['seed', uint64],
+  ransacMaxIterations: ['ransac_max_iterations', uint64], ransacThreshold: ['ransac_threshold', number],
+  independentPoints: ['independent_points', number], depthNoise: ['depth_noise', number],
+  imageNoise: ['image_noise', number], edgeNoise: ['edge_noise', number], maskNoise: ['mask_noise', number],
+  imageBlur: ['image_blur', number], drawnPixel: ['drawn_pixel', number], radiusMin: ['radius_min', number],
   radiusMax: ['radius_max', number], axis: ['axis', (what, value) => numbers(what, value, 3)],
   axisMaxAngle: ['axis_max_angle', number],
 };
@@ -131,7 +133,7 @@ const OPTION_FIELDS = {
 /** The defaults with the given fields in place of them. */
 function optionsToC(options) {
   const given = object('options', options, Object.keys(OPTION_FIELDS));
-  const c = initialised(functions.cylfuse_options_init, native.Options);
+  const c = initialised('options');
   for (const [name, value] of Object.entries(given)) {
     if (value === undefined) continue;
     const [field, kind] = OPTION_FIELDS[name];
@@ -153,7 +155,7 @@ const INTRINSICS = ['width', 'height', 'fx', 'fy', 'cx', 'cy', 'distortionModel'
 
 function intrinsicsToC(intrinsics) {
   const given = object('intrinsics', intrinsics, INTRINSICS);
-  const c = initialised(functions.cylfuse_intrinsics_init, native.Intrinsics);
+  const c = initialised('intrinsics');
   c.width = uint32('width', given.width);
   c.height = uint32('height', given.height);
   for (const field of ['fx', 'fy', 'cx', 'cy']) c[field] = number(field, given[field]);
@@ -161,6 +163,19 @@ function intrinsicsToC(intrinsics) {
   c.distortion = new Float64Array(8);
   c.distortion.set(numbers('distortion', given.distortion ?? [], 8, 0));
   return c;
+}
+
+/** A pose for C: its rotation, row by row, and its translation. */
+function poseToC(what, pose) {
+  const given = object(what, pose, ['rotation', 'translation']);
+  return [numbers(`${what}.rotation`, given.rotation, 9), numbers(`${what}.translation`, given.translation, 3)];
+}
+
+/** A depth camera for C: its intrinsics, and the rotation and translation to the colour camera; nulls for none. */
+function depthCameraToC(camera) {
+  if (camera === null) return [null, null, null];
+  const given = object('camera', camera, ['intrinsics', 'toColour']);
+  return [intrinsicsToC(given.intrinsics), ...poseToC('camera.toColour', given.toColour)];
 }
 
 /** A cylinder for C; null for that of the last fit. */
@@ -195,7 +210,7 @@ function pointsToC(points) {
   if (given.width === undefined && given.height !== undefined) throw new TypeError('points have a height but no width');
   const width = size('points.width', given.width ?? items('points.data', 'point', length, strides.pointStride || 3, 3));
   holds('points.data', length, width, height, strides.pointStride, strides.rowStride, 3);
-  const view = initialised(functions.cylfuse_points_view_init, native.PointsView);
+  const view = initialised('points_view');
   Object.assign(view, {
     scalar, data, width, height, point_stride: strides.pointStride * bytes, row_stride: strides.rowStride * bytes,
   });
@@ -217,15 +232,15 @@ function pointsToC(points) {
 
 const PIXELS = ['data', 'width', 'height', 'rowStride', 'pixelStride'];
 
-/** The fields that all images share, and the rest of the description. */
-function pixels(what, image, types, more = []) {
+/** The fields that all images share, and the rest of the description, which says how many `channels` a pixel has. */
+function pixels(what, image, types, more = [], channels = () => 1) {
   const { data, width, height, rowStride = 0, pixelStride = 0, ...rest } = object(what, image, [...PIXELS, ...more]);
   const { code: format, length, bytes } = typed(`${what}.data`, data, types);
   uint32(`${what}.width`, width);
   uint32(`${what}.height`, height);
   size(`${what}.rowStride`, rowStride);
   size(`${what}.pixelStride`, pixelStride);
-  holds(`${what}.data`, length, width, height, pixelStride, rowStride, 1);
+  holds(`${what}.data`, length, width, height, pixelStride, rowStride, channels(rest, format));
   const strides = { row_stride: rowStride * bytes, pixel_stride: pixelStride * bytes };
   return { format, fields: { data, width, height, ...strides }, rest };
 }
@@ -233,24 +248,34 @@ function pixels(what, image, types, more = []) {
 function depthToC(depth) {
   const { format, fields, rest } = pixels('depth', depth, DEPTH_FORMATS, ['scale', 'minDepth', 'maxDepth']);
   return {
-    ...initialised(functions.cylfuse_depth_view_init, native.DepthView), ...fields, format,
+    ...initialised('depth_view'), ...fields, format,
     scale: number('depth.scale', rest.scale ?? 1), min_depth: number('depth.minDepth', rest.minDepth ?? 0),
     max_depth: number('depth.maxDepth', rest.maxDepth ?? 0),
   };
 }
 
+/** How many bytes a pixel of an image has, grey ones numbers: colours come as bytes only. */
+function channelsOf({ format = 'grey' }, type) {
+  const number = numberOf('imageFormat', 'image.format', format);
+  if (format === 'grey') return 1;
+  if (type !== 1) throw new TypeError(`image.data of the format ${format} must be a Uint8Array or Uint8ClampedArray`);
+  return number < 6 ? 3 : 4;
+}
+
 function imageToC(image) {
-  const { format, fields, rest } = pixels('image', image, IMAGE_FORMATS, ['gamma']);
+  const { format, fields, rest } = pixels('image', image, IMAGE_FORMATS, ['format', 'gamma'], channelsOf);
+  const { format: colours = 'grey' } = rest;
   return {
-    ...initialised(functions.cylfuse_image_view_init, native.ImageView), ...fields, format,
-    gamma: number('image.gamma', rest.gamma ?? 1),
+    ...initialised('image_view'), ...fields, gamma: number('image.gamma', rest.gamma ?? 1),
+    format: colours === 'grey' ? format : numberOf('imageFormat', 'image.format', colours),
   };
 }
 
 /** A mask for C; null for none. */
 function maskToC(mask) {
   if (mask == null) return null;
-  return { ...initialised(functions.cylfuse_mask_view_init, native.MaskView), ...pixels('mask', mask, MASKS).fields };
+  const { fields, rest } = pixels('mask', mask, MASKS, ['label']);
+  return { ...initialised('mask_view'), ...fields, label: uint32('mask.label', rest.label ?? 0) };
 }
 
 function segmentsToC(edges) {
@@ -262,51 +287,61 @@ function segmentsToC(edges) {
     throw new RangeError(`edges.weights has ${weights.length} numbers for ${count} segments: give one for each`);
   }
   return {
-    ...initialised(functions.cylfuse_segments_view_init, native.SegmentsView), scalar, data, count,
+    ...initialised('segments_view'), scalar, data, count,
     segment_stride: step * bytes, weights: weights ?? null,
   };
 }
 
-const resultFromC = (c) => ({
-  cylinder: cylinderFromC(c.model),
-  startCylinder: cylinderFromC(c.start_model),
-  termination: nameOf('termination', c.termination),
-  startKind: nameOf('start', c.start_kind),
-  flags: flagsOf(c.flags),
-  iterations: c.iterations,
-  rejectedSteps: c.rejected_steps,
-  segmentsUsed: c.segments_used,
-  segmentsGiven: c.segments_given,
-  pointsUsed: c.points_used,
-  pointsGiven: c.points_given,
-  initialCost: c.initial_cost,
-  cost: c.cost,
-  energyPoints: c.energy_points,
-  energyEdges: c.energy_edges,
-  edgeWeight: c.edge_weight,
-  pointRms: c.point_rms,
-  edgeRmsPixels: c.edge_rms_pixels,
-  nearWallFraction: c.near_wall_fraction,
-  condition: c.condition,
-  lambda: c.lambda,
-  gradientNorm: c.gradient_norm,
-  stepNorm: c.step_norm,
-  secondsStart: c.seconds_start,
-  secondsSolve: c.seconds_solve,
-  secondsTotal: c.seconds_total,
-  radiusDeviation: c.radius_deviation,
-  directionDeviation: c.direction_deviation,
-  positionDeviation: c.position_deviation,
-  radiusFromPoints: c.radius_from_points,
-  radiusFromPointsDeviation: c.radius_from_points_deviation,
-  radiusFromLimbs: c.radius_from_limbs,
-  radiusFromLimbsDeviation: c.radius_from_limbs_deviation,
-  radiusZScore: c.radius_z_score,
-  covariance: Float64Array.from(c.covariance),
-  limbsLocated: c.limbs_located,
+/** Pixels as pairs of numbers, and how many there are. */
+function pixelsToC(pixels) {
+  const { length } = typed('pixels', pixels, WEIGHTS);
+  if (length % 2 !== 0) throw new RangeError(`pixels has ${length} numbers, which is no whole number of pixels of 2`);
+  return { pixels, count: length / 2 };
+}
+
+const resultFromC = (result, estimate) => ({
+  cylinder: cylinderFromC(estimate.model),
+  startCylinder: cylinderFromC(estimate.start_model),
+  startKind: nameOf('start', estimate.start_kind),
+  radiusDeviation: estimate.radius_deviation,
+  directionDeviation: estimate.direction_deviation,
+  positionDeviation: estimate.position_deviation,
+  radiusFromPoints: estimate.radius_from_points,
+  radiusFromPointsDeviation: estimate.radius_from_points_deviation,
+  radiusFromLimbs: estimate.radius_from_limbs,
+  radiusFromLimbsDeviation: estimate.radius_from_limbs_deviation,
+  radiusZScore: estimate.radius_z_score,
+  covariance: Float64Array.from(estimate.covariance),
+  flags: flagsOf(result.flags),
+  termination: nameOf('termination', result.termination),
+  iterations: result.iterations,
+  rejectedSteps: result.rejected_steps,
+  limbsLocated: result.limbs_located,
+  segmentsGiven: result.segments_given,
+  segmentsUsed: result.segments_used,
+  pointsGiven: result.points_given,
+  pointsUsed: result.points_used,
+  independentPoints: result.independent_points,
+  pointDeviation: result.point_deviation,
+  pointRms: result.point_rms,
+  edgeRmsPixels: result.edge_rms_pixels,
+  nearWallFraction: result.near_wall_fraction,
+  initialCost: result.initial_cost,
+  cost: result.cost,
+  energyPoints: result.energy_points,
+  energyEdges: result.energy_edges,
+  edgeWeight: result.edge_weight,
+  condition: result.condition,
+  gradientNorm: result.gradient_norm,
+  stepNorm: result.step_norm,
+  lambda: result.lambda,
+  secondsStart: result.seconds_start,
+  secondsSolve: result.seconds_solve,
+  secondsTotal: result.seconds_total,
 });
 
 const countsFromC = (c) => ({
+  view: c.view,
   pointsGiven: c.points_given,
   pointsUsed: c.points_used,
   droppedNotFinite: c.dropped_not_finite,
@@ -315,6 +350,7 @@ const countsFromC = (c) => ({
   droppedNoDepth: c.dropped_no_depth,
   droppedOutOfRange: c.dropped_out_of_range,
   droppedOutsideCamera: c.dropped_outside_camera,
+  droppedHidden: c.dropped_hidden,
   segmentsGiven: c.segments_given,
 });
 
@@ -328,12 +364,18 @@ const diagnosisFromC = (c) => ({
 });
 
 const completionFromC = (c) => ({
-  count: c.count, hits: c.hits, misses: c.misses, outsideCamera: c.outside_camera, outOfRange: c.out_of_range,
+  view: c.view, count: c.count, hits: c.hits, misses: c.misses, outsideCamera: c.outside_camera,
+  outOfRange: c.out_of_range,
 });
 
 const extentFromC = (c) => ({
   startState: nameOf('endState', c.start_state),
   endState: nameOf('endState', c.end_state),
+  startSource: nameOf('endSource', c.start_source),
+  endSource: nameOf('endSource', c.end_source),
+  startView: c.start_view,
+  endView: c.end_view,
+  limbsKnown: c.limbs_known !== 0,
   start: Array.from(c.start),
   end: Array.from(c.end),
   center: Array.from(c.center),
@@ -352,13 +394,25 @@ const progressFromC = (c) => ({
   maxIterations: c.max_iterations,
   cost: c.cost,
   lambda: c.lambda,
-  cylinder: cylinderFromC(c.model),
+  cylinder: c.cylinder === null ? null : cylinderFromC(koffi.decode(c.cylinder, structs.cylinder)),
 });
 
-const limbSampleFromC = (c) => ({ pixel: Array.from(c.pixel), sigma: c.sigma, weight: c.weight, limb: c.limb });
+const limbFromC = (c) => ({
+  view: c.view, limb: c.limb, status: nameOf('limbStatus', c.status), samples: c.samples, line: Array.from(c.line),
+  deviation: c.deviation,
+});
+
+const limbSampleFromC = (c) => ({
+  view: c.view, limb: c.limb, pixel: Array.from(c.pixel), deviation: c.deviation, weight: c.weight,
+});
+
+const endSampleFromC = (c) => ({
+  view: c.view, end: c.end, pixel: Array.from(c.pixel), normal: Array.from(c.normal), deviation: c.deviation,
+});
 
 module.exports = {
-  SCALARS, DEPTH_FORMATS, object, number, size, optionsToC, optionsFromC, intrinsicsToC, cylinderToC, optionalCylinder,
-  cylinderFromC, pointsToC, depthToC, imageToC, maskToC, segmentsToC, resultFromC, countsFromC, diagnosisFromC,
-  completionFromC, extentFromC, progressFromC, limbSampleFromC,
+  SCALARS, DEPTH_FORMATS, object, number, size, optionsToC, optionsFromC, intrinsicsToC, poseToC,
+  depthCameraToC, cylinderToC, optionalCylinder, pointsToC, depthToC, imageToC, maskToC, segmentsToC, pixelsToC,
+  resultFromC, countsFromC, diagnosisFromC, completionFromC, extentFromC, progressFromC, limbFromC, limbSampleFromC,
+  endSampleFromC,
 };

@@ -1,6 +1,6 @@
 'use strict';
 
-const { functions } = require('./native.js');
+const { functions, initialised } = require('./native.js');
 const { nameOf } = require('./names.js');
 
 class CylfuseError extends Error {
@@ -15,9 +15,19 @@ class CylfuseError extends Error {
 /** The error of a status without a message. */
 const statusError = (status) => new CylfuseError(status, functions.cylfuse_status_string(status));
 
-/** Throws for a failed call on a fitter, or without one (null). */
-function check(status, handle = null) {
-  if (status !== 0) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(handle));
+/** Throws for a call of this thread that failed, whatever it was on. */
+function check(status) {
+  if (status !== 0) throw new CylfuseError(status, functions.cylfuse_fitter_last_error(null));
 }
 
-module.exports = { CylfuseError, check, statusError };
+/**
+ * Throws for a call on a fitter that failed on another thread. Its text is with the fitter, and is read by a thread
+ * whose own last call was on something else.
+ */
+function checkElsewhere(status, fitter) {
+  if (status === 0) return;
+  initialised('counts');
+  throw new CylfuseError(status, functions.cylfuse_fitter_last_error(fitter));
+}
+
+module.exports = { CylfuseError, check, checkElsewhere, statusError };

@@ -1,28 +1,15 @@
 'use strict';
 
-const { isMainThread } = require('node:worker_threads');
-const native = require('./native.js');
+const { koffi, structs, functions, initialised } = require('./native.js');
 const convert = require('./convert.js');
 const { numberOf, nameOf, kindOf, enumerations } = require('./names.js');
-const { check, statusError } = require('./errors.js');
+const { check, checkElsewhere, statusError } = require('./errors.js');
 const { progressCallback, logCallback, addListener, removeListener } = require('./callbacks.js');
+const handles = require('./handles.js');
+const { inside } = require('./frame.js');
 const { fitOnPool } = require('./pool.js');
 
-const { koffi, functions, toFill } = native;
 const { status: STATUS } = enumerations;
-
-// What the open fitters of this thread hold.
-const open = new Set();
-
-function destroy(held) {
-  open.delete(held);
-  removeListener(held.key);
-  functions.cylfuse_fitter_destroy(held.handle);
-}
-
-// Frees the fitters that were forgotten, and those that a worker leaves behind; the main thread leaves none.
-const registry = new FinalizationRegistry(destroy);
-if (!isMainThread) process.on('exit', () => open.forEach(destroy));
 
 /** The callbacks of a fitter: apart from it, because the native side must not see its methods. */
 class Listener {
@@ -56,25 +43,25 @@ class Listener {
 }
 
 class Fitter {
-  #held;
   #listener = new Listener();
+  #key = addListener(this.#listener);
+  #held = handles.create('fitter', this);
   #running = false;
-  #width = 0;
-  #height = 0;
+  // Asks a fit on the pool to stop until it has.
+  #cancelling = null;
+  // The sizes of the cameras of the views.
+  #cameras = [[0, 0]];
+  #selected = 0;
 
   constructor() {
-    const out = [null];
-    check(functions.cylfuse_fitter_create(native.ABI_VERSION, out));
-    this.#held = { handle: out[0], key: addListener(this.#listener) };
-    open.add(this.#held);
-    registry.register(this, this.#held, this);
+    const key = this.#key;
+    this.#held.release = () => removeListener(key);
   }
 
   close() {
     if (this.#running) throw statusError(STATUS.BUSY);
     if (this.#held === null) return;
-    registry.unregister(this);
-    destroy(this.#held);
+    handles.close(this.#held, this);
     this.#held = null;
   }
 
@@ -86,10 +73,21 @@ class Fitter {
 
   clear() {
     this.#call((handle) => functions.cylfuse_fitter_clear(handle));
+    this.#selected = 0;
+    this.#cameras.length = 1;
+  }
+
+  clearInput(...inputs) {
+    const bits = inputs.reduce((sum, name) => sum | numberOf('input', 'input', name), 0);
+    this.#call((handle) => functions.cylfuse_fitter_clear_input(handle, bits));
   }
 
   cancel() {
-    const status = functions.cylfuse_fitter_cancel(this.#open());
+    const handle = this.#open();
+    const cancel = () => functions.cylfuse_fitter_cancel(handle);
+    // A fit on the pool may not have begun, and only one that has can be cancelled.
+    if (this.#running) this.#cancelling ??= setInterval(cancel, 1);
+    const status = cancel();
     if (status !== STATUS.OK) throw statusError(status);
   }
 
@@ -99,14 +97,43 @@ class Fitter {
   }
 
   getOptions() {
-    const c = this.#filled(native.Options, functions.cylfuse_fitter_get_options);
-    return convert.optionsFromC(c);
+    return convert.optionsFromC(this.#filled('options', functions.cylfuse_fitter_get_options));
+  }
+
+  selectView(index) {
+    convert.size('index', index);
+    this.#call((handle) => functions.cylfuse_fitter_select_view(handle, index));
+    this.#selected = index;
+    this.#cameras[index] ??= [0, 0];
+  }
+
+  viewCount() {
+    const count = [0];
+    this.#call((handle) => functions.cylfuse_fitter_view_count(handle, count));
+    return Number(count[0]);
+  }
+
+  setPose(pose) {
+    const [rotation, translation] = convert.poseToC('pose', pose);
+    this.#call((handle) => functions.cylfuse_fitter_set_pose(handle, rotation, translation));
   }
 
   setIntrinsics(intrinsics) {
     const c = convert.intrinsicsToC(intrinsics);
     this.#call((handle) => functions.cylfuse_fitter_set_intrinsics(handle, c));
-    [this.#width, this.#height] = [c.width, c.height];
+    this.#cameras[this.#selected] = [c.width, c.height];
+  }
+
+  setDepthCamera(camera) {
+    const [c, rotation, translation] = convert.depthCameraToC(camera);
+    this.#call((handle) => functions.cylfuse_fitter_set_depth_camera(handle, c, rotation, translation));
+  }
+
+  useFrame(frame, mask = null) {
+    const { handle: used, size } = inside(frame);
+    const selected = convert.maskToC(mask);
+    this.#call((handle) => functions.cylfuse_fitter_use_frame(handle, used, selected));
+    this.#cameras[this.#selected] = size;
   }
 
   setStartModel(model) {
@@ -117,7 +144,7 @@ class Fitter {
   setProgress(callback) {
     checkCallback('progress', callback);
     const heard = callback && progressCallback;
-    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, heard, this.#held.key));
+    this.#call((handle) => functions.cylfuse_fitter_set_progress(handle, heard, this.#key));
     this.#listener.progress = callback;
   }
 
@@ -125,7 +152,7 @@ class Fitter {
     const level = numberOf('logLevel', 'maxLevel', maxLevel);
     checkCallback('log', callback);
     const heard = callback && logCallback;
-    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, heard, this.#held.key));
+    this.#call((handle) => functions.cylfuse_fitter_set_log(handle, level, heard, this.#key));
     this.#listener.log = callback;
   }
 
@@ -152,32 +179,35 @@ class Fitter {
   }
 
   counts() {
-    return convert.countsFromC(this.#filled(native.Counts, functions.cylfuse_fitter_counts));
+    return convert.countsFromC(this.#filled('counts', functions.cylfuse_fitter_counts));
   }
 
   async fit() {
     const handle = this.#start();
     try {
-      const { status, result } = await fitOnPool(handle, this.#listener.hears);
-      this.#check(status);
-      return convert.resultFromC(result);
+      const { status, result, estimate } =
+        await fitOnPool(handle, this.#listener.hears, () => this.#cancelling !== null);
+      this.#throw();
+      if (result === undefined) throw statusError(status);
+      checkElsewhere(status, handle);
+      return convert.resultFromC(result, estimate);
     } finally {
-      this.#running = false;
+      this.#end();
     }
   }
 
   fitSync() {
-    return convert.resultFromC(this.#filled(native.Result, functions.cylfuse_fitter_fit));
+    return this.#result(functions.cylfuse_fitter_fit);
   }
 
   evaluate(model) {
     const c = convert.cylinderToC('model', model);
-    const evaluate = (handle, result) => functions.cylfuse_fitter_evaluate(handle, c, result);
-    return convert.resultFromC(this.#filled(native.Result, evaluate));
+    return this.#result((handle, ...out) => functions.cylfuse_fitter_evaluate(handle, c, ...out));
   }
 
   result() {
-    return convert.resultFromC(this.#filled(native.Result, functions.cylfuse_fitter_get_result));
+    return this.#result((handle, result, estimate) =>
+      functions.cylfuse_fitter_get_result(handle, result) || functions.cylfuse_fitter_get_cylinder(handle, estimate));
   }
 
   residuals(kind, model = null) {
@@ -191,19 +221,33 @@ class Fitter {
     return items.subarray(0, count);
   }
 
+  pointWeights() {
+    const make = (length) => ({ weights: new Float64Array(length), inliers: new Uint8Array(length) });
+    const list = (handle, { weights, inliers }, length, count) =>
+      functions.cylfuse_fitter_point_weights(handle, weights, inliers, length, count);
+    const { items: { weights, inliers }, count } = this.#list(this.counts().pointsUsed, make, list);
+    return { weights: weights.subarray(0, count), inliers: inliers.subarray(0, count) };
+  }
+
+  limbs() {
+    return this.#structs('limb', 2 * this.viewCount(), functions.cylfuse_fitter_limbs).map(convert.limbFromC);
+  }
+
   limbSamples() {
-    const size = koffi.sizeof(native.LimbSample);
-    // Far more than an image gives: one of 640 x 480 pixels some 16.
-    const make = (length) => Buffer.alloc(length * size);
-    const { items, count } = this.#list(1024, make, functions.cylfuse_fitter_limb_samples);
-    return Array.from({ length: count }, (_, index) =>
-      convert.limbSampleFromC(koffi.decode(items, index * size, native.LimbSample)));
+    return this.#structs('limb_sample', MANY_SAMPLES, functions.cylfuse_fitter_limb_samples)
+      .map(convert.limbSampleFromC);
+  }
+
+  endSamples(options = {}) {
+    const { c, selected } = regionToC(options);
+    const list = (handle, ...out) => functions.cylfuse_fitter_end_samples(handle, c, selected, ...out);
+    return this.#structs('end_sample', MANY_SAMPLES, list).map(convert.endSampleFromC);
   }
 
   diagnose(model = null) {
     const c = convert.optionalCylinder(model);
     const diagnose = (handle, out) => functions.cylfuse_fitter_diagnose(handle, c, out);
-    return convert.diagnosisFromC(this.#filled(native.Diagnosis, diagnose));
+    return convert.diagnosisFromC(this.#filled('cylinder_diagnosis', diagnose));
   }
 
   complete(options = {}) {
@@ -216,11 +260,11 @@ class Fitter {
     const bound = [0];
     this.#call((handle) => functions.cylfuse_fitter_complete_bound(handle, selected, arrangement, bound));
     const points = new type(3 * Number(bound[0]));
-    const out = native.initialised(functions.cylfuse_points_out_init, native.PointsOut);
-    Object.assign(out, { scalar, data: points, capacity: bound[0], layout: arrangement });
+    const out = initialised('points_out');
+    Object.assign(out, { scalar, data: points, capacity: bound[0] });
     const completion = convert.completionFromC(
-      this.#filled(native.Completion, (handle, c2) =>
-        functions.cylfuse_fitter_complete(handle, c, selected, out, c2)),
+      this.#filled('completion', (handle, c2) =>
+        functions.cylfuse_fitter_complete(handle, c, selected, arrangement, out, c2)),
     );
     return { points: layout === 'packed' ? points.subarray(0, 3 * completion.count) : points, completion };
   }
@@ -232,23 +276,21 @@ class Fitter {
     const c = convert.optionalCylinder(model);
     const selected = convert.maskToC(mask);
     convert.number('scale', scale);
-    const [width, height] = [this.#width, this.#height];
+    const [width, height] = this.#cameras[this.#selected];
     const data = new type(width * height);
-    const out = native.initialised(functions.cylfuse_depth_out_init, native.DepthOut);
+    const out = initialised('depth_out');
     Object.assign(out, { format, data, width, height, scale });
     const completion = convert.completionFromC(
-      this.#filled(native.Completion, (handle, c2) =>
+      this.#filled('completion', (handle, c2) =>
         functions.cylfuse_fitter_complete_depth(handle, c, selected, out, c2)),
     );
     return { depth: { data, width, height, scale }, completion };
   }
 
   extent(options = {}) {
-    convert.object('options', options, ['model', 'mask']);
-    const c = convert.optionalCylinder(options.model);
-    const selected = convert.maskToC(options.mask);
+    const { c, selected } = regionToC(options);
     const extent = (handle, out) => functions.cylfuse_fitter_extent(handle, c, selected, out);
-    return convert.extentFromC(this.#filled(native.Extent, extent));
+    return convert.extentFromC(this.#filled('extent', extent));
   }
 
   selectEdges(edges, options = {}) {
@@ -268,8 +310,8 @@ class Fitter {
   }
 
   /**
-   * Begins the one call that may run. The library would answer BUSY by itself, but its message belongs to the call that
-   * runs, and this thread must not read it meanwhile.
+   * Begins the one call that may run. The library would answer BUSY by itself, but not before a fit on the pool has
+   * begun.
    */
   #start() {
     const handle = this.#open();
@@ -278,32 +320,55 @@ class Fitter {
     return handle;
   }
 
-  #check(status) {
+  #end() {
+    this.#running = false;
+    clearInterval(this.#cancelling);
+    this.#cancelling = null;
+  }
+
+  /** Throws what a callback threw during the call. */
+  #throw() {
     const { thrown } = this.#listener;
     this.#listener.thrown = null;
     if (thrown) throw thrown.error;
-    check(status, this.#held.handle);
   }
 
   #call(run) {
     const handle = this.#start();
     try {
-      this.#check(run(handle));
+      const status = run(handle);
+      this.#throw();
+      check(status);
     } finally {
-      this.#running = false;
+      this.#end();
     }
   }
 
   /** Calls what fills a struct. */
-  #filled(type, run) {
-    const struct = toFill(type);
+  #filled(name, run) {
+    const struct = initialised(name);
     this.#call((handle) => run(handle, struct));
     return struct;
   }
 
+  /** Calls what fills a result and an estimate. */
+  #result(run) {
+    const [result, estimate] = [initialised('result'), initialised('cylinder_estimate')];
+    this.#call((handle) => run(handle, result, estimate));
+    return convert.resultFromC(result, estimate);
+  }
+
+  /** Lists structs. */
+  #structs(name, capacity, list) {
+    const size = koffi.sizeof(structs[name]);
+    const make = (length) => Buffer.alloc(length * size);
+    const run = (handle, out, length, count) => list(handle, out, size, length, count);
+    const { items, count } = this.#list(capacity, make, run);
+    return Array.from({ length: count }, (_, index) => koffi.decode(items, index * size, structs[name]));
+  }
+
   /**
-   * Lists into an array that is made for a number of items. A `capacity` that is large enough saves asking for that
-   * number, which fails for the library, and so would reach the log.
+   * Lists into what is made for a number of items. A `capacity` that is large enough saves asking for that number.
    */
   #list(capacity, make, list) {
     const count = [0];
@@ -316,6 +381,15 @@ class Fitter {
     });
     return { items, count: Number(count[0]) };
   }
+}
+
+// Far more than an image gives: one of 640 x 480 pixels some 16.
+const MANY_SAMPLES = 1024;
+
+/** The model and the mask of what looks at a region. */
+function regionToC(options) {
+  convert.object('options', options, ['model', 'mask']);
+  return { c: convert.optionalCylinder(options.model), selected: convert.maskToC(options.mask) };
 }
 
 // `using fitter = new Fitter()` where the language has it.

@@ -5,6 +5,7 @@ const convert = require('./convert.js');
 const { enumerations } = require('./names.js');
 const { CylfuseError, check } = require('./errors.js');
 const { Fitter } = require('./fitter.js');
+const { Frame } = require('./frame.js');
 
 async function fitPoints(points) {
   const fitter = new Fitter();
@@ -38,11 +39,30 @@ function compare(a, b) {
   return { angle: angle[0], axisDistance: axisDistance[0], radiusRelative: radiusRelative[0] };
 }
 
+function projectPoints(intrinsics, points) {
+  const c = convert.intrinsicsToC(intrinsics);
+  const { view, count } = convert.pointsToC(points);
+  const pixels = new Float64Array(2 * count);
+  check(functions.cylfuse_intrinsics_project(c, view, pixels, count));
+  return pixels;
+}
+
+function unprojectPixels(intrinsics, pixels) {
+  const c = convert.intrinsicsToC(intrinsics);
+  const { pixels: given, count } = convert.pixelsToC(pixels);
+  const rays = new Float64Array(3 * count);
+  check(functions.cylfuse_intrinsics_unproject(c, given, count, rays));
+  return rays;
+}
+
 exports.Fitter = Fitter;
+exports.Frame = Frame;
 exports.CylfuseError = CylfuseError;
 exports.fitPoints = fitPoints;
 exports.distances = distances;
 exports.project = project;
 exports.compare = compare;
+exports.projectPoints = projectPoints;
+exports.unprojectPixels = unprojectPixels;
 exports.version = functions.cylfuse_version_string();
 exports.buildInfo = functions.cylfuse_build_info();

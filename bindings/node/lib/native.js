@@ -17,10 +17,6 @@ const Handle = pointer(koffi.opaque());
 
 const Cylinder = koffi.struct({ point: vector, direction: vector, radius: 'double' });
 
-const LimbSample = koffi.struct({
-  pixel: koffi.array('double', 2), sigma: 'double', weight: 'double', limb: 'uint32_t', reserved: 'uint32_t',
-});
-
 const Intrinsics = koffi.struct({
   struct_size: 'uint32_t', distortion_model: 'int32_t', width: 'uint32_t', height: 'uint32_t', fx: 'double',
   fy: 'double', cx: 'double', cy: 'double', distortion: koffi.array('double', 8),
@@ -34,7 +30,7 @@ const PointsView = koffi.struct({
 
 const PointsOut = koffi.struct({
   struct_size: 'uint32_t', scalar: 'int32_t', data: 'void *', capacity: 'size_t', point_stride: 'intptr_t',
-  row_stride: 'intptr_t', layout: 'int32_t', reserved: 'uint32_t',
+  row_stride: 'intptr_t',
 });
 
 const DepthView = koffi.struct({
@@ -48,7 +44,7 @@ const DepthOut = koffi.struct({
 });
 
 const MaskView = koffi.struct({
-  struct_size: 'uint32_t', reserved: 'uint32_t', data: 'void *', width: 'uint32_t', height: 'uint32_t',
+  struct_size: 'uint32_t', width: 'uint32_t', height: 'uint32_t', label: 'uint32_t', data: 'void *',
   row_stride: 'intptr_t', pixel_stride: 'intptr_t',
 });
 
@@ -64,63 +60,83 @@ const SegmentsView = koffi.struct({
 
 const Options = koffi.struct({
   struct_size: 'uint32_t', method: 'int32_t', objective: 'int32_t', start: 'int32_t', near_wall: 'int32_t',
-  chart: 'int32_t', max_iterations: 'uint32_t', max_threads: 'uint32_t', edge_weight: 'double',
-  initial_lambda: 'double', lambda_factor: 'double', max_lambda: 'double', cost_tolerance: 'double',
-  ransac_threshold: 'double', seed: 'uint64_t', ransac_max_iterations: 'uint32_t', reserved: 'uint32_t',
-  edge_use: 'int32_t', extent_rule: 'int32_t', radius_min: 'double', radius_max: 'double', axis: vector,
-  axis_max_angle: 'double',
+  chart: 'int32_t', edge_use: 'int32_t', extent_rule: 'int32_t', max_threads: 'uint32_t', max_iterations: 'uint32_t',
+  cost_tolerance: 'double', gradient_tolerance: 'double', step_tolerance: 'double', initial_lambda: 'double',
+  lambda_factor: 'double', max_lambda: 'double', edge_weight: 'double', seed: 'uint64_t',
+  ransac_max_iterations: 'uint64_t', ransac_threshold: 'double', independent_points: 'double', depth_noise: 'double',
+  image_noise: 'double', edge_noise: 'double', mask_noise: 'double', image_blur: 'double', drawn_pixel: 'double',
+  radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double',
 });
 
 const Counts = koffi.struct({
-  struct_size: 'uint32_t', reserved: 'uint32_t', points_given: 'uint64_t', points_used: 'uint64_t',
+  struct_size: 'uint32_t', view: 'uint32_t', points_given: 'uint64_t', points_used: 'uint64_t',
   dropped_not_finite: 'uint64_t', dropped_zero_weight: 'uint64_t', dropped_outside_mask: 'uint64_t',
   dropped_no_depth: 'uint64_t', dropped_out_of_range: 'uint64_t', dropped_outside_camera: 'uint64_t',
-  segments_given: 'uint64_t',
+  dropped_hidden: 'uint64_t', segments_given: 'uint64_t',
 });
 
 const Result = koffi.struct({
-  struct_size: 'uint32_t', termination: 'int32_t', start_kind: 'int32_t', flags: 'uint32_t', iterations: 'uint32_t',
-  rejected_steps: 'uint32_t', segments_used: 'uint32_t', segments_given: 'uint32_t', points_used: 'uint64_t',
-  points_given: 'uint64_t', model: Cylinder, start_model: Cylinder, initial_cost: 'double', cost: 'double',
-  energy_points: 'double', energy_edges: 'double', edge_weight: 'double', point_rms: 'double',
-  edge_rms_pixels: 'double', near_wall_fraction: 'double', condition: 'double', lambda: 'double',
-  gradient_norm: 'double', step_norm: 'double', seconds_start: 'double', seconds_solve: 'double',
-  seconds_total: 'double', radius_deviation: 'double', direction_deviation: 'double', position_deviation: 'double',
-  radius_from_points: 'double', radius_from_points_deviation: 'double', radius_from_limbs: 'double',
-  radius_from_limbs_deviation: 'double', radius_z_score: 'double', covariance: koffi.array('double', 49),
-  limbs_located: 'uint32_t', reserved: 'uint32_t',
+  struct_size: 'uint32_t', flags: 'uint32_t', termination: 'int32_t', iterations: 'uint32_t',
+  rejected_steps: 'uint32_t', limbs_located: 'uint32_t', segments_given: 'uint32_t', segments_used: 'uint32_t',
+  points_given: 'uint64_t', points_used: 'uint64_t', independent_points: 'double', point_deviation: 'double',
+  point_rms: 'double', edge_rms_pixels: 'double', near_wall_fraction: 'double', initial_cost: 'double', cost: 'double',
+  energy_points: 'double', energy_edges: 'double', edge_weight: 'double', condition: 'double', gradient_norm: 'double',
+  step_norm: 'double', lambda: 'double', seconds_start: 'double', seconds_solve: 'double', seconds_total: 'double',
 });
 
-const Diagnosis = koffi.struct({
+const CylinderEstimate = koffi.struct({
+  struct_size: 'uint32_t', start_kind: 'int32_t', model: Cylinder, start_model: Cylinder, radius_deviation: 'double',
+  direction_deviation: 'double', position_deviation: 'double', radius_from_points: 'double',
+  radius_from_points_deviation: 'double', radius_from_limbs: 'double', radius_from_limbs_deviation: 'double',
+  radius_z_score: 'double', covariance: koffi.array('double', 49),
+});
+
+const CylinderDiagnosis = koffi.struct({
   struct_size: 'uint32_t', rank: 'uint32_t', singular_values: koffi.array('double', 5), condition: 'double',
   weakest_shift: vector, weakest_tilt: vector, weakest_radius: 'double',
 });
 
 const Completion = koffi.struct({
-  struct_size: 'uint32_t', reserved: 'uint32_t', count: 'uint64_t', hits: 'uint64_t', misses: 'uint64_t',
+  struct_size: 'uint32_t', view: 'uint32_t', count: 'uint64_t', hits: 'uint64_t', misses: 'uint64_t',
   outside_camera: 'uint64_t', out_of_range: 'uint64_t',
 });
 
 const Extent = koffi.struct({
-  struct_size: 'uint32_t', start_state: 'int32_t', end_state: 'int32_t', reserved: 'uint32_t', start: vector,
-  end: vector, center: vector, length: 'double', start_deviation: 'double', end_deviation: 'double',
-  length_deviation: 'double', start_covariance: matrix, end_covariance: matrix, center_covariance: matrix,
+  struct_size: 'uint32_t', start_state: 'int32_t', end_state: 'int32_t', start_source: 'int32_t', end_source: 'int32_t',
+  start_view: 'uint32_t', end_view: 'uint32_t', limbs_known: 'uint32_t', start: vector, end: vector, center: vector,
+  length: 'double', start_deviation: 'double', end_deviation: 'double', length_deviation: 'double',
+  start_covariance: matrix, end_covariance: matrix, center_covariance: matrix,
 });
 
 const Progress = koffi.struct({
   struct_size: 'uint32_t', phase: 'int32_t', iteration: 'uint32_t', max_iterations: 'uint32_t', cost: 'double',
-  lambda: 'double', model: Cylinder,
+  lambda: 'double', cylinder: 'void *',
+});
+
+const Limb = koffi.struct({
+  view: 'uint32_t', limb: 'uint32_t', status: 'int32_t', samples: 'uint32_t', line: koffi.array('double', 4),
+  deviation: 'double',
+});
+
+const LimbSample = koffi.struct({
+  view: 'uint32_t', limb: 'uint32_t', pixel: koffi.array('double', 2), deviation: 'double', weight: 'double',
+});
+
+const EndSample = koffi.struct({
+  view: 'uint32_t', end: 'uint32_t', pixel: koffi.array('double', 2), normal: koffi.array('double', 2),
+  deviation: 'double',
 });
 
 const ProgressCallback = pointer(koffi.proto('int32_t', ['void *', 'void *']));
 const LogCallback = pointer(koffi.proto('void', ['int32_t', 'str', 'void *']));
 
-/** The structs by the names of the C interface without prefix, for their sizes. */
+/** The structs by the names of the C interface without prefix. */
 const structs = {
-  cylinder: Cylinder, limb_sample: LimbSample, intrinsics: Intrinsics, points_view: PointsView, points_out: PointsOut,
-  depth_view: DepthView, depth_out: DepthOut, mask_view: MaskView, image_view: ImageView,
-  segments_view: SegmentsView, options: Options, counts: Counts, result: Result, diagnosis: Diagnosis,
-  completion: Completion, extent: Extent, progress: Progress,
+  cylinder: Cylinder, intrinsics: Intrinsics, points_view: PointsView, points_out: PointsOut, depth_view: DepthView,
+  depth_out: DepthOut, mask_view: MaskView, image_view: ImageView, segments_view: SegmentsView, options: Options,
+  counts: Counts, result: Result, cylinder_estimate: CylinderEstimate, cylinder_diagnosis: CylinderDiagnosis,
+  completion: Completion, extent: Extent, progress: Progress, limb: Limb, limb_sample: LimbSample,
+  end_sample: EndSample,
 };
 
 const input = pointer;
@@ -143,14 +159,25 @@ const signatures = {
   cylfuse_segments_view_init: ['int32_t', [output(SegmentsView), 'size_t']],
   cylfuse_points_out_init: ['int32_t', [output(PointsOut), 'size_t']],
   cylfuse_depth_out_init: ['int32_t', [output(DepthOut), 'size_t']],
+  cylfuse_counts_init: ['int32_t', [output(Counts), 'size_t']],
+  cylfuse_result_init: ['int32_t', [output(Result), 'size_t']],
+  cylfuse_cylinder_estimate_init: ['int32_t', [output(CylinderEstimate), 'size_t']],
+  cylfuse_cylinder_diagnosis_init: ['int32_t', [output(CylinderDiagnosis), 'size_t']],
+  cylfuse_completion_init: ['int32_t', [output(Completion), 'size_t']],
+  cylfuse_extent_init: ['int32_t', [output(Extent), 'size_t']],
   cylfuse_fitter_create: ['int32_t', ['uint32_t', output(Handle)]],
   cylfuse_fitter_destroy: ['int32_t', [Handle]],
   cylfuse_fitter_reserve: ['int32_t', [Handle, 'size_t', 'size_t']],
   cylfuse_fitter_clear: ['int32_t', [Handle]],
+  cylfuse_fitter_clear_input: ['int32_t', [Handle, 'uint32_t']],
   cylfuse_fitter_last_error: ['str', [Handle]],
   cylfuse_fitter_cancel: ['int32_t', [Handle]],
   cylfuse_fitter_set_options: ['int32_t', [Handle, input(Options)]],
   cylfuse_fitter_get_options: ['int32_t', [Handle, filled(Options)]],
+  cylfuse_fitter_select_view: ['int32_t', [Handle, 'size_t']],
+  cylfuse_fitter_view_count: ['int32_t', [Handle, output('size_t')]],
+  cylfuse_fitter_set_pose: ['int32_t', [Handle, 'void *', 'void *']],
+  cylfuse_fitter_set_depth_camera: ['int32_t', [Handle, input(Intrinsics), 'void *', 'void *']],
   cylfuse_fitter_set_intrinsics: ['int32_t', [Handle, input(Intrinsics)]],
   cylfuse_fitter_set_start_model: ['int32_t', [Handle, input(Cylinder)]],
   cylfuse_fitter_set_progress: ['int32_t', [Handle, ProgressCallback, 'void *']],
@@ -160,15 +187,30 @@ const signatures = {
   cylfuse_fitter_push_image: ['int32_t', [Handle, input(ImageView)]],
   cylfuse_fitter_push_edges: ['int32_t', [Handle, input(SegmentsView)]],
   cylfuse_fitter_counts: ['int32_t', [Handle, filled(Counts)]],
-  cylfuse_fitter_fit: ['int32_t', [Handle, filled(Result)]],
-  cylfuse_fitter_evaluate: ['int32_t', [Handle, input(Cylinder), filled(Result)]],
+  cylfuse_frame_create: ['int32_t', ['uint32_t', output(Handle)]],
+  cylfuse_frame_destroy: ['int32_t', [Handle]],
+  cylfuse_frame_last_error: ['str', [Handle]],
+  cylfuse_frame_set_intrinsics: ['int32_t', [Handle, input(Intrinsics)]],
+  cylfuse_frame_set_pose: ['int32_t', [Handle, 'void *', 'void *']],
+  cylfuse_frame_set_depth_camera: ['int32_t', [Handle, input(Intrinsics), 'void *', 'void *']],
+  cylfuse_frame_set_depth: ['int32_t', [Handle, input(DepthView)]],
+  cylfuse_frame_set_image: ['int32_t', [Handle, input(ImageView)]],
+  cylfuse_fitter_use_frame: ['int32_t', [Handle, Handle, input(MaskView)]],
+  cylfuse_fitter_fit: ['int32_t', [Handle, filled(Result), filled(CylinderEstimate)]],
+  cylfuse_fitter_evaluate: ['int32_t', [Handle, input(Cylinder), filled(Result), filled(CylinderEstimate)]],
   cylfuse_fitter_get_result: ['int32_t', [Handle, filled(Result)]],
+  cylfuse_fitter_get_cylinder: ['int32_t', [Handle, filled(CylinderEstimate)]],
+  cylfuse_fitter_diagnose: ['int32_t', [Handle, input(Cylinder), filled(CylinderDiagnosis)]],
   cylfuse_fitter_residuals: ['int32_t', [Handle, input(Cylinder), 'int32_t', 'void *', 'size_t', output('size_t')]],
-  cylfuse_fitter_limb_samples: ['int32_t', [Handle, 'void *', 'size_t', output('size_t')]],
-  cylfuse_fitter_diagnose: ['int32_t', [Handle, input(Cylinder), filled(Diagnosis)]],
+  cylfuse_fitter_point_weights: ['int32_t', [Handle, 'void *', 'void *', 'size_t', output('size_t')]],
+  cylfuse_fitter_limbs: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
+  cylfuse_fitter_limb_samples: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
+  cylfuse_fitter_end_samples: [
+    'int32_t', [Handle, input(Cylinder), input(MaskView), 'void *', 'size_t', 'size_t', output('size_t')],
+  ],
   cylfuse_fitter_complete_bound: ['int32_t', [Handle, input(MaskView), 'int32_t', output('size_t')]],
   cylfuse_fitter_complete: [
-    'int32_t', [Handle, input(Cylinder), input(MaskView), input(PointsOut), filled(Completion)],
+    'int32_t', [Handle, input(Cylinder), input(MaskView), 'int32_t', input(PointsOut), filled(Completion)],
   ],
   cylfuse_fitter_complete_depth: [
     'int32_t', [Handle, input(Cylinder), input(MaskView), input(DepthOut), filled(Completion)],
@@ -182,6 +224,8 @@ const signatures = {
   cylfuse_cylinder_compare: [
     'int32_t', [input(Cylinder), input(Cylinder), output('double'), output('double'), output('double')],
   ],
+  cylfuse_intrinsics_project: ['int32_t', [input(Intrinsics), input(PointsView), 'void *', 'size_t']],
+  cylfuse_intrinsics_unproject: ['int32_t', [input(Intrinsics), 'void *', 'size_t', 'void *']],
 };
 
 const functions = {};
@@ -219,28 +263,16 @@ function loadLibrary() {
 const library = loadLibrary();
 
 /**
- * The fit on a thread of the pool. Its result is memory of koffi.alloc: the collector does not move it, and nothing is
- * converted when the fit ends after the JavaScript of its worker.
+ * The fit on a thread of the pool. Its outputs are memory of koffi.alloc: the collector does not move it, and nothing
+ * is converted when the fit ends after the JavaScript of its worker.
  */
-const fitAsync = library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *']).async;
+const fitAsync = library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *', 'void *']).async;
 
-/** A struct for the library to fill. */
-function toFill(type) {
-  // Every field is copied in, so every field must be there.
-  const struct = koffi.decode(Buffer.alloc(koffi.sizeof(type)), type);
-  struct.struct_size = koffi.sizeof(type);
-  return struct;
-}
-
-/** A struct with the defaults of its ..._init function. */
-function initialised(init, type) {
+/** A struct as its ..._init function fills it: with the defaults, or with zeros for an output. */
+function initialised(name) {
   const struct = {};
-  init(struct, koffi.sizeof(type));
+  functions[`cylfuse_${name}_init`](struct, koffi.sizeof(structs[name]));
   return struct;
 }
 
-module.exports = {
-  ABI_VERSION, koffi, structs, functions, fitAsync, toFill, initialised, LimbSample, Intrinsics, PointsView, PointsOut,
-  DepthView, DepthOut, MaskView, ImageView, SegmentsView, Options, Counts, Result, Diagnosis, Completion, Extent,
-  Progress, ProgressCallback, LogCallback,
-};
+module.exports = { ABI_VERSION, koffi, structs, functions, fitAsync, initialised, ProgressCallback, LogCallback };

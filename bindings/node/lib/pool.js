@@ -4,7 +4,8 @@
 const fs = require('node:fs');
 const { inspect } = require('node:util');
 const { isMainThread } = require('node:worker_threads');
-const { koffi, fitAsync, toFill, Result } = require('./native.js');
+const { koffi, fitAsync, initialised, structs } = require('./native.js');
+const { enumerations } = require('./names.js');
 
 // koffi takes 256 calls at a time, and the callbacks of calls count as such. The pool has 4 threads, or as many as
 // UV_THREADPOOL_SIZE says.
@@ -14,20 +15,34 @@ const waiting = [];
 /** How many fits with callbacks are on the pool. */
 let heard = 0;
 
-/** Runs a fit when there is a place: its status and its result. `hears` says whether it calls back. */
-async function fitOnPool(handle, hears) {
+/** Memory for a struct that the library fills. */
+function allocated(name) {
+  const memory = koffi.alloc(structs[name], 1);
+  koffi.encode(memory, structs[name], initialised(name));
+  return memory;
+}
+
+/**
+ * Runs a fit when there is a place: its status, result and estimate. `hears` says whether it calls back; `cancelled`
+ * whether it was cancelled while it waited.
+ */
+async function fitOnPool(handle, hears, cancelled) {
   if (places > 0) places -= 1;
   else await new Promise((resolve) => { waiting.push(resolve); });
   heard += hears;
-  const result = koffi.alloc(Result, 1);
+  const [result, estimate] = [allocated('result'), allocated('cylinder_estimate')];
   try {
-    koffi.encode(result, Result, toFill(Result));
+    if (cancelled()) return { status: enumerations.status.CANCELLED };
     const status = await new Promise((resolve, reject) => {
-      fitAsync(handle, result, (error, value) => (error ? reject(error) : resolve(value)));
+      fitAsync(handle, result, estimate, (error, value) => (error ? reject(error) : resolve(value)));
     });
-    return { status, result: koffi.decode(result, Result) };
+    return {
+      status, result: koffi.decode(result, structs.result),
+      estimate: koffi.decode(estimate, structs.cylinder_estimate),
+    };
   } finally {
     koffi.free(result);
+    koffi.free(estimate);
     heard -= hears;
     // The place goes to the next one, if any waits.
     const next = waiting.shift();

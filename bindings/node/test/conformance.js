@@ -55,20 +55,47 @@ function points(given) {
   return view;
 }
 
+/** An array of pixels, which may have several numbers each; null without a name. */
 function image(name) {
   if (name === undefined) return null;
   const { elements, shape } = array(name);
   return { data: elements, width: shape[1], height: shape[0] };
 }
 
+const mask = ({ mask: name, label }) => name === undefined ? null : { ...image(name), label };
+
+const depth = (step) => ({
+  ...image(step.depth), scale: step.scale, minDepth: step.min_depth, maxDepth: step.max_depth,
+});
+
+function picture(step) {
+  const channels = array(step.image).shape[2];
+  const format = channels && (step.format?.toLowerCase().replace('8', '') ?? { 3: 'rgb', 4: 'rgba' }[channels]);
+  return { ...image(step.image), gamma: step.gamma, ...(format && { format }) };
+}
+
+const camera = (step) => fields(file.cameras[step.camera]);
+
+const pose = ({ pose: { rotation, translation } }) => ({
+  rotation: rotation.map(number), translation: translation.map(number),
+});
+
+const depthCamera = (step) => step.camera === null ? null : { intrinsics: camera(step), toColour: pose(step) };
+
 const segments = (step) => ({
   data: Float64Array.from(step.segments.flat(), number),
   weights: step.weights && Float64Array.from(step.weights, number),
 });
 
+// The enumerations of the outputs that are not named after them.
+const KINDS = {
+  startKind: 'start', startState: 'endState', startSource: 'endSource', status: 'limbStatus',
+};
+// The outputs that C has in cylfuse_cylinder_estimate.
+const OF_ESTIMATE = /^(cylinder|start|radius|direction|position|covariance)/;
+
 /** The outputs by the names of the C interface, as lists of numbers. */
 function outputs(value) {
-  const kinds = { termination: 'termination', startKind: 'start', startState: 'endState', endState: 'endState' };
   const out = {};
   for (const [name, item] of Object.entries(value)) {
     if (name.startsWith('seconds')) continue;
@@ -78,7 +105,7 @@ function outputs(value) {
     } else if (name === 'flags') {
       out.flags = [item.reduce((bits, flag) => bits | enumerations.flag[flag], 0)];
     } else if (typeof item === 'string') {
-      out[field] = [enumerations[kinds[name] ?? name][item]];
+      out[field] = [enumerations[KINDS[name] ?? name][item]];
     } else {
       out[field] = typeof item === 'object' ? Array.from(item) : [Number(item)];
     }
@@ -86,35 +113,62 @@ function outputs(value) {
   return out;
 }
 
-const region = (step) => ({ model: model(step.model), mask: image(step.mask) });
+/** Each field of a list of objects. */
+const columnsOf = (items, names) => Object.fromEntries(names.map((name) => [
+  name, items.flatMap((item) => (name === 'status' ? enumerations.limbStatus[item[name]] : item[name])),
+]));
+
+/** Some fields of a result. */
+const partOf = (result, wanted) => Object.fromEntries(Object.entries(result).filter(([name]) => wanted(name)));
+
+const region = (step) => ({ model: model(step.model), mask: mask(step) });
 
 const calls = {
+  new_fitter(fitter, step, held) {
+    fitter.close();
+    held.fitter = new cylfuse.Fitter();
+  },
+  new_frame(fitter, step, held) {
+    held.frame.close();
+    held.frame = new cylfuse.Frame();
+  },
   set_options: (fitter, step) => fitter.setOptions(fields(step.options)),
   get_options: (fitter) => fitter.getOptions(),
-  set_intrinsics: (fitter, step) => fitter.setIntrinsics(fields(file.cameras[step.camera])),
+  select_view: (fitter, step) => fitter.selectView(step.index),
+  view_count: (fitter) => ({ count: fitter.viewCount() }),
+  set_pose: (fitter, step) => fitter.setPose(pose(step)),
+  frame_set_pose: (fitter, step, { frame }) => frame.setPose(pose(step)),
+  set_intrinsics: (fitter, step) => fitter.setIntrinsics(camera(step)),
+  frame_set_intrinsics: (fitter, step, { frame }) => frame.setIntrinsics(camera(step)),
+  set_depth_camera: (fitter, step) => fitter.setDepthCamera(depthCamera(step)),
+  frame_set_depth_camera: (fitter, step, { frame }) => frame.setDepthCamera(depthCamera(step)),
   set_start_model: (fitter, step) => fitter.setStartModel(model(step.model)),
   reserve: (fitter, step) => fitter.reserve(step.points, step.segments),
   clear: (fitter) => fitter.clear(),
+  clear_input: (fitter, step) => fitter.clearInput(...step.inputs.map(word)),
   cancel: (fitter) => fitter.cancel(),
-  push_points: (fitter, step) => fitter.pushPoints(points(step.points), image(step.mask)),
-  push_depth: (fitter, step) => fitter.pushDepth(
-    { ...image(step.depth), scale: step.scale, minDepth: step.min_depth, maxDepth: step.max_depth }, image(step.mask),
-  ),
-  push_image: (fitter, step) => fitter.pushImage(image(step.image)),
+  push_points: (fitter, step) => fitter.pushPoints(points(step.points), mask(step)),
+  push_depth: (fitter, step) => fitter.pushDepth(depth(step), mask(step)),
+  frame_set_depth: (fitter, step, { frame }) => frame.setDepth(depth(step)),
+  push_image: (fitter, step) => fitter.pushImage(picture(step)),
+  frame_set_image: (fitter, step, { frame }) => frame.setImage(picture(step)),
   push_edges: (fitter, step) => fitter.pushEdges(segments(step)),
+  use_frame: (fitter, step, { frame }) => fitter.useFrame(frame, mask(step)),
   select_edges: (fitter, step) => ({
     selected: [...fitter.selectEdges(segments(step), { model: model(step.model), reach: step.reach })],
   }),
   counts: (fitter) => fitter.counts(),
   fit: (fitter) => fitter.fit(),
-  get_result: (fitter) => fitter.result(),
+  get_result: (fitter) => partOf(fitter.result(), (name) => !OF_ESTIMATE.test(name)),
+  get_cylinder: (fitter) => partOf(fitter.result(), (name) => OF_ESTIMATE.test(name)),
   evaluate: (fitter, step) => fitter.evaluate(model(step.model)),
   residuals: (fitter, step) => ({ residuals: fitter.residuals(word(step.kind), model(step.model)) }),
-  limb_samples(fitter) {
-    const samples = fitter.limbSamples();
-    const all = (name) => samples.flatMap((sample) => sample[name]);
-    return { pixel: all('pixel'), sigma: all('sigma'), weight: all('weight'), limb: all('limb') };
-  },
+  point_weights: (fitter) => fitter.pointWeights(),
+  limbs: (fitter) => columnsOf(fitter.limbs(), ['view', 'limb', 'status', 'samples', 'line', 'deviation']),
+  limb_samples: (fitter) => columnsOf(fitter.limbSamples(), ['view', 'limb', 'pixel', 'deviation', 'weight']),
+  end_samples: (fitter, step) => columnsOf(
+    fitter.endSamples(region(step)), ['view', 'end', 'pixel', 'normal', 'deviation'],
+  ),
   diagnose: (fitter, step) => fitter.diagnose(model(step.model)),
   complete(fitter, step) {
     const type = TYPES[step.scalar.toLowerCase()];
@@ -128,10 +182,12 @@ const calls = {
   },
   extent: (fitter, step) => fitter.extent(region(step)),
   distances: (_, step) => ({ distances: cylfuse.distances(model(step.model), points(step.points)) }),
-  project: (_, step) => ({
-    lines: cylfuse.project(model(step.model), fields(file.cameras[step.camera])).flat(),
-  }),
+  project: (_, step) => ({ lines: cylfuse.project(model(step.model), camera(step)).flat() }),
   compare: (_, step) => cylfuse.compare(model(step.a), model(step.b)),
+  intrinsics_project: (_, step) => ({ pixels: cylfuse.projectPoints(camera(step), points(step.points)) }),
+  intrinsics_unproject: (_, step) => ({
+    rays: cylfuse.unprojectPixels(camera(step), Float64Array.from(step.pixels.flat(), number)),
+  }),
 };
 
 function bits(value) {
@@ -143,11 +199,11 @@ function bits(value) {
 
 async function main() {
   for (const { name, steps } of file.cases) {
-    const fitter = new cylfuse.Fitter();
+    const held = { fitter: new cylfuse.Fitter(), frame: new cylfuse.Frame() };
     for (const [index, step] of steps.entries()) {
       const line = (...parts) => console.log([name, index, ...parts].join('\t'));
       try {
-        const value = await calls[step.call](fitter, step);
+        const value = await calls[step.call](held.fitter, step, held);
         line('ok');
         for (const [field, list] of Object.entries(outputs(value ?? {}))) line(field, Array.from(list, bits).join(' '));
       } catch (error) {
@@ -155,7 +211,8 @@ async function main() {
         line('error', error.code, error.message);
       }
     }
-    fitter.close();
+    held.fitter.close();
+    held.frame.close();
   }
 }
 

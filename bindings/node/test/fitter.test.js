@@ -39,7 +39,8 @@ test('structs, functions and statuses are those of the C interface', () => {
       fields += 1;
     }
   }
-  assert.ok(fields > 150);
+  assert.ok(fields > 200);
+  assert.equal(Object.keys(native.structs).length, layout.match(/^\S/gm).length);
   const symbols = fs.readFileSync(path.join(root, 'tests/data/symbols.txt'), 'utf8').trim().split('\n');
   assert.deepEqual(Object.keys(native.functions).sort(), symbols.sort());
   const statuses = fs.readFileSync(path.join(root, 'tests/data/status_codes.txt'), 'utf8').trim().split('\n');
@@ -115,8 +116,9 @@ test('a frame of a camera, with its image', async () => {
   assert.equal(result.limbsLocated, 2);
   const samples = fitter.limbSamples();
   assert.ok(samples.length >= 8);
-  for (const { pixel, sigma, weight, limb } of samples) {
-    assert.ok(pixel[0] > 0 && pixel[0] < 640 && pixel[1] > 0 && pixel[1] < 480 && sigma > 0);
+  for (const { view, pixel, deviation, weight, limb } of samples) {
+    assert.equal(view, 0);
+    assert.ok(pixel[0] > 0 && pixel[0] < 640 && pixel[1] > 0 && pixel[1] < 480 && deviation > 0);
     assert.ok(weight >= 0 && weight <= 1 && (limb === 0 || limb === 1));
   }
   assert.deepEqual(new Set(samples.map(({ limb }) => limb)), new Set([0, 1]));
@@ -132,9 +134,10 @@ test('a frame of a camera, with its image', async () => {
 test('options come back', () => {
   const options = {
     method: 'ransac', objective: 'paper', start: 'moments', nearWall: 'off', chart: 'local', edgeUse: 'as-given',
-    extentRule: 'extremes', maxIterations: 7, maxThreads: 2, edgeWeight: 0.25, initialLambda: 0.5, lambdaFactor: 3,
-    maxLambda: 1e6, costTolerance: 1e-9, ransacThreshold: 0.125, seed: 2n ** 63n + 5n, ransacMaxIterations: 77,
-    radiusMin: 0.01, radiusMax: 0.75, axis: [0, 1, 0], axisMaxAngle: 0.3,
+    extentRule: 'extremes', maxThreads: 2, maxIterations: 7, costTolerance: 1e-9, gradientTolerance: 1e-8,
+    stepTolerance: 1e-7, initialLambda: 0.5, lambdaFactor: 3, maxLambda: 1e6, edgeWeight: 0.25, seed: 2n ** 63n + 5n,
+    ransacMaxIterations: 77, ransacThreshold: 0.125, independentPoints: 50, depthNoise: 0.001, imageNoise: 2,
+    edgeNoise: 0.75, maskNoise: 1.25, imageBlur: 0.9, drawnPixel: 1.5, radiusMin: 0.01, radiusMax: 0.75, axis: [0, 1, 0], axisMaxAngle: 0.3,
   };
   const fitter = new cylfuse.Fitter();
   fitter.setOptions(options);
@@ -151,6 +154,9 @@ test('failures carry the status and the message of the library', async () => {
   assert.throws(() => fitter.setIntrinsics({ ...camera, fx: NaN }), coded('INVALID_INTRINSICS', /fx/));
   assert.throws(() => fitter.pushDepth(can().depth), coded('BAD_STATE'));
   assert.throws(() => fitter.result(), coded('BAD_STATE'));
+  // On a thread of the pool, after a call of this thread on the same fitter.
+  fitter.pushPoints(new Float64Array(6));
+  await assert.rejects(fitter.fit(), coded('TOO_FEW_POINTS', /^2 of 2 points are usable/));
   assert.throws(() => fitter.completeDepth(), coded('BAD_STATE'));
   const none = { point: [0, 0, 0], direction: [0, 0, 0], radius: 1 };
   assert.throws(() => cylfuse.compare(none, none), coded('INVALID_ARGUMENT', /^axis direction is /));
@@ -184,6 +190,16 @@ test('types and shapes are checked before the call', () => {
     [TypeError, () => fitter.pushDepth({ data: new Float32Array(8), width: 4 })],
     [RangeError, () => fitter.pushImage({ data: new Uint8Array(22), width: 4, height: 2, pixelStride: 3, rowStride: 13 })],
     [TypeError, () => fitter.pushImage({ data: new Uint8Array(8), width: 4, height: 2, gamma: '2.2' })],
+    [RangeError, () => fitter.pushImage({ data: new Uint8Array(23), width: 4, height: 2, format: 'bgr' })],
+    [RangeError, () => fitter.pushImage({ data: new Uint8Array(24), width: 4, height: 2, format: 'rgba' })],
+    [TypeError, () => fitter.pushImage({ data: new Uint16Array(24), width: 4, height: 2, format: 'rgb' })],
+    [TypeError, () => fitter.pushImage({ data: new Uint8Array(24), width: 4, height: 2, format: 'hsv' })],
+    [RangeError, () => fitter.selectView(-1)],
+    [TypeError, () => fitter.setPose({ rotation: [1, 0, 0], translation: [0, 0, 0] })],
+    [TypeError, () => fitter.setDepthCamera({ intrinsics: camera })],
+    [TypeError, () => fitter.clearInput('images')],
+    [TypeError, () => fitter.useFrame({})],
+    [RangeError, () => cylfuse.unprojectPixels(camera, new Float64Array(3))],
     [RangeError, () => fitter.pushEdges(new Float32Array(6))],
     [RangeError, () => fitter.pushEdges({ data: new Float32Array(8), weights: new Float64Array(1) })],
     [TypeError, () => fitter.setOptions({ objective: 'Paper' })],
@@ -220,21 +236,28 @@ for (const [name, run] of [['fit', (fitter) => fitter.fit()], ['fitSync', async 
     const lines = [];
     fitter.setLog('info', (level, message) => lines.push([level, message]));
     let solves = 0;
+    let last;
     fitter.setProgress((progress) => {
+      assert.ok(progress.phase === 'solve' || progress.cylinder === null);
       if (progress.phase !== 'solve') return;
       solves += 1;
-      assert.ok(progress.cylinder.radius > 0);
+      last = progress.cylinder;
       assert.throws(() => fitter.counts(), coded('BUSY'));
       assert.throws(() => fitter.close(), coded('BUSY'));
     });
     const { cylinder } = await run(fitter);
     assert.ok(solves > 0 && lines.length > 0);
+    assert.ok(Math.abs(last.radius - cylinder.radius) < 1e-6, JSON.stringify(last));
     assert.ok(lines.every(([level, message]) => ['error', 'warning', 'info'].includes(level) && message.length > 0));
 
     fitter.setProgress(() => false);
     await assert.rejects(run(fitter), coded('CANCELLED'));
     fitter.setProgress(() => fitter.cancel());
     await assert.rejects(run(fitter), coded('CANCELLED'));
+    // Between calls there is nothing to cancel.
+    fitter.setProgress(null);
+    fitter.cancel();
+    await run(fitter);
     fitter.setProgress(() => { throw new Error('of the caller'); });
     await assert.rejects(run(fitter), /of the caller/);
 

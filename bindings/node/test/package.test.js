@@ -36,7 +36,7 @@ test('the programs and commands of the README', { skip }, () => {
   fs.writeFileSync(path.join(folder, 'pipe.mjs'), smallest);
   assert.match(run('bash', '-e', '-c', blocks('sh')[0]), /\nradius 0\.500000\n$/);
   fs.writeFileSync(path.join(folder, 'camera.mjs'), withCamera);
-  assert.equal(run(process.execPath, 'camera.mjs'), 'radius 0.0400, length 0.100, doubts: \n');
+  assert.equal(run(process.execPath, 'camera.mjs'), 'radius 0.0400, length 0.100, warnings: \n');
   fs.writeFileSync(path.join(folder, 'required.cjs'), "console.log(require('cylfuse').version);");
   assert.match(run(process.execPath, 'required.cjs'), /^\d+\.\d+\.\d+\n$/);
 });

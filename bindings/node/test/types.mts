@@ -1,5 +1,8 @@
 // Compiled by the tests, never run: what the types allow and what they refuse.
-import { Fitter, fitPoints, distances, CylfuseError, type Result, type Extent } from 'cylfuse';
+import {
+  Fitter, Frame, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
+  type Pose,
+} from 'cylfuse';
 
 async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Promise<number> {
   const fitter = new Fitter();
@@ -10,6 +13,27 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   fitter.setProgress((progress) => progress.iteration < 100);
   const result: Result = await fitter.fit();
   const extent: Extent = fitter.extent({ model: result.cylinder });
+  const pose: Pose = { rotation: new Float64Array(9), translation: [0, 0, 0] };
+  const intrinsics = { width: 4, height: 2, fx: 1, fy: 1, cx: 0, cy: 0 };
+  const frame = new Frame();
+  frame.setIntrinsics(intrinsics);
+  frame.setDepthCamera({ intrinsics, toColour: pose });
+  frame.setImage({ data: mask, width: 4, height: 2, format: 'bgr', gamma: 2.2 });
+  fitter.selectView(fitter.viewCount());
+  fitter.useFrame(frame, { data: mask, width: 4, height: 2, label: 3 });
+  fitter.clearInput('points', 'image');
+  const located: boolean = fitter.limbs().every(({ status }) => status === 'located');
+  const inliers: Uint8Array = fitter.pointWeights().inliers;
+  const pixels: Float64Array = projectPoints(intrinsics, unprojectPixels(intrinsics, new Float64Array(inliers.length)));
+  const radius: number | undefined = located ? pixels[0] : fitter.endSamples()[0]?.deviation;
+  // @ts-expect-error colours are bytes
+  fitter.pushImage({ data: xyz, width: 4, height: 2, format: 'rgb' });
+  // @ts-expect-error no such input
+  fitter.clearInput('mask');
+  // @ts-expect-error there is none in the phase start
+  fitter.setProgress((progress) => progress.cylinder.radius > 0);
+  // @ts-expect-error a frame cannot be described
+  fitter.useFrame({ intrinsics });
   const single: Float32Array = fitter.complete({ type: Float32Array }).points;
   const double: Float64Array = fitter.complete().points;
   const stored: Uint16Array = fitter.completeDepth({ type: Uint16Array, scale: 0.001 }).depth.data;
@@ -29,6 +53,6 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   // @ts-expect-error fit is asynchronous
   fitter.fit().cylinder;
   fitter.close();
-  return extent.length + single.length + stored.length + distances(result.cylinder, xyz).length;
+  return extent.length + (radius ?? 0) + single.length + stored.length + distances(result.cylinder, xyz).length;
 }
 void use;

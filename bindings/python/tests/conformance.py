@@ -13,6 +13,7 @@ from typing import Any, Iterator
 import numpy as np
 
 import cylfuse
+from cylfuse import _structs
 
 CASES = pathlib.Path(__file__).resolve().parents[2] / "conformance/cases.json"
 TYPES = {"u8": "<u1", "u16": "<u2", "f32": "<f4", "f64": "<f8"}
@@ -28,6 +29,7 @@ class Runner:
     def __init__(self, file: dict[str, Any]) -> None:
         self.file = file
         self.fitter = cylfuse.Fitter()
+        self.frame = cylfuse.Frame()
 
     def array(self, name: str | None) -> Any:
         if name is None:
@@ -54,7 +56,28 @@ class Runner:
         fitter, call, model, mask = self.fitter, step["call"], self.model(step.get("model")), None
         if step.get("mask"):
             mask = self.array(step["mask"])
-        if call == "set_options":
+        label = {"label": step["label"]} if "label" in step else {}
+        if call == "new_fitter":
+            self.fitter.close()
+            self.fitter = cylfuse.Fitter()
+        elif call == "new_frame":
+            self.frame.close()
+            self.frame = cylfuse.Frame()
+        elif call.startswith("frame_set_"):
+            self.set_frame(call.removeprefix("frame_set_"), step)
+        elif call == "use_frame":
+            fitter.use_frame(self.frame, mask, **label)
+        elif call == "select_view":
+            fitter.select_view(step["index"])
+        elif call == "view_count":
+            return {"count": fitter.view_count}
+        elif call == "set_pose":
+            fitter.set_pose(self.pose(step))
+        elif call == "set_depth_camera":
+            fitter.set_depth_camera(*self.depth_camera(step))
+        elif call == "clear_input":
+            fitter.clear_input(*step["inputs"])
+        elif call == "set_options":
             fitter.options = cylfuse.Options(**{k: number(v) for k, v in step["options"].items()})
         elif call == "get_options":
             return {name: getattr(fitter.options, name) for name in fitter.options.__dataclass_fields__}
@@ -71,10 +94,9 @@ class Runner:
             weights, normals = self.columns(points.get("weights"), 1), self.columns(points.get("normals"), 3)
             fitter.push_points(self.columns(points, 3), weights, normals, mask)
         elif call == "push_depth":
-            names = [name for name in ("scale", "min_depth", "max_depth") if name in step]
-            fitter.push_depth(self.array(step["depth"]), mask, **{name: step[name] for name in names})
+            fitter.push_depth(self.array(step["depth"]), mask, **self.range(step), **label)
         elif call == "push_image":
-            fitter.push_image(self.array(step["image"]))
+            fitter.push_image(self.array(step["image"]), **self.colors(step))
         elif call == "push_edges":
             fitter.push_edges(self.segments(step), step.get("weights"))
         elif call == "select_edges":
@@ -83,14 +105,21 @@ class Runner:
             return fitter.counts.to_dict()
         elif call == "fit":
             return self.result(fitter.fit())
-        elif call == "get_result":
-            return self.result(fitter.result)
+        elif call in ("get_result", "get_cylinder"):
+            fields, kind = self.result(fitter.result), _structs.Result
+            of_result = {"lambda", *(name for name, _ in kind._fields_)}
+            return {name: value for name, value in fields.items() if (name in of_result) == (call == "get_result")}
         elif call == "evaluate":
             return self.result(fitter.evaluate(model))
         elif call == "residuals":
             return {"residuals": fitter.residuals(step["kind"], model)}
-        elif call == "limb_samples":
-            return fitter.limb_samples()._asdict()
+        elif call == "limbs":
+            limbs = fitter.limbs()
+            return {name: [getattr(limb, name) for limb in limbs] for name in cylfuse.Limb._fields}
+        elif call in ("limb_samples", "point_weights"):
+            return getattr(fitter, call)()._asdict()
+        elif call == "end_samples":
+            return fitter.end_samples(model, mask)._asdict()
         elif call == "diagnose":
             return fitter.diagnose(model).to_dict()
         elif call == "complete":
@@ -107,11 +136,45 @@ class Runner:
             return {"distances": model.distances(self.columns(step["points"], 3))}
         elif call == "project":
             return {"lines": model.project(self.camera(step["camera"]))}
+        elif call == "intrinsics_project":
+            return {"pixels": self.camera(step["camera"]).project(self.columns(step["points"], 3))}
+        elif call == "intrinsics_unproject":
+            pixels = [[number(x) for x in pixel] for pixel in step["pixels"]]
+            return {"rays": self.camera(step["camera"]).unproject(pixels)}
         elif call == "compare":
             return self.model(step["a"]).compare(self.model(step["b"]))._asdict()
         else:
             raise ValueError(f"unknown call {call}")
         return {}
+
+    def set_frame(self, what: str, step: dict[str, Any]) -> None:
+        frame = self.frame
+        if what == "intrinsics":
+            frame.intrinsics = self.camera(step["camera"])
+        elif what == "pose":
+            frame.set_pose(self.pose(step))
+        elif what == "depth_camera":
+            frame.set_depth_camera(*self.depth_camera(step))
+        elif what == "depth":
+            frame.set_depth(self.array(step["depth"]), **self.range(step))
+        else:
+            frame.set_image(self.array(step["image"]), **self.colors(step))
+
+    @staticmethod
+    def pose(step: dict[str, Any]) -> cylfuse.Pose:
+        numbers = [number(x) for x in step["pose"]["rotation"]], [number(x) for x in step["pose"]["translation"]]
+        return cylfuse.Pose(np.reshape(numbers[0], (3, 3)), numbers[1])
+
+    def depth_camera(self, step: dict[str, Any]) -> tuple[Any, ...]:
+        return (None,) if step["camera"] is None else (self.camera(step["camera"]), self.pose(step))
+
+    @staticmethod
+    def range(step: dict[str, Any]) -> dict[str, float]:
+        return {name: step[name] for name in ("scale", "min_depth", "max_depth") if name in step}
+
+    @staticmethod
+    def colors(step: dict[str, Any]) -> dict[str, Any]:
+        return {"gamma": step.get("gamma", 1.0), "bgr": step.get("format", "").startswith("BGR")}
 
     @staticmethod
     def segments(step: dict[str, Any]) -> list[list[float]]:

@@ -46,6 +46,44 @@ def test_strides_change_nothing(frame: dict[str, Any]) -> None:
         assert model(cylfuse.fit(**given)) == expected
 
 
+def test_depth_of_float64_is_converted(frame: dict[str, Any]) -> None:
+    depth = frame["depth"] * frame["depth_scale"]
+    narrow, wide = ({**frame, "depth": depth.astype(dtype), "depth_scale": 1.0} for dtype in (np.float32, np.float64))
+    assert model(cylfuse.fit(**wide)) == model(cylfuse.fit(**narrow))
+
+
+def test_images_in_color(frame: dict[str, Any]) -> None:
+    rng = np.random.default_rng(1)
+    gain = np.array([1.0, 0.7, 0.4])
+    rgb = (frame["image"][..., None] * gain + rng.uniform(0, 20, 3)).clip(0, 255).astype(np.uint8)
+    expected = model(cylfuse.fit(**{**frame, "image": rgb}))
+    padded = np.zeros((480, 700, 3), np.uint8)
+    padded[:, 5:645] = rgb
+    rgba = np.concatenate([rgb, rng.integers(0, 255, (480, 640, 1), np.uint8)], axis=2)
+    planes = np.ascontiguousarray(rgb.transpose(2, 0, 1)).transpose(1, 2, 0)
+    for image in (padded[:, 5:645], rgba, planes, rgb[::-1].copy()[::-1]):
+        assert model(cylfuse.fit(**{**frame, "image": image})) == expected
+    bgra = np.ascontiguousarray(rgba[..., [2, 1, 0, 3]])
+    for image in (bgra, bgra[..., :3]):
+        assert model(cylfuse.fit(**{**frame, "image": image, "image_bgr": True})) == expected
+        assert model(cylfuse.fit(**{**frame, "image": image})) != expected
+    grey = rgb @ [0.2126, 0.7152, 0.0722]
+    near = cylfuse.fit(**{**frame, "image": grey.astype(np.float32)})
+    assert near.model.radius == pytest.approx(expected[6], rel=1e-4)
+
+
+def test_one_label_of_a_mask(frame: dict[str, Any]) -> None:
+    labels = np.where(frame["mask"] != 0, 7, 3).astype(np.uint8)
+    models = []
+    for mask, label in ((frame["mask"], 0), (labels, 7)):
+        with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+            fitter.push_depth(frame["depth"], mask, frame["depth_scale"], label=label)
+            models.append(model(fitter.fit()))
+            with pytest.raises(ValueError, match="label is 256"):
+                fitter.push_depth(frame["depth"], mask, label=256)
+    assert models[0] == models[1]
+
+
 @pytest.mark.parametrize("points", [
     pipe()[::-1][::-1],
     np.asfortranarray(pipe()),
@@ -105,12 +143,14 @@ def test_foreign_arrays(frame: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(("name", "value", "error", "text"), [
-    ("depth", np.zeros((4, 5)), TypeError, "depth has the type float64; it must be uint16 or float32"),
+    ("depth", np.zeros((4, 5), np.int32), TypeError, "depth has the type int32; it must be uint16 or float32"),
     ("depth", [[1, 2]], TypeError, "depth is of the type list"),
     ("depth", np.zeros((4, 5, 1), np.uint16), ValueError, "rows x columns"),
     ("depth", np.zeros((4, 5), ">u2"), TypeError, "uint16"),
     ("mask", np.zeros((480, 640), int), TypeError, "mask != 0 converts it"),
-    ("image", np.zeros((480, 640, 3), np.uint8), ValueError, "take one channel, image[..., 1]"),
+    ("image", np.zeros((480, 640, 2), np.uint8), ValueError, "rows x columns x 3 or 4 of uint8"),
+    ("image", np.zeros((480, 640, 3), np.float32), ValueError, "rows x columns x 3 or 4 of uint8"),
+    ("image", np.zeros((480, 640)), TypeError, "image.astype(numpy.float32) converts it"),
     ("edges", np.zeros((2, 3)), ValueError, "N x 4"),
     ("edges", [["a", "b", "c", "d"]], TypeError, "edges have the type"),
     ("edges", {}, TypeError, "edges have the type dict"),

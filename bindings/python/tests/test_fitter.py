@@ -13,7 +13,7 @@ import pytest
 from conftest import FRAMES, load, pipe
 
 import cylfuse
-from cylfuse.geometry import limb_points
+from cylfuse.plot import limb_points
 
 
 def test_the_example_of_the_readme() -> None:
@@ -57,7 +57,7 @@ def test_evaluate_and_samples(frame: dict[str, Any]) -> None:
         fitter.push_edges(frame["edges"], weights=[1.0, 1.0])
         result = fitter.fit()
         samples = fitter.limb_samples()
-        assert samples.pixel.shape == (len(samples.sigma), 2) and set(samples.limb) == {0, 1}
+        assert samples.pixel.shape == (len(samples.deviation), 2) and set(samples.limb) == {0, 1}
         assert fitter.evaluate(result.model).model.radius == result.model.radius
         assert fitter.result.cost == result.cost
         assert fitter.counts.points_used == result.points_used
@@ -82,20 +82,149 @@ def test_selection_of_edges(frame: dict[str, Any], result: cylfuse.Result) -> No
 
 def test_more_limb_samples_than_guessed(monkeypatch: pytest.MonkeyPatch, frame: dict[str, Any]) -> None:
     result = cylfuse.fit(**frame)
-    expected = result._fitter.limb_samples()
+    expected = result.limb_samples()
     original = cylfuse.Fitter._list
     monkeypatch.setattr(cylfuse.Fitter, "_list", lambda self, *a: original(self, *a[:-1], 1))
-    assert (result._fitter.limb_samples().pixel == expected.pixel).all() and len(expected.sigma) > 1
+    assert (result.limb_samples().pixel == expected.pixel).all() and len(expected.deviation) > 1
+
+
+def test_limbs_ends_and_weights(frame: dict[str, Any]) -> None:
+    result = cylfuse.fit(**frame)
+    for number, limb in enumerate(result.limbs()):
+        assert (limb.view, limb.limb, limb.status) == (0, number, cylfuse.LimbStatus.LOCATED)
+        assert limb.line.shape == (2, 2) and 0 < limb.deviation < 1
+        assert limb.samples == (result.limb_samples().limb == number).sum()
+    ends = result.end_samples()
+    by_image = [cylfuse.EndSource.IMAGE == source for source in (result.extent.start_source, result.extent.end_source)]
+    assert [number in ends.end for number in (0, 1)] == by_image and any(by_image)
+    np.testing.assert_allclose(np.linalg.norm(ends.normal, axis=1), 1.0)
+    weights, inliers = result.point_weights()
+    assert weights.shape == inliers.shape == (result.points_used,) and inliers.dtype == bool
+    # Outliers are far away.
+    residuals = np.abs(result.residuals())
+    assert np.median(residuals[~inliers]) > 3 * result.point_deviation > 0
+    assert ((weights > 0) == inliers).all() and result.independent_points > 0
+    without = cylfuse.fit(**{**frame, "image": None})
+    assert {limb.status for limb in without.limbs()} == {cylfuse.LimbStatus.NOT_SEARCHED}
+
+
+def moved(radians: float) -> cylfuse.Pose:
+    sine, cosine = np.sin(radians), np.cos(radians)
+    return cylfuse.Pose([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]], [0.3, -0.2, 0.1])
+
+
+def test_views_share_one_cylinder(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    pose, points = moved(0.4), result.complete()
+    with cylfuse.Fitter() as fitter:
+        for index, of_view in enumerate((cylfuse.Pose(), pose)):
+            fitter.select_view(index)
+            assert fitter.selected_view == index and fitter.view_count == index + 1
+            fitter.set_pose(of_view)
+            fitter.push_points(of_view.inverse().points(points[index::2]))
+            assert fitter.counts.view == index
+        both = fitter.fit()
+        angle, distance, radius = both.cylinder.compare(result.cylinder)
+        assert max(angle, distance, abs(radius)) < 1e-6
+        assert both.points_used == len(points) and len(both.residuals()) == len(points[1::2])
+        assert [len(view.pose.rotation) for view in both.views] == [3, 3]
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = pose.rotation, pose.translation
+        fitter.set_pose(matrix)
+        assert (fitter.pose.rotation == pose.rotation).all()
+        assert fitter.fit().model.radius == both.model.radius
+        with pytest.raises(cylfuse.InvalidArgumentError, match="rotation"):
+            fitter.set_pose(cylfuse.Pose(2 * np.eye(3)))
+        with pytest.raises(ValueError, match="it must be a cylfuse.Pose, or a 4 x 4 matrix"):
+            fitter.set_pose(np.eye(3))
+        with pytest.raises(cylfuse.InvalidArgumentError):
+            fitter.select_view(3)
+        fitter.clear()
+        assert fitter.view_count == 1 and fitter.selected_view == 0
+
+
+def test_a_moved_view_moves_the_result(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    pose = moved(-0.3)
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.set_pose(pose)
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        fitter.push_image(frame["image"])
+        fitter.push_edges(frame["edges"])
+        other = fitter.fit()
+        expected = pose.cylinder(result.cylinder)
+        angle, distance, radius = other.cylinder.compare(expected)
+        assert max(angle, distance, abs(radius)) < 1e-6
+        assert other.extent.length == pytest.approx(result.extent.length, abs=1e-6)
+        assert np.abs(expected.distances(other.complete())).max() < 1e-6
+
+
+def test_a_frame_for_many_fitters(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    with cylfuse.Frame() as shared:
+        with pytest.raises(cylfuse.StateError, match="set the intrinsics first"):
+            shared.set_depth(frame["depth"])
+    with cylfuse.Frame(frame["intrinsics"]) as shared, cylfuse.Fitter() as fitter, cylfuse.Fitter() as other:
+        shared.set_depth(frame["depth"], frame["depth_scale"])
+        shared.set_image(frame["image"])
+        fitter.use_frame(shared, frame["mask"])
+        assert fitter.intrinsics == frame["intrinsics"]
+        other.use_frame(shared, frame["mask"])
+        shared.close()
+        with pytest.raises(cylfuse.StateError, match="the frame is closed"):
+            shared.set_image(frame["image"])
+        radii = set()
+        for one in (fitter, other):
+            one.push_edges(frame["edges"])
+            radii.add(one.fit().model.radius)
+        assert radii == {result.model.radius}
+    with pytest.raises(TypeError, match="make one where it is used"):
+        pickle.dumps(shared)
+
+
+def test_a_depth_camera_of_its_own(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    # The depth camera is the colour camera: registered or not is the same then, but for the rounding to pixels.
+    own = cylfuse.fit(**frame, depth_camera=frame["intrinsics"], depth_pose=np.eye(4))
+    assert own.model.radius == pytest.approx(result.model.radius, rel=0.01)
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.set_depth_camera(cylfuse.Intrinsics(320, 240, 285, 285, 159.5, 119.5), moved(0.0))
+        with pytest.raises(cylfuse.SizeMismatchError):
+            fitter.push_depth(frame["depth"])
+        fitter.set_depth_camera(None)
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+
+
+def test_some_inputs_go(frame: dict[str, Any]) -> None:
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        fitter.push_edges(frame["edges"])
+        fitter.clear_input("edges", cylfuse.Input.DEPTH)
+        assert fitter.counts.segments_given == 0 and fitter.counts.points_used > 0
+        result = fitter.fit()
+        with pytest.raises(cylfuse.StateError, match="mask"):
+            result.extent
+        with pytest.raises(ValueError, match="Input is 'colour'"):
+            fitter.clear_input("colour")
+
+
+def test_the_extent_stays(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        fitter.push_image(frame["image"])
+        fitter.push_edges(frame["edges"])
+        of_fit = fitter.fit()
+        fitter.clear()
+        fitter.push_depth(frame["depth"], None, frame["depth_scale"])
+        assert of_fit.extent.length == result.extent.length
+        with pytest.raises(cylfuse.StateError, match="something else"):
+            of_fit.residuals()
 
 
 def test_text_of_a_result(result: cylfuse.Result) -> None:
-    assert "radius: 0." in repr(result) and "doubts: " in repr(result)
+    assert "radius: 0." in repr(result) and "warnings: " in repr(result)
     assert "<th>radius</th>" in result._repr_html_()
     row = result.row()
     assert row["radius"] == result.model.radius and row["length"] == result.extent.length
     assert set(result.to_dict()) <= set(dir(result))
     with pytest.raises(AttributeError):
-        result.reserved
+        result.struct_size
 
 
 def test_a_result_of_earlier_data_says_so() -> None:
@@ -133,7 +262,7 @@ def test_after_close_every_call_says_so() -> None:
 
 def test_a_forgotten_fitter_is_closed() -> None:
     fitter = cylfuse.Fitter()
-    finalizer, gone = fitter._finalizer, weakref.ref(fitter)
+    finalizer, gone = fitter._handle.finalizer, weakref.ref(fitter)
     del fitter
     gc.collect()
     assert gone() is None and not finalizer.alive
@@ -147,7 +276,7 @@ def test_a_forgotten_fitter_with_callbacks_is_closed_at_once() -> None:
         fitter.on_log(lambda level, text: None)
         fitter.push_points(pipe())
         fitter.fit()
-        finalizer = fitter._finalizer
+        finalizer = fitter._handle.finalizer
         del fitter
         assert not finalizer.alive
     finally:
@@ -185,8 +314,9 @@ def test_a_copied_result_has_the_numbers(frame: dict[str, Any], copied: Any) -> 
 
 
 def test_options_come_back() -> None:
-    options = cylfuse.Options("fused", "paper", "model", "off", "local", 7, 2, 0.25, 0.5, 3.0, 1e6, 1e-9, 0.1, 2**40,
-                              9, "as_given", "located", 0.1, 0.2, (0.0, 1.0, 0.0), 0.5)  # fmt: skip
+    options = cylfuse.Options("fused", "paper", "model", "off", "local", "as_given", "located", 2, 7, 1e-9, 1e-8, 1e-7,
+                              0.5, 3.0, 1e6, 0.25, 2**40, 9, 0.1, 50.0, 0.01, 2.0, 0.3, 0.9, 0.7, 1.5, 0.1, 0.2,
+                              (0.0, 1.0, 0.0), 0.5)  # fmt: skip
     with cylfuse.Fitter(options=options) as fitter:
         assert fitter.options == options
         with pytest.raises(cylfuse.InvalidArgumentError, match="edge weight is 1.4"):
@@ -217,7 +347,8 @@ def test_progress(frame: dict[str, Any]) -> None:
         fitter.on_progress(states.append)
         fitter.fit()
         assert states[0].phase == cylfuse.Phase.START and states[-1].phase == cylfuse.Phase.SOLVE
-        assert states[-1].model.radius == pytest.approx(0.5, rel=0.1) and states[-1].damping > 0
+        assert states[-1].cylinder.radius == pytest.approx(0.5, rel=0.1) and states[-1].damping > 0
+        assert states[0].cylinder is None
         fitter.on_progress(lambda state: False)
         with pytest.raises(cylfuse.CancelledError):
             fitter.fit()
@@ -327,10 +458,24 @@ def test_geometry() -> None:
     assert (angle, distance, radius) == (0.0, 1.0, 1.0)
     camera = cylfuse.Intrinsics.from_matrix([[100, 0, 50], [0, 100, 40], [0, 0, 1]], 100, 80)
     lines = cylinder.project(camera)
-    ends = limb_points(cylfuse.Cylinder([0, 0, 2], [0, 1, 0], 0.5), np.array([0, -1.0, 2]), np.array([0, 1.0, 2]))
-    pixels = np.concatenate([camera.pixels(limb) for limb in ends])
-    distances = np.abs(lines[:, :2] @ pixels.T + lines[:, 2:])
-    assert np.sort(distances, axis=0)[0].max() < 1e-9
+    limbs = limb_points(cylinder, np.array([[0, -1.0, 2], [0, 1.0, 2]]), camera)
+    assert np.abs(cylinder.distances(np.concatenate(limbs))).max() < 1e-9
+    for (a, b, c), limb in zip(lines, limbs):
+        np.testing.assert_allclose(camera.project(limb) @ [a, b] + c, 0.0, atol=1e-9)
+    assert limb_points(cylfuse.Cylinder([0, 0, 0], [0, 0, 1], 0.5), np.ones((2, 3)), camera) == []
+
+
+@pytest.mark.parametrize("model", ["none", "brown_conrady", "kannala_brandt"])
+def test_projection_and_back(model: str) -> None:
+    camera = cylfuse.Intrinsics(640, 480, 570, 571, 319.5, 239.5, model, [] if model == "none" else [0.05, -0.02])
+    pixels = np.array([[0.0, 0.0], [319.5, 239.5], [640.0, 100.0]])
+    rays = camera.unproject(pixels)
+    assert rays.shape == (3, 3) and (rays[:, 2] == 1.0).all()
+    np.testing.assert_allclose(camera.project(3.0 * rays), pixels, atol=1e-6)
+    assert camera.project(rays.reshape(1, 3, 3)).shape == (1, 3, 2)
+    assert np.isnan(camera.project([[0, 0, -1], [np.nan, 0, 1]])).all() and camera.unproject([]).shape == (0, 3)
+    with pytest.raises(ValueError, match="it must be N x 2"):
+        camera.unproject(np.ones((2, 3)))
 
 
 @pytest.mark.parametrize("name", [path.name for path in sorted(FRAMES.iterdir())])

@@ -55,7 +55,7 @@ def test_structs_have_the_layout_of_the_library() -> None:
 
 def constants(prefix: str) -> dict[str, int]:
     header = (ROOT / "include/cylfuse/cylfuse.h").read_text()
-    return {name: int(value) for name, value in re.findall(rf"#define CYLFUSE_{prefix}_(\w+) (-?\d+)$", header, re.M)}
+    return {name: int(value) for name, value in re.findall(rf"#define CYLFUSE_{prefix}_(\w+) \(?(-?\d+)\)?$", header, re.M)}
 
 
 @pytest.mark.parametrize("name", [name for name in enums.__all__])
@@ -152,10 +152,16 @@ def test_everything_public_is_documented() -> None:
 
 
 def test_results_have_the_fields_of_their_structs() -> None:
-    for kind in (cylfuse.Counts, cylfuse.Extent, cylfuse.Diagnosis, cylfuse.Completion, cylfuse.Progress, cylfuse.Result):
-        fields = [name for name, *_ in getattr(_structs, kind.__name__)._fields_]
+    kinds = {cylfuse.Result: [_structs.Result, _structs.CylinderEstimate]}
+    for kind in (cylfuse.Counts, cylfuse.Extent, cylfuse.CylinderDiagnosis, cylfuse.Completion, cylfuse.Progress):
+        kinds[kind] = [getattr(_structs, kind.__name__)]
+    for kind, structs in kinds.items():
+        fields = [name for struct in structs for name, *_ in struct._fields_ if name != "struct_size"]
         declared = ["lambda" if name == "damping" else name for name in kind.__annotations__ if name[0] != "_"]
-        assert declared == [name for name in fields if name not in ("struct_size", "reserved")]
+        assert declared == fields
+    for kind in (cylfuse.Limb, cylfuse.LimbSamples, cylfuse.EndSamples):
+        struct = getattr(_structs, kind.__name__.removesuffix("s"))
+        assert list(kind._fields) == [name for name, _ in struct._fields_]
 
 
 def test_the_package_holds_what_it_should() -> None:

@@ -34,7 +34,16 @@ with cylfuse.Fitter(cylfuse.Intrinsics.from_matrix(np.eye(3), 640, 480), options
     fitter.on_log(lambda level, text: print(level, text), "debug")
     fitter.push_edges([[1.0, 2.0, 3.0, 4.0]], weights=[1])
     pixels: npt.NDArray[np.float64] = fitter.limb_samples().pixel
+    fitter.select_view(1)
+    fitter.set_pose(np.eye(4))
+    fitter.set_depth_camera(None)
+    fitter.clear_input("points", cylfuse.Input.IMAGE)
+    located: bool = fitter.limbs()[0].status == cylfuse.LimbStatus.LOCATED
+    inliers: npt.NDArray[np.bool_] = fitter.point_weights().inliers
     start: cylfuse.EndState = fitter.extent(mask=np.ones((480, 640), bool)).start_state
+with cylfuse.Frame(cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5), cylfuse.Pose()) as frame:
+    frame.set_image(np.zeros((480, 640, 3), np.uint8), bgr=True)
+    cylfuse.Fitter().use_frame(frame, np.ones((480, 640), np.uint8), label=1)
 for outcome in cylfuse.fit_many([functools.partial(load, pathlib.Path("frame.npy"))], threads=4, progress=True):
     if isinstance(outcome, cylfuse.CylfuseError):
         print(outcome.name, outcome.status, outcome.message)

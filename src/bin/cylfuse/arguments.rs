@@ -2,6 +2,7 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
+use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::detection::DetectionOptions;
 use cylfuse::error::Result;
@@ -9,10 +10,11 @@ use cylfuse::fitter::{
     ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
 };
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
+use cylfuse::noise::NoiseModel;
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
-/// Measures a cylinder from one RGB-D view by fusing depth with the limb lines in the image.
+/// Measures a cylinder from one RGB-D view or several by fusing depth with the limb lines in the image.
 #[derive(Debug, Parser)]
 #[command(name = "cylfuse", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -59,8 +61,8 @@ pub struct FitArguments {
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 
-    /// Write result.json, overlay.png, completed.ply and completed.pcd to this folder; with several frames to
-    /// a subfolder for each.
+    /// Write result.json, overlay.png, completed.ply and completed.pcd to this folder, of several views overlay-0.png,
+    /// overlay-1.png and so on too; with several frames to a subfolder for each.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
 
@@ -98,7 +100,7 @@ pub struct FitArguments {
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub radius: Option<f64>,
 
-    /// The direction of the axis in the camera frame, of any length and sign.
+    /// The direction of the axis in the frame of the result, of any length and sign.
     #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub axis: Option<[f64; 3]>,
@@ -141,9 +143,18 @@ pub struct FitArguments {
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Estimation")]
     pub seed: u64,
 
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
+    /// A standard deviation that is known better than the default, see below; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_noise, help_heading = "Noise")]
+    pub noise: Vec<(NoiseName, f64)>,
+
+    /// The number of points of a view whose noise is independent [default: 0, from the data].
+    #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = "Noise")]
+    pub independent_points: Option<f64>,
+
+    /// Most threads, 0 for as many as the machine has: they take several frames side by side, or the sums over the
+    /// points of a single one. Results do not depend on it [default: 0 for several frames, 1 for a single one].
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
 }
 
 const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the file:
@@ -152,20 +163,44 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
     \"image\": \"image.png\", \"depth\": \"depth.png\", \"depth_scale\": 0.001, \"mask\": \"mask.png\",
     \"edges\": [[[x, y], [x, y]], [[x, y], [x, y]]] }
   camera.model       brown_conrady (default) or kannala_brandt
-  camera.distortion  0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for kannala_brandt
+  camera.distortion  optional; 0, 4, 5 or 8 numbers in the order of OpenCV; 0 or 4 for
+                     kannala_brandt
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
-  image_gamma        optional; light is the value to this power: 1 (default) for an image linear in light, 2.2 for
-                     sRGB, in which cameras and image files usually come
-  image, mask, edges optional; depth, mask and edges are on the pixels of the (distorted) image
+  image_gamma        optional; light is the value to this power: 1 (default) for an image linear
+                     in light, 2.2 for sRGB, in which cameras and image files usually come
+  image, mask, edges optional; mask, edges and, without a depth_camera, depth are on the pixels
+                     of the (distorted) image
+  depth_camera       optional; the camera of the depth image where it is another one: the fields
+                     of camera, and rotation (9 numbers, row by row) and translation with
+                     x_image = R x_depth + t
+  pose               optional; rotation and translation with x_result = R x_image + t
+  views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
+                     objects like the one above, in place of it, each with its pose
 
-Without a mask all measured pixels are fitted, the background included, and there is no extent.";
+Without a mask all measured pixels are fitted, the background included, and there is no extent.
+
+Noise, --noise NAME=VALUE, in standard deviations; 0, where it is the default, stands for an
+estimate from the data:
+  edge-endpoint      a hand-set endpoint of an edge across its limb [0.5 drawn pixels]
+  mask-side          a side of a mask as a whole across its limb [1.6 drawn pixels]
+  mask-unevenness    the part of it that differs from one end of a side to the other [1 drawn pixel]
+  mask-growth        the largest growth of a mask all round, a bound [3 drawn pixels]
+  mask-boundary      the boundary of a mask at one place [0.8 drawn pixels]
+  mask-correlation   the length along a boundary over which it wanders [10 drawn pixels]
+  limb-of-points     a limb as a fit to the points alone predicts it [2 drawn pixels]
+  drawn-pixel        a pixel in which edges and masks were drawn, in pixels of the image [0: by
+                     the size of the image]
+  depth              a measured point across the surface, in metres [0]
+  image              the values of the image linear in light [0]
+  blur               the blur of the image, in pixels [0]";
 
 /// `cylfuse detect`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("scene").required(true).args(["frames", "points"]))]
 pub struct DetectArguments {
-    /// Frame files, or folders that are searched for frame.json. Masks and edges in them do not count.
+    /// Frame files of one view, or folders that are searched for frame.json. Masks, edges and the pose in them do not
+    /// count.
     #[arg(value_name = "FRAME")]
     pub frames: Vec<PathBuf>,
 
@@ -308,6 +343,23 @@ pub enum ExtentName {
     Located,
 }
 
+/// The deviations of [`NoiseModel`] by their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the fields of the model say it")]
+pub enum NoiseName {
+    EdgeEndpoint,
+    MaskSide,
+    MaskUnevenness,
+    MaskGrowth,
+    MaskBoundary,
+    MaskCorrelation,
+    LimbOfPoints,
+    DrawnPixel,
+    Depth,
+    Image,
+    Blur,
+}
+
 impl FitArguments {
     /// Combinations that make no sense, in words; clap has checked each option by itself.
     pub fn check(&self) -> std::result::Result<(), String> {
@@ -376,7 +428,7 @@ impl FitArguments {
                 None => StartKind::Auto,
             },
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
-            threads: self.threads,
+            threads: self.threads.unwrap_or(defaults.threads),
             seed: self.seed,
             cylinder_limits: self.limits(),
             edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
@@ -385,6 +437,8 @@ impl FitArguments {
                 ExtentName::Extremes => ExtentRule::Extremes,
                 ExtentName::Located => ExtentRule::Located,
             },
+            noise: self.noise_model(),
+            independent_points: self.independent_points.unwrap_or(defaults.independent_points),
             ..defaults
         };
         options.chart = match self.chart {
@@ -397,6 +451,26 @@ impl FitArguments {
         }
         options.check()?;
         Ok(options)
+    }
+
+    fn noise_model(&self) -> NoiseModel {
+        let mut model = NoiseModel::default();
+        for &(name, value) in &self.noise {
+            *match name {
+                NoiseName::EdgeEndpoint => &mut model.edge_endpoint,
+                NoiseName::MaskSide => &mut model.mask_side,
+                NoiseName::MaskUnevenness => &mut model.mask_unevenness,
+                NoiseName::MaskGrowth => &mut model.mask_growth,
+                NoiseName::MaskBoundary => &mut model.mask_boundary,
+                NoiseName::MaskCorrelation => &mut model.mask_correlation,
+                NoiseName::LimbOfPoints => &mut model.limb_of_points,
+                NoiseName::DrawnPixel => &mut model.drawn_pixel,
+                NoiseName::Depth => &mut model.depth,
+                NoiseName::Image => &mut model.image,
+                NoiseName::Blur => &mut model.blur,
+            } = value;
+        }
+        model
     }
 
     fn limits(&self) -> CylinderLimits {
@@ -421,6 +495,18 @@ impl FitArguments {
         };
         self.start.map(cylinder).transpose()
     }
+}
+
+fn parse_noise(text: &str) -> std::result::Result<(NoiseName, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, such as edge-endpoint=0.3")?;
+    let known = NoiseName::from_str(name, false).map_err(|_| {
+        let names: Vec<_> =
+            NoiseName::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+        let names: Vec<&str> = names.iter().map(PossibleValue::get_name).collect();
+        format!("'{name}' is none of {}", names.join(", "))
+    })?;
+    let value = value.parse().map_err(|_| format!("'{value}' is not a number"))?;
+    Ok((known, value))
 }
 
 fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {

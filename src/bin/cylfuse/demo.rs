@@ -32,7 +32,8 @@ pub fn run(folder: &Path) -> Result<Report, Failure> {
     for (name, bytes) in FILES {
         fit::write_file(&frame.join(name), |to| to.write_all(bytes))?;
     }
-    let settings = Settings { options: Options::default(), start: None, edges: true, image: true };
+    let settings =
+        Settings { options: Options::default(), start: None, edges: true, image: true, threads: 1 };
     let report = fit::run(&Input::Frame(frame.join("frame.json")), &settings, Some(folder));
     match report.outcome {
         Outcome::Failed { error } => Err(error),

@@ -3,16 +3,15 @@
 use crate::cloud::Cloud;
 use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
-use crate::frame::Frame;
+use crate::frame::{Frame, View};
 use crate::inputs::Input;
-use crate::report::{Fitted, Measurement};
+use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::detection::{Detection, DetectionOptions, Detections, detect, detect_points};
-use cylfuse::extent::ExtentOptions;
 use cylfuse::fitter::{FitResult, Fitter, Options, StartKind};
-use cylfuse::geometry::{Cylinder, Line};
-use cylfuse::observations::{DepthImage, DepthRange, DepthView, GreyImage, ImageView, MaskView};
-use image::{DynamicImage, ImageBuffer, ImageFormat, Luma};
+use cylfuse::geometry::{Cylinder, Line, RigidMotion};
+use cylfuse::observations::{self, MaskView};
+use image::{ImageBuffer, ImageFormat, Luma};
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -104,25 +103,26 @@ pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> SceneRe
 
 fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
-    let frame = Frame::read(path, settings.image)?;
+    let [view] = <[View; 1]>::try_from(Frame::read(path, settings.image)?.views).map_err(|views| {
+        let reason = format!(
+            "views: has {} views, and detect takes one; give each view a frame file of its own",
+            views.len()
+        );
+        Failure::bad_frame(path, reason)
+    })?;
     let read = clock.elapsed().as_secs_f64();
-    let size = frame.size();
-    let view = DepthView::from_u16(&frame.depth, size, frame.depth_scale)?;
-    let depth = DepthImage::copy(&view)?;
-    let light = frame.image.as_ref().map(DynamicImage::to_luma16);
-    let image = light
-        .as_ref()
-        .map(|light| ImageView::from_u16(light, size)?.with_gamma(frame.image_gamma))
-        .transpose()?;
-    let grey = image.as_ref().map(GreyImage::copy).transpose()?;
+    let mut frame = view.observed()?;
+    // Everything here is in the frame of the camera, the limits of the axis included.
+    frame.set_pose(RigidMotion::identity());
+    let depth = frame.depth_on_image().ok_or_else(|| Failure::bad_frame(path, "depth: there is none"))?;
     let started = Instant::now();
     let mut options = settings.detection;
-    if grey.is_some() {
+    if frame.image().is_some() {
         // The image may raise a low score.
         options.min_score = logistic(logit(options.min_score) - LIMBS_MOST);
         options.max_count = usize::MAX;
     }
-    let mut found = detect(&frame.camera, &depth, grey.as_ref(), &options)?;
+    let mut found = detect(&view.camera, depth, frame.image(), &options)?;
     let detected = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let mut cylinders = Vec::new();
@@ -130,11 +130,12 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         let mask: Vec<u8> =
             found.labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect();
         // A region without any measured pixel of its own cannot be fitted.
-        let Ok(measurement) = fit_region(&frame, &view, image.as_ref(), &mask, detection, settings) else {
+        let Ok(measurement) = fit_region(&frame, &mask, view.size(), detection, settings) else {
             continue;
         };
         let located = measurement.result.limbs_located;
-        let score = if image.is_some() { with_limbs(detection.score, located) } else { detection.score };
+        let score =
+            if frame.image().is_some() { with_limbs(detection.score, located) } else { detection.score };
         cylinders.push((index as u16 + 1, Found { score, pixels: detection.pixels, measurement }));
     }
     cylinders.retain(|(_, found)| found.score >= settings.detection.min_score);
@@ -146,9 +147,9 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     let total = clock.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         create_folder(folder)?;
-        let picture = ScenePicture { frame: &frame, labels: &found.labels, cylinders: &cylinders };
+        let picture = ScenePicture { view: &view, depth, labels: &found.labels, cylinders: &cylinders };
         picture.write(&folder.join("overlay.png"))?;
-        write_labels(&folder.join("labels.png"), size, &found)?;
+        write_labels(&folder.join("labels.png"), view.size(), &found)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
     Ok(Scene { cylinders, out, seconds: SceneSeconds { read, detect: detected, fit, total } })
@@ -165,33 +166,27 @@ fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
 
 /// Fits the region of a detection, from the cylinder that was found.
 fn fit_region(
-    frame: &Frame,
-    depth: &DepthView<'_>,
-    image: Option<&ImageView<'_>>,
+    frame: &observations::Frame,
     mask: &[u8],
+    size: (usize, usize),
     detection: &Detection,
     settings: &Settings,
 ) -> Result<Measurement, Failure> {
     let mut fitter = Fitter::new();
-    let options = Options {
-        start: StartKind::Model,
-        threads: 1,
-        cylinder_limits: settings.detection.limits,
-        ..Options::default()
-    };
+    let options =
+        Options { start: StartKind::Model, cylinder_limits: settings.detection.limits, ..Options::default() };
     fitter.set_options(options)?;
     fitter.set_start(Some(detection.cylinder));
-    fitter.set_intrinsics(*frame.camera.intrinsics())?;
-    let mask = MaskView::from_u8(mask, frame.size())?;
-    fitter.push_depth(depth, Some(&mask), &DepthRange::default())?;
-    if let Some(image) = image {
-        fitter.push_image(image)?;
-    }
+    fitter.use_frame(frame, Some(&MaskView::from_u8(mask, size)?))?;
     let result = fit_or_keep(&mut fitter, detection)?;
-    let mut measurement = Measurement::new(Fitted::Mask, &options, &result);
-    measurement.limbs = fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into));
-    let options = ExtentOptions { image: fitter.image(), limbs_known: None };
-    match fitter.extent_and_arcs(Some(&result.cylinder), None, &options) {
+    let mut measurement = Measurement::new(&options, &result);
+    let extent = fitter.extent_and_arcs(Some(&result.cylinder), None);
+    measurement.set_views(vec![ViewValues {
+        limbs: fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into)),
+        arc_samples: extent.as_ref().ok().and_then(|(_, arcs)| Some(arcs.first()?.each_ref().map(Vec::len))),
+        ..ViewValues::new(Fitted::Mask)
+    }]);
+    match extent {
         Ok((extent, _)) => measurement.set_extent(&extent),
         Err(error) => measurement.notes.push(format!("no extent: {error}")),
     }
@@ -265,14 +260,14 @@ fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
         let mask: Vec<u8> =
             found.labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect();
         let mut fitter = Fitter::new();
-        let options = Options { start: StartKind::Model, threads: 1, ..Options::default() };
+        let options = Options { start: StartKind::Model, ..Options::default() };
         fitter.set_options(options)?;
         let mask = MaskView::from_u8(&mask, (found.labels.len(), 1))?;
         if fitter.push_points(&cloud.view(), Some(&mask)).is_err() {
             continue;
         }
         let Ok(result) = fit_or_keep(&mut fitter, detection) else { continue };
-        let measurement = Measurement::new(Fitted::Cloud, &options, &result);
+        let measurement = Measurement::new(&options, &result);
         cylinders.push(Found { score: detection.score, pixels: detection.pixels, measurement });
     }
     let fit = started.elapsed().as_secs_f64();

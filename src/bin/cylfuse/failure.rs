@@ -62,6 +62,11 @@ impl Failure {
         Self { status: "PANIC", message }
     }
 
+    /// The same, said of a place in a frame file.
+    pub fn in_frame(self, path: &Path, place: &str) -> Self {
+        Self::file(self.status, path, format!("{place}: {}", self.message))
+    }
+
     fn file(status: &'static str, path: &Path, reason: impl Display) -> Self {
         Self { status, message: format!("{}: {reason}", path.display()) }
     }

@@ -3,15 +3,16 @@
 use crate::arguments::FitArguments;
 use crate::cloud::{self, Cloud};
 use crate::failure::Failure;
-use crate::frame::Frame;
+use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
-use crate::report::{Fitted, Measurement, Report};
-use cylfuse::extent::ExtentOptions;
+use crate::report::{Fitted, Measurement, Report, ViewValues};
+use cylfuse::completion::CompletionCounts;
+use cylfuse::extent::{ArcSample, Extent};
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
-use nalgebra::Vector3;
+use cylfuse::observations::MaskView;
+use image::ImageFormat;
 use rayon::prelude::*;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -31,6 +32,8 @@ pub struct Settings {
     pub edges: bool,
     /// Whether the image file is opened.
     pub image: bool,
+    /// Most threads for inputs side by side; 0 = as many as the machine has.
+    pub threads: usize,
 }
 
 impl Settings {
@@ -41,6 +44,7 @@ impl Settings {
             start: arguments.start_model()?,
             edges: !arguments.no_edges,
             image: !arguments.no_image,
+            threads: arguments.threads.unwrap_or(0),
         })
     }
 
@@ -60,7 +64,6 @@ pub fn run_all(
     mut settings: Settings,
     take: &mut dyn FnMut(Report),
 ) -> Result<(), rayon::ThreadPoolBuildError> {
-    let threads = settings.options.threads;
     if inputs.len() > 1 {
         // Frames side by side use the cores better than the sums within one.
         settings.options.threads = 1;
@@ -68,7 +71,7 @@ pub fn run_all(
     let settings = &settings;
     in_order(
         inputs,
-        threads,
+        settings.threads,
         &|index, input| run(input, settings, folders.get(index).map(PathBuf::as_path)),
         take,
     )
@@ -135,7 +138,7 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
     let mut fitter = settings.fitter()?;
     fitter.push_points(&cloud.view(), None)?;
     let result = fitter.fit()?;
-    let mut measurement = Measurement::new(Fitted::Cloud, &settings.options, &result);
+    let mut measurement = Measurement::new(&settings.options, &result);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
     Ok(measurement)
@@ -143,55 +146,48 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
 
 fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Measurement, Failure> {
     let clock = Instant::now();
-    let frame = Frame::read(path, settings.image)?;
+    let views = Frame::read(path, settings.image)?.views;
     let read = clock.elapsed().as_secs_f64();
     let mut fitter = settings.fitter()?;
-    fitter.set_intrinsics(*frame.camera.intrinsics())?;
-    let depth = DepthView::from_u16(&frame.depth, frame.size(), frame.depth_scale)?;
-    let mask = frame.mask.as_deref().map(|mask| MaskView::from_u8(mask, frame.size())).transpose()?;
-    fitter.push_depth(&depth, mask.as_ref(), &DepthRange::default())?;
-    if settings.edges {
-        fitter.push_edges(&frame.edges)?;
-    }
-    if let Some(image) = &frame.image {
-        let grey = image.to_luma16();
-        let view = ImageView::from_u16(&grey, frame.size())?;
-        fitter.push_image(&view.with_gamma(frame.image_gamma)?)?;
+    for (index, view) in views.iter().enumerate() {
+        push(&mut fitter, index, view, settings.edges).map_err(|error| {
+            let failure = Failure::from(error);
+            if views.len() > 1 { failure.in_frame(path, &format!("views[{index}]")) } else { failure }
+        })?;
     }
     let result = fitter.fit()?;
-    let fitted = if frame.mask.is_some() { Fitted::Mask } else { Fitted::AllMeasuredPixels };
-    let mut measurement = Measurement::new(fitted, &settings.options, &result);
-    measurement.limbs = fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into));
-    let mut completed = Completed::default();
-    let mut arcs = Vec::new();
-    if frame.mask.is_some() {
-        let options = ExtentOptions { image: fitter.image(), limbs_known: None };
-        match fitter.extent_and_arcs(None, None, &options) {
-            Ok((extent, found)) => {
-                measurement.set_extent(&extent);
-                arcs = found.concat();
-            }
-            Err(error) => measurement.notes.push(format!("no extent: {error}")),
+    let mut measurement = Measurement::new(&settings.options, &result);
+    let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); views.len()];
+    match find_extent(&mut fitter, &views) {
+        Some(Ok((extent, found))) => {
+            measurement.set_extent(&extent);
+            arcs = found;
         }
-        let counts =
-            fitter.complete(None, None, &mut |column, row, point| completed.add(column, row, point))?;
-        measurement.set_completion(&counts);
+        Some(Err(error)) => measurement.notes.push(format!("no extent: {error}")),
+        None => {}
     }
+    let mut values = Vec::new();
+    let mut completed = Completed::default();
+    for (index, (view, arcs)) in views.iter().zip(&arcs).enumerate() {
+        fitter.select_view(index)?;
+        let masked = view.mask.is_some();
+        let fitted = if masked { Fitted::Mask } else { Fitted::AllMeasuredPixels };
+        completed.pixels.push(Vec::new());
+        let completion = masked.then(|| completed.add_view(&fitter)).transpose()?;
+        values.push(ViewValues {
+            limbs: fitter.limbs().map(|limbs| limbs.each_ref().map(Into::into)),
+            arc_samples: measurement.extent.is_some().then(|| arcs.each_ref().map(Vec::len)),
+            completion: completion.as_ref().map(Into::into),
+            ..ViewValues::new(fitted)
+        });
+    }
+    measurement.set_views(values);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
     if let Some(folder) = folder {
         create_folder(folder)?;
-        let overlay = Overlay {
-            frame: &frame,
-            edges: fitter.segments(),
-            cylinder: &result.cylinder,
-            measurement: &measurement,
-            limbs: fitter.limbs(),
-            arcs: &arcs,
-            completed: &completed.pixels,
-        };
-        overlay.write(&folder.join("overlay.png"))?;
-        if frame.mask.is_some() {
+        write_overlays(folder, &mut fitter, &views, &measurement, &arcs, &completed)?;
+        if views.iter().any(|view| view.mask.is_some()) {
             write_file(&folder.join("completed.ply"), |to| cloud::write_ply(&completed.points, to))?;
             write_file(&folder.join("completed.pcd"), |to| cloud::write_pcd(&completed.points, to))?;
         }
@@ -199,19 +195,85 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     Ok(measurement)
 }
 
-/// The points on the fitted surface, and the pixels that see them.
+/// Gives a view to a fitter.
+fn push(fitter: &mut Fitter, index: usize, view: &View, edges: bool) -> cylfuse::error::Result<()> {
+    fitter.select_view(index)?;
+    let mask = view.mask.as_deref().map(|mask| MaskView::from_u8(mask, view.size())).transpose()?;
+    fitter.use_frame(&view.observed()?, mask.as_ref())?;
+    if edges {
+        fitter.push_edges(&view.edges)?;
+    }
+    Ok(())
+}
+
+/// The extent, and by view the places of the arcs; none without any mask. A view with a mask must be selected, and see
+/// the cylinder there.
+fn find_extent(fitter: &mut Fitter, views: &[View]) -> Option<cylfuse::error::Result<Ends>> {
+    let masked = (0..views.len()).filter(|&index| views[index].mask.is_some());
+    let mut first_failure = None;
+    for index in masked {
+        match fitter.select_view(index).and_then(|()| fitter.extent_and_arcs(None, None)) {
+            Ok(found) => return Some(Ok(found)),
+            Err(error) => first_failure = first_failure.or(Some(Err(error))),
+        }
+    }
+    first_failure
+}
+
+type Ends = (Extent, Vec<[Vec<ArcSample>; 2]>);
+
+/// A picture of each view, and overlay.png, that of the first.
+fn write_overlays(
+    folder: &Path,
+    fitter: &mut Fitter,
+    views: &[View],
+    measurement: &Measurement,
+    arcs: &[[Vec<ArcSample>; 2]],
+    completed: &Completed,
+) -> Result<(), Failure> {
+    for (index, view) in views.iter().enumerate() {
+        fitter.select_view(index)?;
+        let overlay = Overlay {
+            fitter: &*fitter,
+            image: view.image.as_ref(),
+            camera: &view.camera,
+            measurement,
+            arcs: &arcs[index],
+            completed: &completed.pixels[index],
+        };
+        let picture = overlay.draw();
+        let write = |name: &str| {
+            let path = folder.join(name);
+            let picture =
+                picture.as_ref().ok_or_else(|| Failure::not_writable(&path, "the picture is too large"))?;
+            write_file(&path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
+        };
+        if index == 0 {
+            write("overlay.png")?;
+        }
+        if views.len() > 1 {
+            write(&format!("overlay-{index}.png"))?;
+        }
+    }
+    Ok(())
+}
+
+/// The points on the fitted surface in the frame of reference, and by view the pixels that see them.
 #[derive(Default)]
 struct Completed {
-    pixels: Vec<(u32, u32)>,
+    pixels: Vec<Vec<(u32, u32)>>,
     points: Vec<[f32; 3]>,
 }
 
 impl Completed {
-    fn add(&mut self, column: usize, row: usize, point: Option<Vector3<f64>>) {
-        if let Some(point) = point {
-            self.pixels.push((column as u32, row as u32));
-            self.points.push([point.x as f32, point.y as f32, point.z as f32]);
-        }
+    /// Adds those of the selected view, whose pixels are the last.
+    fn add_view(&mut self, fitter: &Fitter) -> cylfuse::error::Result<CompletionCounts> {
+        fitter.complete(None, None, &mut |column, row, point| {
+            if let (Some(point), Some(pixels)) = (point, self.pixels.last_mut()) {
+                pixels.push((column as u32, row as u32));
+                self.points.push([point.x as f32, point.y as f32, point.z as f32]);
+            }
+        })
     }
 }
 

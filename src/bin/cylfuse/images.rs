@@ -1,6 +1,7 @@
 //! Image files: checked by their header before any pixel is decoded or memory is taken for it.
 
 use crate::failure::Failure;
+use cylfuse::observations::{Frame, ImageFormat, ImageView};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
@@ -112,9 +113,41 @@ pub fn mask_bytes(image: DynamicImage) -> Vec<u8> {
     }
 }
 
+/// Gives an image to a frame with its pixels as they are, so that the library knows gamma and saturation by channel.
+pub fn give(image: &DynamicImage, gamma: f64, frame: &mut Frame) -> cylfuse::error::Result<()> {
+    let size = (image.width() as usize, image.height() as usize);
+    let mut set = |view: ImageView<'_>| frame.set_image(&view.with_gamma(gamma)?);
+    match image {
+        DynamicImage::ImageLuma8(grey) => set(ImageView::from_u8(grey, size)?),
+        DynamicImage::ImageLuma16(grey) => set(ImageView::from_u16(grey, size)?),
+        DynamicImage::ImageLumaA8(_) => set(ImageView::from_u8(&image.to_luma8(), size)?),
+        DynamicImage::ImageLumaA16(_) => set(ImageView::from_u16(&image.to_luma16(), size)?),
+        DynamicImage::ImageRgb8(color) => set(ImageView::from_bytes(color, size, ImageFormat::Rgb8)?),
+        DynamicImage::ImageRgba8(color) => set(ImageView::from_bytes(color, size, ImageFormat::Rgba8)?),
+        deep => set(ImageView::from_bytes(&eight_bits(&deep.to_rgb16()), size, ImageFormat::Rgb8)?),
+    }
+}
+
+/// The values of 16-bit channels in 8 bits, the most that the library takes of a colour. Sensors fill 10 or 12 of the 16
+/// bits: the largest value of those in use, and no other, becomes the largest of 8 bits.
+fn eight_bits(values: &[u16]) -> Vec<u8> {
+    let largest = values.iter().copied().max().unwrap_or(0);
+    let white = (u32::from(largest) + 1).next_power_of_two().max(256) - 1;
+    values.iter().map(|&value| (u32::from(value) * 255 / white) as u8).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn deep_colours_keep_their_saturation() {
+        assert_eq!(eight_bits(&[0, 65535, 65534, 257 * 80, 257 * 79 - 1]), [0, 255, 254, 80, 78]);
+        // 12 bits.
+        assert_eq!(eight_bits(&[4095, 4094, 2048]), [255, 254, 127]);
+        assert_eq!(eight_bits(&[200, 3]), [200, 3]);
+        assert!(eight_bits(&[]).is_empty());
+    }
 
     #[test]
     fn any_colour_channel_makes_a_mask_pixel_but_alpha_does_not() {

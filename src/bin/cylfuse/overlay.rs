@@ -2,18 +2,15 @@
 //! and ends that were used and refused.
 
 use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, text_width};
-use crate::failure::Failure;
-use crate::fit::write_file;
-use crate::frame::Frame;
 use crate::report::Measurement;
+use cylfuse::camera::Camera;
 use cylfuse::extent::ArcSample;
+use cylfuse::fitter::Fitter;
+use cylfuse::fitter::LimbSample;
 use cylfuse::geometry::{Cylinder, LimbFrame, Line, any_orthogonal};
-use cylfuse::limb_location::{LimbObservation, LimbSample};
-use cylfuse::observations::EdgeSegment;
-use image::{DynamicImage, ImageFormat, RgbaImage};
+use image::{DynamicImage, RgbaImage};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
-use std::path::Path;
 
 // Colours that people with any colour vision can tell apart, in hue and in brightness.
 const LIMBS: Color = [64, 224, 255, 255];
@@ -59,30 +56,23 @@ const LABEL_DISTANCE: f64 = 26.0;
 
 /// What is drawn.
 pub struct Overlay<'a> {
-    /// The frame.
-    pub frame: &'a Frame,
-    /// The segments that were given to the fit.
-    pub edges: &'a [EdgeSegment],
-    /// The fitted cylinder.
-    pub cylinder: &'a Cylinder,
-    /// Its extent and numbers.
+    /// The fit, with the view selected.
+    pub fitter: &'a Fitter,
+    /// The image, if there is one.
+    pub image: Option<&'a DynamicImage>,
+    /// The camera of the view.
+    pub camera: &'a Camera,
+    /// Extent and numbers of the fit.
     pub measurement: &'a Measurement,
-    /// What the image shows of the limbs.
-    pub limbs: Option<&'a [LimbObservation; 2]>,
     /// The places of the ends in the image.
-    pub arcs: &'a [ArcSample],
+    pub arcs: &'a [Vec<ArcSample>; 2],
     /// The pixels (column, row) with completed points.
     pub completed: &'a [(u32, u32)],
 }
 
 impl Overlay<'_> {
-    /// Draws the picture into a PNG file.
-    pub fn write(&self, path: &Path) -> Result<(), Failure> {
-        let picture = self.draw().ok_or_else(|| Failure::not_writable(path, "the picture is too large"))?;
-        write_file(path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
-    }
-
-    fn draw(&self) -> Option<image::RgbImage> {
+    /// The picture; `None` where it would be too large.
+    pub fn draw(&self) -> Option<image::RgbImage> {
         let mut image = self.background();
         for &(column, row) in self.completed {
             tint(image.get_pixel_mut(column, row), SURFACE);
@@ -92,14 +82,17 @@ impl Overlay<'_> {
         let lines = layout(&caption, image.width() * scale);
         let band = (lines.len() as u32 + 1) * LINE_HEIGHT;
         let mut canvas = Canvas::new(&image, scale, band)?;
-        for edge in self.edges {
+        for edge in self.fitter.segments() {
             canvas.polyline(edge.endpoints.iter().map(|&end| Some(end)), EDGE_PEN);
             for end in &edge.endpoints {
                 canvas.dot(end, 4.5, EDGES);
             }
         }
-        self.draw_lines(&mut canvas);
-        self.draw_ends(&mut canvas);
+        if let Some(result) = self.fitter.result() {
+            let cylinder = self.fitter.pose().inverse().cylinder(&result.cylinder);
+            self.draw_lines(&cylinder, &mut canvas);
+            self.draw_ends(&cylinder, &mut canvas);
+        }
         self.draw_samples(&mut canvas);
         draw_caption(&mut canvas, &lines);
         canvas.into_rgb()
@@ -107,54 +100,53 @@ impl Overlay<'_> {
 
     /// The image, or the depth as grey levels when there is none.
     fn background(&self) -> RgbaImage {
-        match &self.frame.image {
+        match self.image {
             Some(image @ (DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_))) => {
                 let grey = image.to_luma16();
-                grey_levels(grey.dimensions(), grey.as_raw(), false)
+                grey_levels(grey.dimensions(), |x, y| Some(f64::from(grey.get_pixel(x, y).0[0])), false)
             }
             Some(image) => image.to_rgba8(),
             None => {
-                let (width, height) = self.frame.size();
-                grey_levels((width as u32, height as u32), &self.frame.depth, true)
+                let (width, height) = self.camera.size();
+                let depth = self.fitter.depth();
+                let value = |x: u32, y: u32| depth?.depth(x as usize, y as usize);
+                grey_levels((width as u32, height as u32), value, true)
             }
         }
     }
 
     /// Limb lines and axis, between the ends where there are any.
-    fn draw_lines(&self, canvas: &mut Canvas) {
-        let axis = self.cylinder.axis;
-        let along = |point: &Vector3<f64>| point.dot(&axis.direction);
-        let (from, to) = match &self.measurement.extent {
-            Some(extent) => {
-                let [(start, _), (end, _)] = extent.ends();
-                (along(&start), along(&end))
-            }
-            None => {
-                let (middle, reach) = (along(&axis.point), ENDLESS * axis.point.norm());
-                (middle - reach, middle + reach)
-            }
-        };
+    fn draw_lines(&self, cylinder: &Cylinder, canvas: &mut Canvas) {
+        let axis = cylinder.axis;
+        let [from, to] = self.ends().map_or_else(
+            || [-1.0, 1.0].map(|side| axis.point + axis.direction * (side * ENDLESS * axis.point.norm())),
+            |ends| ends.map(|(center, _)| center),
+        );
         let mut draw = |line: &Line, pen| {
-            let foot = line.point - line.direction * along(&line.point);
-            let sample = |k: usize| {
-                let part = k as f64 / LINE_SAMPLES as f64;
-                self.frame.camera.project(&(foot + line.direction * (from + part * (to - from))))
-            };
+            let (from, to) = (line.nearest_to(&from), line.nearest_to(&to));
+            let sample = |k: usize| self.camera.project(&from.lerp(&to, k as f64 / LINE_SAMPLES as f64));
             canvas.polyline((0..=LINE_SAMPLES).map(sample), pen);
         };
         draw(&axis, AXIS_PEN);
-        if let Some(limbs) = LimbFrame::new(self.cylinder) {
+        if let Some(limbs) = LimbFrame::new(cylinder) {
             for line in &limbs.limb_lines() {
                 draw(line, LIMB_PEN);
             }
         }
     }
 
+    /// The ends in the coordinates of the view, each with its state.
+    fn ends(&self) -> Option<[(Vector3<f64>, &'static str); 2]> {
+        let into_view = self.fitter.pose().inverse();
+        let ends = self.measurement.extent.as_ref()?.ends();
+        Some(ends.map(|(center, state)| (into_view.point(&center), state)))
+    }
+
     /// The samples of limbs and ends, and the lines located through them.
     fn draw_samples(&self, canvas: &mut Canvas) {
-        let camera = &self.frame.camera;
+        let camera = self.camera;
         let place = |ideal: &Vector2<f64>| camera.project(&camera.ideal_ray(ideal));
-        for limb in self.limbs.into_iter().flatten() {
+        for limb in self.fitter.limbs().into_iter().flatten() {
             if let (Ok(line), [first, .., last]) = (limb.line, &limb.samples[..]) {
                 let along = (line.ends[1] - line.ends[0]).normalize();
                 let foot =
@@ -170,55 +162,60 @@ impl Overlay<'_> {
                 }
             }
         }
-        for sample in self.arcs {
+        for sample in self.arcs.iter().flatten() {
             canvas.dot(&sample.pixel, END_SAMPLE, END_SAMPLES);
         }
     }
 
     /// The circles at the ends, full where they are seen and dashed behind the cylinder, with their states.
-    fn draw_ends(&self, canvas: &mut Canvas) {
-        let Some(extent) = &self.measurement.extent else { return };
-        let direction = self.cylinder.axis.direction;
-        let inside = self.cylinder.contains_origin();
+    fn draw_ends(&self, cylinder: &Cylinder, canvas: &mut Canvas) {
+        let Some(ends) = self.ends() else { return };
+        let direction = cylinder.axis.direction;
+        let inside = cylinder.contains_origin();
         let (u, v) = any_orthogonal(&direction);
-        for ((center, state), outward) in extent.ends().into_iter().zip([-direction, direction]) {
+        for ((center, state), outward) in ends.into_iter().zip([-direction, direction]) {
             // A cap that faces the camera shows its whole circle, and so does a pipe from inside.
             let whole = inside || outward.dot(&center) < 0.0;
             let sample = |k: usize| {
                 let (sin, cos) = (TAU * k as f64 / CIRCLE_SAMPLES as f64).sin_cos();
                 let across = u * cos + v * sin;
-                let point = center + across * self.cylinder.radius;
-                (self.frame.camera.project(&point), whole || across.dot(&point) < 0.0)
+                let point = center + across * cylinder.radius;
+                (self.camera.project(&point), whole || across.dot(&point) < 0.0)
             };
             let circle: Vec<_> = (0..=CIRCLE_SAMPLES).map(sample).collect();
             let part = |seen: bool| circle.iter().map(move |(at, near)| at.filter(|_| *near == seen));
             canvas.polyline(part(false), HIDDEN_END_PEN);
             canvas.polyline(part(true), END_PEN);
             let rim = circle.iter().filter_map(|(at, _)| at.as_ref());
-            if let Some(at) = self.beside_end(&center, &outward, rim) {
+            if let Some(at) = self.beside_end(&center, &(outward * cylinder.radius), rim) {
                 label(canvas, &at, state);
             }
         }
     }
 
-    /// The position beyond an end where its label covers neither the end nor the cylinder.
+    /// The position beyond an end, in the direction of a step outward, where its label covers neither the end nor the
+    /// cylinder.
     fn beside_end<'r>(
         &self,
         center: &Vector3<f64>,
         outward: &Vector3<f64>,
         rim: impl Iterator<Item = &'r Vector2<f64>>,
     ) -> Option<Vector2<f64>> {
-        let at = self.frame.camera.project(center)?;
-        let ahead = self.frame.camera.project(&(center + outward * (0.1 * self.cylinder.radius)))?;
+        let at = self.camera.project(center)?;
+        let ahead = self.camera.project(&(center + outward * 0.1))?;
         let away = (ahead - at).try_normalize(1e-9)?;
         let reach = rim.map(|point| (point - at).dot(&away)).fold(0.0, f64::max);
-        let pixels = LABEL_DISTANCE * self.frame.size().0 as f64 / f64::from(WIDTH);
+        let pixels = LABEL_DISTANCE * self.camera.size().0 as f64 / f64::from(WIDTH);
         Some(at + away * (reach + pixels))
     }
 
     fn caption(&self) -> Vec<Item> {
         let Measurement { cylinder, extent, result, .. } = self.measurement;
-        let mut items = vec![Item::Strong(format!("radius {:.2} mm", cylinder.radius * 1000.0))];
+        let mut items = Vec::new();
+        if let Some(views) = &self.measurement.views {
+            items.push(Item::Strong(format!("view {} of {}", self.fitter.selected_view(), views.len())));
+        }
+        items.push(Item::Strong(format!("radius {:.2} mm", cylinder.radius * 1000.0)));
         items.extend(extent.as_ref().map(|e| Item::Strong(format!("length {:.1} mm", e.length * 1000.0))));
         let points = format!("{} points, rms {:.2} mm", result.points_used, result.point_rms * 1000.0);
         items.push(Item::Plain(points));
@@ -229,19 +226,19 @@ impl Overlay<'_> {
         items.push(Item::Line("fitted limbs", LIMB_PEN));
         items.push(Item::Line("fitted ends", END_PEN));
         items.push(Item::Line("axis", AXIS_PEN));
-        if !self.edges.is_empty() {
+        if !self.fitter.segments().is_empty() {
             items.push(Item::Line("given edges", EDGE_PEN));
         }
         if !self.completed.is_empty() {
             items.push(Item::Area("completed surface", SURFACE));
         }
         items.push(Item::Break);
-        if self.limbs.is_some() {
+        if self.fitter.limbs().is_some() {
             items.push(Item::Line("located limbs", LOCATED_PEN));
             items.push(Item::Dots("limb samples used", LIMB_SAMPLE, USED));
             items.push(Item::Dots("refused", LIMB_SAMPLE, REFUSED));
         }
-        if !self.arcs.is_empty() {
+        if self.arcs.iter().any(|arc| !arc.is_empty()) {
             items.push(Item::Dots("end samples", END_SAMPLE, END_SAMPLES));
         }
         // A break with nothing behind it would be an empty line.
@@ -350,24 +347,27 @@ pub(crate) fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
     }
 }
 
-/// Grey levels of 16-bit values, spread over the range that is in use: sensors fill 10 or 12 of the bits, and
-/// depths a part of theirs. Zero stays black where it stands for no measurement.
-pub(crate) fn grey_levels((width, height): (u32, u32), values: &[u16], depth: bool) -> RgbaImage {
-    let mut sorted: Vec<u16> = values.iter().copied().filter(|&value| value > 0 || !depth).collect();
-    sorted.sort_unstable();
+/// Grey levels of values, spread over the range that is in use: sensors fill 10 or 12 of 16 bits, and depths a part of
+/// theirs. What was not measured is black.
+pub(crate) fn grey_levels(
+    (width, height): (u32, u32),
+    value: impl Fn(u32, u32) -> Option<f64>,
+    depth: bool,
+) -> RgbaImage {
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let mut sorted: Vec<f64> = pixels.filter_map(|(x, y)| value(x, y)).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
     // One value in fifty at either side may be an outlier.
-    let quantile = |part: usize| sorted.get(sorted.len().saturating_sub(1) * part / 50).copied().unwrap_or(0);
-    let (low, high) = if depth { (quantile(1), quantile(49)) } else { (0, quantile(50)) };
-    let range = f32::from(high.saturating_sub(low).max(1));
+    let quantile =
+        |part: usize| sorted.get(sorted.len().saturating_sub(1) * part / 50).copied().unwrap_or(0.0);
+    let (low, high) = if depth { (quantile(1), quantile(49)) } else { (0.0, quantile(50)) };
+    let part = |value: f64| if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
     RgbaImage::from_fn(width, height, |x, y| {
-        let value = values[(y * width + x) as usize];
-        let part = ((f32::from(value) - f32::from(low)) / range).clamp(0.0, 1.0);
-        let level = match (depth, value) {
-            (true, 0) => 0.0,
+        let level = value(x, y).map_or(0.0, |value| match depth {
             // Near is bright.
-            (true, _) => 235.0 - 190.0 * part,
-            (false, _) => 255.0 * part,
-        };
+            true => 235.0 - 190.0 * part(value),
+            false => 255.0 * part(value),
+        });
         image::Rgba([level as u8, level as u8, level as u8, 255])
     })
 }

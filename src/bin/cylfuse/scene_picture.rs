@@ -4,8 +4,9 @@ use crate::canvas::{Canvas, Color, LINE_HEIGHT};
 use crate::detect::Found;
 use crate::failure::Failure;
 use crate::fit::write_file;
-use crate::frame::Frame;
+use crate::frame::View;
 use crate::overlay::{grey_levels, tint};
+use cylfuse::observations::DepthImage;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use nalgebra::Vector2;
 use std::path::Path;
@@ -24,8 +25,10 @@ const COLORS: [Color; 8] = [
 
 /// What is drawn.
 pub struct ScenePicture<'a> {
-    /// The frame.
-    pub frame: &'a Frame,
+    /// The view.
+    pub view: &'a View,
+    /// The depth on the grid of the image.
+    pub depth: &'a DepthImage,
     /// The number of the cylinder of each pixel, 0 for none.
     pub labels: &'a [u16],
     /// The cylinders.
@@ -75,15 +78,16 @@ impl ScenePicture<'_> {
 
     /// The image, or the depth as grey levels when there is none.
     fn background(&self) -> RgbaImage {
-        match &self.frame.image {
+        match &self.view.image {
             Some(image @ (DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_))) => {
                 let grey = image.to_luma16();
-                grey_levels(grey.dimensions(), grey.as_raw(), false)
+                grey_levels(grey.dimensions(), |x, y| Some(f64::from(grey.get_pixel(x, y).0[0])), false)
             }
             Some(image) => image.to_rgba8(),
             None => {
-                let (width, height) = self.frame.size();
-                grey_levels((width as u32, height as u32), &self.frame.depth, true)
+                let (width, height) = self.view.size();
+                let value = |x: u32, y: u32| self.depth.depth(x as usize, y as usize);
+                grey_levels((width as u32, height as u32), value, true)
             }
         }
     }

@@ -69,7 +69,7 @@ const TIME: Column = Column::number("ms", |m| format!("{:.1}", m.seconds.fit * 1
 
 /// The table, and below it what has to be said about single frames.
 pub fn render(reports: &[Report]) -> String {
-    let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.fitted == Fitted::Cloud);
+    let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.view.fitted == Fitted::Cloud);
     let (name, columns) =
         if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
     let mut table = Table::new();

@@ -1,5 +1,6 @@
 //! Tests of the constants.
 
+use super::super::outcomes::cylfuse_result_flags;
 use super::*;
 use crate::fitter::Flags;
 
@@ -31,6 +32,7 @@ fn the_flags_are_those_of_the_library() {
         F::POINTS_AND_LIMBS_DISAGREE,
         F::RADIUS_AT_LIMIT,
         F::AXIS_AT_LIMIT,
+        F::UNCERTAINTY_UNKNOWN,
     ];
     let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
     assert_eq!(here.map(|flag| flag.0).as_slice(), there);

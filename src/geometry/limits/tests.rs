@@ -143,6 +143,8 @@ fn limits_out_of_range_are_named() {
         (limits(2.0, 1.0, None), "radius_max is 1; it must be greater than 0 and at least radius_min, 2"),
         (limits(f64::NAN, 1.0, None), "radius_min is NaN"),
         (limits(0.0, f64::NAN, None), "radius_max is NaN"),
+        (limits(1.7e308, 1.7e308, None), "radius_min is 1.7e308; it must be at most 1e100"),
+        (limits(1.0, 1e200, None), "radius_max is 1e200; it must be at most 1e100"),
         (
             limits(0.0, 1.0, Some(AxisCone { direction: Vector3::zeros(), max_angle: 0.1 })),
             "axis is [0.0, 0.0, 0.0]; it must be finite and not zero",

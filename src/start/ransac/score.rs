@@ -1,12 +1,12 @@
-//! The score of a cylinder and its local optimisation.
+//! The score of a cylinder, its local optimisation, and whether it is a plane.
 
-use super::Candidate;
-use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, Tangent, TangentMap};
+use super::{Candidate, Check, cancelled};
+use crate::error::{Error, Result};
+use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
+use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
+use crate::solver::{Domain, IterationLimits, minimise};
 use crate::statistics::median;
-use nalgebra::Vector3;
-
-/// Points between two looks at whether a score is lost.
-const STRIDE: usize = 64;
+use nalgebra::{Matrix3, Vector3};
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
 /// error of a hypothesis from few noisy points.
@@ -18,10 +18,27 @@ const STEPS: usize = 16;
 /// An improvement of the score by less than this part ends the local optimisation: it is a start only.
 const SMALL_GAIN: f64 = 1e-4;
 
+/// Points that are counted between two looks at whether the caller wants to stop.
+const COUNTED: usize = 1 << 16;
+
+/// An arc is flat at most where its radius is this many times the deviation of its points across axis and normal: it
+/// spans 40° and less (evenly filled, an arc of the width w has the deviation w/√12).
+const FLAT_RADIUS: f64 = 5.0;
+
+/// A plane explains such an arc as well where it has at least this part of its points within the threshold t. Of a
+/// parabola of the sagitta s a band of 2 t holds √(2 t / s): the sagitta is less than three thresholds then. More
+/// than two, which is where the plane begins to lose points, because sensors bend planes.
+const FLAT_PART: f64 = 0.8;
+
+/// Rounds in which the plane is fitted to the inliers near it.
+const PLANE_ROUNDS: usize = 4;
+
 /// Measures cylinders against the scored points.
 #[derive(Clone, Copy)]
 pub(super) struct Scorer<'a> {
     pub points: &'a [Vector3<f64>],
+    /// The same points for sums over them.
+    pub term: PointTerm<'a>,
     /// Whether a point on the hidden wall is an outlier.
     pub observer_at_origin: bool,
     /// Largest distance of an inlier from the surface.
@@ -34,67 +51,65 @@ pub(super) struct Scorer<'a> {
     pub limits: CylinderLimits,
 }
 
-/// Where a point lies in relation to a cylinder.
-struct Placed {
-    /// Signed distance from the surface.
-    distance: f64,
-    /// From the axis to the point.
-    radial: Vector3<f64>,
-    /// Coordinate along the axis, from its point.
-    along: f64,
-    /// Whether the point lies on the wall that the observer cannot see.
-    hidden: bool,
-}
-
 /// A cylinder with what does not depend on the point.
 struct Surface {
-    cylinder: Cylinder,
-    /// Whether the observer is inside; `None` without an observer.
-    inside: Option<bool>,
+    rows: PointRows,
+    wall: Wall,
+    unit: f64,
 }
 
 impl Surface {
-    fn place(&self, p: &Vector3<f64>) -> Placed {
-        let Cylinder { axis, radius } = &self.cylinder;
-        let offset = p - axis.point;
-        let along = offset.dot(&axis.direction);
-        let radial = offset - axis.direction * along;
-        let hidden = self.inside.is_some_and(|inside| (radial.dot(p) < 0.0) == inside);
-        Placed { distance: radial.norm() - radius, radial, along, hidden }
-    }
-
     /// Distance from the surface; infinite on the hidden wall.
     fn distance(&self, p: &Vector3<f64>) -> f64 {
-        let placed = self.place(p);
-        if placed.hidden { f64::INFINITY } else { placed.distance.abs() }
+        let (residual, facing) = self.rows.residual(p);
+        if self.wall.hides(facing) { f64::INFINITY } else { residual.abs() * self.unit }
     }
 }
 
 impl Scorer<'_> {
-    fn surface(&self, cylinder: &Cylinder) -> Surface {
-        let inside = self.observer_at_origin.then(|| cylinder.contains_origin());
-        Surface { cylinder: *cylinder, inside }
+    fn frame(&self, cylinder: &Cylinder) -> LocalFrame {
+        LocalFrame::new(cylinder, &self.center, self.size)
     }
 
-    /// The mean of min(e², threshold²) / threshold², if it is less than `limit`.
-    pub fn score(&self, cylinder: &Cylinder, limit: f64) -> Option<f64> {
-        let surface = self.surface(cylinder);
-        let most = self.threshold * self.threshold;
-        let lost = limit * most * self.points.len() as f64;
-        let mut sum = 0.0;
-        for points in self.points.chunks(STRIDE) {
-            sum += points.iter().map(|p| surface.distance(p).powi(2).min(most)).sum::<f64>();
-            if sum >= lost {
-                return None;
-            }
-        }
-        Some(sum / (most * self.points.len() as f64))
+    fn surface(&self, cylinder: &Cylinder) -> Surface {
+        let rows = PointRows::new(&self.frame(cylinder));
+        Surface { rows, wall: self.loss(cylinder).wall, unit: self.size }
+    }
+
+    /// How the points count for a cylinder, in units of the size of the data.
+    fn loss(&self, cylinder: &Cylinder) -> Truncated {
+        let wall = match self.observer_at_origin {
+            false => Wall::Either,
+            true if cylinder.contains_origin() => Wall::Averted,
+            true => Wall::Facing,
+        };
+        Truncated { threshold: self.threshold / self.size, wall }
+    }
+
+    /// The mean of min(e², threshold²) / threshold².
+    pub fn score(&self, cylinder: &Cylinder) -> f64 {
+        let loss = self.loss(cylinder);
+        self.term.cost(&self.frame(cylinder), loss) / (loss.threshold * loss.threshold)
     }
 
     /// The number of points within the threshold.
-    pub fn inliers(&self, cylinder: &Cylinder, points: &[Vector3<f64>]) -> usize {
+    pub fn inliers(&self, cylinder: &Cylinder, points: &[Vector3<f64>], check: Check<'_>) -> Result<usize> {
         let surface = self.surface(cylinder);
-        points.iter().filter(|p| surface.distance(p) < self.threshold).count()
+        let mut inliers = 0;
+        for points in points.chunks(COUNTED) {
+            if check().is_break() {
+                return Err(cancelled(0));
+            }
+            inliers += points.iter().filter(|p| surface.distance(p) < self.threshold).count();
+        }
+        Ok(inliers)
+    }
+
+    /// The part of the scored points within the threshold.
+    pub fn inlier_fraction(&self, cylinder: &Cylinder) -> f64 {
+        let surface = self.surface(cylinder);
+        let inliers = self.points.iter().filter(|p| surface.distance(p) < self.threshold).count();
+        inliers as f64 / self.points.len() as f64
     }
 
     /// The median distance over some of the points; infinite when half of them are on the hidden wall.
@@ -119,67 +134,94 @@ impl Scorer<'_> {
         (moved.radius > 0.0 && moved.radius.is_finite()).then_some(moved)
     }
 
+    /// Whether a plane through most of the inliers explains as many points, where no limit keeps the radius from
+    /// running away.
+    pub fn is_flat(&self, cylinder: &Cylinder) -> bool {
+        if self.limits.radius_max < f64::INFINITY {
+            return false;
+        }
+        let surface = self.surface(cylinder);
+        let is_inlier = |p: &Vector3<f64>| surface.distance(p) < self.threshold;
+        let inliers: Vec<Vector3<f64>> = self.points.iter().filter(|p| is_inlier(p)).copied().collect();
+        let Some(mut plane) = Plane::through(inliers.iter()) else { return false };
+        let mut near: Vec<&Vector3<f64>> = Vec::new();
+        for _ in 0..PLANE_ROUNDS {
+            near.clear();
+            near.extend(inliers.iter().filter(|p| plane.distance(p) < self.threshold));
+            let Some(next) = Plane::through(near.iter().copied()) else { return false };
+            plane = next;
+        }
+        let across = cylinder.axis.direction.cross(&plane.normal);
+        let spread = across.dot(&(plane.covariance * across)).max(0.0).sqrt();
+        let few_degrees = cylinder.radius > FLAT_RADIUS * spread;
+        let explained = self.points.iter().filter(|p| plane.distance(p) < self.threshold).count();
+        few_degrees && 2 * near.len() > inliers.len() && explained as f64 >= FLAT_PART * inliers.len() as f64
+    }
+
     /// Local optimisation, first with a wide threshold and then with the final one.
-    pub fn improve(&self, cylinder: &Cylinder) -> Candidate {
+    pub fn improve(&self, cylinder: &Cylinder, check: Check<'_>) -> Result<Candidate> {
         let wide = Self { threshold: WIDE * self.threshold, ..*self };
-        self.descend(&wide.descend(cylinder).cylinder)
+        let near = wide.descend(cylinder, check)?;
+        let cylinder = self.descend(&near, check)?;
+        Ok(Candidate { cylinder, score: self.score(&cylinder) })
     }
 
-    /// Levenberg–Marquardt steps on the inliers, each accepted when it lowers the score: where no point
-    /// crosses the threshold this is the gradient of the score.
-    fn descend(&self, cylinder: &Cylinder) -> Candidate {
-        let score = self.score(cylinder, f64::INFINITY).unwrap_or(f64::INFINITY);
-        let mut best = Candidate { cylinder: *cylinder, score };
-        let mut damping = 1e-3;
-        let mut frame = LocalFrame::new(&best.cylinder, &self.center, self.size);
-        let mut equations = self.normal_equations(&frame);
-        for _ in 0..STEPS {
-            let (mut matrix, gradient) = equations;
-            // The part of the trace keeps the matrix regular when the inliers leave a direction free.
-            let floor = 1e-12 * matrix.trace();
-            for i in 0..5 {
-                matrix[(i, i)] += damping * matrix[(i, i)] + floor;
-            }
-            let Some((_, moved)) = self.limits.step(&frame, &matrix, &gradient) else { break };
-            let trial = self.within_limits(&moved).and_then(|cylinder| {
-                self.score(&cylinder, best.score).map(|score| Candidate { cylinder, score })
-            });
-            let Some(trial) = trial else {
-                damping *= 10.0;
-                continue;
-            };
-            let gain = best.score - trial.score;
-            best = trial;
-            if gain < SMALL_GAIN * best.score {
-                break;
-            }
-            damping *= 0.1;
-            frame = LocalFrame::new(&best.cylinder, &self.center, self.size);
-            equations = self.normal_equations(&frame);
+    /// Levenberg–Marquardt on the score: where no point crosses the threshold its linearisation is that of the
+    /// inliers.
+    fn descend(&self, cylinder: &Cylinder, check: Check<'_>) -> Result<Cylinder> {
+        let limits = IterationLimits {
+            max_iterations: STEPS,
+            cost_tolerance: SMALL_GAIN,
+            ..IterationLimits::default()
+        };
+        let domain =
+            Domain { data_center: self.center, unit: self.size, chart: Chart::Local, limits: &self.limits };
+        match minimise(self, cylinder, &domain, &limits, &mut |_| check()) {
+            Ok(convergence) => Ok(convergence.cylinder),
+            Err(error @ Error::Cancelled { .. }) => Err(error),
+            // A hypothesis whose cost is not finite stays what it is.
+            Err(_) => Ok(*cylinder),
         }
-        best
+    }
+}
+
+impl Objective for Scorer<'_> {
+    fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
+        let radius = frame.cylinder.radius;
+        (radius > 0.0 && radius.is_finite())
+            .then(|| self.term.linearise(frame, self.loss(&frame.cylinder)))
+            .filter(|equations| equations.cost.is_finite())
     }
 
-    /// Jᵀ J and Jᵀ e of the inliers for e = ‖(p − c) × d̂‖ − r, both lengths in units of the frame:
-    /// J = −(n·u, n·v, h n·u, h n·v, 1) with the outward normal n and the coordinate h along the axis.
-    fn normal_equations(&self, frame: &LocalFrame) -> (TangentMap, Tangent) {
-        let surface = self.surface(&frame.cylinder);
-        let mut matrix = TangentMap::zeros();
-        let mut gradient = Tangent::zeros();
-        for p in self.points {
-            let Placed { distance, radial, along, hidden } = surface.place(p);
-            let from_axis = distance + frame.cylinder.radius;
-            // A point on the axis has no normal.
-            if hidden || distance.abs() >= self.threshold || from_axis <= 0.0 {
-                continue;
-            }
-            let (across_u, across_v) = (radial.dot(&frame.u) / from_axis, radial.dot(&frame.v) / from_axis);
-            let h = along / frame.unit;
-            let row = -Tangent::new(across_u, across_v, h * across_u, h * across_v, 1.0);
-            matrix.ger(1.0, &row, &row, 1.0);
-            gradient += row * (distance / frame.unit);
-        }
-        (matrix, gradient)
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        let radius = frame.cylinder.radius;
+        (radius > 0.0 && radius.is_finite())
+            .then(|| self.term.cost(frame, self.loss(&frame.cylinder)))
+            .filter(|cost| cost.is_finite())
+    }
+}
+
+/// The plane that lies nearest to some points.
+struct Plane {
+    point: Vector3<f64>,
+    normal: Vector3<f64>,
+    covariance: Matrix3<f64>,
+}
+
+impl Plane {
+    /// `None` for no points.
+    fn through<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Option<Self> {
+        let count = points.clone().count() as f64;
+        let point = points.clone().sum::<Vector3<f64>>() / count;
+        let square = |p: &Vector3<f64>| (p - point) * (p - point).transpose();
+        let covariance = points.map(square).sum::<Matrix3<f64>>() / count;
+        let eigen = (count > 0.0).then(|| covariance.symmetric_eigen())?;
+        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
+        Some(Self { point, normal, covariance })
+    }
+
+    fn distance(&self, p: &Vector3<f64>) -> f64 {
+        (p - self.point).dot(&self.normal).abs()
     }
 }
 

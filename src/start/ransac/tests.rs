@@ -1,6 +1,16 @@
 use super::*;
 use crate::geometry::{AxisCone, Cylinder};
-use crate::start::clouds::{Arc, oblique};
+use crate::start::clouds::{Arc, normal, oblique, uniform};
+use ControlFlow::{Break, Continue};
+
+fn search(
+    points: &[Vector3<f64>],
+    normals: Option<&[Vector3<f64>]>,
+    observer_at_origin: bool,
+    options: &RansacOptions,
+) -> Result<RansacFit> {
+    ransac(points, normals, observer_at_origin, options, &mut || Continue(()))
+}
 
 fn fixed(threshold: f64) -> RansacOptions {
     RansacOptions { threshold, ..RansacOptions::default() }
@@ -23,7 +33,7 @@ fn points_without_noise_give_the_cylinder() {
     let (points, normals) = Arc::default().sample(1);
     for normals in [None, Some(normals.as_slice())] {
         for observer in [false, true] {
-            let fit = ransac(&points, normals, observer, &RansacOptions::default()).unwrap();
+            let fit = search(&points, normals, observer, &RansacOptions::default()).unwrap();
             assert_near(&oblique(), &fit.cylinder, 1e-9);
             assert_eq!(fit.inliers, points.len());
             assert!(fit.score < 1e-6 && fit.threshold < 1e-6 * oblique().radius);
@@ -38,7 +48,7 @@ fn noise_and_outliers_leave_the_cylinder() {
             let (points, normals) = Arc { noise, outliers, ..Arc::default() }.sample(seed);
             for normals in [None, Some(normals.as_slice())] {
                 let options = RansacOptions { seed, ..RansacOptions::default() };
-                let fit = ransac(&points, normals, true, &options).unwrap();
+                let fit = search(&points, normals, true, &options).unwrap();
                 assert_near(&oblique(), &fit.cylinder, tolerance);
                 // 2.5 standard deviations of the noise; outliers inside the band widen it a little.
                 assert!((2.0..3.5).contains(&(fit.threshold / noise)), "{fit:?}");
@@ -52,7 +62,7 @@ fn noise_and_outliers_leave_the_cylinder() {
 #[test]
 fn a_given_threshold_withstands_more_outliers_than_half() {
     let (points, _) = Arc { noise: 2e-4, outliers: 0.6, ..Arc::default() }.sample(3);
-    let fit = ransac(&points, None, true, &fixed(6e-4)).unwrap();
+    let fit = search(&points, None, true, &fixed(6e-4)).unwrap();
     assert_near(&oblique(), &fit.cylinder, 0.02);
     assert_eq!(fit.threshold, 6e-4);
 }
@@ -63,7 +73,7 @@ fn equal_seeds_give_equal_bits() {
     for normals in [None, Some(normals.as_slice())] {
         let runs = [7, 7, 8].map(|seed| {
             let options = RansacOptions { seed, ..RansacOptions::default() };
-            ransac(&points, normals, true, &options).unwrap()
+            search(&points, normals, true, &options).unwrap()
         });
         assert_eq!(runs[0], runs[1]);
         assert_ne!(runs[0], runs[2]);
@@ -73,12 +83,12 @@ fn equal_seeds_give_equal_bits() {
 #[test]
 fn the_unit_of_length_and_the_place_do_not_matter() {
     let (points, _) = Arc { noise: 5e-4, outliers: 0.2, ..Arc::default() }.sample(5);
-    let reference = ransac(&points, None, false, &RansacOptions::default()).unwrap();
+    let reference = search(&points, None, false, &RansacOptions::default()).unwrap();
     for (scale, offset) in
         [(1024.0, Vector3::zeros()), (1000.0, Vector3::zeros()), (1.0, Vector3::new(6e3, -7e3, 4e3))]
     {
         let moved: Vec<_> = points.iter().map(|p| p * scale + offset).collect();
-        let fit = ransac(&moved, None, false, &RansacOptions::default()).unwrap();
+        let fit = search(&moved, None, false, &RansacOptions::default()).unwrap();
         let mut expected = reference.cylinder;
         expected.axis.point = expected.axis.point * scale + offset;
         expected.radius *= scale;
@@ -103,9 +113,9 @@ fn an_observer_sees_one_wall_only() {
     let closed = Arc { cylinder, noise: 2e-4, points: 800, ..Arc::default() }.sample(7).0;
     let points: Vec<_> = open.iter().map(|p| c * 2.0 - p).chain(closed).collect();
 
-    let fit = ransac(&points, None, false, &fixed(6e-4)).unwrap();
+    let fit = search(&points, None, false, &fixed(6e-4)).unwrap();
     assert_near(&hollow, &fit.cylinder, 0.02);
-    let fit = ransac(&points, None, true, &fixed(6e-4)).unwrap();
+    let fit = search(&points, None, true, &fixed(6e-4)).unwrap();
     assert_near(&cylinder, &fit.cylinder, 0.02);
     assert!((700..=820).contains(&fit.inliers), "{fit:?}");
 }
@@ -115,7 +125,7 @@ fn an_observer_inside_sees_the_far_wall() {
     let pipe = Cylinder::new(Vector3::new(0.1, 0.05, 0.0), Vector3::new(0.1, 0.2, 1.0), 0.4).unwrap();
     let mut arc = Arc { cylinder: pipe, half_angle: 3.0, length: 2.0, noise: 5e-3, ..Arc::default() };
     arc.outliers = 0.2;
-    let fit = ransac(&arc.sample(7).0, None, true, &RansacOptions::default()).unwrap();
+    let fit = search(&arc.sample(7).0, None, true, &RansacOptions::default()).unwrap();
     assert_near(&pipe, &fit.cylinder, 0.02);
 }
 
@@ -126,7 +136,7 @@ fn limits_of_the_radius_hold() {
         for normals in [None, Some(normals.as_slice())] {
             let options =
                 RansacOptions { limits: radius(radius_min, radius_max), ..RansacOptions::default() };
-            let fit = ransac(&points, normals, true, &options).unwrap();
+            let fit = search(&points, normals, true, &options).unwrap();
             assert!((radius_min..=radius_max).contains(&fit.cylinder.radius), "{fit:?}");
             assert!(oblique().compare(&fit.cylinder).angle < 0.05, "{fit:?}");
             if radius_min == radius_max {
@@ -139,7 +149,7 @@ fn limits_of_the_radius_hold() {
         .map(|i| Vector3::new(f64::from(i % 50) * 0.006 - 0.1, f64::from(i / 50) * 0.005 - 0.2, 0.73));
     let scene: Vec<_> = points.iter().copied().chain(plane).collect();
     let options = RansacOptions { limits: radius(0.0, 0.1), ..fixed(6e-4) };
-    let fit = ransac(&scene, None, true, &options).unwrap();
+    let fit = search(&scene, None, true, &options).unwrap();
     assert_near(&oblique(), &fit.cylinder, 0.02);
 }
 
@@ -153,7 +163,7 @@ fn the_axis_stays_in_its_cone() {
         let cone = AxisCone { direction, max_angle };
         let limits = CylinderLimits { axis: Some(cone), ..CylinderLimits::default() };
         for normals in [None, Some(normals.as_slice())] {
-            let fit = ransac(&points, normals, true, &RansacOptions { limits, ..fixed(1e-3) }).unwrap();
+            let fit = search(&points, normals, true, &RansacOptions { limits, ..fixed(1e-3) }).unwrap();
             assert!(cone.contains(&fit.cylinder.axis.direction), "{fit:?}");
             if off <= max_angle {
                 assert_near(&oblique(), &fit.cylinder, 0.03);
@@ -171,23 +181,23 @@ fn degenerate_clouds_are_refused() {
     let huge: Vec<_> = plane.iter().map(|p| p * 1e300).collect();
     for points in [line, plane, vec![a; 50], huge] {
         for normals in [None, Some(normals.as_slice())] {
-            let error = ransac(&points, normals, true, &RansacOptions::default()).unwrap_err();
+            let error = search(&points, normals, true, &RansacOptions::default()).unwrap_err();
             assert!(matches!(error, Error::NoStart { .. }), "{error}");
         }
     }
     let (mut few, _) = Arc { points: 6, ..Arc::default() }.sample(9);
     few[1].x = f64::NAN;
     few[4].z = f64::INFINITY;
-    let error = ransac(&few, None, true, &RansacOptions::default()).unwrap_err();
+    let error = search(&few, None, true, &RansacOptions::default()).unwrap_err();
     assert!(matches!(error, Error::TooFewPoints { usable: 4, given: 6, needed: 5, .. }), "{error}");
-    assert!(ransac(&[], None, true, &RansacOptions::default()).is_err());
+    assert!(search(&[], None, true, &RansacOptions::default()).is_err());
 }
 
 #[test]
 fn a_threshold_below_the_noise_finds_nothing() {
     let (points, _) = Arc { noise: 1e-3, points: 200, ..Arc::default() }.sample(10);
     let options = RansacOptions { max_iterations: 50, ..fixed(1e-9) };
-    let error = ransac(&points, None, true, &options).unwrap_err();
+    let error = search(&points, None, true, &options).unwrap_err();
     assert!(error.to_string().contains("none of 50 samples"), "{error}");
 }
 
@@ -195,9 +205,9 @@ fn a_threshold_below_the_noise_finds_nothing() {
 fn the_least_numbers_of_points_work() {
     for count in 5..=8 {
         let (points, normals) = Arc { points: count, ..Arc::default() }.sample(11);
-        let fit = ransac(&points, None, false, &RansacOptions::default()).unwrap();
+        let fit = search(&points, None, false, &RansacOptions::default()).unwrap();
         assert_eq!(fit.inliers, count);
-        let fit = ransac(&points, Some(&normals), true, &RansacOptions::default()).unwrap();
+        let fit = search(&points, Some(&normals), true, &RansacOptions::default()).unwrap();
         assert_near(&oblique(), &fit.cylinder, 1e-8);
     }
 }
@@ -210,7 +220,7 @@ fn points_and_normals_that_are_not_finite_are_left_out() {
         normals[i + 1] = Vector3::zeros();
     }
     for normals in [None, Some(normals.as_slice())] {
-        let fit = ransac(&points, normals, true, &RansacOptions::default()).unwrap();
+        let fit = search(&points, normals, true, &RansacOptions::default()).unwrap();
         assert_near(&oblique(), &fit.cylinder, 0.02);
         // Counted over all points, not only over the scored ones.
         assert!((3200..=3333).contains(&fit.inliers), "{fit:?}");
@@ -221,11 +231,11 @@ fn points_and_normals_that_are_not_finite_are_left_out() {
 fn chosen_points_are_evenly_spaced_and_finite() {
     let points: Vec<_> =
         (0..10_001).map(|i| Vector3::repeat(if i % 5 == 2 { f64::NAN } else { f64::from(i) })).collect();
-    let chosen = choose(&points).unwrap();
+    let chosen = choose(&points, &mut || Continue(())).unwrap();
     assert_eq!(chosen.len(), SCORED_POINTS);
     assert!(chosen.iter().all(|i| i % 5 != 2));
     assert!(chosen.windows(2).all(|pair| (4..=7).contains(&(pair[1] - pair[0]))));
-    assert_eq!(choose(&points[..100]).unwrap().len(), 80);
+    assert_eq!(choose(&points[..100], &mut || Continue(())).unwrap().len(), 80);
 }
 
 #[test]
@@ -246,9 +256,85 @@ fn options_out_of_range_are_refused_with_their_value() {
         (RansacOptions { limits: radius(0.0, f64::NAN), ..good() }, "radius_max is NaN"),
     ];
     for (options, text) in cases {
-        let error = ransac(&points, None, true, &options).unwrap_err();
+        let error = search(&points, None, true, &options).unwrap_err();
         assert!(error.to_string().contains(text), "{error}");
     }
-    let error = ransac(&points, Some(&normals[..49]), true, &good()).unwrap_err();
+    let error = search(&points, Some(&normals[..49]), true, &good()).unwrap_err();
     assert!(error.to_string().contains("number of normals is 49"), "{error}");
+}
+
+/// A cylinder on a wide plane behind it that has more points, with noise.
+fn beside_a_plane(noise: f64, on_plane: usize, seed: u64) -> (Vec<Vector3<f64>>, Vec<Vector3<f64>>) {
+    let (mut points, mut normals) = Arc { noise, ..Arc::default() }.sample(seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed + 100);
+    let across = Vector3::new(0.1, -0.3, -1.0).normalize();
+    let (u, v) = crate::geometry::any_orthogonal(&across);
+    let center = Vector3::new(0.0, 0.0, 0.75);
+    for _ in 0..on_plane {
+        let (a, b) = (uniform(&mut rng) - 0.5, uniform(&mut rng) - 0.5);
+        points.push(center + u * a + v * b + across * (noise * normal(&mut rng)));
+        normals.push((across + Vector3::from_fn(|_, _| 0.02 * normal(&mut rng))).normalize());
+    }
+    (points, normals)
+}
+
+#[test]
+fn a_plane_is_no_cylinder_beside_one() {
+    let mut wrong = Vec::new();
+    for seed in 0..4 {
+        for (noise, on_plane) in [(2e-4, 3000), (1e-3, 2500)] {
+            let (points, normals) = beside_a_plane(noise, on_plane, seed);
+            for normals in [None, Some(normals.as_slice())] {
+                // A threshold from the data would need most points on the cylinder.
+                let options = RansacOptions { seed, ..fixed(2.5 * noise) };
+                let fit = search(&points, normals, true, &options).unwrap();
+                if (fit.cylinder.radius / oblique().radius - 1.0).abs() > 0.2 {
+                    wrong.push((seed, noise, normals.is_some(), fit.cylinder.radius, fit.score));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_plane_alone_is_still_found() {
+    let (points, normals) = beside_a_plane(1e-3, 3000, 1);
+    let fit = search(&points[2000..], Some(&normals[2000..]), true, &fixed(3e-3)).unwrap();
+    assert!(fit.inliers > 2800 && fit.cylinder.radius > 1.0, "{fit:?}");
+}
+
+#[test]
+fn a_flat_arc_of_a_large_cylinder_is_one() {
+    // 30° of a tank, whose sagitta of 3.4 cm is far above the noise.
+    let cylinder = Cylinder::new(Vector3::new(0.1, 0.0, 3.0), Vector3::new(0.1, 1.0, 0.1), 1.0).unwrap();
+    let half_angle = 15_f64.to_radians();
+    let (points, _) = Arc { cylinder, half_angle, length: 0.6, noise: 2e-3, ..Arc::default() }.sample(3);
+    let fit = search(&points, None, true, &RansacOptions::default()).unwrap();
+    assert!((fit.cylinder.radius - 1.0).abs() < 0.05, "{fit:?}");
+}
+
+#[test]
+fn the_search_ends_where_the_check_breaks() {
+    let (points, normals) = Arc { noise: 1e-3, outliers: 0.4, ..Arc::default() }.sample(4);
+    for normals in [None, Some(normals.as_slice())] {
+        let mut most = 0;
+        let options = RansacOptions { confidence: 1.0 - 1e-12, ..RansacOptions::default() };
+        ransac(&points, normals, true, &options, &mut || {
+            most += 1;
+            Continue(())
+        })
+        .unwrap();
+        assert!(most > 200, "{most}");
+        for allowed in [0, 1, 2, 60, 75, most - 1] {
+            let mut calls = 0;
+            let result = ransac(&points, normals, true, &options, &mut || {
+                calls += 1;
+                if calls > allowed { Break(()) } else { Continue(()) }
+            });
+            assert!(matches!(result, Err(Error::Cancelled { .. })), "{result:?}");
+            // It is not asked again.
+            assert_eq!(calls, allowed + 1);
+        }
+    }
 }

@@ -11,7 +11,7 @@ from typing import Any, Optional, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from ._check import real
+from ._check import real, whole
 from ._native import make
 from ._structs import DepthView, ImageView, MaskView, PointsView, SegmentsView
 
@@ -23,6 +23,8 @@ Array = npt.NDArray[Any]
 SCALARS = {np.dtype(np.float32): 1, np.dtype(np.float64): 2}
 DEPTHS = {np.dtype(np.uint16): 1, np.dtype(np.float32): 2}
 _IMAGES = {np.dtype(np.uint8): 1, np.dtype(np.uint16): 2, np.dtype(np.float32): 3}
+# By the channels of an image, and whether blue comes first.
+_COLORS = {(3, False): 4, (3, True): 5, (4, False): 6, (4, True): 7}
 _MASKS = {np.dtype(np.bool_): 1, np.dtype(np.uint8): 1}
 # The most pixels of a camera.
 _MOST_PIXELS = 2**28
@@ -64,8 +66,7 @@ def pixels(name: str, given: Any, formats: dict[Any, int], remedy: str) -> Array
         names = " or ".join(str(dtype) for dtype in formats)
         raise TypeError(f"{name} has the type {given.dtype}; it must be {names}; {remedy} converts it")
     if given.ndim != 2:
-        colours = f": take one channel, {name}[..., 1]" if given.ndim == 3 else ""
-        raise ValueError(f"{name} has the shape {given.shape}; it must be rows x columns{colours}")
+        raise ValueError(f"{name} has the shape {given.shape}; it must be rows x columns")
     if given.size > _MOST_PIXELS:
         raise ValueError(f"{name} has {given.size} pixels; it must have at most 2^28")
     _not_masked(name, given, "0")
@@ -78,13 +79,16 @@ _V = TypeVar("_V", DepthView, MaskView, ImageView)
 def _fill(view: _V, array: Array) -> _V:
     view.array = array
     view.data = address(array)
-    view.height, view.width = array.shape
+    view.height, view.width = array.shape[:2]
     view.row_stride, view.pixel_stride = _stride(array, 0), _stride(array, 1)
     return view
 
 
 def depth_pixels(depth: Any) -> Array:
-    """A depth image of rows x columns."""
+    """A depth image of rows x columns; float64 is converted."""
+    if isinstance(depth, np.ndarray) and depth.dtype == np.float64:
+        _not_masked("depth", depth, "0")
+        depth = depth.astype(np.float32)
     return pixels("depth", depth, DEPTHS, "depth.astype(numpy.float32)")
 
 
@@ -98,16 +102,33 @@ def depth_view(depth: Any, scale: float, minimum: float, maximum: Optional[float
     return view
 
 
-def mask_view(mask: Any) -> Optional[MaskView]:
-    """A mask of rows x columns; None stays None."""
-    return None if mask is None else _fill(make(MaskView), pixels("mask", mask, _MASKS, "mask != 0"))
+def mask_view(mask: Any, label: int = 0) -> Optional[MaskView]:
+    """A mask of rows x columns, of whose labels one may be meant; None stays None."""
+    if mask is None:
+        return None
+    view = _fill(make(MaskView), pixels("mask", mask, _MASKS, "mask != 0"))
+    view.label = whole("label", label, 0, 2**8)
+    return view
 
 
-def image_view(image: Any, gamma: float) -> ImageView:
-    """A grey image of rows x columns."""
-    image = pixels("image", image, _IMAGES, "image.astype(numpy.float32)")
-    view = _fill(make(ImageView), image)
-    view.format = _IMAGES[image.dtype]
+def image_view(image: Any, gamma: float, bgr: bool = False) -> ImageView:
+    """An image of rows x columns, or of uint8 and rows x columns x 3, or x 4 with a fourth channel that is ignored."""
+    if isinstance(image, np.ndarray) and image.ndim == 3:
+        if (image.shape[2], bool(bgr)) not in _COLORS or image.dtype != np.uint8:
+            raise ValueError(
+                f"image has the shape {image.shape} and the type {image.dtype}; it must be rows x columns, or "
+                "rows x columns x 3 or 4 of uint8"
+            )
+        _not_masked("image", image, "0")
+        if image.strides[2] != 1:
+            image = np.ascontiguousarray(image)
+        image = _apart(image, 2, image.shape[2])
+        view = _fill(make(ImageView), image)
+        view.format = _COLORS[image.shape[2], bool(bgr)]
+    else:
+        image = pixels("image", image, _IMAGES, "image.astype(numpy.float32)")
+        view = _fill(make(ImageView), image)
+        view.format = _IMAGES[image.dtype]
     view.gamma = real("gamma", gamma)
     return view
 

@@ -13,6 +13,12 @@ from .enums import LogLevel
 from .result import Progress
 
 
+class _Raised(threading.local):
+    """What callbacks of the calls of this thread raised: several threads may be in calls at once."""
+
+    error: Optional[BaseException] = None
+
+
 class Callbacks:
     """The callbacks of one fitter. What they raise comes out of the call in which they ran.
 
@@ -22,7 +28,7 @@ class Callbacks:
     def __init__(self) -> None:
         # What the library may call must live as long as it may.
         self._functions: list[Any] = []
-        self._raised: Optional[BaseException] = None
+        self._raised = _Raised()
 
     def progress(self, callback: Optional[Callable[[Progress], Any]]) -> Any:
         """The C function for a callback of progress, NULL for None."""
@@ -32,13 +38,12 @@ class Callbacks:
 
         def forward(progress: Any, _: object) -> int:
             try:
-                if self._raised is not None:
+                if self._raised.error is not None:
                     return 1
-                # A copy: the memory is the library's.
-                answer = function(Progress(_structs.Progress.from_buffer_copy(progress.contents)))
+                answer = function(Progress(progress.contents))
                 return int(isinstance(answer, (bool, np.bool_)) and not answer)
             except BaseException as error:
-                self._raised = error
+                self._raised.error = error
                 return 1
 
         return _structs.ProgressFunction(forward)
@@ -53,7 +58,7 @@ class Callbacks:
             try:
                 function(LogLevel(level), message.decode("utf-8", "replace"))
             except BaseException as error:
-                self._raised = error
+                self._raised.error = error
 
         return _structs.LogFunction(forward)
 
@@ -71,12 +76,12 @@ class Callbacks:
         """Calls the library; raises what a callback raised meanwhile."""
         if not self._functions:
             return function(*arguments)  # type: ignore[no-any-return]
-        self._raised = None
+        self._raised.error = None
         if threading.current_thread() is threading.main_thread():
             status = self._with_signals(function, *arguments)
         else:
             status = function(*arguments)
-        raised, self._raised = self._raised, None
+        raised, self._raised.error = self._raised.error, None
         if raised is not None:
             raise raised
         return status
@@ -89,7 +94,7 @@ class Callbacks:
         def take(unraisable: Any) -> None:
             traceback = unraisable.exc_traceback
             if traceback is not None and traceback.tb_frame.f_globals is globals():
-                self._raised = unraisable.exc_value
+                self._raised.error = unraisable.exc_value
             else:
                 hook(unraisable)
 

@@ -46,16 +46,22 @@ def _load() -> Any:
             f"{path} has version {found} of the binary interface but this package needs {ABI_VERSION}; install package "
             "and library of one release"
         )
-    fitter, status, size = c_void_p, c_int32, c_size_t
+    fitter, frame, status, size = c_void_p, c_void_p, c_int32, c_size_t
     cylinder = POINTER(structs.Cylinder)
     mask = POINTER(structs.MaskView)
     points = POINTER(structs.PointsView)
+    depth = POINTER(structs.DepthView)
+    image = POINTER(structs.ImageView)
+    segments = POINTER(structs.SegmentsView)
     intrinsics = POINTER(structs.Intrinsics)
     options = POINTER(structs.Options)
     result = POINTER(structs.Result)
+    estimate = POINTER(structs.CylinderEstimate)
     completion = POINTER(structs.Completion)
     number = POINTER(c_double)
     count = POINTER(c_size_t)
+    # An array of structs: where it goes, the size of an element, how many there is room for, how many there are.
+    array = [c_void_p, size, size, count]
     signatures: dict[str, tuple[Any, list[Any]]] = {
         "cylfuse_abi_version": (c_uint32, []),
         "cylfuse_version_number": (c_uint32, []),
@@ -65,46 +71,72 @@ def _load() -> Any:
         "cylfuse_options_init": (status, [options, size]),
         "cylfuse_intrinsics_init": (status, [intrinsics, size]),
         "cylfuse_points_view_init": (status, [points, size]),
-        "cylfuse_depth_view_init": (status, [POINTER(structs.DepthView), size]),
+        "cylfuse_depth_view_init": (status, [depth, size]),
         "cylfuse_mask_view_init": (status, [mask, size]),
-        "cylfuse_image_view_init": (status, [POINTER(structs.ImageView), size]),
-        "cylfuse_segments_view_init": (status, [POINTER(structs.SegmentsView), size]),
+        "cylfuse_image_view_init": (status, [image, size]),
+        "cylfuse_segments_view_init": (status, [segments, size]),
         "cylfuse_points_out_init": (status, [POINTER(structs.PointsOut), size]),
         "cylfuse_depth_out_init": (status, [POINTER(structs.DepthOut), size]),
+        "cylfuse_counts_init": (status, [POINTER(structs.Counts), size]),
+        "cylfuse_result_init": (status, [result, size]),
+        "cylfuse_cylinder_estimate_init": (status, [estimate, size]),
+        "cylfuse_cylinder_diagnosis_init": (status, [POINTER(structs.CylinderDiagnosis), size]),
+        "cylfuse_completion_init": (status, [completion, size]),
+        "cylfuse_extent_init": (status, [POINTER(structs.Extent), size]),
         "cylfuse_fitter_create": (status, [c_uint32, POINTER(fitter)]),
         "cylfuse_fitter_destroy": (status, [fitter]),
         "cylfuse_fitter_reserve": (status, [fitter, size, size]),
         "cylfuse_fitter_clear": (status, [fitter]),
+        "cylfuse_fitter_clear_input": (status, [fitter, c_uint32]),
         "cylfuse_fitter_last_error": (c_char_p, [fitter]),
         "cylfuse_fitter_cancel": (status, [fitter]),
         "cylfuse_fitter_set_options": (status, [fitter, options]),
         "cylfuse_fitter_get_options": (status, [fitter, options]),
+        "cylfuse_fitter_select_view": (status, [fitter, size]),
+        "cylfuse_fitter_view_count": (status, [fitter, count]),
+        "cylfuse_fitter_set_pose": (status, [fitter, number, number]),
+        "cylfuse_fitter_set_depth_camera": (status, [fitter, intrinsics, number, number]),
         "cylfuse_fitter_set_intrinsics": (status, [fitter, intrinsics]),
         "cylfuse_fitter_set_start_model": (status, [fitter, cylinder]),
         "cylfuse_fitter_set_progress": (status, [fitter, structs.ProgressFunction, c_void_p]),
         "cylfuse_fitter_set_log": (status, [fitter, c_int32, structs.LogFunction, c_void_p]),
         "cylfuse_fitter_push_points": (status, [fitter, points, mask]),
-        "cylfuse_fitter_push_depth": (status, [fitter, POINTER(structs.DepthView), mask]),
-        "cylfuse_fitter_push_image": (status, [fitter, POINTER(structs.ImageView)]),
-        "cylfuse_fitter_push_edges": (status, [fitter, POINTER(structs.SegmentsView)]),
+        "cylfuse_fitter_push_depth": (status, [fitter, depth, mask]),
+        "cylfuse_fitter_push_image": (status, [fitter, image]),
+        "cylfuse_fitter_push_edges": (status, [fitter, segments]),
         "cylfuse_fitter_counts": (status, [fitter, POINTER(structs.Counts)]),
-        "cylfuse_fitter_fit": (status, [fitter, result]),
-        "cylfuse_fitter_evaluate": (status, [fitter, cylinder, result]),
+        "cylfuse_frame_create": (status, [c_uint32, POINTER(frame)]),
+        "cylfuse_frame_destroy": (status, [frame]),
+        "cylfuse_frame_last_error": (c_char_p, [frame]),
+        "cylfuse_frame_set_intrinsics": (status, [frame, intrinsics]),
+        "cylfuse_frame_set_pose": (status, [frame, number, number]),
+        "cylfuse_frame_set_depth_camera": (status, [frame, intrinsics, number, number]),
+        "cylfuse_frame_set_depth": (status, [frame, depth]),
+        "cylfuse_frame_set_image": (status, [frame, image]),
+        "cylfuse_fitter_use_frame": (status, [fitter, frame, mask]),
+        "cylfuse_fitter_fit": (status, [fitter, result, estimate]),
+        "cylfuse_fitter_evaluate": (status, [fitter, cylinder, result, estimate]),
         "cylfuse_fitter_get_result": (status, [fitter, result]),
+        "cylfuse_fitter_get_cylinder": (status, [fitter, estimate]),
+        "cylfuse_fitter_diagnose": (status, [fitter, cylinder, POINTER(structs.CylinderDiagnosis)]),
         "cylfuse_fitter_residuals": (status, [fitter, cylinder, c_int32, c_void_p, size, count]),
-        "cylfuse_fitter_limb_samples": (status, [fitter, POINTER(structs.LimbSample), size, count]),
-        "cylfuse_fitter_diagnose": (status, [fitter, cylinder, POINTER(structs.Diagnosis)]),
+        "cylfuse_fitter_point_weights": (status, [fitter, c_void_p, c_void_p, size, count]),
+        "cylfuse_fitter_limbs": (status, [fitter, *array]),
+        "cylfuse_fitter_limb_samples": (status, [fitter, *array]),
+        "cylfuse_fitter_end_samples": (status, [fitter, cylinder, mask, *array]),
         "cylfuse_fitter_complete_bound": (status, [fitter, mask, c_int32, count]),
-        "cylfuse_fitter_complete": (status, [fitter, cylinder, mask, POINTER(structs.PointsOut), completion]),
+        "cylfuse_fitter_complete": (
+            status,
+            [fitter, cylinder, mask, c_int32, POINTER(structs.PointsOut), completion],
+        ),
         "cylfuse_fitter_complete_depth": (status, [fitter, cylinder, mask, POINTER(structs.DepthOut), completion]),
         "cylfuse_fitter_extent": (status, [fitter, cylinder, mask, POINTER(structs.Extent)]),
-        "cylfuse_fitter_select_edges": (
-            status,
-            [fitter, cylinder, POINTER(structs.SegmentsView), c_double, c_void_p, size],
-        ),
+        "cylfuse_fitter_select_edges": (status, [fitter, cylinder, segments, c_double, c_void_p, size]),
         "cylfuse_cylinder_distances": (status, [cylinder, points, c_void_p, size]),
-        "cylfuse_cylinder_project": (status, [cylinder, intrinsics, number]),
+        "cylfuse_cylinder_project": (status, [cylinder, intrinsics, c_void_p]),
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
+        "cylfuse_intrinsics_project": (status, [intrinsics, points, c_void_p, size]),
+        "cylfuse_intrinsics_unproject": (status, [intrinsics, c_void_p, size, c_void_p]),
     }
     for name, (restype, argtypes) in signatures.items():
         try:
@@ -131,8 +163,8 @@ def _defaults(kind: Type[_S], init: Any) -> _S:
     return struct
 
 
-#: The structs that are filled here, with the defaults of the library.
-_DEFAULTS: dict[Any, Any] = {
+#: The structs as the library begins them: those that are filled here with its defaults, outputs with their size.
+_FIRST: dict[Any, Any] = {
     kind: _defaults(kind, init)
     for kind, init in [
         (structs.Options, lib.cylfuse_options_init),
@@ -144,18 +176,19 @@ _DEFAULTS: dict[Any, Any] = {
         (structs.SegmentsView, lib.cylfuse_segments_view_init),
         (structs.PointsOut, lib.cylfuse_points_out_init),
         (structs.DepthOut, lib.cylfuse_depth_out_init),
+        (structs.Counts, lib.cylfuse_counts_init),
+        (structs.Result, lib.cylfuse_result_init),
+        (structs.CylinderEstimate, lib.cylfuse_cylinder_estimate_init),
+        (structs.CylinderDiagnosis, lib.cylfuse_cylinder_diagnosis_init),
+        (structs.Completion, lib.cylfuse_completion_init),
+        (structs.Extent, lib.cylfuse_extent_init),
     ]
 }
 
 
 def make(kind: Type[_S]) -> _S:
-    """A struct to be filled here, with the defaults of the library."""
-    return kind.from_buffer_copy(_DEFAULTS[kind])
-
-
-def make_output(kind: Type[_S]) -> _S:
-    """A struct to be filled by the library."""
-    return kind(sizeof(kind))
+    """A struct as the library begins it."""
+    return kind.from_buffer_copy(_FIRST[kind])
 
 
 def version() -> str:

@@ -30,16 +30,6 @@ class Cylinder(Structure):
     ]
 
 
-class LimbSample(Structure):
-    _fields_ = [
-        ("pixel", c_double * 2),
-        ("sigma", c_double),
-        ("weight", c_double),
-        ("limb", c_uint32),
-        ("reserved", c_uint32),
-    ]
-
-
 class Options(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
@@ -48,19 +38,27 @@ class Options(Structure):
         ("start", c_int32),
         ("near_wall", c_int32),
         ("chart", c_int32),
-        ("max_iterations", c_uint32),
+        ("edge_use", c_int32),
+        ("extent_rule", c_int32),
         ("max_threads", c_uint32),
-        ("edge_weight", c_double),
+        ("max_iterations", c_uint32),
+        ("cost_tolerance", c_double),
+        ("gradient_tolerance", c_double),
+        ("step_tolerance", c_double),
         ("initial_lambda", c_double),
         ("lambda_factor", c_double),
         ("max_lambda", c_double),
-        ("cost_tolerance", c_double),
-        ("ransac_threshold", c_double),
+        ("edge_weight", c_double),
         ("seed", c_uint64),
-        ("ransac_max_iterations", c_uint32),
-        ("reserved", c_uint32),
-        ("edge_use", c_int32),
-        ("extent_rule", c_int32),
+        ("ransac_max_iterations", c_uint64),
+        ("ransac_threshold", c_double),
+        ("independent_points", c_double),
+        ("depth_noise", c_double),
+        ("image_noise", c_double),
+        ("edge_noise", c_double),
+        ("mask_noise", c_double),
+        ("image_blur", c_double),
+        ("drawn_pixel", c_double),
         ("radius_min", c_double),
         ("radius_max", c_double),
         ("axis", c_double * 3),
@@ -118,10 +116,10 @@ class DepthView(_View):
 class MaskView(_View):
     _fields_ = [
         ("struct_size", c_uint32),
-        ("reserved", c_uint32),
-        ("data", c_void_p),
         ("width", c_uint32),
         ("height", c_uint32),
+        ("label", c_uint32),
+        ("data", c_void_p),
         ("row_stride", c_ssize_t),
         ("pixel_stride", c_ssize_t),
     ]
@@ -159,8 +157,6 @@ class PointsOut(Structure):
         ("capacity", c_size_t),
         ("point_stride", c_ssize_t),
         ("row_stride", c_ssize_t),
-        ("layout", c_int32),
-        ("reserved", c_uint32),
     ]
 
 
@@ -177,22 +173,10 @@ class DepthOut(Structure):
     ]
 
 
-class Progress(Structure):
-    _fields_ = [
-        ("struct_size", c_uint32),
-        ("phase", c_int32),
-        ("iteration", c_uint32),
-        ("max_iterations", c_uint32),
-        ("cost", c_double),
-        ("lambda", c_double),
-        ("model", Cylinder),
-    ]
-
-
 class Counts(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
-        ("reserved", c_uint32),
+        ("view", c_uint32),
         ("points_given", c_uint64),
         ("points_used", c_uint64),
         ("dropped_not_finite", c_uint64),
@@ -201,6 +185,7 @@ class Counts(Structure):
         ("dropped_no_depth", c_uint64),
         ("dropped_out_of_range", c_uint64),
         ("dropped_outside_camera", c_uint64),
+        ("dropped_hidden", c_uint64),
         ("segments_given", c_uint64),
     ]
 
@@ -208,32 +193,41 @@ class Counts(Structure):
 class Result(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
-        ("termination", c_int32),
-        ("start_kind", c_int32),
         ("flags", c_uint32),
+        ("termination", c_int32),
         ("iterations", c_uint32),
         ("rejected_steps", c_uint32),
-        ("segments_used", c_uint32),
+        ("limbs_located", c_uint32),
         ("segments_given", c_uint32),
-        ("points_used", c_uint64),
+        ("segments_used", c_uint32),
         ("points_given", c_uint64),
-        ("model", Cylinder),
-        ("start_model", Cylinder),
+        ("points_used", c_uint64),
+        ("independent_points", c_double),
+        ("point_deviation", c_double),
+        ("point_rms", c_double),
+        ("edge_rms_pixels", c_double),
+        ("near_wall_fraction", c_double),
         ("initial_cost", c_double),
         ("cost", c_double),
         ("energy_points", c_double),
         ("energy_edges", c_double),
         ("edge_weight", c_double),
-        ("point_rms", c_double),
-        ("edge_rms_pixels", c_double),
-        ("near_wall_fraction", c_double),
         ("condition", c_double),
-        ("lambda", c_double),
         ("gradient_norm", c_double),
         ("step_norm", c_double),
+        ("lambda", c_double),
         ("seconds_start", c_double),
         ("seconds_solve", c_double),
         ("seconds_total", c_double),
+    ]
+
+
+class CylinderEstimate(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("start_kind", c_int32),
+        ("model", Cylinder),
+        ("start_model", Cylinder),
         ("radius_deviation", c_double),
         ("direction_deviation", c_double),
         ("position_deviation", c_double),
@@ -243,12 +237,10 @@ class Result(Structure):
         ("radius_from_limbs_deviation", c_double),
         ("radius_z_score", c_double),
         ("covariance", c_double * 49),
-        ("limbs_located", c_uint32),
-        ("reserved", c_uint32),
     ]
 
 
-class Diagnosis(Structure):
+class CylinderDiagnosis(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
         ("rank", c_uint32),
@@ -263,7 +255,7 @@ class Diagnosis(Structure):
 class Completion(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
-        ("reserved", c_uint32),
+        ("view", c_uint32),
         ("count", c_uint64),
         ("hits", c_uint64),
         ("misses", c_uint64),
@@ -277,7 +269,11 @@ class Extent(Structure):
         ("struct_size", c_uint32),
         ("start_state", c_int32),
         ("end_state", c_int32),
-        ("reserved", c_uint32),
+        ("start_source", c_int32),
+        ("end_source", c_int32),
+        ("start_view", c_uint32),
+        ("end_view", c_uint32),
+        ("limbs_known", c_uint32),
         ("start", c_double * 3),
         ("end", c_double * 3),
         ("center", c_double * 3),
@@ -288,6 +284,49 @@ class Extent(Structure):
         ("start_covariance", c_double * 9),
         ("end_covariance", c_double * 9),
         ("center_covariance", c_double * 9),
+    ]
+
+
+class Progress(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("phase", c_int32),
+        ("iteration", c_uint32),
+        ("max_iterations", c_uint32),
+        ("cost", c_double),
+        ("lambda", c_double),
+        ("cylinder", POINTER(Cylinder)),
+    ]
+
+
+class Limb(Structure):
+    _fields_ = [
+        ("view", c_uint32),
+        ("limb", c_uint32),
+        ("status", c_int32),
+        ("samples", c_uint32),
+        ("line", c_double * 4),
+        ("deviation", c_double),
+    ]
+
+
+class LimbSample(Structure):
+    _fields_ = [
+        ("view", c_uint32),
+        ("limb", c_uint32),
+        ("pixel", c_double * 2),
+        ("deviation", c_double),
+        ("weight", c_double),
+    ]
+
+
+class EndSample(Structure):
+    _fields_ = [
+        ("view", c_uint32),
+        ("end", c_uint32),
+        ("pixel", c_double * 2),
+        ("normal", c_double * 2),
+        ("deviation", c_double),
     ]
 
 

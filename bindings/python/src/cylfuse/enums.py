@@ -9,9 +9,12 @@ __all__ = [
     "Chart",
     "Distortion",
     "EdgeUse",
+    "EndSource",
     "EndState",
     "ExtentRule",
+    "Input",
     "Layout",
+    "LimbStatus",
     "LogLevel",
     "Method",
     "NearWall",
@@ -106,7 +109,7 @@ class Chart(_Choice):
 class EdgeUse(_Choice):
     """What given edges are for the objective ROBUST: a start for limbs in the image, or the measurement."""
 
-    #: A start: where there is a grey image, the limbs are located in it and join the fit.
+    #: A start: where there is an image, the limbs are located in it and join the fit.
     REFINE = 0
     #: The measurement: no limbs are looked for in the image.
     AS_GIVEN = 1
@@ -119,7 +122,7 @@ class ExtentRule(_Choice):
     AUTO = 0
     #: The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     EXTREMES = 1
-    #: From all lines along the surface together, in the mask and, when there is one, in the grey image.
+    #: From all lines along the surface together, in the mask and, when there is one, in the image.
     LOCATED = 2
 
 
@@ -165,6 +168,10 @@ class Termination(_Choice):
     MAX_ITERATIONS = 3
     #: The radius left all proportion to the data: they are flat.
     RADIUS_RAN_AWAY = 4
+    #: The gradient fell below its tolerance.
+    GRADIENT = 5
+    #: The step fell below its tolerance.
+    STEP = 6
 
 
 class EndState(_Choice):
@@ -178,6 +185,55 @@ class EndState(_Choice):
     CUT = 2
     #: Something nearer than the surface covers what lies beyond.
     HIDDEN = 3
+
+
+class EndSource(_Choice):
+    """What the position of an end was taken from."""
+
+    #: The extreme point completed over the mask.
+    EXTREME = 0
+    #: Where the lines along the surface leave the mask.
+    MASK = 1
+    #: The arc of the end circle in the image.
+    IMAGE = 2
+    #: The last of the surface inside the border of the image.
+    BORDER = 3
+
+
+class LimbStatus(_Choice):
+    """Whether a limb was located in the image, or why not."""
+
+    #: It was located.
+    LOCATED = 0
+    #: The image was not searched: there is none, the edges were taken as given, or the objective does not look.
+    NOT_SEARCHED = 1
+    #: The cylinder has no limbs in front of the camera.
+    NO_LIMBS = 2
+    #: Less than 24 rows or columns of the image show the limb.
+    TOO_SHORT = 3
+    #: No line near the expected place has more of an edge than noise gives.
+    NO_EDGE = 4
+    #: The line left the expected place while it was refined.
+    OUT_OF_REACH = 5
+    #: The line would be less certain than one set by hand.
+    UNCERTAIN = 6
+    #: A small part of the line carries it all.
+    PATCHY = 7
+    #: The other limb was found at the same place, and more certainly.
+    SAME_LINE = 8
+
+
+class Input(_Choice):
+    """Data of a view, for :meth:`Fitter.clear_input`."""
+
+    #: All points: those of clouds and those that were made of depth images.
+    POINTS = 1
+    #: The depth image and its mask; the points that were made of it stay.
+    DEPTH = 2
+    #: Edge segments.
+    EDGES = 4
+    #: The image.
+    IMAGE = 8
 
 
 class Phase(_Choice):
@@ -196,7 +252,7 @@ class LogLevel(_Choice):
     OFF = 0
     #: Calls that failed, with their message.
     ERROR = 1
-    #: Doubts about a result, such as ignored edges.
+    #: Warnings about a result, such as ignored edges.
     WARNING = 2
     #: What was pushed, which start was taken, how a fit ended.
     INFO = 3
@@ -239,6 +295,8 @@ class ResultFlags(IntFlag):
     RADIUS_AT_LIMIT = 8192
     #: The axis is on the border of its cone: the data want another one.
     AXIS_AT_LIMIT = 16384
+    #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
+    UNCERTAINTY_UNKNOWN = 32768
 
     @property
     def names(self) -> list[str]:

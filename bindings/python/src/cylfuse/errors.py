@@ -59,7 +59,8 @@ class StateError(CylfuseError):
 
 
 class BusyError(CylfuseError):
-    """Another call on the same fitter is running; take one fitter for each thread."""
+    """Another call on the same fitter or frame is running, and one of the two may change it; take one fitter for each
+    thread."""
 
     status = -6
 
@@ -168,5 +169,10 @@ def from_status(status: int, message: str) -> CylfuseError:
 
 
 def fail(status: int, fitter: object = None) -> NoReturn:
-    """Raises what the last call on a fitter failed with, or without one that of this thread without a fitter."""
+    """Raises what the last call on a fitter failed with, or without one the last call of this thread."""
     raise from_status(status, lib.cylfuse_fitter_last_error(fitter).decode("ascii", "replace"))
+
+
+def fail_on_frame(status: int, frame: object) -> NoReturn:
+    """Raises what the last call on a frame failed with."""
+    raise from_status(status, lib.cylfuse_frame_last_error(frame).decode("ascii", "replace"))

@@ -9,13 +9,14 @@ import os
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, Callable, Deque, Iterable, Iterator, Mapping, Optional, Sized, Union
 
+import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, depth_pixels
 from ._check import instance, whole
 from .errors import CylfuseError
 from .fitter import Fitter
-from .geometry import Intrinsics
+from .geometry import Intrinsics, Pose
 from .options import Options
 from .result import Result
 
@@ -31,30 +32,42 @@ def fit(
     min_depth: float = 0.0,
     max_depth: Optional[float] = None,
     image_gamma: float = 1.0,
+    image_bgr: bool = False,
+    depth_camera: Optional[Intrinsics] = None,
+    depth_pose: Pose | npt.ArrayLike = Pose(),
     options: Optional[Options] = None,
 ) -> Result:
-    """Fits the cylinder in a frame.
+    """Fits the cylinder in a frame. For several views see :class:`Fitter`.
 
-    :param depth: rows x columns of uint16 or float32, z = value * ``depth_scale``; 0 = not measured
+    :param depth: rows x columns of uint16 or float32 (float64 is converted), z = value * ``depth_scale``; 0 = not
+        measured
     :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole
     :param mask: rows x columns of bool or uint8: the visible lateral surface, give or take some pixels; None =
         every measured pixel, and no extent
-    :param image: rows x columns of uint8, uint16 or float32: the grey image, in which the limbs are located
+    :param image: rows x columns of uint8, uint16 or float32, or in colour rows x columns x 3 or 4 of uint8: the image,
+        in which the limbs are located
     :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels
     :param min_depth: the nearest depth that counts
     :param max_depth: the farthest depth that counts
     :param image_gamma: light is the value of the image to this power: 2.2 for sRGB, in which cameras and image files
         usually come
+    :param image_bgr: the first channel is blue, as OpenCV reads files, and not red
+    :param depth_camera: the camera of the depth, when that is not registered to the image; ``mask``, ``image`` and
+        ``edges`` are in the pixels of ``intrinsics``
+    :param depth_pose: the motion from the depth camera to that of ``intrinsics``
     :param options: settings other than the defaults
     :raises DataError: the data do not determine a cylinder
     """
     if not isinstance(intrinsics, Intrinsics):
-        height, width = depth_pixels(depth).shape
+        of_image = [given for given in (image, mask) if isinstance(given, np.ndarray)]
+        height, width = (of_image[0] if depth_camera and of_image else depth_pixels(depth)).shape[:2]
         intrinsics = Intrinsics.from_matrix(intrinsics, width, height)
     fitter = Fitter(intrinsics, options)
+    if depth_camera is not None:
+        fitter.set_depth_camera(depth_camera, depth_pose)
     fitter.push_depth(depth, mask, depth_scale, min_depth, max_depth)
     if image is not None:
-        fitter.push_image(image, image_gamma)
+        fitter.push_image(image, image_gamma, bgr=image_bgr)
     if edges is not None:
         fitter.push_edges(edges)
     return fitter.fit()
@@ -79,12 +92,12 @@ def fit_points(
 
 
 #: The arguments of :func:`fit` for a frame, or a function that returns them.
-Frame = Union[Mapping[str, Any], Callable[[], Mapping[str, Any]]]
+Arguments = Union[Mapping[str, Any], Callable[[], Mapping[str, Any]]]
 Outcome = Union[Result, CylfuseError]
 
 
 def fit_many(
-    frames: Iterable[Frame],
+    frames: Iterable[Arguments],
     *,
     options: Optional[Options] = None,
     threads: Optional[int] = None,
@@ -94,8 +107,8 @@ def fit_many(
     :func:`fit` raised. Any other exception, of ``frames`` or of a frame, comes out once the outcomes before it are
     out.
 
-    Only a few frames per thread are held at a time, so an endless iterable works; each result holds the data of its
-    frame until it is dropped.
+    Only a few frames per thread are held at a time, so an endless iterable works. The results have their extents but
+    not the data: ``residuals()``, ``complete()`` and so on need those of :func:`fit`.
 
     :param frames: the arguments of :func:`fit` for each frame, or functions that return them, such as
         ``functools.partial(load, path)``, which then run in the threads too
@@ -114,15 +127,15 @@ def fit_many(
     return outcomes
 
 
-def _outcome(frame: Frame, options: Options) -> Outcome:
+def _outcome(frame: Arguments, options: Options) -> Outcome:
     try:
-        return fit(**{"options": options, **(frame() if callable(frame) else frame)})
+        return fit(**{"options": options, **(frame() if callable(frame) else frame)})._let_go()
     except CylfuseError as error:
         # The traceback would keep the data of the frame.
         return error.with_traceback(None)
 
 
-def _in_order(frames: Iterator[Frame], options: Options, threads: int) -> Iterator[Outcome]:
+def _in_order(frames: Iterator[Arguments], options: Options, threads: int) -> Iterator[Outcome]:
     waiting: Deque[Future[Outcome]] = collections.deque()
     failure: Optional[Exception] = None
     with ThreadPoolExecutor(threads, thread_name_prefix="cylfuse") as pool:

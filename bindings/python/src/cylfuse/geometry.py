@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from ctypes import byref, c_double
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -70,8 +69,7 @@ class Cylinder:
         principal point, as rows (a, b, c) with a^2 + b^2 = 1: shape (2, 3)."""
         out = np.empty((2, 3))
         camera = instance("intrinsics", intrinsics, Intrinsics)._struct()
-        pointer = out.ctypes.data_as(lib.cylfuse_cylinder_project.argtypes[2])
-        status = lib.cylfuse_cylinder_project(byref(self._struct()), byref(camera), pointer)
+        status = lib.cylfuse_cylinder_project(byref(self._struct()), byref(camera), address(out))
         if status:
             fail(status)
         return out
@@ -158,26 +156,77 @@ class Intrinsics:
         struct.distortion[: len(self.distortion)] = self.distortion
         return struct
 
-    def pixels(self, points: npt.ArrayLike) -> Floats:
-        """Pixels of points (N x 3) in the camera frame, through the lens; for drawing. Shape (N, 2)."""
-        x, y, z = np.asarray(points, dtype=np.float64).T
-        x, y = x / z, y / z
-        k = self.distortion + (0.0,) * (8 - len(self.distortion))
-        r2 = x * x + y * y
-        if self.distortion_model == Distortion.BROWN_CONRADY:
-            k1, k2, p1, p2, k3, k4, k5, k6 = k
-            radial = (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1 + r2 * (k4 + r2 * (k5 + r2 * k6)))
-            x, y = (
-                x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-                y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
-            )
-        elif self.distortion_model == Distortion.KANNALA_BRANDT:
-            angle = np.arctan(np.sqrt(r2))
-            a2 = angle * angle
-            bent = angle * (1 + a2 * (k[0] + a2 * (k[1] + a2 * (k[2] + a2 * k[3]))))
-            scale = np.where(r2 > 0, bent / np.sqrt(np.where(r2 > 0, r2, 1)), 1.0)
-            x, y = x * scale, y * scale
-        return np.stack([self.fx * x + self.cx, self.fy * y + self.cy], axis=-1)
+    def project(self, points: npt.ArrayLike) -> Floats:
+        """The pixels of the (distorted) image at which the camera sees points (N x 3, or rows x columns x 3) of its
+        frame: shape (N, 2). They may lie beyond the border; NaN for a point that the camera cannot see."""
+        view = points_view(points)
+        out = np.empty((*view.array[0].shape[:-1], 2))
+        status = lib.cylfuse_intrinsics_project(byref(self._struct()), byref(view), address(out), out.size // 2)
+        if status:
+            fail(status)
+        return out
+
+    def unproject(self, pixels: npt.ArrayLike) -> Floats:
+        """The rays along which the camera sees pixels (N x 2) of the (distorted) image, as points at z = 1: shape
+        (N, 3); NaN where the model has no ray."""
+        array = np.ascontiguousarray(vector("pixels", pixels).reshape(-1, 2))
+        if np.shape(pixels) != array.shape and array.size:
+            raise ValueError(f"pixels have the shape {np.shape(pixels)}; it must be N x 2")
+        out = np.empty((len(array), 3))
+        status = lib.cylfuse_intrinsics_unproject(
+            byref(self._struct()), address(array), len(array), address(out)
+        )
+        if status:
+            fail(status)
+        return out
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Pose:
+    """A rigid motion, x' = rotation x + translation: of a view from its camera to the reference frame, of a depth
+    camera from it to the colour camera. Without arguments the identity."""
+
+    #: Shape (3, 3); what rounding left off a rotation is mended by the library.
+    rotation: Floats
+    #: Shape (3,), in the unit of length.
+    translation: Floats
+
+    def __init__(
+        self, rotation: npt.ArrayLike = ((1, 0, 0), (0, 1, 0), (0, 0, 1)), translation: npt.ArrayLike = (0, 0, 0)
+    ) -> None:
+        if np.shape(rotation) != (3, 3):
+            raise ValueError(f"rotation has the shape {np.shape(rotation)}; it must be (3, 3)")
+        self.__dict__.update(
+            rotation=vector("rotation", rotation).reshape(3, 3), translation=vector("translation", translation, 3)
+        )
+
+    @classmethod
+    def of(cls, given: Pose | npt.ArrayLike) -> Pose:
+        """The pose, or that of a 4 x 4 matrix."""
+        if isinstance(given, Pose):
+            return given
+        if np.shape(given) != (4, 4):
+            raise ValueError(f"the pose has the shape {np.shape(given)}; it must be a cylfuse.Pose, or a 4 x 4 matrix")
+        matrix = vector("the pose", given).reshape(4, 4)
+        if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+            raise ValueError(f"the pose has {matrix[3].tolist()} in its last row; it must be 0, 0, 0, 1")
+        return cls(matrix[:3, :3], matrix[:3, 3])
+
+    def inverse(self) -> Pose:
+        """The motion back."""
+        return Pose(self.rotation.T, -self.rotation.T @ self.translation)
+
+    def points(self, points: npt.ArrayLike) -> Floats:
+        """Moved points, of the same shape, (..., 3)."""
+        moved: Floats = np.asarray(points, dtype=np.float64) @ self.rotation.T + self.translation
+        return moved
+
+    def cylinder(self, cylinder: Cylinder) -> Cylinder:
+        """A moved cylinder."""
+        return Cylinder(self.points(cylinder.point), self.rotation @ cylinder.direction, cylinder.radius)
+
+    def _numbers(self) -> tuple[Any, Any]:
+        return c_vector(self.rotation.ravel()), c_vector(self.translation)
 
 
 def across(direction: Any) -> Any:
@@ -186,18 +235,3 @@ def across(direction: Any) -> Any:
     first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(direction, first)])
-
-
-def limb_points(cylinder: Cylinder, start: Floats, end: Floats) -> list[Floats]:
-    """The ends of both limbs, two arrays of shape (2, 3): where the rays of a camera at the origin touch the
-    surface. Empty from inside the cylinder."""
-    direction = cylinder.direction
-    foot = start - direction * (start @ direction)
-    distance = math.sqrt(foot @ foot)
-    if distance <= cylinder.radius:
-        return []
-    toward = foot / distance
-    side = np.cross(direction, toward)
-    sine = cylinder.radius / distance
-    across = [-sine * toward + s * math.sqrt(1 - sine * sine) * side for s in (1.0, -1.0)]
-    return [np.stack([start, end]) + cylinder.radius * radius for radius in across]

@@ -39,30 +39,48 @@ class Options:
     near_wall: NearWall | str = NearWall.AUTO
     #: The coordinates of the iteration.
     chart: Chart | str = Chart.AUTO
+    #: What given edges are for the objective ROBUST.
+    edge_use: EdgeUse | str = EdgeUse.REFINE
+    #: How the ends of the visible cylinder are found.
+    extent_rule: ExtentRule | str = ExtentRule.AUTO
+    #: Most threads of one fit; 1 starts none. The result has the same bits for any number.
+    max_threads: int = 1
     #: Most linear solves.
     max_iterations: int = 400
-    #: Most threads of one fit; 0 = as many as the machine has. The result has the same bits for any number.
-    max_threads: int = 0
-    #: The weight of the edges in the objective PAPER, in [0, 1].
-    edge_weight: float = 0.6
+    #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
+    cost_tolerance: float = 1e-12
+    #: The iteration ends at a gradient of not more than this part of what the residuals could give.
+    gradient_tolerance: float = 2.0**-52
+    #: The iteration ends at a step of not more than this part of the distance of the data from the origin.
+    step_tolerance: float = 2.0**-52
     #: Damping of the first step.
     initial_lambda: float = 1e-3
     #: Factor by which the damping changes.
     lambda_factor: float = 10.0
     #: Damping at which no smaller step is tried any more.
     max_lambda: float = 1e12
-    #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
-    cost_tolerance: float = 1e-12
-    #: Distance of an inlier of RANSAC, in the unit of length; 0 = from the data.
-    ransac_threshold: float = 0.0
+    #: The weight of the edges in the objective PAPER, in [0, 1].
+    edge_weight: float = 0.6
     #: Seed of the random samples of RANSAC.
     seed: int = 0
     #: Most random samples of RANSAC.
     ransac_max_iterations: int = 1000
-    #: What given edges are for the objective ROBUST.
-    edge_use: EdgeUse | str = EdgeUse.REFINE
-    #: How the ends of the visible cylinder are found.
-    extent_rule: ExtentRule | str = ExtentRule.AUTO
+    #: Distance of an inlier of RANSAC, in the unit of length; 0 = from the data.
+    ransac_threshold: float = 0.0
+    #: How many points with independent noise the points of one view are worth; 0 = from the data.
+    independent_points: float = 0.0
+    #: Standard deviation of a point across the surface, in the unit of length; 0 = from the data.
+    depth_noise: float = 0.0
+    #: Standard deviation of the values of the image; 0 = from the image.
+    image_noise: float = 0.0
+    #: Standard deviation of an end of a given edge across its limb, in drawn pixels; 0 = that of edges set by hand.
+    edge_noise: float = 0.0
+    #: Standard deviation of a side of the mask across its limb, in drawn pixels; 0 = that of masks drawn by hand.
+    mask_noise: float = 0.0
+    #: Blur of the image, the standard deviation of a Gauss curve in pixels; 0 = from the image.
+    image_blur: float = 0.0
+    #: Size of a pixel of the drawing in which edges and masks were made, in pixels of the image; 0 = by its size.
+    drawn_pixel: float = 0.0
     #: The smallest radius that the cylinder keeps.
     radius_min: float = 0.0
     #: The largest radius, equal to the smallest for a known one; 0 = no limit.
@@ -89,7 +107,7 @@ class Options:
 
 
 _NAMES = [field.name for field in fields(Options)]
-_WHOLE = {"max_iterations": 2**32, "max_threads": 2**32, "ransac_max_iterations": 2**32, "seed": 2**64}
+_WHOLE = {"max_iterations": 2**32, "max_threads": 2**32, "ransac_max_iterations": 2**64, "seed": 2**64}
 
 
 def _normal(name: str, value: Any) -> Any:

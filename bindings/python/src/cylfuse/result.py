@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import html
 import math
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, Floats, numbers
-from .enums import EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
+from .enums import EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
 from .errors import CylfuseError, StateError
-from .geometry import Cylinder
+from .geometry import Cylinder, Intrinsics, Pose
 
 if TYPE_CHECKING:
     from .fitter import Fitter
+    from .questions import EndSamples, Limb, LimbSamples, PointWeights
 
 
 def _square(values: Any) -> Floats:
@@ -31,27 +32,30 @@ class _Record:
     #: Python's name for a field whose own is a word of the language.
     _renamed: ClassVar[dict[str, str]] = {"damping": "lambda"}
 
-    def __init__(self, struct: Any) -> None:
-        self._struct = struct
+    def __init__(self, *structs: Any) -> None:
+        self._structs = structs
 
     # Not for checkers of types: they know the fields, and see a misspelt one.
     if not TYPE_CHECKING:
 
         def __getattr__(self, name):
             field = self._renamed.get(name, name)
-            if name.startswith("_") or field in ("struct_size", "reserved") or not hasattr(self._struct, field):
-                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
-            value = getattr(self._struct, field)
-            if field in self._convert:
-                value = self._convert[field](value)
-            self.__dict__[name] = value
-            return value
+            if not name.startswith("_") and field != "struct_size":
+                for struct in self._structs:
+                    if hasattr(struct, field):
+                        value = getattr(struct, field)
+                        if field in self._convert:
+                            value = self._convert[field](value)
+                        self.__dict__[name] = value
+                        return value
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
 
     def _names(self) -> Iterator[str]:
         back = {field: name for name, field in self._renamed.items()}
-        for field in (str(entry[0]) for entry in self._struct._fields_):
-            if field not in ("struct_size", "reserved"):
-                yield back.get(field, field)
+        for struct in self._structs:
+            for field in (str(entry[0]) for entry in struct._fields_):
+                if field != "struct_size":
+                    yield back.get(field, field)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self._names()})
@@ -65,8 +69,10 @@ class _Record:
 
 
 class Counts(_Record):
-    """What was pushed, and what was left out by reason."""
+    """What was pushed into one view, and what was left out by reason."""
 
+    #: The view.
+    view: int
     #: Points and pixels that were pushed.
     points_given: int
     #: Points that a fit uses.
@@ -83,6 +89,8 @@ class Counts(_Record):
     dropped_out_of_range: int
     #: Left out: the camera model has no ray for the pixel.
     dropped_outside_camera: int
+    #: Left out: the colour camera sees something nearer there. Only with a depth camera of its own.
+    dropped_hidden: int
     #: Edge segments that were pushed; ``segments_used`` of a result says how many count.
     segments_given: int
 
@@ -94,6 +102,9 @@ class Extent(_Record):
     _convert = {
         "start_state": EndState,
         "end_state": EndState,
+        "start_source": EndSource,
+        "end_source": EndSource,
+        "limbs_known": bool,
         "start": numbers,
         "end": numbers,
         "center": numbers,
@@ -106,6 +117,14 @@ class Extent(_Record):
     start_state: EndState
     #: What the end along the direction is.
     end_state: EndState
+    #: What the position of each end was taken from.
+    start_source: EndSource
+    end_source: EndSource
+    #: The view that tells most of each end.
+    start_view: int
+    end_view: int
+    #: Whether the limbs were taken as good to a fraction of a pixel, so that the bias of the mask was read off at them.
+    limbs_known: bool
     #: The ends and their middle, points on the axis, shape (3,).
     start: Floats
     end: Floats
@@ -123,7 +142,7 @@ class Extent(_Record):
     center_covariance: Floats
 
 
-class Diagnosis(_Record):
+class CylinderDiagnosis(_Record):
     """What the data determine: singular values of the stacked Jacobian in units of the size of the data."""
 
     _convert = {"singular_values": numbers, "weakest_shift": numbers, "weakest_tilt": numbers}
@@ -145,9 +164,11 @@ class Completion(_Record):
 
     def __init__(self, struct: Any, array: Array) -> None:
         super().__init__(struct)
-        #: Points of shape (N, 3) or (rows, columns, 3), or depth of shape (rows, columns).
+        #: Points of the reference frame of shape (N, 3) or (rows, columns, 3), or depth of shape (rows, columns).
         self.array = array
 
+    #: The view whose pixels were completed.
+    view: int
     #: Points or pixels that were written.
     count: int
     #: Pixels of the mask whose ray meets the cylinder.
@@ -163,7 +184,12 @@ class Completion(_Record):
 class Progress(_Record):
     """The state of a running fit, before each linear solve."""
 
-    _convert = {"phase": Phase, "model": Cylinder._from_struct}
+    _convert = {"phase": Phase}
+
+    def __init__(self, struct: Any) -> None:
+        # A copy: the memory is the library's, and the cylinder is there until the callback returns.
+        super().__init__(type(struct).from_buffer_copy(struct))
+        self.cylinder = Cylinder._from_struct(struct.cylinder.contents) if struct.cylinder else None
 
     #: What the fit is doing.
     phase: Phase
@@ -175,16 +201,25 @@ class Progress(_Record):
     cost: float
     #: The damping of the next step; 0 in the phase START.
     damping: float
-    #: The best cylinder so far; of radius 0 in the phase START.
-    model: Cylinder
+    #: The best cylinder so far; None in the phase START.
+    cylinder: Optional[Cylinder]
+
+
+class View(NamedTuple):
+    """The camera of a view and where it is."""
+
+    #: The colour camera; None when only clouds were pushed.
+    intrinsics: Optional[Intrinsics]
+    #: From the camera to the reference frame.
+    pose: Pose
 
 
 class Result(_Record):
     """The outcome of a fit with the numbers to judge it. NaN stands for what does not apply. Lengths are in the unit
     of the data, angles in radians.
 
-    ``extent``, ``residuals()`` and so on ask the fitter that made the result: they raise :class:`StateError` once
-    that fitter was given something else.
+    ``residuals()``, ``complete()`` and so on ask the fitter that made the result: they raise :class:`StateError` once
+    that fitter was given something else. ``extent`` stays.
     """
 
     _convert = {
@@ -196,26 +231,32 @@ class Result(_Record):
         "covariance": _square,
     }
 
+    #: Warnings.
+    flags: ResultFlags
     #: Why the iteration ended.
     termination: Termination
-    #: How the start was found.
-    start_kind: Start
-    #: Doubts.
-    flags: ResultFlags
     #: Linear solves.
     iterations: int
     #: Solves whose step was rejected.
     rejected_steps: int
+    #: Limb lines that were located in the images and took part, at most 2 a view.
+    limbs_located: int
     #: Segments that took part, of those that were pushed.
-    segments_used: int
     segments_given: int
+    segments_used: int
     #: Points that took part, of those that were pushed.
-    points_used: int
     points_given: int
-    #: The cylinder; ``cylinder`` is the same.
-    model: Cylinder
-    #: The model that the iteration started from, moved into the limits.
-    start_model: Cylinder
+    points_used: int
+    #: How many points with independent noise the points are worth: the noise of neighbours in a depth image is alike.
+    independent_points: float
+    #: Standard deviation of the points from the surface by their median, unit of length.
+    point_deviation: float
+    #: Root of ``energy_points``, unit of length.
+    point_rms: float
+    #: Root mean square distance of the ends of the edges from the limb lines in ideal pixels.
+    edge_rms_pixels: float
+    #: The part of the points on the wall that the camera sees.
+    near_wall_fraction: float
     #: Cost of the start and of the cylinder, unit of length squared.
     initial_cost: float
     cost: float
@@ -226,23 +267,23 @@ class Result(_Record):
     energy_edges: float
     #: The edge weight that was used; NaN where the objective has none.
     edge_weight: float
-    #: Root of ``energy_points``, unit of length.
-    point_rms: float
-    #: Root mean square distance of the ends of the edges from the limb lines in ideal pixels.
-    edge_rms_pixels: float
-    #: The part of the points on the wall that the camera sees.
-    near_wall_fraction: float
     #: Condition number of the Jacobian at the cylinder, in units of the size of the data; may be infinite.
     condition: float
-    #: The last damping.
-    damping: float
     #: Norm of half the gradient of the cost at the end and of the last step, in units of the size of the data.
     gradient_norm: float
     step_norm: float
+    #: The last damping.
+    damping: float
     #: Wall-clock seconds to find the start, to iterate, and of the whole fit.
     seconds_start: float
     seconds_solve: float
     seconds_total: float
+    #: How the start was found.
+    start_kind: Start
+    #: The cylinder; ``cylinder`` is the same.
+    model: Cylinder
+    #: The model that the iteration started from, moved into the limits.
+    start_model: Cylinder
     #: Standard deviations of the radius (unit of length), of the direction (radians) and of the position of the axis
     #: across itself (unit of length): those of the noise of the data, not of errors that all data share.
     radius_deviation: float
@@ -257,22 +298,37 @@ class Result(_Record):
     radius_z_score: float
     #: Covariance of (point, direction, radius), shape (7, 7), rank 5.
     covariance: Floats
-    #: Limb lines that were located in the grey image and took part, 0 to 2.
-    limbs_located: int
 
-    def __init__(self, struct: Any, fitter: Optional[Fitter], revision: int) -> None:
-        super().__init__(struct)
+    def __init__(self, structs: tuple[Any, Any], fitter: Optional[Fitter], revision: int) -> None:
+        super().__init__(*structs)
         self._fitter, self._revision = fitter, revision
-        self._extent: Optional[Extent] = None
-        self._diagnostics: Optional[Diagnosis] = None
+        #: The cameras of the views that were fitted.
+        self.views: tuple[View, ...] = ()
+        self._extent: Optional[Extent | CylfuseError] = None
+        self._diagnostics: Optional[CylinderDiagnosis] = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Copies and what is pickled are the numbers, and the extent and the diagnostics where they were asked for."""
+        """Copies and what is pickled are the numbers, the extent, and the diagnostics where they were asked for."""
         return {**self.__dict__, "_fitter": None}
+
+    def _find_extent(self) -> None:
+        """Finds the extent, or why there is none, while the fitter has the data."""
+        try:
+            self._extent = self._source().extent()
+        except CylfuseError as error:
+            # The traceback would keep the fitter.
+            self._extent = error.with_traceback(None)
+
+    def _let_go(self) -> Result:
+        """Lets go of the fitter, and with it of the data."""
+        self._fitter = None
+        return self
 
     def _source(self) -> Fitter:
         if self._fitter is None:
-            raise StateError("this result has no fitter, being that of a given model or a copy; ask a fitter itself")
+            raise StateError(
+                "this result has no fitter, being that of a given model or of fit_many, or a copy; ask a fitter itself"
+            )
         if self._fitter._revision != self._revision:
             raise StateError("the fitter of this result was given something else since; ask before that")
         return self._fitter
@@ -284,13 +340,15 @@ class Result(_Record):
 
     @property
     def extent(self) -> Extent:
-        """The visible piece; needs intrinsics and a mask."""
+        """The visible piece, found together with the fit; needs intrinsics and a mask."""
         if self._extent is None:
             self._extent = self._source().extent()
+        if isinstance(self._extent, CylfuseError):
+            raise self._extent
         return self._extent
 
     @property
-    def diagnostics(self) -> Diagnosis:
+    def diagnostics(self) -> CylinderDiagnosis:
         """What the data determine at the cylinder."""
         if self._diagnostics is None:
             self._diagnostics = self._source().diagnose()
@@ -299,6 +357,22 @@ class Result(_Record):
     def residuals(self, kind: ResidualKind | str = ResidualKind.POINTS) -> Floats:
         """Signed distances of the used points, or of the ends of the used edges in pixels."""
         return self._source().residuals(kind)
+
+    def point_weights(self) -> PointWeights:
+        """How much each used point of the selected view counts."""
+        return self._source().point_weights()
+
+    def limbs(self) -> list[Limb]:
+        """The two limbs in each view: where they were located, or why they were not."""
+        return self._source().limbs()
+
+    def limb_samples(self) -> LimbSamples:
+        """What was seen of the limbs in the image of the selected view."""
+        return self._source().limb_samples()
+
+    def end_samples(self) -> EndSamples:
+        """The places on the arcs of both ends in the images."""
+        return self._source().end_samples()
 
     def complete(
         self,
@@ -315,11 +389,11 @@ class Result(_Record):
         """The completed depth image: shape (rows, columns)."""
         return self._source().complete_depth(dtype, scale, mask=mask).array
 
-    def plot(self, image: Optional[Array] = None, ax: Any = None) -> Any:
-        """Draws limbs, ends and axis over an image with matplotlib; returns the axes."""
+    def plot(self, image: Optional[Array] = None, ax: Any = None, view: int = 0) -> Any:
+        """Draws limbs, ends and axis over the image of a view with matplotlib; returns the axes."""
         from .plot import plot
 
-        return plot(self, image, ax)
+        return plot(self, image, ax, view)
 
     def to_trimesh(self) -> Any:
         """The visible piece as a closed mesh of trimesh."""
@@ -334,7 +408,7 @@ class Result(_Record):
         return to_open3d(self)
 
     def row(self) -> dict[str, Any]:
-        """Cylinder, uncertainty, extent (where there is one) and doubts as plain numbers, for a table."""
+        """Cylinder, uncertainty, extent (where there is one) and warnings as plain numbers, for a table."""
         row: dict[str, Any] = {}
         for name, values in (("point", self.model.point), ("direction", self.model.direction)):
             row.update({f"{name}_{axis}": float(x) for axis, x in zip("xyz", values)})
@@ -363,7 +437,7 @@ class Result(_Record):
         rows.append(("data", f"{self.points_used} of {self.points_given} points{edges}"))
         rows.append(("root mean square", f"{self.point_rms:.3g}"))
         rows.append(("end", f"{self.termination} after {self.iterations} solves"))
-        rows.append(("doubts", ", ".join(self.flags.names) or "none"))
+        rows.append(("warnings", ", ".join(self.flags.names) or "none"))
         return rows
 
     def __repr__(self) -> str:

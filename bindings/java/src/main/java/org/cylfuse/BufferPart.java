@@ -12,8 +12,8 @@ import java.nio.ShortBuffer;
 import java.util.Objects;
 
 /**
- * The elements of a buffer that a view takes: a grid of items of a few neighbouring elements each, of which every one is
- * checked to lie between the position and the limit of the buffer.
+ * The elements of a buffer that a view takes: a grid of items of a few neighbouring elements each, of which every one
+ * is checked to lie between the position and the limit of the buffer.
  */
 final class BufferPart {
     private final Buffer buffer;
@@ -106,8 +106,8 @@ final class BufferPart {
     }
 
     /**
-     * The address of the first item, valid until {@code copies} is closed. Only a direct buffer in the byte order of the
-     * machine has one of its own; of others the elements from the first to the last that is needed are copied.
+     * The address of the first item, valid until {@code copies} is closed. Only a direct buffer in the byte order of
+     * the machine has one of its own; of others the elements from the first to the last that is needed are copied.
      */
     Pointer address(NativeCopies copies) {
         if (last < first) {

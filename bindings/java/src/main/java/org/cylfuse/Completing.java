@@ -11,7 +11,8 @@ final class Completing {
     private final NativeStructs.Cylinder model;
     private final NativeStructs.MaskView region;
     private final NativeCopies copies;
-    private final NativeStructs.Completion completion = new NativeStructs.Completion();
+    private final NativeStructs.Completion completion =
+            NativeFunctions.initialised(new NativeStructs.Completion(), NativeFunctions::cylfuse_completion_init);
     private Memory memory;
 
     Completing(FitterCalls calls, Cylinder model, Mask mask, NativeCopies copies) {
@@ -19,17 +20,15 @@ final class Completing {
         this.model = Cylinder.toNative(model);
         this.region = Mask.toNative(mask, copies);
         this.copies = copies;
-        completion.struct_size = completion.size();
     }
 
     /** What a completion wrote, and its size in points or pixels. */
     record CompletedMemory(Memory memory, int width, int height, Completion pixels) {}
 
     CompletedMemory cloud(int scalar, Layout layout) {
-        NativeStructs.PointsOut target = new NativeStructs.PointsOut();
-        NativeFunctions.check(NativeFunctions.cylfuse_points_out_init(target, target.size()));
+        NativeStructs.PointsOut target =
+                NativeFunctions.initialised(new NativeStructs.PointsOut(), NativeFunctions::cylfuse_points_out_init);
         target.scalar = scalar;
-        target.layout = layout.value();
         return run(layout == Layout.ORGANISED, fitter -> {
             LongByReference capacity = new LongByReference();
             int status = NativeFunctions.cylfuse_fitter_complete_bound(fitter, region, layout.value(), capacity);
@@ -39,13 +38,13 @@ final class Completing {
             memory = copies.allocate(3 * (scalar == Formats.SCALAR_F64 ? Double.BYTES : Float.BYTES) * capacity.getValue());
             target.data = memory;
             target.capacity = capacity.getValue();
-            return NativeFunctions.cylfuse_fitter_complete(fitter, model, region, target, completion);
+            return NativeFunctions.cylfuse_fitter_complete(fitter, model, region, layout.value(), target, completion);
         });
     }
 
     CompletedMemory depth(int format, double scale) {
-        NativeStructs.DepthOut target = new NativeStructs.DepthOut();
-        NativeFunctions.check(NativeFunctions.cylfuse_depth_out_init(target, target.size()));
+        NativeStructs.DepthOut target =
+                NativeFunctions.initialised(new NativeStructs.DepthOut(), NativeFunctions::cylfuse_depth_out_init);
         target.format = format;
         target.scale = scale;
         return run(true, fitter -> {

@@ -3,6 +3,7 @@ package org.cylfuse;
 /**
  * What became of the pixels of a completion.
  *
+ * @param view The view whose pixels were completed.
  * @param count Points or pixels that were written.
  * @param hits Pixels of the mask whose ray meets the cylinder.
  * @param misses Pixels of the mask whose ray passes the cylinder by.
@@ -10,6 +11,7 @@ package org.cylfuse;
  * @param outOfRange Hits whose depth does not fit the pixel format: written as 0 and not in {@link #count()}.
  */
 public record Completion(
+        int view,
         long count,
         long hits,
         long misses,
@@ -17,6 +19,7 @@ public record Completion(
         long outOfRange) {
     static Completion of(NativeStructs.Completion n) {
         return new Completion(
+                n.view,
                 n.count,
                 n.hits,
                 n.misses,

@@ -1,5 +1,6 @@
 package org.cylfuse;
 
+import com.sun.jna.Pointer;
 import com.sun.jna.ptr.DoubleByReference;
 import java.util.Objects;
 
@@ -7,8 +8,8 @@ import java.util.Objects;
  * An infinite cylinder. The call that takes it checks the numbers.
  *
  * @param point a point on the axis, in the unit of length of the data
- * @param direction the direction of the axis: as input of any length but 0, from the library of length 1. Its sign has no
- *     meaning; the library gives the one with a positive largest component.
+ * @param direction the direction of the axis: as input of any length but 0, from the library of length 1. Its sign has
+ *     no meaning; the library gives the one with a positive largest component.
  * @param radius the radius in the unit of length of the data, greater than 0
  */
 public record Cylinder(Vector point, Vector direction, double radius) {
@@ -28,6 +29,16 @@ public record Cylinder(Vector point, Vector direction, double radius) {
         return new Cylinder(Vector.of(n.point), Vector.of(n.direction), n.radius);
     }
 
+    /** The cylinder at an address; null at that of none. */
+    static Cylinder at(Pointer address) {
+        if (address == null) {
+            return null;
+        }
+        NativeStructs.Cylinder n = new NativeStructs.Cylinder(address);
+        n.read();
+        return of(n);
+    }
+
     /**
      * Signed distances of points from the surface, negative inside. Weights are ignored.
      *
@@ -45,8 +56,8 @@ public record Cylinder(Vector point, Vector direction, double radius) {
     }
 
     /**
-     * The two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of a pinhole
-     * with the same fx, fy, cx and cy: without distortion the pixels of the image.
+     * The two limb lines in the image: a u + b v + c = 0 with a² + b² = 1, in ideal pixels, which are those of a
+     * pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
      *
      * @param intrinsics the camera
      * @return a, b, c of the first line and of the second

@@ -4,8 +4,8 @@ import java.nio.FloatBuffer;
 import java.nio.ShortBuffer;
 
 /**
- * A depth image on the pixels of the camera. A value is z, not the distance along the ray. Nothing is copied until a call
- * takes the image, and then a direct buffer by the library alone.
+ * A depth image on the pixels of the camera, or of the depth camera where there is one. A value is z, not the distance
+ * along the ray. Nothing is copied until a call takes the image, and then a direct buffer by the library alone.
  */
 public final class DepthImage {
     private final BufferPart pixels;
@@ -26,8 +26,8 @@ public final class DepthImage {
      * @param depth the pixels row by row; unsigned, 0 = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
-     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-     *     is the metre
+     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+     *     length is the metre
      * @return the image
      * @throws IllegalArgumentException when the array has another length
      */
@@ -41,8 +41,8 @@ public final class DepthImage {
      * @param depth the pixels row by row; 0, negative or not finite = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
-     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-     *     is the metre
+     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+     *     length is the metre
      * @return the image
      * @throws IllegalArgumentException when the array has another length
      */
@@ -56,8 +56,8 @@ public final class DepthImage {
      * @param data the buffer; unsigned, 0 = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
-     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-     *     is the metre
+     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+     *     length is the metre
      * @param offset index of the first pixel of the first row
      * @param pixelStride elements from a pixel to the next one; 0 = 1
      * @param rowStride elements from a row to the next one, negative too; 0 = width * pixelStride
@@ -75,8 +75,8 @@ public final class DepthImage {
      * @param data the buffer; 0, negative or not finite = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
-     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
-     *     is the metre
+     * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
+     *     length is the metre
      * @param offset index of the first pixel of the first row
      * @param pixelStride elements from a pixel to the next one; 0 = 1
      * @param rowStride elements from a row to the next one, negative too; 0 = width * pixelStride
@@ -100,8 +100,8 @@ public final class DepthImage {
     }
 
     NativeStructs.DepthView toNative(NativeCopies copies) {
-        NativeStructs.DepthView n = new NativeStructs.DepthView();
-        NativeFunctions.check(NativeFunctions.cylfuse_depth_view_init(n, n.size()));
+        NativeStructs.DepthView n =
+                NativeFunctions.initialised(new NativeStructs.DepthView(), NativeFunctions::cylfuse_depth_view_init);
         n.format = pixels.isFloat() ? Formats.DEPTH_F32 : Formats.DEPTH_U16;
         n.data = pixels.address(copies);
         n.width = pixels.width;

@@ -19,7 +19,7 @@ public record Diagnosis(
         Vector weakestShift,
         Vector weakestTilt,
         double weakestRadius) {
-    static Diagnosis of(NativeStructs.Diagnosis n) {
+    static Diagnosis of(NativeStructs.CylinderDiagnosis n) {
         return new Diagnosis(
                 n.rank,
                 n.singular_values.clone(),

@@ -1,6 +1,6 @@
 package org.cylfuse;
 
-/** The distortion of the lens. What the numbers in {@link Intrinsics} mean. */
+/** The distortion of the lens. What the numbers in Intrinsics mean. */
 public enum DistortionModel implements NativeNumber {
     /** A pinhole; all coefficients are 0. */
     NONE(0),

@@ -5,6 +5,12 @@ package org.cylfuse;
  *
  * @param startState What the end against the direction is.
  * @param endState What the end along the direction is.
+ * @param startSource What the position of the start was taken from.
+ * @param endSource What the position of the end was taken from.
+ * @param startView The view that tells most of the start.
+ * @param endView The view that tells most of the end.
+ * @param limbsKnown Whether the limbs of the model were taken as good to a fraction of a pixel, so that the bias of the
+ *     mask was read off at them.
  * @param start The end against the direction, a point on the axis.
  * @param end The end along the direction, a point on the axis.
  * @param center The middle of the ends.
@@ -23,6 +29,11 @@ package org.cylfuse;
 public record Extent(
         EndState startState,
         EndState endState,
+        EndSource startSource,
+        EndSource endSource,
+        int startView,
+        int endView,
+        boolean limbsKnown,
         Vector start,
         Vector end,
         Vector center,
@@ -37,6 +48,11 @@ public record Extent(
         return new Extent(
                 NativeNumber.find(EndState.class, n.start_state),
                 NativeNumber.find(EndState.class, n.end_state),
+                NativeNumber.find(EndSource.class, n.start_source),
+                NativeNumber.find(EndSource.class, n.end_source),
+                n.start_view,
+                n.end_view,
+                n.limbs_known != 0,
                 Vector.of(n.start),
                 Vector.of(n.end),
                 Vector.of(n.center),

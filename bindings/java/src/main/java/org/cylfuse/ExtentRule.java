@@ -7,8 +7,8 @@ public enum ExtentRule implements NativeNumber {
     /** The rule of the paper: the extreme positions along the axis of the points completed over the mask. */
     EXTREMES(1),
     /**
-     * From all lines along the surface together, in the mask and, when there is one, in the grey image; from inside a
-     * pipe as EXTREMES.
+     * From all lines along the surface together, in the mask and, when there is one, in the image; from inside a pipe
+     * as EXTREMES.
      */
     LOCATED(2);
 

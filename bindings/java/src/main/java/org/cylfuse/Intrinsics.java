@@ -6,8 +6,8 @@ import java.util.Objects;
 import java.util.stream.DoubleStream;
 
 /**
- * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it checks
- * the numbers.
+ * A camera as a calibration gives it. Pixel centres are at integer coordinates, as in OpenCV. The call that takes it
+ * checks the numbers.
  *
  * @param width width of the image in pixels, at least 1
  * @param height height of the image in pixels, at least 1; both together at most 2^28 pixels
@@ -96,9 +96,52 @@ public record Intrinsics(
         this(width, height, fx, fy, cx, cy, DistortionModel.NONE);
     }
 
+    /**
+     * The pixels of the (distorted) image at which the camera sees points of its frame.
+     *
+     * @param points the points
+     * @return x and y of one pixel after the other, row by row of the points. Pixels may lie beyond the border of the
+     *     image; NaN for a point that is not finite, not in front of the camera or outside the field of its model.
+     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT when no camera works with these numbers
+     */
+    public double[] project(PointCloud points) {
+        try (NativeCopies copies = new NativeCopies()) {
+            NativeStructs.PointsView view = Objects.requireNonNull(points, "points").toNative(copies);
+            double[] pixels = new double[Math.toIntExact(2 * points.count())];
+            NativeFunctions.check(
+                    NativeFunctions.cylfuse_intrinsics_project(toNative(), view, pixels, points.count()));
+            return pixels;
+        }
+    }
+
+    /**
+     * The rays along which the camera sees pixels of the (distorted) image: the points at z = 1 of its frame. The ray
+     * of an ideal pixel, as those of limb lines are, is that of the same intrinsics without distortion.
+     *
+     * @param pixels x and y of one pixel after the other, in the image or beyond its border
+     * @return x, y and z of one ray after the other; NaN for a pixel that is not finite or for which the model has no
+     *     ray
+     * @throws IllegalArgumentException when the length is odd
+     * @throws CylfuseException INVALID_INTRINSICS, INVALID_ARGUMENT when no camera works with these numbers
+     */
+    public double[] unproject(double... pixels) {
+        if (pixels.length % 2 != 0) {
+            throw new IllegalArgumentException(pixels.length + " numbers are not x, y of pixels: their count must be even.");
+        }
+        int count = pixels.length / 2;
+        double[] rays = new double[3 * count];
+        NativeFunctions.check(NativeFunctions.cylfuse_intrinsics_unproject(toNative(), pixels, count, rays));
+        return rays;
+    }
+
+    /** NULL where there is no camera. */
+    static NativeStructs.Intrinsics toNative(Intrinsics camera) {
+        return camera == null ? null : camera.toNative();
+    }
+
     NativeStructs.Intrinsics toNative() {
-        NativeStructs.Intrinsics n = new NativeStructs.Intrinsics();
-        NativeFunctions.check(NativeFunctions.cylfuse_intrinsics_init(n, n.size()));
+        NativeStructs.Intrinsics n =
+                NativeFunctions.initialised(new NativeStructs.Intrinsics(), NativeFunctions::cylfuse_intrinsics_init);
         n.distortion_model = distortionModel.value();
         n.width = width;
         n.height = height;

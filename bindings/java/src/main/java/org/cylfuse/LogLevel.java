@@ -4,9 +4,9 @@ package org.cylfuse;
 public enum LogLevel implements NativeNumber {
     /** No lines. */
     OFF(0),
-    /** Calls that failed, with the text of {@link CylfuseException}. */
+    /** Calls that failed, with the text of {@code cylfuse_fitter_last_error}. */
     ERROR(1),
-    /** Doubts about a result, such as ignored edges. */
+    /** Warnings about a result, such as ignored edges. */
     WARNING(2),
     /** What was pushed, which start was taken, how a fit ended. */
     INFO(3),

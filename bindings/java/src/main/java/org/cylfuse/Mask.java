@@ -3,14 +3,20 @@ package org.cylfuse;
 import java.nio.ByteBuffer;
 
 /**
- * A mask: non-zero = visible lateral surface of the cylinder. Its boundary may be some pixels off: it is a hint and never
- * measured.
+ * A mask on the pixels of the colour image: non-zero = visible lateral surface of the cylinder. Its boundary may be
+ * some pixels off: it is a hint and never measured.
  */
 public final class Mask {
     private final BufferPart pixels;
+    private final int label;
 
     private Mask(BufferPart pixels) {
+        this(pixels, 0);
+    }
+
+    private Mask(BufferPart pixels, int label) {
         this.pixels = pixels;
+        this.label = label;
     }
 
     /**
@@ -59,9 +65,20 @@ public final class Mask {
         return new Mask(new BufferPart("pixels", data, 1, width, height, offset, pixelStride, rowStride));
     }
 
+    /**
+     * The pixels of one label in an image of labels.
+     *
+     * @param label that of the cylinder, 1 to 255; 0 = all pixels that are not 0
+     * @return another mask of the same pixels
+     */
+    public Mask withLabel(int label) {
+        return new Mask(pixels, label);
+    }
+
     NativeStructs.MaskView toNative(NativeCopies copies) {
-        NativeStructs.MaskView n = new NativeStructs.MaskView();
-        NativeFunctions.check(NativeFunctions.cylfuse_mask_view_init(n, n.size()));
+        NativeStructs.MaskView n =
+                NativeFunctions.initialised(new NativeStructs.MaskView(), NativeFunctions::cylfuse_mask_view_init);
+        n.label = label;
         n.data = pixels.address(copies);
         n.width = pixels.width;
         n.height = pixels.height;

@@ -4,10 +4,12 @@ import com.sun.jna.Callback;
 import com.sun.jna.Native;
 import com.sun.jna.NativeLibrary;
 import com.sun.jna.Pointer;
+import com.sun.jna.Structure;
 import com.sun.jna.ptr.DoubleByReference;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.io.IOException;
+import java.util.function.ToIntBiFunction;
 
 /** The functions of cylfuse.h; {@code size_t} is {@code long}, as the library is opened in 64-bit processes only. */
 final class NativeFunctions {
@@ -104,6 +106,18 @@ final class NativeFunctions {
 
     static native int cylfuse_depth_out_init(NativeStructs.DepthOut out, long structSize);
 
+    static native int cylfuse_counts_init(NativeStructs.Counts counts, long structSize);
+
+    static native int cylfuse_result_init(NativeStructs.Result result, long structSize);
+
+    static native int cylfuse_cylinder_estimate_init(NativeStructs.CylinderEstimate estimate, long structSize);
+
+    static native int cylfuse_cylinder_diagnosis_init(NativeStructs.CylinderDiagnosis diagnosis, long structSize);
+
+    static native int cylfuse_completion_init(NativeStructs.Completion completion, long structSize);
+
+    static native int cylfuse_extent_init(NativeStructs.Extent extent, long structSize);
+
     static native int cylfuse_fitter_create(int abiVersion, PointerByReference fitter);
 
     static native int cylfuse_fitter_destroy(Pointer fitter);
@@ -112,6 +126,8 @@ final class NativeFunctions {
 
     static native int cylfuse_fitter_clear(Pointer fitter);
 
+    static native int cylfuse_fitter_clear_input(Pointer fitter, int inputs);
+
     static native String cylfuse_fitter_last_error(Pointer fitter);
 
     static native int cylfuse_fitter_cancel(Pointer fitter);
@@ -119,6 +135,17 @@ final class NativeFunctions {
     static native int cylfuse_fitter_set_options(Pointer fitter, NativeStructs.Options options);
 
     static native int cylfuse_fitter_get_options(Pointer fitter, NativeStructs.Options options);
+
+    static native int cylfuse_fitter_select_view(Pointer fitter, long index);
+
+    static native int cylfuse_fitter_view_count(Pointer fitter, LongByReference count);
+
+    static native int cylfuse_fitter_set_pose(Pointer fitter, double[] rotation, double[] translation);
+
+    static native int cylfuse_fitter_set_depth_camera(
+            Pointer fitter, NativeStructs.Intrinsics intrinsics, double[] rotation, double[] translation);
+
+    static native int cylfuse_fitter_use_frame(Pointer fitter, Pointer frame, NativeStructs.MaskView mask);
 
     static native int cylfuse_fitter_set_intrinsics(Pointer fitter, NativeStructs.Intrinsics intrinsics);
 
@@ -138,18 +165,40 @@ final class NativeFunctions {
 
     static native int cylfuse_fitter_counts(Pointer fitter, NativeStructs.Counts counts);
 
-    static native int cylfuse_fitter_fit(Pointer fitter, NativeStructs.Result result);
+    static native int cylfuse_fitter_fit(
+            Pointer fitter, NativeStructs.Result result, NativeStructs.CylinderEstimate estimate);
 
-    static native int cylfuse_fitter_evaluate(Pointer fitter, NativeStructs.Cylinder model, NativeStructs.Result result);
+    static native int cylfuse_fitter_evaluate(
+            Pointer fitter,
+            NativeStructs.Cylinder model,
+            NativeStructs.Result result,
+            NativeStructs.CylinderEstimate estimate);
 
     static native int cylfuse_fitter_get_result(Pointer fitter, NativeStructs.Result result);
+
+    static native int cylfuse_fitter_get_cylinder(Pointer fitter, NativeStructs.CylinderEstimate estimate);
 
     static native int cylfuse_fitter_residuals(
             Pointer fitter, NativeStructs.Cylinder model, int kind, double[] out, long capacity, LongByReference count);
 
-    static native int cylfuse_fitter_limb_samples(Pointer fitter, Pointer out, long capacity, LongByReference count);
+    static native int cylfuse_fitter_point_weights(
+            Pointer fitter, double[] weights, byte[] inliers, long capacity, LongByReference count);
 
-    static native int cylfuse_fitter_diagnose(Pointer fitter, NativeStructs.Cylinder model, NativeStructs.Diagnosis diagnosis);
+    static native int cylfuse_fitter_limbs(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
+
+    static native int cylfuse_fitter_limb_samples(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
+
+    static native int cylfuse_fitter_end_samples(
+            Pointer fitter,
+            NativeStructs.Cylinder model,
+            NativeStructs.MaskView mask,
+            Pointer out,
+            long elementSize,
+            long capacity,
+            LongByReference count);
+
+    static native int cylfuse_fitter_diagnose(
+            Pointer fitter, NativeStructs.Cylinder model, NativeStructs.CylinderDiagnosis diagnosis);
 
     static native int cylfuse_fitter_complete_bound(
             Pointer fitter, NativeStructs.MaskView mask, int layout, LongByReference capacity);
@@ -158,6 +207,7 @@ final class NativeFunctions {
             Pointer fitter,
             NativeStructs.Cylinder model,
             NativeStructs.MaskView mask,
+            int layout,
             NativeStructs.PointsOut out,
             NativeStructs.Completion completion);
 
@@ -179,6 +229,29 @@ final class NativeFunctions {
             byte[] limbs,
             long capacity);
 
+    static native int cylfuse_frame_create(int abiVersion, PointerByReference frame);
+
+    static native int cylfuse_frame_destroy(Pointer frame);
+
+    static native String cylfuse_frame_last_error(Pointer frame);
+
+    static native int cylfuse_frame_set_intrinsics(Pointer frame, NativeStructs.Intrinsics intrinsics);
+
+    static native int cylfuse_frame_set_pose(Pointer frame, double[] rotation, double[] translation);
+
+    static native int cylfuse_frame_set_depth_camera(
+            Pointer frame, NativeStructs.Intrinsics intrinsics, double[] rotation, double[] translation);
+
+    static native int cylfuse_frame_set_depth(Pointer frame, NativeStructs.DepthView depth);
+
+    static native int cylfuse_frame_set_image(Pointer frame, NativeStructs.ImageView image);
+
+    static native int cylfuse_intrinsics_project(
+            NativeStructs.Intrinsics intrinsics, NativeStructs.PointsView points, double[] pixels, long capacity);
+
+    static native int cylfuse_intrinsics_unproject(
+            NativeStructs.Intrinsics intrinsics, double[] pixels, long count, double[] rays);
+
     static native int cylfuse_cylinder_distances(
             NativeStructs.Cylinder model, NativeStructs.PointsView points, double[] out, long capacity);
 
@@ -192,11 +265,17 @@ final class NativeFunctions {
             DoubleByReference axisDistance,
             DoubleByReference radiusRelative);
 
-    /** Throws for a failed call without a fitter. */
+    /** Throws for a failed call without a handle. */
     static void check(int status) {
         if (status != 0) {
             throw CylfuseException.of(Status.of(status), cylfuse_fitter_last_error(null));
         }
+    }
+
+    /** A struct after its init function, which comes before everything else. */
+    static <T extends Structure> T initialised(T struct, ToIntBiFunction<T, Long> init) {
+        check(init.applyAsInt(struct, (long) struct.size()));
+        return struct;
     }
 
     /** The rows of a square matrix. */

@@ -11,17 +11,11 @@ import com.sun.jna.Structure.FieldOrder;
 final class NativeStructs {
     private NativeStructs() {}
 
-    @FieldOrder({"point", "direction", "radius"})
-    public static class Cylinder extends Structure {
-        public double[] point = new double[3];
-        public double[] direction = new double[3];
-        public double radius;
-    }
-
-    @FieldOrder({"struct_size", "method", "objective", "start", "near_wall", "chart", "max_iterations", "max_threads",
-        "edge_weight", "initial_lambda", "lambda_factor", "max_lambda", "cost_tolerance", "ransac_threshold", "seed",
-        "ransac_max_iterations", "reserved", "edge_use", "extent_rule", "radius_min", "radius_max", "axis",
-        "axis_max_angle"})
+    @FieldOrder({"struct_size", "method", "objective", "start", "near_wall", "chart", "edge_use", "extent_rule",
+        "max_threads", "max_iterations", "cost_tolerance", "gradient_tolerance", "step_tolerance", "initial_lambda",
+        "lambda_factor", "max_lambda", "edge_weight", "seed", "ransac_max_iterations", "ransac_threshold",
+        "independent_points", "depth_noise", "image_noise", "edge_noise", "mask_noise", "image_blur", "drawn_pixel",
+        "radius_min", "radius_max", "axis", "axis_max_angle"})
     public static class Options extends Structure {
         public int struct_size;
         public int method;
@@ -29,19 +23,27 @@ final class NativeStructs {
         public int start;
         public int near_wall;
         public int chart;
-        public int max_iterations;
+        public int edge_use;
+        public int extent_rule;
         public int max_threads;
-        public double edge_weight;
+        public int max_iterations;
+        public double cost_tolerance;
+        public double gradient_tolerance;
+        public double step_tolerance;
         public double initial_lambda;
         public double lambda_factor;
         public double max_lambda;
-        public double cost_tolerance;
-        public double ransac_threshold;
+        public double edge_weight;
         public long seed;
-        public int ransac_max_iterations;
-        public int reserved;
-        public int edge_use;
-        public int extent_rule;
+        public long ransac_max_iterations;
+        public double ransac_threshold;
+        public double independent_points;
+        public double depth_noise;
+        public double image_noise;
+        public double edge_noise;
+        public double mask_noise;
+        public double image_blur;
+        public double drawn_pixel;
         public double radius_min;
         public double radius_max;
         public double[] axis = new double[3];
@@ -79,8 +81,8 @@ final class NativeStructs {
         public long normal_row_stride;
     }
 
-    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "scale",
-        "min_depth", "max_depth"})
+    @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "scale", "min_depth",
+        "max_depth"})
     public static class DepthView extends Structure {
         public int struct_size;
         public int format;
@@ -94,13 +96,13 @@ final class NativeStructs {
         public double max_depth;
     }
 
-    @FieldOrder({"struct_size", "reserved", "data", "width", "height", "row_stride", "pixel_stride"})
+    @FieldOrder({"struct_size", "width", "height", "label", "data", "row_stride", "pixel_stride"})
     public static class MaskView extends Structure {
         public int struct_size;
-        public int reserved;
-        public Pointer data;
         public int width;
         public int height;
+        public int label;
+        public Pointer data;
         public long row_stride;
         public long pixel_stride;
     }
@@ -127,7 +129,7 @@ final class NativeStructs {
         public Pointer weights;
     }
 
-    @FieldOrder({"struct_size", "scalar", "data", "capacity", "point_stride", "row_stride", "layout", "reserved"})
+    @FieldOrder({"struct_size", "scalar", "data", "capacity", "point_stride", "row_stride"})
     public static class PointsOut extends Structure {
         public int struct_size;
         public int scalar;
@@ -135,8 +137,6 @@ final class NativeStructs {
         public long capacity;
         public long point_stride;
         public long row_stride;
-        public int layout;
-        public int reserved;
     }
 
     @FieldOrder({"struct_size", "format", "data", "width", "height", "row_stride", "pixel_stride", "scale"})
@@ -151,29 +151,12 @@ final class NativeStructs {
         public double scale;
     }
 
-    @FieldOrder({"struct_size", "phase", "iteration", "max_iterations", "cost", "lambda", "model"})
-    public static class Progress extends Structure {
-        public int struct_size;
-        public int phase;
-        public int iteration;
-        public int max_iterations;
-        public double cost;
-        public double lambda;
-        public Cylinder model;
-
-        public Progress() {}
-
-        Progress(Pointer address) {
-            super(address);
-        }
-    }
-
-    @FieldOrder({"struct_size", "reserved", "points_given", "points_used", "dropped_not_finite",
-        "dropped_zero_weight", "dropped_outside_mask", "dropped_no_depth", "dropped_out_of_range",
-        "dropped_outside_camera", "segments_given"})
+    @FieldOrder({"struct_size", "view", "points_given", "points_used", "dropped_not_finite", "dropped_zero_weight",
+        "dropped_outside_mask", "dropped_no_depth", "dropped_out_of_range", "dropped_outside_camera", "dropped_hidden",
+        "segments_given"})
     public static class Counts extends Structure {
         public int struct_size;
-        public int reserved;
+        public int view;
         public long points_given;
         public long points_used;
         public long dropped_not_finite;
@@ -182,43 +165,66 @@ final class NativeStructs {
         public long dropped_no_depth;
         public long dropped_out_of_range;
         public long dropped_outside_camera;
+        public long dropped_hidden;
         public long segments_given;
     }
 
-    @FieldOrder({"struct_size", "termination", "start_kind", "flags", "iterations", "rejected_steps", "segments_used",
-        "segments_given", "points_used", "points_given", "model", "start_model", "initial_cost", "cost", "energy_points",
-        "energy_edges", "edge_weight", "point_rms", "edge_rms_pixels", "near_wall_fraction", "condition", "lambda",
-        "gradient_norm", "step_norm", "seconds_start", "seconds_solve", "seconds_total", "radius_deviation",
-        "direction_deviation", "position_deviation", "radius_from_points", "radius_from_points_deviation",
-        "radius_from_limbs", "radius_from_limbs_deviation", "radius_z_score", "covariance", "limbs_located", "reserved"})
+    @FieldOrder({"struct_size", "flags", "termination", "iterations", "rejected_steps", "limbs_located",
+        "segments_given", "segments_used", "points_given", "points_used", "independent_points", "point_deviation",
+        "point_rms", "edge_rms_pixels", "near_wall_fraction", "initial_cost", "cost", "energy_points", "energy_edges",
+        "edge_weight", "condition", "gradient_norm", "step_norm", "lambda", "seconds_start", "seconds_solve",
+        "seconds_total"})
     public static class Result extends Structure {
         public int struct_size;
-        public int termination;
-        public int start_kind;
         public int flags;
+        public int termination;
         public int iterations;
         public int rejected_steps;
-        public int segments_used;
+        public int limbs_located;
         public int segments_given;
-        public long points_used;
+        public int segments_used;
         public long points_given;
-        public Cylinder model;
-        public Cylinder start_model;
+        public long points_used;
+        public double independent_points;
+        public double point_deviation;
+        public double point_rms;
+        public double edge_rms_pixels;
+        public double near_wall_fraction;
         public double initial_cost;
         public double cost;
         public double energy_points;
         public double energy_edges;
         public double edge_weight;
-        public double point_rms;
-        public double edge_rms_pixels;
-        public double near_wall_fraction;
         public double condition;
-        public double lambda;
         public double gradient_norm;
         public double step_norm;
+        public double lambda;
         public double seconds_start;
         public double seconds_solve;
         public double seconds_total;
+    }
+
+    @FieldOrder({"point", "direction", "radius"})
+    public static class Cylinder extends Structure {
+        public double[] point = new double[3];
+        public double[] direction = new double[3];
+        public double radius;
+
+        public Cylinder() {}
+
+        Cylinder(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"struct_size", "start_kind", "model", "start_model", "radius_deviation", "direction_deviation",
+        "position_deviation", "radius_from_points", "radius_from_points_deviation", "radius_from_limbs",
+        "radius_from_limbs_deviation", "radius_z_score", "covariance"})
+    public static class CylinderEstimate extends Structure {
+        public int struct_size;
+        public int start_kind;
+        public Cylinder model;
+        public Cylinder start_model;
         public double radius_deviation;
         public double direction_deviation;
         public double position_deviation;
@@ -228,28 +234,11 @@ final class NativeStructs {
         public double radius_from_limbs_deviation;
         public double radius_z_score;
         public double[] covariance = new double[49];
-        public int limbs_located;
-        public int reserved;
-    }
-
-    @FieldOrder({"pixel", "sigma", "weight", "limb", "reserved"})
-    public static class LimbSample extends Structure {
-        public double[] pixel = new double[2];
-        public double sigma;
-        public double weight;
-        public int limb;
-        public int reserved;
-
-        public LimbSample() {}
-
-        LimbSample(Pointer address) {
-            super(address);
-        }
     }
 
     @FieldOrder({"struct_size", "rank", "singular_values", "condition", "weakest_shift", "weakest_tilt",
         "weakest_radius"})
-    public static class Diagnosis extends Structure {
+    public static class CylinderDiagnosis extends Structure {
         public int struct_size;
         public int rank;
         public double[] singular_values = new double[5];
@@ -259,10 +248,10 @@ final class NativeStructs {
         public double weakest_radius;
     }
 
-    @FieldOrder({"struct_size", "reserved", "count", "hits", "misses", "outside_camera", "out_of_range"})
+    @FieldOrder({"struct_size", "view", "count", "hits", "misses", "outside_camera", "out_of_range"})
     public static class Completion extends Structure {
         public int struct_size;
-        public int reserved;
+        public int view;
         public long count;
         public long hits;
         public long misses;
@@ -270,14 +259,18 @@ final class NativeStructs {
         public long out_of_range;
     }
 
-    @FieldOrder({"struct_size", "start_state", "end_state", "reserved", "start", "end", "center", "length",
-        "start_deviation", "end_deviation", "length_deviation", "start_covariance", "end_covariance",
-        "center_covariance"})
+    @FieldOrder({"struct_size", "start_state", "end_state", "start_source", "end_source", "start_view", "end_view",
+        "limbs_known", "start", "end", "center", "length", "start_deviation", "end_deviation", "length_deviation",
+        "start_covariance", "end_covariance", "center_covariance"})
     public static class Extent extends Structure {
         public int struct_size;
         public int start_state;
         public int end_state;
-        public int reserved;
+        public int start_source;
+        public int end_source;
+        public int start_view;
+        public int end_view;
+        public int limbs_known;
         public double[] start = new double[3];
         public double[] end = new double[3];
         public double[] center = new double[3];
@@ -288,5 +281,68 @@ final class NativeStructs {
         public double[] start_covariance = new double[9];
         public double[] end_covariance = new double[9];
         public double[] center_covariance = new double[9];
+    }
+
+    @FieldOrder({"struct_size", "phase", "iteration", "max_iterations", "cost", "lambda", "cylinder"})
+    public static class Progress extends Structure {
+        public int struct_size;
+        public int phase;
+        public int iteration;
+        public int max_iterations;
+        public double cost;
+        public double lambda;
+        public Pointer cylinder;
+
+        public Progress() {}
+
+        Progress(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"view", "limb", "status", "samples", "line", "deviation"})
+    public static class Limb extends Structure {
+        public int view;
+        public int limb;
+        public int status;
+        public int samples;
+        public double[] line = new double[4];
+        public double deviation;
+
+        public Limb() {}
+
+        Limb(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"view", "limb", "pixel", "deviation", "weight"})
+    public static class LimbSample extends Structure {
+        public int view;
+        public int limb;
+        public double[] pixel = new double[2];
+        public double deviation;
+        public double weight;
+
+        public LimbSample() {}
+
+        LimbSample(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"view", "end", "pixel", "normal", "deviation"})
+    public static class EndSample extends Structure {
+        public int view;
+        public int end;
+        public double[] pixel = new double[2];
+        public double[] normal = new double[2];
+        public double deviation;
+
+        public EndSample() {}
+
+        EndSample(Pointer address) {
+            super(address);
+        }
     }
 }

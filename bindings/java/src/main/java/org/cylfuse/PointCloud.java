@@ -5,8 +5,8 @@ import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
 
 /**
- * Points in an array or buffer, organised in rows and columns or not. Nothing is copied until a call takes the cloud, and
- * then a direct buffer by the library alone.
+ * Points in an array or buffer, organised in rows and columns or not. Nothing is copied until a call takes the cloud,
+ * and then a direct buffer by the library alone.
  */
 public final class PointCloud {
     private final BufferPart points;
@@ -164,8 +164,8 @@ public final class PointCloud {
     }
 
     NativeStructs.PointsView toNative(NativeCopies copies) {
-        NativeStructs.PointsView n = new NativeStructs.PointsView();
-        NativeFunctions.check(NativeFunctions.cylfuse_points_view_init(n, n.size()));
+        NativeStructs.PointsView n =
+                NativeFunctions.initialised(new NativeStructs.PointsView(), NativeFunctions::cylfuse_points_view_init);
         n.scalar = points.isDouble() ? Formats.SCALAR_F64 : Formats.SCALAR_F32;
         n.data = points.address(copies);
         n.width = width();

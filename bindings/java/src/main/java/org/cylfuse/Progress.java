@@ -8,7 +8,7 @@ package org.cylfuse;
  * @param maxIterations Most linear solves.
  * @param cost The lowest cost so far, unit of length squared; infinite in the phase START.
  * @param lambda The damping of the next step; 0 in the phase START.
- * @param model The best cylinder so far; of radius 0 in the phase START.
+ * @param cylinder The best cylinder so far; null in the phase START.
  */
 public record Progress(
         Phase phase,
@@ -16,7 +16,7 @@ public record Progress(
         int maxIterations,
         double cost,
         double lambda,
-        Cylinder model) {
+        Cylinder cylinder) {
     static Progress of(NativeStructs.Progress n) {
         return new Progress(
                 NativeNumber.find(Phase.class, n.phase),
@@ -24,6 +24,6 @@ public record Progress(
                 n.max_iterations,
                 n.cost,
                 n.lambda,
-                Cylinder.of(n.model));
+                Cylinder.at(n.cylinder));
     }
 }

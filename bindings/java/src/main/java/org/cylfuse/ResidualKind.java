@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /** Which residuals to list. */
-public enum ResidualKind {
+public enum ResidualKind implements NativeNumber {
     /**
      * Signed distance of every used point from the surface, in the unit of length, negative inside; in the order in
      * which the points were pushed, without the dropped ones.
@@ -21,6 +21,7 @@ public enum ResidualKind {
      *
      * @return the number of {@code CYLFUSE_RESIDUAL_KIND_...}
      */
+    @Override
     public int value() {
         return value;
     }

@@ -3,7 +3,9 @@ package org.cylfuse;
 import java.util.EnumSet;
 import java.util.Set;
 
-/** Doubts about a result, one bit each. None of them is an error. */
+/**
+ * Warnings about a result, one bit each. None of them is an error: the numbers of the result say how much it matters.
+ */
 public enum ResultFlag {
     /** Segments were given but none of them counts; the other flags and the counts say why. */
     EDGES_IGNORED(1),
@@ -32,13 +34,20 @@ public enum ResultFlag {
     /**
      * The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: {@link
      * FitResult#radiusFromPoints()} and {@link FitResult#radiusFromLimbs()} say how. An offset of the depth, depth that
-     * is smeared or bent, wrong intrinsics or edges that are not the limbs do that.
+     * is smeared or bent, wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges
+     * that were taken as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large
+     * or as small.
      */
     POINTS_AND_LIMBS_DISAGREE(4096),
     /** A limit of the radius holds it: the data want another one. Not for a radius that is known. */
     RADIUS_AT_LIMIT(8192),
     /** The axis is on the border of its cone: the data want another one. Not for a direction that is known. */
-    AXIS_AT_LIMIT(16384);
+    AXIS_AT_LIMIT(16384),
+    /**
+     * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
+     * are independent, or some degree of freedom is not determined.
+     */
+    UNCERTAINTY_UNKNOWN(32768);
 
     private final int value;
 

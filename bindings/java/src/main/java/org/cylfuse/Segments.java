@@ -5,8 +5,8 @@ import java.nio.DoubleBuffer;
 import java.nio.FloatBuffer;
 
 /**
- * Edge segments: pieces of the two lines that bound the cylinder in the (distorted) image, each x1, y1, x2, y2 in pixels,
- * its endpoints in any order.
+ * Edge segments: pieces of the two lines that bound the cylinder in the (distorted) image, each x1, y1, x2, y2 in
+ * pixels, its endpoints in any order.
  */
 public final class Segments {
     private final BufferPart segments;
@@ -78,8 +78,8 @@ public final class Segments {
     }
 
     NativeStructs.SegmentsView toNative(NativeCopies copies) {
-        NativeStructs.SegmentsView n = new NativeStructs.SegmentsView();
-        NativeFunctions.check(NativeFunctions.cylfuse_segments_view_init(n, n.size()));
+        NativeStructs.SegmentsView n =
+                NativeFunctions.initialised(new NativeStructs.SegmentsView(), NativeFunctions::cylfuse_segments_view_init);
         n.scalar = segments.isDouble() ? Formats.SCALAR_F64 : Formats.SCALAR_F32;
         n.data = segments.address(copies);
         n.count = segments.width;

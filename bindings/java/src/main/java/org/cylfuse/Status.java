@@ -1,9 +1,11 @@
 package org.cylfuse;
 
 /**
- * What a call returns: 0 when it did what it was asked to, else a negative number that says why not. A failed call
- * changes nothing and writes no output unless its text says so; the fitter stays usable, but for {@link Status#PANIC}.
- * The numbers never change and new ones may be added: treat an unknown negative number as a failure.
+ * What a call returns: 0 when it did what it was asked to, else a negative number that says why not.
+ *
+ * <p>A failed call changes nothing and writes no output unless its text says so; the handle stays usable, but for
+ * {@link Status#PANIC}. The numbers never change and new ones may be added: treat an unknown negative number as a
+ * failure.
  */
 public enum Status {
     /** The call did what it was asked to. */
@@ -13,15 +15,19 @@ public enum Status {
     /** A pointer that is needed is null. */
     NULL_POINTER(-2),
     /**
-     * The {@code struct_size} of a struct is smaller than the first version of the struct or larger than 4096, or the
-     * struct is larger than this library knows it and uses fields that this library does not know.
+     * A {@code struct_size} or {@code element_size} is smaller than the first version of the struct or larger than
+     * 4096, or a struct to be read is larger than this library knows it and uses fields that this library does not
+     * know.
      */
     STRUCT_SIZE(-3),
     /** The program was compiled for another, incompatible version of the library. */
     ABI_MISMATCH(-4),
     /** The call came before something that it needs. */
     BAD_STATE(-5),
-    /** Another call on the same fitter is running: in another thread, or around a callback. */
+    /**
+     * Another call on the same handle is running, in another thread or around a callback, and one of the two may change
+     * it.
+     */
     BUSY(-6),
     /** The buffer for the output is too small; the call says how much it needs and writes nothing else. */
     BUFFER_TOO_SMALL(-7),
@@ -49,9 +55,9 @@ public enum Status {
     EDGE_GEOMETRY(-26),
     /** The arithmetic left the range of numbers. */
     NUMERICAL(-27),
-    /** The progress callback or {@link Fitter#cancel()} asked to stop. */
+    /** The progress callback or {@link Fitter#cancel} asked to stop. */
     CANCELLED(-40),
-    /** A defect of the library. The fitter can only be destroyed after it; other fitters are not affected. */
+    /** A defect of the library. The handle can only be destroyed after it; others are not affected. */
     PANIC(-99),
     /** A failure that this package does not know: the native library is newer. */
     UNKNOWN(Integer.MIN_VALUE);

@@ -11,7 +11,11 @@ public enum Termination implements NativeNumber {
     /** The limit of iterations was reached; {@link ResultFlag#NOT_CONVERGED} is set too. */
     MAX_ITERATIONS(3),
     /** The radius left all proportion to the data: they are flat. */
-    RADIUS_RAN_AWAY(4);
+    RADIUS_RAN_AWAY(4),
+    /** The gradient fell below its tolerance. */
+    GRADIENT(5),
+    /** The step fell below its tolerance. */
+    STEP(6);
 
     private final int value;
 

@@ -4,7 +4,6 @@ import com.google.gson.JsonArray;
 import com.google.gson.JsonElement;
 import com.google.gson.JsonObject;
 import java.lang.reflect.Field;
-import java.lang.reflect.Modifier;
 import java.lang.reflect.RecordComponent;
 import java.nio.Buffer;
 import java.nio.ByteBuffer;
@@ -20,12 +19,14 @@ import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import java.util.Set;
+import java.util.stream.Collectors;
 import java.util.stream.IntStream;
 
 /** Runs one golden case of bindings/conformance/cases.json, step by step. */
 final class ConformanceRunner implements AutoCloseable {
     private final JsonObject file;
-    private final Fitter fitter = new Fitter();
+    private Fitter fitter = new Fitter();
+    private Frame frame = new Frame();
 
     ConformanceRunner(JsonObject file) {
         this.file = file;
@@ -34,6 +35,7 @@ final class ConformanceRunner implements AutoCloseable {
     @Override
     public void close() {
         fitter.close();
+        frame.close();
     }
 
     /** What a step gives: numbers under the names of the C fields. */
@@ -41,9 +43,30 @@ final class ConformanceRunner implements AutoCloseable {
         Map<String, double[]> outputs = new LinkedHashMap<>();
         Cylinder model = cylinder(step.get("model"));
         switch (text(step, "call")) {
+            case "new_fitter" -> {
+                fitter.close();
+                fitter = new Fitter();
+            }
+            case "new_frame" -> {
+                frame.close();
+                frame = new Frame();
+            }
+            case "select_view" -> fitter.selectView(step.get("index").getAsInt());
+            case "view_count" -> outputs.put("count", new double[] {fitter.viewCount()});
+            case "set_pose" -> fitter.setPose(pose(step));
+            case "frame_set_pose" -> frame.setPose(pose(step));
+            case "frame_set_intrinsics" -> frame.setIntrinsics(camera(step));
+            case "set_depth_camera" -> fitter.setDepthCamera(camera(step), pose(step));
+            case "frame_set_depth_camera" -> frame.setDepthCamera(camera(step), pose(step));
+            case "frame_set_depth" -> frame.setDepth(depth(step));
+            case "frame_set_image" -> frame.setImage(image(step));
+            case "use_frame" -> fitter.useFrame(frame, mask(step));
+            case "clear_input" -> fitter.clearInput(step.getAsJsonArray("inputs").asList().stream()
+                    .map(input -> Input.valueOf(input.getAsString()))
+                    .toArray(Input[]::new));
             case "set_options" -> fitter.setOptions(options(step.getAsJsonObject("options")));
             case "get_options" -> describe(fitter.options(), outputs);
-            case "set_intrinsics" -> fitter.setIntrinsics(camera(text(step, "camera")));
+            case "set_intrinsics" -> fitter.setIntrinsics(camera(step));
             case "set_start_model" -> fitter.setStartModel(model);
             case "reserve" -> fitter.reserve(step.get("points").getAsLong(), step.get("segments").getAsLong());
             case "clear" -> fitter.clear();
@@ -59,29 +82,32 @@ final class ConformanceRunner implements AutoCloseable {
             }
             case "counts" -> describe(fitter.counts(), "", outputs);
             case "fit" -> describe(fitter.fit(), "", outputs);
-            case "get_result" -> describe(fitter.result(), "", outputs);
+            case "get_result" -> describeResult(false, outputs);
+            case "get_cylinder" -> describeResult(true, outputs);
             case "evaluate" -> describe(fitter.evaluate(model), "", outputs);
             case "residuals" ->
                 outputs.put("residuals", fitter.residuals(ResidualKind.valueOf(text(step, "kind")), model));
-            case "limb_samples" -> limbSamples(outputs);
+            case "point_weights" -> describe(fitter.pointWeights(), "", outputs);
+            case "limbs" -> describeAll(LimbLine.class, fitter.limbs(), outputs);
+            case "limb_samples" -> describeAll(LimbSample.class, fitter.limbSamples(), outputs);
+            case "end_samples" -> describeAll(EndSample.class, fitter.endSamples(model, mask(step)), outputs);
             case "diagnose" -> describe(fitter.diagnose(model), "", outputs);
             case "extent" -> describe(fitter.extent(model, mask(step)), "", outputs);
             case "complete" -> complete(step, model, outputs);
             case "complete_depth" -> completeDepth(step, model, outputs);
             case "distances" -> outputs.put("distances", model.distances(cloud(step.getAsJsonObject("points"))));
-            case "project" -> outputs.put("lines", flatten(model.project(camera(text(step, "camera")))));
+            case "project" -> outputs.put("lines", flatten(model.project(camera(step))));
+            case "intrinsics_project" ->
+                outputs.put("pixels", camera(step).project(cloud(step.getAsJsonObject("points"))));
+            case "intrinsics_unproject" -> {
+                List<double[]> rows = new ArrayList<>();
+                step.getAsJsonArray("pixels").forEach(row -> rows.add(numbers(row)));
+                outputs.put("rays", camera(step).unproject(flatten(rows.toArray(new double[0][]))));
+            }
             case "compare" -> describe(cylinder(step.get("a")).compare(cylinder(step.get("b"))), "", outputs);
             default -> throw new AssertionError("unknown call " + step.get("call"));
         }
         return outputs;
-    }
-
-    private void limbSamples(Map<String, double[]> outputs) {
-        LimbSample[] samples = fitter.limbSamples();
-        outputs.put("pixel", Arrays.stream(samples).flatMapToDouble(s -> Arrays.stream(s.pixel())).toArray());
-        outputs.put("sigma", Arrays.stream(samples).mapToDouble(LimbSample::sigma).toArray());
-        outputs.put("weight", Arrays.stream(samples).mapToDouble(LimbSample::weight).toArray());
-        outputs.put("limb", Arrays.stream(samples).mapToDouble(LimbSample::limb).toArray());
     }
 
     private void complete(JsonObject step, Cylinder model, Map<String, double[]> outputs) throws ReflectiveOperationException {
@@ -145,8 +171,21 @@ final class ConformanceRunner implements AutoCloseable {
                 number(object.get("radius")));
     }
 
-    private Intrinsics camera(String name) {
-        JsonObject camera = file.getAsJsonObject("cameras").getAsJsonObject(name);
+    private static RigidMotion pose(JsonObject step) {
+        if (!step.has("pose")) {
+            return RigidMotion.IDENTITY;
+        }
+        JsonObject pose = step.getAsJsonObject("pose");
+        double[] numbers = numbers(pose.get("rotation"));
+        double[][] rows = IntStream.range(0, 3).mapToObj(k -> Arrays.copyOfRange(numbers, 3 * k, 3 * k + 3)).toArray(double[][]::new);
+        return new RigidMotion(rows, Vector.of(numbers(pose.get("translation"))));
+    }
+
+    private Intrinsics camera(JsonObject step) {
+        if (step.get("camera").isJsonNull()) {
+            return null;
+        }
+        JsonObject camera = file.getAsJsonObject("cameras").getAsJsonObject(text(step, "camera"));
         return new Intrinsics(
                 camera.get("width").getAsInt(),
                 camera.get("height").getAsInt(),
@@ -238,7 +277,8 @@ final class ConformanceRunner implements AutoCloseable {
             return null;
         }
         Data data = data(text(step, "mask"));
-        return Mask.of((ByteBuffer) data.elements(), data.shape()[1], data.shape()[0], 0, 0, 0);
+        Mask mask = Mask.of((ByteBuffer) data.elements(), data.shape()[1], data.shape()[0], 0, 0, 0);
+        return step.has("label") ? mask.withLabel(step.get("label").getAsInt()) : mask;
     }
 
     private DepthImage depth(JsonObject step) {
@@ -254,16 +294,27 @@ final class ConformanceRunner implements AutoCloseable {
                 step.has("max_depth") ? number(step.get("max_depth")) : 0);
     }
 
-    private GreyImage image(JsonObject step) {
+    private Image image(JsonObject step) {
+        Image image = plainImage(step);
+        return step.has("gamma") ? image.withGamma(number(step.get("gamma"))) : image;
+    }
+
+    private Image plainImage(JsonObject step) {
         Data data = data(text(step, "image"));
         int width = data.shape()[1];
         int height = data.shape()[0];
+        if (data.shape().length == 3) {
+            ColourFormat format = step.has("format")
+                    ? ColourFormat.valueOf(text(step, "format"))
+                    : data.channels() == 3 ? ColourFormat.RGB8 : ColourFormat.RGBA8;
+            return Image.of((ByteBuffer) data.elements(), width, height, format, 0, 0, 0);
+        }
         if (data.elements() instanceof ByteBuffer bytes) {
-            return GreyImage.of(bytes, width, height, 0, 0, 0);
+            return Image.of(bytes, width, height, 0, 0, 0);
         }
         return data.elements() instanceof ShortBuffer integers
-                ? GreyImage.of(integers, width, height, 0, 0, 0)
-                : GreyImage.of((FloatBuffer) data.elements(), width, height, 0, 0, 0);
+                ? Image.of(integers, width, height, 0, 0, 0)
+                : Image.of((FloatBuffer) data.elements(), width, height, 0, 0, 0);
     }
 
     private static Segments segments(JsonObject step) {
@@ -285,10 +336,38 @@ final class ConformanceRunner implements AutoCloseable {
         }
     }
 
+    /** One of the two parts of a result, which come from two functions of C. */
+    private void describeResult(boolean ofCylinder, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        Map<String, double[]> all = new LinkedHashMap<>();
+        describe(fitter.result(), "", all);
+        Set<String> cylinder = Arrays.stream(NativeStructs.CylinderEstimate.class.getFields())
+                .map(Field::getName)
+                .collect(Collectors.toSet());
+        all.forEach((name, numbers) -> {
+            if (cylinder.contains(name.split("\\.")[0]) == ofCylinder) {
+                outputs.put(name, numbers);
+            }
+        });
+    }
+
+    /** A list for each component, over all elements. */
+    private static <T extends Record> void describeAll(Class<T> type, List<T> elements, Map<String, double[]> outputs)
+            throws ReflectiveOperationException {
+        for (RecordComponent component : type.getRecordComponents()) {
+            List<double[]> parts = new ArrayList<>();
+            for (T element : elements) {
+                Map<String, double[]> one = new LinkedHashMap<>();
+                describe(component.getAccessor().invoke(element), "", one);
+                parts.add(one.get(""));
+            }
+            outputs.put(snake(component.getName()), flatten(parts.toArray(new double[0][])));
+        }
+    }
+
     private static void describe(FitOptions options, Map<String, double[]> outputs) throws ReflectiveOperationException {
-        for (Field field : FitOptions.class.getDeclaredFields()) {
-            if (!Modifier.isStatic(field.getModifiers())) {
-                describe(FitOptions.class.getMethod(field.getName()).invoke(options), snake(field.getName()), outputs);
+        for (java.lang.reflect.Method getter : FitOptions.class.getMethods()) {
+            if (getter.getDeclaringClass() == FitOptions.class && getter.getParameterCount() == 0) {
+                describe(getter.invoke(options), snake(getter.getName()), outputs);
             }
         }
     }
@@ -302,6 +381,10 @@ final class ConformanceRunner implements AutoCloseable {
             outputs.put(name, list);
         } else if (value instanceof double[][] rows) {
             outputs.put(name, flatten(rows));
+        } else if (value instanceof boolean[] list) {
+            outputs.put(name, IntStream.range(0, list.length).mapToDouble(k -> list[k] ? 1 : 0).toArray());
+        } else if (value instanceof Boolean truth) {
+            outputs.put(name, new double[] {truth ? 1 : 0});
         } else if (value instanceof Set<?> flags) {
             outputs.put(name, new double[] {flags.stream().mapToInt(flag -> ((ResultFlag) flag).value()).sum()});
         } else if (value instanceof Enum<?>) {

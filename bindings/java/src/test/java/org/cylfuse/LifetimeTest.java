@@ -119,6 +119,30 @@ public class LifetimeTest {
         System.gc();
     }
 
+    /** A leak of one frame a cycle would be 1,000 times 100 kB. */
+    @Test
+    public void framesAreFreedWithTheirFitters() throws IOException {
+        cycleFrames(200);
+        long before = residentKilobytes();
+        cycleFrames(1000);
+        long growth = residentKilobytes() - before;
+        assertTrue("memory grew by " + growth + " kB", growth < 16 * 1024);
+    }
+
+    private static void cycleFrames(int count) {
+        DepthImage depth = DepthImage.of(Scene.depth(), Scene.WIDTH, Scene.HEIGHT, 1e-4);
+        Image image = Image.of(Scene.grey(), Scene.WIDTH, Scene.HEIGHT);
+        for (int k = 0; k < count; k++) {
+            try (Fitter fitter = new Fitter();
+                    Frame frame = new Frame()) {
+                frame.setIntrinsics(Scene.CAMERA);
+                frame.setDepth(depth);
+                frame.setImage(image);
+                fitter.useFrame(frame, null);
+            }
+        }
+    }
+
     private static long residentKilobytes() throws IOException {
         return Files.readAllLines(Path.of("/proc/self/status")).stream()
                 .filter(line -> line.startsWith("VmRSS:"))

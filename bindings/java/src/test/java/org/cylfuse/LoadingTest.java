@@ -13,8 +13,8 @@ import java.util.List;
 import org.junit.Test;
 
 /**
- * What happens when the native library is missing or another one. Each case is a process of its own, because a process opens
- * the library once.
+ * What happens when the native library is missing or another one. Each case is a process of its own, because a process
+ * opens the library once.
  */
 public class LoadingTest {
     /** The other process. */

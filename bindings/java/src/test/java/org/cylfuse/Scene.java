@@ -11,10 +11,15 @@ final class Scene {
 
     /** z of the near wall in units of 0.1 mm, 0 where the ray misses or the pixel is near the border. */
     static short[] depth() {
+        return depth(TRUTH);
+    }
+
+    /** That of a cylinder in the camera frame. */
+    static short[] depth(Cylinder cylinder) {
         short[] depth = new short[WIDTH * HEIGHT];
         for (int v = 4; v < HEIGHT - 4; v++) {
             for (int u = 4; u < WIDTH - 4; u++) {
-                double z = nearWall((u - CAMERA.cx()) / CAMERA.fx(), (v - CAMERA.cy()) / CAMERA.fy());
+                double z = nearWall(cylinder, (u - CAMERA.cx()) / CAMERA.fx(), (v - CAMERA.cy()) / CAMERA.fy());
                 depth[v * WIDTH + u] = (short) Math.round(z / 1e-4);
             }
         }
@@ -22,12 +27,55 @@ final class Scene {
     }
 
     static byte[] mask() {
-        short[] depth = depth();
+        return mask(TRUTH);
+    }
+
+    static byte[] mask(Cylinder cylinder) {
+        short[] depth = depth(cylinder);
         byte[] mask = new byte[depth.length];
         for (int k = 0; k < mask.length; k++) {
             mask[k] = (byte) (depth[k] != 0 ? 255 : 0);
         }
         return mask;
+    }
+
+    /** Bright on the cylinder, dark beside it. */
+    static byte[] grey() {
+        byte[] image = mask();
+        for (int k = 0; k < image.length; k++) {
+            image[k] = (byte) (image[k] != 0 ? 200 : 50);
+        }
+        return image;
+    }
+
+    /** A camera that looks at the cylinder from 30 degrees beside the first one. */
+    static final RigidMotion ASIDE = new RigidMotion(
+            new double[][] {{Math.sqrt(0.75), 0, 0.5}, {0, 1, 0}, {-0.5, 0, Math.sqrt(0.75)}},
+            new Vector(-0.5, 0, 1 - Math.sqrt(0.75)));
+
+    /** The cylinder in the frame of a camera with a pose. */
+    static Cylinder seen(RigidMotion pose) {
+        Vector t = pose.translation();
+        Vector p = TRUTH.point();
+        return new Cylinder(
+                back(pose.rotation(), new Vector(p.x() - t.x(), p.y() - t.y(), p.z() - t.z())),
+                back(pose.rotation(), TRUTH.direction()),
+                TRUTH.radius());
+    }
+
+    private static Vector back(double[][] r, Vector x) {
+        return new Vector(
+                r[0][0] * x.x() + r[1][0] * x.y() + r[2][0] * x.z(),
+                r[0][1] * x.x() + r[1][1] * x.y() + r[2][1] * x.z(),
+                r[0][2] * x.x() + r[1][2] * x.y() + r[2][2] * x.z());
+    }
+
+    /** Pushes the depth that a camera with a pose sees into the selected view. */
+    static void pushView(Fitter fitter, RigidMotion pose) {
+        Cylinder seen = seen(pose);
+        fitter.setIntrinsics(CAMERA);
+        fitter.setPose(pose);
+        fitter.pushDepth(DepthImage.of(depth(seen), WIDTH, HEIGHT, 1e-4), Mask.of(mask(seen), WIDTH, HEIGHT));
     }
 
     /** The two limb lines between the rows 10 and 70. */
@@ -62,15 +110,15 @@ final class Scene {
         return points;
     }
 
-    private static double nearWall(double x, double y) {
+    private static double nearWall(Cylinder cylinder, double x, double y) {
         // |(t r - p) × d|² = R² for the ray t r with r = (x, y, 1), so that t is the depth.
-        Vector p = TRUTH.point();
-        Vector d = TRUTH.direction();
+        Vector p = cylinder.point();
+        Vector d = cylinder.direction();
         double rd = x * d.x() + y * d.y() + d.z();
         double pd = p.x() * d.x() + p.y() * d.y() + p.z() * d.z();
         double a = x * x + y * y + 1 - rd * rd;
         double b = x * p.x() + y * p.y() + p.z() - rd * pd;
-        double c = p.x() * p.x() + p.y() * p.y() + p.z() * p.z() - pd * pd - TRUTH.radius() * TRUTH.radius();
+        double c = p.x() * p.x() + p.y() * p.y() + p.z() * p.z() - pd * pd - cylinder.radius() * cylinder.radius();
         double discriminant = b * b - a * c;
         return discriminant < 0 ? 0 : (b - Math.sqrt(discriminant)) / a;
     }

@@ -1,0 +1,64 @@
+using System;
+using System.Runtime.ExceptionServices;
+using System.Threading;
+
+namespace Cylfuse
+{
+    /// <summary>A call that is running on a fitter or a frame: until it is disposed the native object is not destroyed.
+    /// Many may run on one object at once; the library says which of them exclude each other.</summary>
+    internal sealed class Call : IDisposable
+    {
+        // The library calls back on the thread of the call, and keeps its messages by thread.
+        [ThreadStatic] private static Call current;
+
+        private readonly NativeHandle handle;
+        private readonly Call outer;
+        private ExceptionDispatchInfo callbackFailure;
+
+        internal Call(NativeHandle handle)
+        {
+            this.handle = handle;
+            Pointer = handle.Acquire();
+            outer = current;
+            current = this;
+        }
+
+        /// <summary>The innermost call of this thread, which is the one that a callback belongs to.</summary>
+        internal static Call Current => current;
+
+        /// <summary>The native fitter or frame.</summary>
+        internal IntPtr Pointer { get; }
+
+        /// <summary>Stops a fit.</summary>
+        internal CancellationToken Token { get; set; }
+
+        /// <summary>Whether a callback has thrown.</summary>
+        internal bool CallbackFailed => callbackFailure != null;
+
+        /// <summary>Throws what a callback threw, or the failure of the call with its message.</summary>
+        internal void Check(int status)
+        {
+            if (callbackFailure?.SourceException is ThreadAbortException) Thread.CurrentThread.Abort();
+            callbackFailure?.Throw();
+            if (status != 0) throw Native.Failure(status, handle.LastError(Pointer));
+        }
+
+        /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An
+        /// abortion of the thread would by itself.</summary>
+        internal void Guard(Action callback)
+        {
+            try { callback(); }
+            catch (Exception failure)
+            {
+                if (failure is ThreadAbortException) Thread.ResetAbort();
+                callbackFailure = callbackFailure ?? ExceptionDispatchInfo.Capture(failure);
+            }
+        }
+
+        public void Dispose()
+        {
+            current = outer;
+            handle.DangerousRelease();
+        }
+    }
+}

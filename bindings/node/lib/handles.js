@@ -1,0 +1,37 @@
+'use strict';
+// The handles of the library: each is destroyed once, by its owner or when that was forgotten.
+
+const { isMainThread } = require('node:worker_threads');
+const { ABI_VERSION, functions } = require('./native.js');
+const { check } = require('./errors.js');
+
+// What the open owners of this thread hold.
+const open = new Set();
+
+function destroy(held) {
+  open.delete(held);
+  held.release?.();
+  functions[`cylfuse_${held.kind}_destroy`](held.handle);
+}
+
+// Frees the handles that were forgotten, and those that a worker leaves behind; the main thread leaves none.
+const registry = new FinalizationRegistry(destroy);
+if (!isMainThread) process.on('exit', () => open.forEach(destroy));
+
+/** Creates a fitter or frame, which is destroyed with its owner. */
+function create(kind, owner) {
+  const out = [null];
+  check(functions[`cylfuse_${kind}_create`](ABI_VERSION, out));
+  const held = { kind, handle: out[0] };
+  open.add(held);
+  registry.register(owner, held, owner);
+  return held;
+}
+
+/** Destroys what `create` gave to its owner. */
+function close(held, owner) {
+  registry.unregister(owner);
+  destroy(held);
+}
+
+module.exports = { create, close };

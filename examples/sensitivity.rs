@@ -1,0 +1,92 @@
+//! How much each judged constant matters: the change of the mean errors of frames/paper and frames/wild, image and given
+//! edges, when it is 20 % smaller or larger. `cargo run --release --features sensitivity --example sensitivity` prints
+//! all as a table; `-- arc refine::` those whose names contain one of the words, `-- --every 4` from every fourth frame,
+//! `-- --shared FOLDER` from frames elsewhere.
+#![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
+
+#[path = "../tests/support/frames.rs"]
+mod frames;
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+#[allow(dead_code, reason = "shared with the example accuracy, which uses all of it")]
+#[path = "accuracy/disturbance.rs"]
+mod disturbance;
+#[allow(dead_code, reason = "shared with the example accuracy, which uses all of it")]
+#[path = "accuracy/frame.rs"]
+mod frame;
+
+use cylfuse::constant::Constant;
+use frame::{Case, Frame, map, read_set};
+use std::path::{Path, PathBuf};
+
+/// The mean errors of a set, and how many fits failed.
+struct Means {
+    errors: [f64; 4],
+    failed: usize,
+}
+
+fn means(frames: &[Frame]) -> Means {
+    let all = map(frames, |frame| frame.errors_of(&Case::default()));
+    let good: Vec<_> = all.iter().flatten().collect();
+    let mean = |k: usize| good.iter().map(|errors| errors[k]).sum::<f64>() / good.len() as f64;
+    Means { errors: [0, 1, 2, 3].map(mean), failed: all.len() - good.len() }
+}
+
+/// Changes in percent, "·" for none.
+fn changes(before: &Means, after: [&Means; 2]) -> String {
+    let change = |k: usize, after: &Means| {
+        let percent = (after.errors[k] / before.errors[k] - 1.0) * 100.0;
+        if after.errors[k] == before.errors[k] { "·".into() } else { format!("{percent:+.0}") }
+    };
+    let column = |k: usize| format!("{} / {}", change(k, after[0]), change(k, after[1]));
+    let mut text = [0, 1, 2, 3].map(column).join(" | ");
+    let failed = after[0].failed + after[1].failed;
+    if failed > 2 * before.failed {
+        text += &format!(" ({failed} failed)");
+    }
+    text
+}
+
+fn main() {
+    let mut shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared");
+    let (mut every, mut words) = (1, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--shared" => shared = PathBuf::from(arguments.next().expect("--shared takes a folder")),
+            "--every" => every = arguments.next().unwrap().parse().expect("--every takes a number"),
+            _ => words.push(argument),
+        }
+    }
+    let sets = ["frames/paper", "frames/wild"].map(|set| {
+        let frames = read_set(&shared, set);
+        frames.into_iter().step_by(every).collect::<Vec<_>>()
+    });
+    let mut constants: Vec<Constant> = [
+        cylfuse::noise::constants(),
+        cylfuse::limb_location::constants(),
+        cylfuse::end_location::constants(),
+    ]
+    .concat();
+    constants.retain(|constant| words.is_empty() || words.iter().any(|word| constant.name.contains(word)));
+    let before = sets.each_ref().map(|frames| means(frames));
+    println!(
+        "{} and {} frames; changes of the mean errors in %, constant − 20 % / + 20 %",
+        sets[0].len(),
+        sets[1].len()
+    );
+    println!("\n| constant | value | unit | paper E_o | E_p | E_r | E_l | wild E_o | E_p | E_r | E_l |");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    for constant in constants {
+        let [less, more] = [0.8, 1.2].map(|factor| {
+            constant.scale(factor);
+            let means = sets.each_ref().map(|frames| means(frames));
+            Constant::reset();
+            means
+        });
+        let of_sets: Vec<String> = (0..2).map(|k| changes(&before[k], [&less[k], &more[k]])).collect();
+        let name = constant.name.trim_start_matches("cylfuse::");
+        println!("| {name} | {} | {} | {} |", constant.value, constant.unit, of_sets.join(" | "));
+    }
+}

@@ -1,0 +1,91 @@
+//! What a camera sees where, without a fitter.
+
+use super::handle::stateless;
+use super::sized::read;
+use super::status::{Failure, cylfuse_status};
+use super::structs::{cylfuse_intrinsics, cylfuse_points_view};
+use super::views;
+use crate::camera::Camera;
+use nalgebra::Vector2;
+
+/// The pixels of the (distorted) image at which a camera sees points.
+///
+/// @param intrinsics the camera
+/// @param points in the camera frame; weights and normals are ignored
+/// @param out_pixels room for `capacity` pixels of 2 doubles, x and y, row by row of the points. Pixels may lie beyond
+///   the border of the image; NaN for a point that is not finite, not in front of the camera or outside the field of
+///   its model. Of any alignment; must not overlap with the points. May be NULL when `capacity` is 0.
+/// @param capacity at least width * height of the points
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE, BUFFER_TOO_SMALL; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_intrinsics_project(
+    intrinsics: *const cylfuse_intrinsics,
+    points: *const cylfuse_points_view,
+    out_pixels: *mut f64,
+    capacity: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            let points = views::points_view(&read(points, "points")?)?;
+            let (width, height) = (points.width(), points.height());
+            let needed = width * height;
+            check_room(needed, out_pixels, capacity, "out_pixels")?;
+            let out = out_pixels.cast::<[f64; 2]>();
+            for index in 0..needed {
+                let pixel = camera.project(&points.points.at(index % width, index / width));
+                // The index is below the capacity.
+                out.add(index).write_unaligned(pixel.map_or([f64::NAN; 2], Into::into));
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The rays along which a camera sees pixels of the (distorted) image: the points at z = 1 of its frame.
+///
+/// The ray of an ideal pixel, as those of limb lines are, is that of the same intrinsics without distortion.
+///
+/// @param intrinsics the camera
+/// @param pixels `count` pixels of 2 doubles, x and y, in the image or beyond its border; of any alignment. May be NULL
+///   when `count` is 0.
+/// @param count how many pixels
+/// @param out_rays room for `count` rays of 3 doubles, x, y and z = 1; NaN for a pixel that is not finite or for which
+///   the model has no ray. Of any alignment; must not overlap with the pixels. May be NULL when `count` is 0.
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; nothing is written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_intrinsics_unproject(
+    intrinsics: *const cylfuse_intrinsics,
+    pixels: *const f64,
+    count: usize,
+    out_rays: *mut f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            if count > 0 && pixels.is_null() {
+                return Err(Failure::NullPointer { name: "pixels" });
+            }
+            check_room(count, out_rays, count, "out_rays")?;
+            let (pixels, out) = (pixels.cast::<[f64; 2]>(), out_rays.cast::<[f64; 3]>());
+            for index in 0..count {
+                // Both arrays have `count` elements.
+                let ray = camera.unproject(&Vector2::from(pixels.add(index).read_unaligned()));
+                out.add(index).write_unaligned(ray.map_or([f64::NAN; 3], Into::into));
+            }
+            Ok(())
+        })
+    }
+}
+
+fn check_room(needed: usize, out: *const f64, capacity: usize, name: &'static str) -> Result<(), Failure> {
+    if needed > capacity {
+        return Err(Failure::BufferTooSmall { name, capacity, needed });
+    }
+    if needed > 0 && out.is_null() {
+        return Err(Failure::NullPointer { name });
+    }
+    Ok(())
+}

@@ -1,0 +1,245 @@
+//! What a camera delivered at one time, for any number of fits.
+
+use super::data::{log_points, optional_mask};
+use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, stateless};
+use super::handle::{change, read as look};
+use super::library::create;
+use super::sized::read;
+use super::status::{Failure, cylfuse_status};
+use super::structs::{cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view};
+use super::views;
+use crate::camera::Camera;
+use crate::error::Error;
+use crate::observations::{DepthCamera, Frame};
+use std::ffi::c_char;
+
+/// What one camera delivered at one time: intrinsics, pose, depth image, image. Any number of fitters use one frame
+/// without a copy, such as one for each cylinder of a scene. Opaque; made by `cylfuse_frame_create`.
+///
+/// A fitter takes what the frame holds at that time: what is set later, and its destruction, change nothing in fitters.
+/// Calls that fill a frame run one at a time; any number of threads may use it at once.
+pub struct cylfuse_frame(Handle<Frame>);
+
+impl Logs for Frame {}
+
+/// Runs a call that fills a frame.
+///
+/// # Safety
+/// `frame` is NULL or a frame that was created and not destroyed.
+unsafe fn enter(
+    frame: *mut cylfuse_frame,
+    call: impl FnOnce(&mut Frame) -> Result<(), Failure>,
+) -> cylfuse_status {
+    // SAFETY: the caller's obligation.
+    match unsafe { frame.as_ref() } {
+        Some(handle) => change(&handle.0, |frame, _| call(frame)),
+        None => stateless(|| Err(Failure::NullPointer { name: "frame" })),
+    }
+}
+
+/// Makes a frame at the identity, without a camera and data.
+///
+/// @param abi_version `CYLFUSE_ABI_VERSION`
+/// @param out_frame where the frame goes, for `cylfuse_frame_destroy` in the end; set to NULL when the call fails
+/// @return ABI_MISMATCH when the program was compiled for another version of the interface, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_create(
+    abi_version: u32,
+    out_frame: *mut *mut cylfuse_frame,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { create(abi_version, out_frame, "out_frame", || cylfuse_frame(Handle::default())) }
+}
+
+/// Destroys a frame. Fitters that use it go on with what they need of it. No other call on it may be running or
+/// follow.
+///
+/// @param frame the frame; NULL does nothing
+/// @return BUSY when a call on the frame is running; nothing is destroyed then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cylfuse_status {
+    // SAFETY: NULL or a living frame, by the contract of the header.
+    let Some(handle) = (unsafe { frame.as_ref() }) else { return stateless(|| Ok(())) };
+    if !handle.0.close() {
+        return cylfuse_status::BUSY;
+    }
+    stateless(|| {
+        // SAFETY: it came from `create`, no call uses it, and the caller says that none follows.
+        drop(unsafe { Box::from_raw(frame) });
+        Ok(())
+    })
+}
+
+/// Why the last call on a frame failed; see `cylfuse_fitter_last_error`, whose rules hold here too. The text of
+/// `cylfuse_fitter_use_frame` is with the fitter.
+///
+/// @param frame the frame; NULL asks for the last call of this thread, whatever it was on
+/// @return a text that is valid until the next call of this thread into the library; never NULL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_last_error(frame: *const cylfuse_frame) -> *const c_char {
+    // SAFETY: NULL or a living frame, by the contract of the header.
+    match unsafe { frame.as_ref() } {
+        Some(frame) => frame.0.last_error(),
+        None => super::texts::last_of_thread(),
+    }
+}
+
+/// Sets the colour camera of a frame; it comes before depth and image, which must have its size.
+///
+/// @param frame the frame
+/// @param intrinsics copied
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT for an unknown model, STRUCT_SIZE; SIZE_MISMATCH with an image that the
+///   frame has, OUT_OF_MEMORY; the old camera stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
+    frame: *mut cylfuse_frame,
+    intrinsics: *const cylfuse_intrinsics,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(frame, |frame| {
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            Ok(frame.set_camera(camera)?)
+        })
+    }
+}
+
+/// Sets the pose of a frame: x_reference = rotation * x_camera + translation. The identity at first.
+///
+/// @param frame the frame
+/// @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
+/// @param translation 3 doubles, in the unit of length
+/// @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_set_pose(
+    frame: *mut cylfuse_frame,
+    rotation: *const f64,
+    translation: *const f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(frame, |frame| {
+            frame.set_pose(views::motion(rotation, translation)?);
+            Ok(())
+        })
+    }
+}
+
+/// Gives the depth of a frame a camera of its own, whose size the depth image must have. See
+/// `cylfuse_fitter_set_depth_camera`.
+///
+/// @param frame the frame
+/// @param intrinsics those of the depth camera, copied; NULL takes the depth camera away, and what follows is not read
+/// @param rotation 9 doubles, row by row: x_colour = rotation * x_depth + translation
+/// @param translation 3 doubles, in the unit of length
+/// @return INVALID_INTRINSICS, INVALID_ARGUMENT, STRUCT_SIZE; SIZE_MISMATCH with the depth image that the frame has,
+///   OUT_OF_MEMORY; the old depth camera stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
+    frame: *mut cylfuse_frame,
+    intrinsics: *const cylfuse_intrinsics,
+    rotation: *const f64,
+    translation: *const f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(frame, |frame| Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?))
+    }
+}
+
+/// Sets the depth image of a frame, in place of an earlier one.
+///
+/// @param frame the frame, with intrinsics
+/// @param depth copied
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad scale, range or stride,
+///   OUT_OF_MEMORY; the earlier image stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_set_depth(
+    frame: *mut cylfuse_frame,
+    depth: *const cylfuse_depth_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(frame, |frame| {
+            let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
+            Ok(frame.set_depth(&depth, &range)?)
+        })
+    }
+}
+
+/// Sets the image of a frame, grey or in colour, in place of an earlier one.
+///
+/// @param frame the frame, with intrinsics
+/// @param image copied
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, INVALID_ARGUMENT for a bad stride or gamma, or a value that is
+///   not finite or that the gamma forbids, OUT_OF_MEMORY; the earlier image stays then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_frame_set_image(
+    frame: *mut cylfuse_frame,
+    image: *const cylfuse_image_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { enter(frame, |frame| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?)) }
+}
+
+/// Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and
+/// adds the points of the depth image, if there is one. Points and edge segments that were pushed stay
+/// (`cylfuse_fitter_clear_input`). The images are shared and not copied.
+///
+/// @param fitter the fitter
+/// @param frame the frame, with intrinsics; it may be changed or destroyed afterwards, of which the fitter sees nothing
+/// @param mask in the pixels of the colour image, copied; NULL = all pixels
+/// @return BAD_STATE without intrinsics, SIZE_MISMATCH, EMPTY_MASK, NO_DEPTH when no pixel of the depth image in the
+///   mask is usable, BUSY when the frame is being filled, OUT_OF_MEMORY; the view stays as it was then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_use_frame(
+    fitter: *mut cylfuse_fitter,
+    frame: *const cylfuse_frame,
+    mask: *const cylfuse_mask_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_change(fitter, |content, _| {
+            let Some(handle) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let mask = optional_mask(mask)?;
+            let frame = content_of(handle)?;
+            if frame.camera().is_none() {
+                let remedy = "set the intrinsics of the frame first";
+                return Err(Error::BadState { call: "using a frame", missing: "intrinsics", remedy }.into());
+            }
+            content.fitter.use_frame(&frame, mask.as_ref())?;
+            log_points(content, "frame");
+            Ok(())
+        })
+    }
+}
+
+/// What a frame holds; its images are shared.
+fn content_of(handle: &cylfuse_frame) -> Result<Frame, Failure> {
+    let mut content = None;
+    let status = look(&handle.0, |frame, _| {
+        content = Some(frame.clone());
+        Ok(())
+    });
+    content.ok_or(Failure::Frame { status })
+}
+
+/// A depth camera of its own, or none where `intrinsics` is NULL.
+///
+/// # Safety
+/// `intrinsics` is NULL or intrinsics, and `rotation` and `translation` are as [`views::motion`] needs them then.
+pub(super) unsafe fn depth_camera(
+    intrinsics: *const cylfuse_intrinsics,
+    rotation: *const f64,
+    translation: *const f64,
+) -> Result<Option<DepthCamera>, Failure> {
+    if intrinsics.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: the caller's obligation.
+    let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+    let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+    // SAFETY: the caller's obligation.
+    let to_color = unsafe { views::motion(rotation, translation) }?;
+    Ok(Some(DepthCamera { camera, to_color }))
+}

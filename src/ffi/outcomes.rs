@@ -1,0 +1,191 @@
+//! The constants of results: integers, as in `constants`.
+
+use crate::extent::{EndSource, EndState};
+use crate::limb_location::NotVisible;
+use crate::solver::Termination;
+
+/// Why an iteration ended.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_termination(pub i32);
+
+impl cylfuse_termination {
+    /// There was no iteration: the method has none, or a given model was evaluated.
+    pub const NONE: cylfuse_termination = cylfuse_termination(0);
+    /// The cost no longer fell by more than the tolerance, or reached the rounding error of the data.
+    pub const COST: cylfuse_termination = cylfuse_termination(1);
+    /// No step down to the largest damping lowered the cost: a minimum to rounding.
+    pub const STALLED: cylfuse_termination = cylfuse_termination(2);
+    /// The limit of iterations was reached; `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED` is set too.
+    pub const MAX_ITERATIONS: cylfuse_termination = cylfuse_termination(3);
+    /// The radius left all proportion to the data: they are flat.
+    pub const RADIUS_RAN_AWAY: cylfuse_termination = cylfuse_termination(4);
+    /// The gradient fell below its tolerance.
+    pub const GRADIENT: cylfuse_termination = cylfuse_termination(5);
+    /// The step fell below its tolerance.
+    pub const STEP: cylfuse_termination = cylfuse_termination(6);
+}
+
+impl From<Option<Termination>> for cylfuse_termination {
+    fn from(termination: Option<Termination>) -> Self {
+        match termination {
+            None => Self::NONE,
+            Some(Termination::Cost) => Self::COST,
+            Some(Termination::Gradient) => Self::GRADIENT,
+            Some(Termination::Step) => Self::STEP,
+            Some(Termination::Stalled) => Self::STALLED,
+            Some(Termination::MaxIterations) => Self::MAX_ITERATIONS,
+            Some(Termination::RadiusRanAway) => Self::RADIUS_RAN_AWAY,
+        }
+    }
+}
+
+/// What an end of the visible cylinder is.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_end_state(pub i32);
+
+impl cylfuse_end_state {
+    /// No depth was measured beyond the end, or no depth image was pushed.
+    pub const UNKNOWN: cylfuse_end_state = cylfuse_end_state(0);
+    /// The surface ends there: what lies beyond is farther than the surface would be.
+    pub const SEEN: cylfuse_end_state = cylfuse_end_state(1);
+    /// The border of the image cuts the cylinder off.
+    pub const CUT: cylfuse_end_state = cylfuse_end_state(2);
+    /// Something nearer than the surface covers what lies beyond.
+    pub const HIDDEN: cylfuse_end_state = cylfuse_end_state(3);
+}
+
+impl From<EndState> for cylfuse_end_state {
+    fn from(state: EndState) -> Self {
+        match state {
+            EndState::Unknown => Self::UNKNOWN,
+            EndState::Seen => Self::SEEN,
+            EndState::Cut => Self::CUT,
+            EndState::Hidden => Self::HIDDEN,
+        }
+    }
+}
+
+/// What the position of an end was taken from.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_end_source(pub i32);
+
+impl cylfuse_end_source {
+    /// The extreme point completed over the mask.
+    pub const EXTREME: cylfuse_end_source = cylfuse_end_source(0);
+    /// Where the lines along the surface leave the mask.
+    pub const MASK: cylfuse_end_source = cylfuse_end_source(1);
+    /// The arc of the end circle in the image.
+    pub const IMAGE: cylfuse_end_source = cylfuse_end_source(2);
+    /// The last of the surface inside the border of the image.
+    pub const BORDER: cylfuse_end_source = cylfuse_end_source(3);
+}
+
+impl From<EndSource> for cylfuse_end_source {
+    fn from(source: EndSource) -> Self {
+        match source {
+            EndSource::Extreme => Self::EXTREME,
+            EndSource::Mask => Self::MASK,
+            EndSource::Image => Self::IMAGE,
+            EndSource::Border => Self::BORDER,
+        }
+    }
+}
+
+/// Whether a limb was located in the image, or why not.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_limb_status(pub i32);
+
+impl cylfuse_limb_status {
+    /// It was located.
+    pub const LOCATED: cylfuse_limb_status = cylfuse_limb_status(0);
+    /// The image was not searched: there is none, the edges were taken as given, or the objective does not look.
+    pub const NOT_SEARCHED: cylfuse_limb_status = cylfuse_limb_status(1);
+    /// The cylinder has no limbs in front of the camera: the camera is inside it, or it lies behind.
+    pub const NO_LIMBS: cylfuse_limb_status = cylfuse_limb_status(2);
+    /// Less than 24 rows or columns of the image show the limb.
+    pub const TOO_SHORT: cylfuse_limb_status = cylfuse_limb_status(3);
+    /// No line near the expected place has more of an edge than noise gives.
+    pub const NO_EDGE: cylfuse_limb_status = cylfuse_limb_status(4);
+    /// The line left the expected place while it was refined.
+    pub const OUT_OF_REACH: cylfuse_limb_status = cylfuse_limb_status(5);
+    /// The line would be less certain than one set by hand.
+    pub const UNCERTAIN: cylfuse_limb_status = cylfuse_limb_status(6);
+    /// A small part of the line carries it all.
+    pub const PATCHY: cylfuse_limb_status = cylfuse_limb_status(7);
+    /// The other limb was found at the same place, and more certainly.
+    pub const SAME_LINE: cylfuse_limb_status = cylfuse_limb_status(8);
+}
+
+impl From<NotVisible> for cylfuse_limb_status {
+    fn from(reason: NotVisible) -> Self {
+        match reason {
+            NotVisible::NoLimbs => Self::NO_LIMBS,
+            NotVisible::TooShort => Self::TOO_SHORT,
+            NotVisible::NoEdge => Self::NO_EDGE,
+            NotVisible::OutOfReach => Self::OUT_OF_REACH,
+            NotVisible::Uncertain => Self::UNCERTAIN,
+            NotVisible::Patchy => Self::PATCHY,
+            NotVisible::SameLine => Self::SAME_LINE,
+        }
+    }
+}
+
+/// What a fit is doing.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_phase(pub i32);
+
+impl cylfuse_phase {
+    /// It is about to look for a start.
+    pub const START: cylfuse_phase = cylfuse_phase(1);
+    /// It iterates.
+    pub const SOLVE: cylfuse_phase = cylfuse_phase(2);
+}
+
+/// Warnings about a result, one bit each. None of them is an error: the numbers of the result say how much it matters.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_result_flags(pub u32);
+
+impl cylfuse_result_flags {
+    /// Segments were given but none of them counts; the other flags and the counts say why.
+    pub const EDGES_IGNORED: cylfuse_result_flags = cylfuse_result_flags(1);
+    /// Some segments have no length or lie outside the field of the camera model.
+    pub const SEGMENTS_UNUSABLE: cylfuse_result_flags = cylfuse_result_flags(2);
+    /// Two segments cross each other: they cannot be the two limbs.
+    pub const EDGES_CROSS: cylfuse_result_flags = cylfuse_result_flags(4);
+    /// Two segments lie on one line to within 2 pixels: they are the same limb.
+    pub const EDGES_COINCIDE: cylfuse_result_flags = cylfuse_result_flags(8);
+    /// The rays of the endpoints do not meet the plane of the limbs in front of the camera.
+    pub const EDGES_BEHIND: cylfuse_result_flags = cylfuse_result_flags(16);
+    /// The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.
+    pub const SCALE_HELD: cylfuse_result_flags = cylfuse_result_flags(32);
+    /// The data hardly determine the radius: see `condition`.
+    pub const WEAK_RADIUS: cylfuse_result_flags = cylfuse_result_flags(64);
+    /// The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
+    pub const RESOLUTION_LOST: cylfuse_result_flags = cylfuse_result_flags(128);
+    /// The limit of iterations came before convergence.
+    pub const NOT_CONVERGED: cylfuse_result_flags = cylfuse_result_flags(256);
+    /// Most points lie on the wall that the camera cannot see.
+    pub const HIDDEN_WALL: cylfuse_result_flags = cylfuse_result_flags(512);
+    /// The camera is inside the cylinder: there are no limbs.
+    pub const CAMERA_INSIDE: cylfuse_result_flags = cylfuse_result_flags(1024);
+    /// Points with coordinates that are not finite were left out.
+    pub const POINTS_NOT_FINITE: cylfuse_result_flags = cylfuse_result_flags(2048);
+    /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
+    /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
+    /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
+    /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
+    pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
+    /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
+    pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
+    /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+    pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
+    /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
+    /// are independent, or some degree of freedom is not determined.
+    pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
+}

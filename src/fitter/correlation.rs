@@ -1,0 +1,242 @@
+//! How many of the points are independent: the correlation of their residuals between neighbours.
+//!
+//! Neighbouring pixels of a depth image share matching windows, filters and interpolation. With the correlation ρ at k
+//! pixels along rows and columns, 1 + 2 Σ ρ_k neighbours along either count as one, so that N independent points are left
+//! of n: N = n / ((1 + 2 Σ ρ_row) (1 + 2 Σ ρ_column)). Which points are neighbours is told by their pixels, or where
+//! these are not known by where they are seen; never by the order in which they were pushed.
+
+use crate::geometry::{Cylinder, LocalFrame};
+use crate::observations::PointCloud;
+use nalgebra::Vector2;
+
+/// A correlation below this is taken as the end of the correlated range, and one below so many of its own
+/// standard deviations, 1/√n when there is none: what chance gives few points must not count as correlation.
+const UNCORRELATED: f64 = 0.1;
+const UNCORRELATED_DEVIATIONS: f64 = 3.0;
+
+/// Longest range of correlation that is looked for, in points: matching windows have up to 11 pixels. What is alike
+/// farther apart is no noise but a misfit.
+const LONGEST_CORRELATION: usize = 11;
+
+/// Fewest pairs of neighbours that tell a correlation: of fewer even one of 0.5 is chance.
+const LEAST_PAIRS: f64 = 36.0;
+
+/// The part of the points that bounds a grid made from where they are: single far points don't widen it.
+const CENTRAL_PART: f64 = 0.98;
+
+/// A cell of the grid for a point that lies outside.
+const OUTSIDE: u32 = u32::MAX;
+
+/// Points on a rectangular grid.
+#[derive(Debug, Clone)]
+pub(super) struct Lattice {
+    /// The cell of each point.
+    cells: Vec<u32>,
+    /// One over the number of points in each cell.
+    shares: Vec<f32>,
+    /// Cells from one row to the next: the columns and, so that rows don't meet, the longest range.
+    stride: usize,
+    /// By axis and distance: pairs of cells with points.
+    pairs: [[f64; LONGEST_CORRELATION]; 2],
+}
+
+impl Lattice {
+    /// The pixels of the points, or, of points that an observer sees, the directions in which they are seen; `None` for
+    /// others, whose grid is that of a surface.
+    pub fn of_cloud(cloud: &PointCloud, observed: bool) -> Option<Self> {
+        if let Some(pixels) = cloud.pixels() {
+            return Self::new(pixels.iter().map(|[column, row]| Some([*column as usize, *row as usize])));
+        }
+        let ahead = || cloud.points().map(|p| p.z > 0.0);
+        if !observed || !ahead().all(|ahead| ahead) {
+            return None;
+        }
+        Self::of_positions(&cloud.points().map(|p| Vector2::new(p.x, p.y) / p.z).collect::<Vec<_>>())
+    }
+
+    /// The places of points on a cylinder: along the circumference and along the axis.
+    pub fn on_surface(cloud: &PointCloud, frame: &LocalFrame) -> Option<Self> {
+        let Cylinder { axis, radius } = frame.cylinder;
+        let place = |p: nalgebra::Vector3<f64>| {
+            let q = p - axis.point;
+            Vector2::new(q.dot(&frame.v).atan2(q.dot(&frame.u)) * radius, q.dot(&axis.direction))
+        };
+        Self::of_positions(&cloud.points().map(place).collect::<Vec<_>>())
+    }
+
+    /// A grid with about one position a cell.
+    fn of_positions(positions: &[Vector2<f64>]) -> Option<Self> {
+        let count = positions.len();
+        if count == 0 {
+            return None;
+        }
+        let bounds = [0, 1].map(|axis| {
+            let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();
+            let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;
+            let low = *values.select_nth_unstable_by(outer, f64::total_cmp).1;
+            let high = *values.select_nth_unstable_by(count - 1 - outer, f64::total_cmp).1;
+            (low, high)
+        });
+        let size = bounds.map(|(low, high)| high - low);
+        if !(size[0] > 0.0 && size[1] > 0.0 && (size[0] * size[1]).is_finite()) {
+            return None;
+        }
+        let cells = |step: f64| {
+            positions.iter().map(move |p| {
+                let cell = [0, 1].map(|axis| (p[axis] - bounds[axis].0) / step);
+                let inside = (0..2).all(|axis| cell[axis] >= 0.0 && p[axis] <= bounds[axis].1);
+                inside.then(|| cell.map(|x| x as usize))
+            })
+        };
+        // Cells that surely hold several positions tell the area that these cover.
+        let coarse = 2.0 * (size[0] * size[1] / count as f64).sqrt();
+        let occupied = Self::new(cells(coarse))?.shares.iter().filter(|&&share| share > 0.0).count();
+        Self::new(cells(coarse * (occupied as f64 / count as f64).sqrt()))
+    }
+
+    fn new(cells: impl Iterator<Item = Option<[usize; 2]>> + Clone) -> Option<Self> {
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for cell in cells.clone().flatten() {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(cell[axis]);
+                high[axis] = high[axis].max(cell[axis]);
+            }
+        }
+        let columns = (high[0] + 1).checked_sub(low[0])?;
+        let stride = columns + LONGEST_CORRELATION;
+        let size = stride * (high[1] - low[1] + 1);
+        let mut shares = Vec::new();
+        shares.try_reserve_exact(size).ok()?;
+        shares.resize(size, 0.0_f32);
+        let index = |cell: [usize; 2]| ((cell[1] - low[1]) * stride + cell[0] - low[0]) as u32;
+        let cells: Vec<u32> = cells.map(|cell| cell.map_or(OUTSIDE, index)).collect();
+        cells.iter().filter(|&&cell| cell != OUTSIDE).for_each(|&cell| shares[cell as usize] += 1.0);
+        let occupied: Vec<f64> = shares.iter().map(|&count| f64::from(count.min(1.0))).collect();
+        let pairs = [1, stride].map(|step| {
+            std::array::from_fn(|k| occupied.get((k + 1) * step..).map_or(0.0, |ahead| dot(&occupied, ahead)))
+        });
+        shares.iter_mut().filter(|share| **share > 0.0).for_each(|share| *share = share.recip());
+        Some(Self { cells, shares, stride, pairs })
+    }
+
+    /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
+    pub fn independent_points(&self, residuals: &[f64], cutoff: f64) -> f64 {
+        let mut values = vec![0.0; self.shares.len()];
+        for (residual, &cell) in residuals.iter().zip(&self.cells) {
+            if cell != OUTSIDE && residual.abs() <= cutoff {
+                values[cell as usize] += residual * f64::from(self.shares[cell as usize]);
+            }
+        }
+        let occupied = self.shares.iter().filter(|&&share| share > 0.0).count() as f64;
+        let variance = dot(&values, &values) / occupied;
+        if !(variance > 0.0) {
+            return residuals.len() as f64;
+        }
+        let range = |axis: usize| -> f64 {
+            let step = [1, self.stride][axis];
+            let mut range = 1.0;
+            for k in 1..=LONGEST_CORRELATION {
+                let pairs = self.pairs[axis][k - 1];
+                let Some(ahead) = values.get(k * step..).filter(|_| pairs >= LEAST_PAIRS) else { break };
+                let correlation = dot(&values, ahead) / (pairs * variance);
+                if correlation < UNCORRELATED.max(UNCORRELATED_DEVIATIONS / pairs.sqrt()) {
+                    break;
+                }
+                range += 2.0 * correlation;
+            }
+            range
+        };
+        (residuals.len() as f64 / (range(0) * range(1))).max(1.0)
+    }
+}
+
+/// The sum of the products of two sequences as far as both go, in partial sums side by side, so that one addition need
+/// not wait for another.
+fn dot(first: &[f64], second: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let count = first.len().min(second.len());
+    let ((first, first_rest), (second, second_rest)) =
+        (first[..count].as_chunks::<LANES>(), second[..count].as_chunks::<LANES>());
+    let mut lanes = [0.0; LANES];
+    for (a, b) in first.iter().zip(second) {
+        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+            *lane += a * b;
+        }
+    }
+    let rest = first_rest.iter().zip(second_rest).map(|(a, b)| a * b);
+    lanes.into_iter().chain(rest).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    fn noise(count: usize, seed: u64) -> Vec<f64> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        (0..count).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX) - 0.5).collect()
+    }
+
+    fn grid(columns: usize, rows: usize) -> Vec<[usize; 2]> {
+        (0..columns * rows).map(|k| [k % columns, k / columns]).collect()
+    }
+
+    fn lattice(cells: &[[usize; 2]]) -> Lattice {
+        Lattice::new(cells.iter().map(|cell| Some(*cell))).unwrap()
+    }
+
+    /// Means over windows of pixels by pixels.
+    fn smooth(columns: usize, rows: usize, window: [usize; 2]) -> Vec<f64> {
+        let (wide, high) = (columns + window[0], rows + window[1]);
+        let raw = noise(wide * high, 1);
+        let mean = |cell: &[usize; 2]| -> f64 {
+            let inside = (0..window[1]).flat_map(|y| (0..window[0]).map(move |x| [x, y]));
+            inside.map(|[x, y]| raw[(cell[1] + y) * wide + cell[0] + x]).sum()
+        };
+        grid(columns, rows).iter().map(mean).collect()
+    }
+
+    #[test]
+    fn independent_noise_has_as_many_independent_points_as_points() {
+        for (columns, rows) in [(10, 5), (25, 20), (80, 60)] {
+            let lattice = lattice(&grid(columns, rows));
+            let count = columns * rows;
+            let part = |seed: u64| lattice.independent_points(&noise(count, seed), 1.0) / count as f64;
+            let mean = (0..200).map(part).sum::<f64>() / 200.0;
+            assert!((0.98..=1.0).contains(&mean), "{count}: {mean}");
+        }
+    }
+
+    #[test]
+    fn the_ranges_are_those_of_a_moving_average() {
+        // The mean of 5 neighbours has the correlation 1 − k / 5, so that 1 + 2 Σ ρ is 5.
+        let residuals = smooth(200, 150, [5, 3]);
+        let found = lattice(&grid(200, 150)).independent_points(&residuals, 100.0);
+        assert!((found * 15.0 / 30_000.0 - 1.0).abs() < 0.05, "{found}");
+    }
+
+    #[test]
+    fn the_order_of_the_points_and_the_shape_of_the_region_do_not_matter() {
+        let inside = |cell: &[usize; 2]| (cell[0] as f64 - 60.0).hypot(cell[1] as f64 - 50.0) < 45.0;
+        let residuals = smooth(120, 100, [4, 4]);
+        let points: Vec<([usize; 2], f64)> =
+            grid(120, 100).into_iter().zip(residuals).filter(|(cell, _)| inside(cell)).collect();
+        let count = |points: &[([usize; 2], f64)]| {
+            let cells: Vec<[usize; 2]> = points.iter().map(|point| point.0).collect();
+            let residuals: Vec<f64> = points.iter().map(|point| point.1).collect();
+            let by_pixels = lattice(&cells).independent_points(&residuals, 100.0);
+            let places: Vec<Vector2<f64>> =
+                cells.iter().map(|[x, y]| Vector2::new(*x as f64, *y as f64) / 570.0).collect();
+            (by_pixels, Lattice::of_positions(&places).unwrap().independent_points(&residuals, 100.0))
+        };
+        let (by_pixels, by_places) = count(&points);
+        assert!((by_pixels * 16.0 / points.len() as f64 - 1.0).abs() < 0.15, "{by_pixels}");
+        assert!((by_places / by_pixels - 1.0).abs() < 0.2, "{by_places} {by_pixels}");
+        let mut shuffled = points.clone();
+        let mut keys = noise(points.len(), 3).into_iter();
+        shuffled.sort_by_cached_key(|_| keys.next().map(|key| (key * 1e9) as i64));
+        let (a, b) = count(&shuffled);
+        assert!((a / by_pixels - 1.0).abs() < 1e-9 && (b / by_places - 1.0).abs() < 1e-9);
+    }
+}

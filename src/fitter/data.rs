@@ -1,0 +1,377 @@
+//! What is fitted: the checked data of one fit, with their middle and size. Nothing here changes during a fit.
+
+use super::correlation::Lattice;
+use super::edges::UsableEdges;
+use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
+use super::view::View;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, RigidMotion, Walls};
+use crate::noise::ImageNoise;
+use crate::observations::EdgeSegment;
+use crate::residuals::PointTerm;
+use crate::workers::Workers;
+use nalgebra::{Matrix3, Vector3};
+
+/// Degrees of freedom of a cylinder, so the least number of points.
+pub(super) const LEAST_POINTS: usize = 5;
+
+/// Spread across a line, relative to the spread along it, below which points are collinear.
+const COLLINEAR: f64 = 1e-4;
+
+/// Spread across a plane, relative to the largest spread, below which points are exactly coplanar: the surface
+/// of a cylinder over an arc of 1° still has ten times as much.
+const COPLANAR: f64 = 1e-6;
+
+/// A radius of more than this many times the spread of the points across the axis is no radius: over such an
+/// arc, 1° and less, the surface is a plane.
+const LARGEST_RADIUS: f64 = 100.0;
+
+/// A radius that is asked for may be this many times the size of the points: over the arc that is left, 0.01°, the
+/// bend of the surface is lost in the rounding of f32 coordinates.
+const LARGEST_KNOWN_RADIUS: f64 = 1e4;
+
+/// Points that tell one view from another.
+const KEY_POINTS: usize = 8;
+
+/// Points that tell a proportion: a few hundred are enough.
+const SAMPLE: usize = 500;
+
+/// The data of one fit.
+pub(super) struct Data<'a> {
+    pub options: &'a Options,
+    pub views: Vec<ViewData<'a>>,
+    /// The model that the caller gave to start from.
+    pub start: Option<&'a Cylinder>,
+    /// Mean of the points.
+    pub center: Vector3<f64>,
+    /// Root mean square distance of the points from their mean.
+    pub unit: f64,
+    /// w_L as far as edges can count: 0 where there are none for the paper's objective.
+    pub edge_weight: f64,
+}
+
+/// The data of one view.
+#[derive(Clone)]
+pub(super) struct ViewData<'a> {
+    /// Which view of the fitter it is.
+    pub index: usize,
+    pub view: &'a View,
+    /// From the reference frame.
+    pub into_view: RigidMotion,
+    pub points: PointTerm<'a>,
+    /// The grid on which the noise of the points is correlated.
+    pub lattice: Option<Lattice>,
+    /// The given segments that can be limbs.
+    pub edges: UsableEdges,
+    /// Whether the origin of the view is an observer that sees the points.
+    pub observed: bool,
+    /// The noise model in pixels of the image.
+    pub noise: ImageNoise,
+}
+
+impl ViewData<'_> {
+    /// The camera of the view.
+    pub fn camera(&self) -> Option<&Camera> {
+        self.view.camera()
+    }
+
+    /// A cylinder in the coordinates of the view.
+    pub fn seen(&self, cylinder: &Cylinder) -> Cylinder {
+        self.into_view.cylinder(cylinder)
+    }
+
+    /// The points in the reference frame.
+    pub fn points_in_reference(&self) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
+        let to_reference = self.into_view.inverse();
+        self.view.cloud.points().map(move |p| to_reference.point(&p))
+    }
+
+    /// Signed distances of the points from a cylinder.
+    pub fn distances(&self, cylinder: &Cylinder, center: &Vector3<f64>) -> Vec<f64> {
+        let frame = LocalFrame::new(cylinder, center, 1.0);
+        self.points.distances(&frame.moved(&self.into_view))
+    }
+}
+
+impl<'a> Data<'a> {
+    /// Checks views and options against each other.
+    pub fn new(
+        options: &'a Options,
+        views: &'a [View],
+        start: Option<&'a Cylinder>,
+        workers: &'a Workers,
+    ) -> Result<Self> {
+        let fused = options.method == Method::Fused;
+        let paper = fused && options.objective == ObjectiveKind::Paper;
+        if options.chart == ChartChoice::Orthonormal && !options.cylinder_limits.is_none() {
+            return Err(Error::Unsupported {
+                what: "the orthonormal chart knows no limits of radius or axis".into(),
+                remedy: "choose the chart auto or local, or take the limits away",
+            });
+        }
+        for view in views.iter().filter(|_| fused) {
+            let count = view.segments.len();
+            if count > 0 && view.camera().is_none() {
+                return Err(Error::BadState {
+                    call: "fit",
+                    missing: "intrinsics to use the edge segments",
+                    remedy: "set the intrinsics or clear the segments",
+                });
+            }
+            // Of several views some may have no edges.
+            let nothing_to_do = views.len() > 1 && count == 0;
+            if paper && options.edge_weight > 0.0 && count != 2 && !nothing_to_do {
+                return Err(Error::Unsupported {
+                    what: format!("the paper's objective takes exactly 2 edge segments, not {count}"),
+                    remedy: "push two segments, set the edge weight to 0, or use the robust objective",
+                });
+            }
+        }
+        let views = views.iter().enumerate();
+        let mut views: Vec<ViewData<'a>> =
+            views.map(|(index, view)| ViewData::new(options, index, view, workers)).collect();
+        // One order whatever that of the caller was.
+        views.sort_by_cached_key(ViewData::key);
+        let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());
+        let edge_weight = if paper && has_limbs { options.edge_weight } else { 0.0 };
+        let given = views.iter().map(|view| view.view.cloud.given()).sum();
+        Self::with(options, views, start, edge_weight, given)
+    }
+
+    /// One view alone, in the same reference frame.
+    pub fn only(&self, view: usize) -> Result<Data<'a>> {
+        let view = self.views[view].clone();
+        let given = view.view.cloud.given();
+        Self::with(self.options, vec![view], self.start, self.edge_weight, given)
+    }
+
+    /// The same data without edges.
+    pub fn without_edges(&self) -> Data<'a> {
+        let mut views = self.views.clone();
+        views.iter_mut().for_each(|view| view.edges.clear());
+        Data { views, edge_weight: 0.0, ..*self }
+    }
+
+    fn with(
+        options: &'a Options,
+        views: Vec<ViewData<'a>>,
+        start: Option<&'a Cylinder>,
+        edge_weight: f64,
+        given: usize,
+    ) -> Result<Self> {
+        let usable: usize = views.iter().map(|view| view.points.count()).sum();
+        let edges_alone = edge_weight == 1.0 && start.is_some();
+        if usable < LEAST_POINTS && !edges_alone {
+            return Err(Error::TooFewPoints {
+                usable,
+                given,
+                needed: LEAST_POINTS,
+                remedy: "push more points, or check mask, depth scale and depth range",
+            });
+        }
+        let mut data = Self { options, views, start, center: Vector3::zeros(), unit: 1.0, edge_weight };
+        if usable < LEAST_POINTS {
+            data.center = start.map_or(Vector3::zeros(), |start| start.axis.nearest_to_origin());
+            data.unit = data.center.norm().max(f64::MIN_POSITIVE);
+            return Ok(data);
+        }
+        (data.center, data.unit) = data.middle_and_size()?;
+        let smallest = options.cylinder_limits.radius_min;
+        if smallest > LARGEST_KNOWN_RADIUS * data.unit {
+            let size = data.unit;
+            let requirement = format!(
+                "be at most {LARGEST_KNOWN_RADIUS} times the size of the points, {size:.3e}: check its unit"
+            );
+            return Err(Error::argument("radius_min", smallest, requirement));
+        }
+        Ok(data)
+    }
+
+    /// All points in the reference frame.
+    pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
+        self.views.iter().flat_map(ViewData::points_in_reference)
+    }
+
+    /// All points with their weights.
+    pub fn weighted_points(&self) -> impl Iterator<Item = (Vector3<f64>, f64)> + Clone + '_ {
+        self.views.iter().flat_map(|view| {
+            let weights = (0..view.view.cloud.len()).map(|index| view.view.cloud.weight(index));
+            view.points_in_reference().zip(weights)
+        })
+    }
+
+    /// The number of points.
+    pub fn count(&self) -> usize {
+        self.views.iter().map(|view| view.points.count()).sum()
+    }
+
+    /// At most `count` points of each view, evenly spread.
+    pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
+        let of_view = |view: &ViewData<'_>| {
+            let to_reference = view.into_view.inverse();
+            let sample = view.view.cloud.sample(count / self.views.len());
+            sample.iter().map(|p| to_reference.point(p)).collect::<Vec<_>>()
+        };
+        self.views.iter().flat_map(of_view).collect()
+    }
+
+    /// Mean and size of the points; refuses those that no cylinder is determined by.
+    fn middle_and_size(&self) -> Result<(Vector3<f64>, f64)> {
+        let count = self.count() as f64;
+        // Differences of nearby points first: all may be far from the origin of coordinates.
+        let origin = self.points().next().unwrap_or_default();
+        let mean = self.points().fold(Vector3::zeros(), |sum, p| sum + (p - origin)) / count;
+        let covariance = self.points().fold(Matrix3::zeros(), |sum, p| {
+            let q = p - origin - mean;
+            sum + q * q.transpose()
+        }) / count;
+        let mut spreads = covariance.symmetric_eigenvalues().map(|value| value.max(0.0).sqrt());
+        spreads.as_mut_slice().sort_unstable_by(|a, b| b.total_cmp(a));
+        let unit = covariance.trace().sqrt();
+        if !(unit.is_finite() && (origin + mean).iter().all(|x| x.is_finite())) {
+            return Err(Error::Numerical { what: "the spread of the points overflows" });
+        }
+        if spreads[1] <= COLLINEAR * spreads[0] {
+            return Err(Error::CollinearPoints { along: spreads[0], across: spreads[1] });
+        }
+        if spreads[2] <= COPLANAR * spreads[0] {
+            let limit = LARGEST_RADIUS;
+            return Err(Error::PlanarPoints { radius: f64::INFINITY, spread: spreads[1], limit });
+        }
+        Ok((origin + mean, unit))
+    }
+
+    /// Whether the objective has the weight w_L.
+    pub fn has_edge_weight(&self) -> bool {
+        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Paper
+    }
+
+    /// Whether the objective is the robust one.
+    pub fn is_robust(&self) -> bool {
+        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Robust
+    }
+
+    /// Whether the objective is that of the paper (or its points alone).
+    pub fn is_paper(&self) -> bool {
+        self.options.method == Method::Points || self.options.objective == ObjectiveKind::Paper
+    }
+
+    /// Whether the fit looks at an image.
+    pub fn locates(&self) -> bool {
+        self.is_robust() && self.views.iter().any(|view| view.view.image().is_some())
+    }
+
+    /// Whether the points of any view must lie on the wall that faces it.
+    pub fn near_wall(&self) -> bool {
+        self.views.iter().any(|view| view.observed)
+    }
+
+    /// The points on the wall that their observers see, among those that have one.
+    pub fn walls(&self, cylinder: &Cylinder) -> Walls {
+        let mut all = Walls::default();
+        for view in self.views.iter().filter(|view| view.observed) {
+            let walls = view.seen(cylinder).visible_wall(view.view.cloud.points());
+            all.visible += walls.visible;
+            all.total += walls.total;
+        }
+        all
+    }
+
+    /// Whether the observer of a view is inside a cylinder.
+    pub fn observer_inside(&self, cylinder: &Cylinder) -> bool {
+        self.views.iter().any(|view| view.observed && view.seen(cylinder).contains_origin())
+    }
+
+    /// The cylinder moved away from the first observer by two radii: see [`Cylinder::mirrored_away`].
+    pub fn mirrored_away(&self, cylinder: &Cylinder) -> Cylinder {
+        match self.views.iter().find(|view| view.observed) {
+            Some(view) => view.into_view.inverse().cylinder(&view.seen(cylinder).mirrored_away()),
+            None => cylinder.mirrored_away(),
+        }
+    }
+
+    /// The cylinder with its axis point nearest to the middle of the points and the largest component of its
+    /// direction positive, so that the same axis always reads the same.
+    pub fn canonical(&self, cylinder: &Cylinder) -> Cylinder {
+        let mut moved = *cylinder;
+        moved.axis.point = cylinder.axis.nearest_to(&self.center);
+        let direction = cylinder.axis.direction;
+        if direction[direction.iamax()] < 0.0 {
+            moved.axis.direction = -direction;
+        }
+        moved
+    }
+
+    /// The frame at a cylinder.
+    pub fn frame(&self, cylinder: &Cylinder) -> LocalFrame {
+        LocalFrame::new(cylinder, &self.center, self.unit)
+    }
+
+    /// The limits of an iteration. The edges alone (w_L = 1) determine r / ‖c‖ and no radius: what the limits say
+    /// of it is left to the choice of the scale.
+    pub fn limits_of_iteration(&self) -> CylinderLimits {
+        let axis = self.options.cylinder_limits.axis;
+        match self.edge_weight == 1.0 {
+            true => CylinderLimits { axis, ..CylinderLimits::default() },
+            false => self.options.cylinder_limits,
+        }
+    }
+
+    /// The cylinder moved into the limits.
+    pub fn within_limits(&self, cylinder: &Cylinder) -> Cylinder {
+        self.limits_of_iteration().nearest(cylinder, &self.center)
+    }
+
+    /// Whether the radius was given and not estimated.
+    pub fn has_fixed_radius(&self) -> bool {
+        self.options.cylinder_limits.fix_radius()
+    }
+
+    /// Refuses a radius that is out of proportion to the points, unless the limits chose it.
+    pub fn check_radius(&self, cylinder: &Cylinder) -> Result<()> {
+        if self.count() == 0 || cylinder.radius >= self.options.cylinder_limits.radius_max {
+            return Ok(());
+        }
+        let sample = self.sample(SAMPLE);
+        let across = |p: &Vector3<f64>| (p - self.center).cross(&cylinder.axis.direction).norm_squared();
+        let spread = (sample.iter().map(across).sum::<f64>() / sample.len() as f64).sqrt();
+        if cylinder.radius > LARGEST_RADIUS * spread {
+            return Err(Error::PlanarPoints { radius: cylinder.radius, spread, limit: LARGEST_RADIUS });
+        }
+        Ok(())
+    }
+}
+
+impl<'a> ViewData<'a> {
+    /// Tells views apart by what was measured in them.
+    fn key(&self) -> (usize, Vec<[u64; 3]>) {
+        let sample = self.view.cloud.sample(KEY_POINTS);
+        (
+            self.view.cloud.len(),
+            sample.iter().map(|p| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()]).collect(),
+        )
+    }
+
+    fn new(options: &Options, index: usize, view: &'a View, workers: &'a Workers) -> Self {
+        let fused = options.method == Method::Fused;
+        let observed = match options.near_wall {
+            NearWall::Auto => view.camera().is_some(),
+            NearWall::On => true,
+            NearWall::Off => false,
+        };
+        let size = view.camera().map_or((1, 1), Camera::size);
+        let noise = options.noise.in_image(size);
+        let segments: &[EdgeSegment] = if fused { &view.segments } else { &[] };
+        Self {
+            index,
+            view,
+            into_view: view.pose().inverse(),
+            points: PointTerm::new(&view.cloud, Some(workers)),
+            lattice: Lattice::of_cloud(&view.cloud, observed),
+            edges: UsableEdges::new(view.camera(), segments, &noise),
+            observed,
+            noise,
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What is said about a cylinder: costs, warnings, residuals, and what the data determine.
+
+use super::data::{self, Data};
+use super::held::Held;
+use super::result::{FitResult, Flags, Seconds};
+use super::start::Candidate;
+use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, LocalFrame};
+use crate::solver::{Convergence, LeastSquares, Rank, Termination};
+use nalgebra::Vector3;
+
+/// A radius is called weak when its standard deviation would be more than this part of it, even if the noise
+/// of all points were independent.
+const WEAK_RADIUS: f64 = 0.05;
+
+/// The input resolution, as a part of the radius, from which on digits are missing.
+const COARSE: f64 = 1e-4;
+
+/// Which residuals to list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResidualKind {
+    /// Signed distance of every used point of the selected view from the surface, in the unit of length.
+    Points,
+    /// Signed distance of every endpoint of the usable segments of the selected view from its limb line, in pixels.
+    Edges,
+}
+
+/// What the data determine at a cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Diagnosis {
+    /// Rank, condition and singular values of the Jacobian, in units of the size of the data.
+    pub rank: Rank,
+    /// The step along which the residuals change least: how it moves the axis at the middle of the points, in
+    /// the unit of length,
+    pub weakest_shift: Vector3<f64>,
+    /// how it tilts the axis, in radians towards this vector,
+    pub weakest_tilt: Vector3<f64>,
+    /// and how it changes the radius, in the unit of length.
+    pub weakest_radius: f64,
+}
+
+/// Rank, condition and the weakest direction of the stacked Jacobian at a cylinder.
+pub(super) fn diagnose(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Result<Diagnosis> {
+    let rows = data.rows(held, cylinder).ok_or_else(infinite_cost)?;
+    let rank = LeastSquares::new(&rows)?.rank()?;
+    let LocalFrame { u, v, unit, .. } = data.frame(cylinder);
+    let weakest = rank.weakest;
+    Ok(Diagnosis {
+        rank,
+        weakest_shift: (u * weakest[0] + v * weakest[1]) * unit,
+        weakest_tilt: u * weakest[2] + v * weakest[3],
+        weakest_radius: weakest[4] * unit,
+    })
+}
+
+/// Everything about a cylinder, found by a fit or given, but how it was reached.
+pub(super) fn describe(
+    data: &Data<'_>,
+    held: &Held,
+    start: &Candidate,
+    cylinder: &Cylinder,
+) -> Result<FitResult> {
+    let scales = data.scales(cylinder);
+    let equations = data.linearise(held, cylinder, &scales).ok_or_else(infinite_cost)?;
+    let squared = data.unit * data.unit;
+    let frame = data.frame(cylinder);
+    let eigenvalues = equations.hessian.symmetric_eigenvalues();
+    let count = data.count();
+    let weak = {
+        // As if the weights were the inverse variances and the noise independent.
+        let freedom = count.saturating_sub(data::LEAST_POINTS).max(1) as f64;
+        let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
+        let deviation = data.unit * (equations.cost * variance / freedom).sqrt();
+        !data.has_fixed_radius() && !(deviation <= WEAK_RADIUS * cylinder.radius)
+    };
+    let scale_held = held.edge_weight == 1.0 && !data.has_fixed_radius();
+    let limits = &data.options.cylinder_limits;
+    let walls = data.near_wall().then(|| data.walls(cylinder));
+    let clouds = || data.views.iter().map(|view| &view.view.cloud);
+    let mut dropped = crate::observations::Dropped::default();
+    clouds().for_each(|cloud| dropped.add(cloud.dropped()));
+    let (uncertainty, radii) = data.uncertainty(held, cylinder, &scales);
+    let mut flags = held.flags;
+    flags.set(Flags::SCALE_HELD, scale_held);
+    flags.set(Flags::WEAK_RADIUS, weak || scale_held);
+    let coarse = clouds().any(|cloud| cloud.resolution() > COARSE * cylinder.radius);
+    flags.set(Flags::RESOLUTION_LOST, coarse);
+    flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
+    flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
+    flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
+    flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
+    flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
+    flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
+    if radii.is_some_and(|radii| radii.disagree()) {
+        flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
+    }
+    let energy_points = energy_of_points(data, &frame);
+    let smallest = eigenvalues.min().max(0.0);
+    Ok(FitResult {
+        cylinder: data.canonical(cylinder),
+        uncertainty,
+        radii,
+        start: start.cylinder,
+        start_kind: start.kind,
+        termination: None,
+        iterations: 0,
+        rejected_steps: 0,
+        initial_cost: equations.cost * squared,
+        cost: equations.cost * squared,
+        energy_points,
+        energy_edges: energy_of_edges(data, held, cylinder),
+        edge_weight: data.has_edge_weight().then_some(held.edge_weight),
+        points_used: count,
+        points_given: clouds().map(crate::observations::PointCloud::given).sum(),
+        dropped,
+        segments_used: held.segments_used(),
+        segments_given: data.views.iter().map(|view| view.view.segments.len()).sum(),
+        limbs_located: held.limbs_located(),
+        point_rms: energy_points.sqrt(),
+        point_scale: if count > 0 { scales.all } else { 0.0 },
+        independent_points: scales.views.iter().map(|scales| scales.independent_points).sum(),
+        edge_rms_pixels: edge_rms_pixels(data, cylinder).filter(|_| !flags.contains(Flags::EDGES_IGNORED)),
+        near_wall_fraction: walls.map(|walls| walls.fraction()),
+        condition: if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY },
+        lambda: 0.0,
+        gradient_norm: limits.free_gradient(&frame, &equations.gradient).norm(),
+        step_norm: 0.0,
+        flags,
+        seconds: Seconds::default(),
+    })
+}
+
+/// E_P over all views.
+fn energy_of_points(data: &Data<'_>, frame: &LocalFrame) -> f64 {
+    let views = || data.views.iter().filter(|view| view.points.count() > 0);
+    let total: f64 = views().map(|view| view.points.total_weight()).sum();
+    let energy = |view: &data::ViewData<'_>| {
+        view.points.total_weight() / total * view.points.energy(&frame.moved(&view.into_view))
+    };
+    views().map(energy).sum()
+}
+
+/// E_L over the views with two usable segments that count.
+fn energy_of_edges(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Option<f64> {
+    let terms = data.views.iter().filter_map(|view| Some((view.limb_term()?, view.seen(cylinder))));
+    let energies = terms.map(|(term, seen)| term.energy(&seen)).collect::<Option<Vec<f64>>>()?;
+    let counts = !held.flags.contains(Flags::EDGES_IGNORED) && !energies.is_empty();
+    counts.then(|| energies.iter().sum::<f64>() / energies.len() as f64)
+}
+
+/// Root mean square distance in pixels of the endpoints of the usable segments from the limb lines.
+fn edge_rms_pixels(data: &Data<'_>, cylinder: &Cylinder) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for view in data.views.iter().filter(|view| !view.edges.segments.is_empty()) {
+        let distances = view.edges.distances(view.camera()?, &view.seen(cylinder))?;
+        sum += distances.iter().map(|d| d * d).sum::<f64>();
+        count += distances.len();
+    }
+    let rms = (sum / count as f64).sqrt();
+    (count > 0 && rms.is_finite()).then_some(rms)
+}
+
+pub(super) fn infinite_cost() -> Error {
+    Error::EdgeGeometry {
+        reason: "the cost of the model is infinite: the camera is inside it, or an endpoint lies behind it"
+            .into(),
+        remedy: "give another model or clear the segments",
+    }
+}
+
+impl FitResult {
+    pub(super) fn add_convergence(&mut self, convergence: &Convergence) {
+        self.termination = Some(convergence.termination);
+        self.iterations = convergence.iterations;
+        self.rejected_steps = convergence.rejected_steps;
+        self.initial_cost = convergence.initial_cost;
+        self.lambda = convergence.lambda;
+        self.step_norm = convergence.step_norm;
+        self.flags.set(Flags::NOT_CONVERGED, convergence.termination == Termination::MaxIterations);
+    }
+}

@@ -1,0 +1,424 @@
+//! Second stage: what guides the limbs of each view before they are located in its image.
+//!
+//! Given segments come first. Where there is a mask, its sides tell whether to believe them, and stand in for them
+//! where not. What contradicts the points is not believed: they alone are the last resort. Each view is guided by its own
+//! data; a fit to all of them joins the views.
+
+use super::data::{Data, ViewData};
+use super::guides::{Guides, Sides, nearest_to_limbs};
+use super::held::{Held, HeldView};
+use super::objective::{Minimum, Precision, Run};
+use super::options::{EdgeUse, StartKind};
+use super::result::Flags;
+use super::start::Candidate;
+use super::uncertainty::DISAGREEMENT;
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::limb_location::{Outline, axial_range};
+use crate::residuals::PixelSegment;
+use crate::start::limbs::from_limbs;
+
+/// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
+/// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
+pub(super) const CONTRADICTION: f64 = 1.5;
+
+/// The same for segments that a person set: those are believed against more bias.
+const GIVEN_CONTRADICTION: f64 = 3.0;
+
+/// The radius by the points contradicts that of edges as they were given when it is surely so many times as large or as
+/// small. Depth that is smeared at the limbs makes the points alone overestimate it by up to a third.
+const RADIUS_CONTRADICTION: f64 = 1.5;
+
+/// The sides of the mask are drawn again along the axis of the fit to them.
+const SIDE_ROUNDS: usize = 2;
+
+/// Most given segments that are tried one by one. A detector of lines gives hundreds, each a fit of its own, but a
+/// line that the points admit is one of the few beside the limbs of the fit to them.
+const MOST_SINGLE_SEGMENTS: usize = 8;
+
+/// The part of the points at either end that does not tell how long the surface is.
+const POINTS_TRIM: f64 = 0.02;
+
+/// Points from which a fit to the sides of a mask starts.
+const SAMPLE: usize = 500;
+
+/// The first fit, and what guides the limbs of each view.
+pub(super) struct Guided {
+    pub start: Candidate,
+    pub minimum: Minimum,
+    pub views: Vec<GuidedView>,
+    /// Warnings about the edges.
+    pub flags: Flags,
+}
+
+/// What guides the limbs of one view.
+#[derive(Clone)]
+pub(super) struct GuidedView {
+    /// The lines, numbered by limb.
+    pub guides: Guides,
+    /// The part of the axis along which the limbs can be seen, from the point of the axis of the first fit; `None` where
+    /// they are not to be located.
+    pub range: Option<[f64; 2]>,
+    /// Standard deviation of the limbs in pixels.
+    pub deviation: f64,
+}
+
+impl Guided {
+    /// What the first fit was held to.
+    pub fn held(&self, data: &Data<'_>) -> Held {
+        hold(data, self.views.iter().map(|view| &view.guides), self.flags)
+    }
+}
+
+/// Guides as what a cylinder is held to.
+fn hold<'a>(data: &Data<'_>, guides: impl Iterator<Item = &'a Guides>, flags: Flags) -> Held {
+    let view =
+        |(view, guides): (&ViewData<'_>, &Guides)| HeldView::new(view, &guides.all(), guides.given.len(), 0);
+    Held { views: data.views.iter().zip(guides).map(view).collect(), flags, edge_weight: data.edge_weight }
+}
+
+/// The first fit of the robust objective.
+pub(super) fn guide(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Guided> {
+    let given = Held::as_given(data);
+    if !candidates.iter().any(|candidate| data.edges_are_finite(&given, &candidate.cylinder)) {
+        // No candidate has limbs that the edges could belong to.
+        let mut guided = guide(&data.without_edges(), candidates, run)?;
+        guided.flags |= Flags::EDGES_IGNORED | reason_without_limbs(data, candidates);
+        return Ok(guided);
+    }
+    if let [_] = data.views[..] {
+        return View { data, run }.guide(candidates);
+    }
+    let mut alone = Vec::new();
+    for view in 0..data.views.len() {
+        // A view that determines no cylinder joins the others all the same.
+        let guided = data.only(view).and_then(|data| View { data: &data, run }.guide(candidates));
+        match guided {
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            other => alone.push(other.ok()),
+        }
+    }
+    join(data, candidates, alone, given.flags, run)
+}
+
+/// Why no edges count for any candidate.
+pub(super) fn reason_without_limbs(data: &Data<'_>, candidates: &[Candidate]) -> Flags {
+    let inside = candidates.iter().all(|candidate| data.observer_inside(&candidate.cylinder));
+    if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND }
+}
+
+/// The fit to all views, each held to the guides that it found for itself.
+fn join(
+    data: &Data<'_>,
+    candidates: &[Candidate],
+    alone: Vec<Option<Guided>>,
+    flags: Flags,
+    run: &mut Run<'_>,
+) -> Result<Guided> {
+    let flags = alone.iter().flatten().fold(flags, |flags, guided| flags | guided.flags);
+    let guides: Vec<Guides> = alone
+        .iter()
+        .zip(&data.views)
+        .map(|(guided, view)| match guided {
+            Some(guided) => guided.views[0].guides.clone(),
+            None => Guides::given(&view.edges.segments),
+        })
+        .collect();
+    let held = hold(data, guides.iter(), flags);
+    let precision = if data.locates() { Precision::Rough } else { Precision::Full };
+    // Every view starts from its own best; the lowest of the minima is that of all.
+    let mut best: Option<(Candidate, Minimum)> = None;
+    let mut failure = None;
+    let onward = |guided: &Guided| Candidate { cylinder: *guided.minimum.cylinder(), ..guided.start };
+    let starts = alone.iter().flatten().map(onward).chain(candidates.first().copied());
+    for start in starts {
+        match data.best_minimum(&held, &[start], precision, run) {
+            Ok(found) => {
+                let cost = |found: &(Candidate, Minimum)| found.1.scale();
+                if best.as_ref().is_none_or(|best| cost(&found) < cost(best)) {
+                    best = Some(found);
+                }
+            }
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            Err(error) => failure = failure.or(Some(error)),
+        }
+    }
+    let nothing = || Error::NoStart { reason: "no view gives a cylinder".into() };
+    let (start, minimum) = best.ok_or_else(|| failure.unwrap_or_else(nothing))?;
+    let cylinder = *minimum.cylinder();
+    let views = data.views.iter().zip(alone).zip(guides);
+    let views = views.map(|((view, guided), mut guides)| {
+        if let Some(camera) = view.camera() {
+            guides.number(camera, &view.seen(&cylinder));
+        }
+        let (range, deviation) = match guided {
+            Some(guided) => {
+                let before = guided.minimum.cylinder();
+                let range = guided.views[0].range.map(|range| moved(&range, before, &cylinder));
+                (range, guided.views[0].deviation)
+            }
+            None => (view.camera().map(|_| view.range_of_points(&cylinder)), view.noise.limb_of_points),
+        };
+        GuidedView { guides, range, deviation }
+    });
+    Ok(Guided { start, minimum, views: views.collect(), flags })
+}
+
+/// A range along the axis of one cylinder on that of another.
+pub(super) fn moved(range: &[f64; 2], from: &Cylinder, to: &Cylinder) -> [f64; 2] {
+    let at = |position: f64| {
+        let point = from.axis.point + from.axis.direction * position;
+        (point - to.axis.point).dot(&to.axis.direction)
+    };
+    let [a, b] = range.map(at);
+    [a.min(b), a.max(b)]
+}
+
+/// A minimum and the guides that it is held to.
+struct Attempt {
+    start: Candidate,
+    minimum: Minimum,
+    guides: Guides,
+}
+
+impl Attempt {
+    fn cylinder(&self) -> &Cylinder {
+        self.minimum.cylinder()
+    }
+
+    fn scale(&self) -> f64 {
+        self.minimum.scale()
+    }
+
+    /// The start of an attempt that goes on from here.
+    fn onward(&self) -> Candidate {
+        Candidate { cylinder: *self.cylinder(), ..self.start }
+    }
+
+    fn guided(self, range: Option<[f64; 2]>, deviation: f64) -> Guided {
+        let Self { start, minimum, guides } = self;
+        Guided { start, minimum, views: vec![GuidedView { guides, range, deviation }], flags: Flags::empty() }
+    }
+}
+
+/// Data of a single view, and the fit under way.
+struct View<'d, 'a, 'r, 'b> {
+    data: &'d Data<'a>,
+    run: &'r mut Run<'b>,
+}
+
+impl<'a> View<'_, 'a, '_, '_> {
+    fn view(&self) -> &ViewData<'a> {
+        &self.data.views[0]
+    }
+
+    /// The first fit of this view.
+    fn guide(&mut self, candidates: &[Candidate]) -> Result<Guided> {
+        let given = self.view().edges.segments.clone();
+        let own_flags = self.view().edges.flags;
+        let first = self.attempt(Guides::given(&given), candidates)?;
+        let by_hand = self.view().noise.limb_of_segments();
+        let Some(camera) = self.view().view.camera() else {
+            return Ok(Guided { flags: own_flags, ..first?.guided(None, by_hand) });
+        };
+        let mut guided = if self.data.options.edge_use == EdgeUse::AsGiven && !given.is_empty() {
+            let fit = first?;
+            let contradicted = self.points_contradict(&fit, candidates)?;
+            let mut guided = fit.guided(None, by_hand);
+            guided.flags.set(Flags::POINTS_AND_LIMBS_DISAGREE, contradicted);
+            guided
+        } else {
+            let (view, noise) = (self.view().view, self.view().noise);
+            let outline =
+                view.mask.as_ref().and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
+            match outline {
+                Some(outline) => self.by_mask(camera, &outline, &given, candidates, first)?,
+                None => self.by_segments(camera, &given, candidates, first)?,
+            }
+        };
+        guided.flags |= own_flags;
+        if !given.is_empty() && guided.views[0].guides.given.is_empty() {
+            guided.flags |= Flags::EDGES_IGNORED;
+        }
+        let seen = self.view().seen(guided.minimum.cylinder());
+        guided.views[0].guides.number(camera, &seen);
+        Ok(guided)
+    }
+
+    /// With a mask: the given segments if its sides agree with them, else segments and sides together, else the segments
+    /// alone, else what single lines the points admit.
+    fn by_mask(
+        &mut self,
+        camera: &Camera,
+        outline: &Outline,
+        given: &[PixelSegment],
+        candidates: &[Candidate],
+        first: Result<Attempt>,
+    ) -> Result<Guided> {
+        let noise = self.view().noise;
+        let by_hand = noise.limb_of_segments();
+        let view = self.view().clone();
+        let sides_of = |fit: &Attempt| Sides::new(outline, camera, &view.seen(fit.cylinder()), &noise);
+        if let Ok(fit) = &first
+            && let Some(sides) = sides_of(fit)
+            && let Some(agreement) = sides.compare(given)
+            && agreement.holds()
+        {
+            // On the way to located limbs the sides matter only where one is not found.
+            let guides = sides.with_segments(given);
+            let start = fit.start;
+            let onward = fit.onward();
+            let fit = match first {
+                Ok(fit) if self.data.locates() => Attempt { guides, ..fit },
+                _ => Attempt { start, ..self.attempt(guides, &[onward])?? },
+            };
+            let range = view.range_of_given(camera, fit.cylinder());
+            return Ok(fit.guided(range, agreement.total.clamp(by_hand, noise.limb_of_points)));
+        }
+        let (alone, first) = match first {
+            Ok(fit) if given.is_empty() => (fit, None),
+            other => (self.alone(candidates)?, other.ok()),
+        };
+        let mut joined: Option<(Attempt, Sides)> = None;
+        for _ in 0..SIDE_ROUNDS {
+            let Some(sides) = sides_of(joined.as_ref().map_or(&alone, |joined| &joined.0)) else { break };
+            let mut starts = vec![alone.start];
+            if matches!(self.data.options.start, StartKind::Auto | StartKind::Limbs) {
+                let [a, b] = sides.rays(camera);
+                let found = from_limbs(&a, &b, &view.view.cloud.sample(SAMPLE));
+                let found = found.map(|cylinder| view.into_view.inverse().cylinder(&cylinder));
+                starts.splice(0..0, found.map(|cylinder| Candidate { kind: StartKind::Limbs, cylinder }));
+            }
+            let Ok(fit) = self.attempt(sides.with_segments(given), &starts)? else { break };
+            joined = Some((fit, sides));
+        }
+        if let Some((fit, sides)) = joined
+            && fit.scale() <= CONTRADICTION * alone.scale()
+        {
+            let pixels = sides.pixels(camera).into_iter();
+            let range = axial_range(camera, &view.seen(fit.cylinder()), pixels, 0.0);
+            return Ok(fit.guided(range, noise.side));
+        }
+        if let Some(fit) = first
+            && fit.scale() <= GIVEN_CONTRADICTION * alone.scale()
+        {
+            let range = view.range_of_given(camera, fit.cylinder());
+            return Ok(fit.guided(range, noise.side));
+        }
+        let sides: Vec<PixelSegment> = sides_of(&alone).iter().flat_map(Sides::segments).collect();
+        self.by_one(camera, given, &sides, alone)
+    }
+
+    /// Without a mask: the given segments if the points admit them, else a single one.
+    fn by_segments(
+        &mut self,
+        camera: &Camera,
+        given: &[PixelSegment],
+        candidates: &[Candidate],
+        first: Result<Attempt>,
+    ) -> Result<Guided> {
+        let noise = self.view().noise;
+        if given.is_empty() {
+            let fit = first?;
+            let range = self.view().range_of_points(fit.cylinder());
+            return Ok(fit.guided(Some(range), noise.limb_of_points));
+        }
+        if let Ok(fit) = first {
+            // The points alone show, from there and from the starts, whether they would rather be elsewhere.
+            let beside = self.attempt(Guides::default(), &[fit.onward()])?;
+            let beside = beside.map_or(fit.scale(), |beside| beside.scale());
+            let of_starts = candidates.iter().map(|candidate| self.data.point_scale(&candidate.cylinder));
+            if fit.scale() <= GIVEN_CONTRADICTION * of_starts.fold(beside, f64::min) {
+                let range = self.view().range_of_given(camera, fit.cylinder());
+                return Ok(fit.guided(range, noise.limb_of_segments()));
+            }
+        }
+        let alone = self.alone(candidates)?;
+        self.by_one(camera, given, &[], alone)
+    }
+
+    /// Of the fits to single lines the one that the points contradict least, or the one to the points alone if they
+    /// contradict all.
+    fn by_one(
+        &mut self,
+        camera: &Camera,
+        given: &[PixelSegment],
+        sides: &[PixelSegment],
+        alone: Attempt,
+    ) -> Result<Guided> {
+        let mut best: Option<Attempt> = None;
+        let seen = self.view().seen(alone.cylinder());
+        let beside = nearest_to_limbs(given, camera, &seen, MOST_SINGLE_SEGMENTS);
+        let given = beside.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
+        let sides = sides.iter().map(|line| Guides { given: Vec::new(), sides: vec![*line] });
+        for single in given.chain(sides) {
+            if let Ok(fit) = self.attempt(single, &[alone.start])?
+                && best.as_ref().is_none_or(|best| fit.scale() < best.scale())
+            {
+                best = Some(fit);
+            }
+        }
+        let fit = best.filter(|best| best.scale() <= CONTRADICTION * alone.scale()).unwrap_or(alone);
+        let range = self.view().range_of_points(fit.cylinder());
+        Ok(fit.guided(Some(range), self.view().noise.limb_of_points))
+    }
+
+    /// Holds the limbs to guides and minimises from the first good candidate. The outer error is a cancelled fit.
+    fn attempt(&mut self, guides: Guides, candidates: &[Candidate]) -> Result<Result<Attempt>> {
+        let held = hold(self.data, std::iter::once(&guides), Flags::empty());
+        let precision = if self.data.locates() { Precision::Rough } else { Precision::Full };
+        match self.data.best_minimum(&held, candidates, precision, self.run) {
+            Ok((start, minimum)) => Ok(Ok(Attempt { start, minimum, guides })),
+            Err(error @ Error::Cancelled { .. }) => Err(error),
+            Err(error) => Ok(Err(error)),
+        }
+    }
+
+    /// The fit to the points alone.
+    fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
+        let mut starts = candidates.to_vec();
+        if self.data.options.start == StartKind::Auto {
+            match self.data.ransac(self.run) {
+                Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
+                Err(error @ Error::Cancelled { .. }) => return Err(error),
+                Err(_) => {}
+            }
+        }
+        self.attempt(Guides::default(), &starts)?
+    }
+
+    /// Whether the points alone would rather be another cylinder than that of a fit to edges as they were given.
+    fn points_contradict(&mut self, fit: &Attempt, candidates: &[Candidate]) -> Result<bool> {
+        let alone = match self.alone(candidates) {
+            Err(error @ Error::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(false),
+            Ok(alone) => alone,
+        };
+        let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
+        let held = hold(self.data, std::iter::once(&alone.guides), Flags::empty());
+        let (uncertainty, _) = self.data.uncertainty(&held, alone.cylinder(), &alone.minimum.scales);
+        let surely = uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius());
+        let far = a.max(b) > RADIUS_CONTRADICTION * a.min(b);
+        Ok(fit.scale() > CONTRADICTION * alone.scale() || surely && far)
+    }
+}
+
+impl ViewData<'_> {
+    /// The part of the axis along which segments were given.
+    fn range_of_given(&self, camera: &Camera, cylinder: &Cylinder) -> Option<[f64; 2]> {
+        let endpoints = self.view.segments.iter().flat_map(|segment| segment.endpoints);
+        axial_range(camera, &self.seen(cylinder), endpoints, 0.0)
+    }
+
+    /// The part of the axis along which there are points.
+    fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
+        let axis = self.seen(cylinder).axis;
+        let mut positions: Vec<f64> =
+            self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction)).collect();
+        let Some(last) = positions.len().checked_sub(1) else { return [0.0, 0.0] };
+        positions.sort_unstable_by(f64::total_cmp);
+        let trim = (POINTS_TRIM * last as f64) as usize;
+        [positions[trim], positions[last - trim]]
+    }
+}

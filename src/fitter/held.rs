@@ -1,0 +1,99 @@
+//! What a cylinder is held to beside the points.
+
+use super::data::{Data, ViewData};
+use super::result::Flags;
+use crate::limb_location::LimbObservation;
+use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm};
+
+/// What a fit holds the cylinder to beside the points, and what it found out about that. A value: every stage makes a
+/// new one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Held {
+    pub views: Vec<HeldView>,
+    /// Warnings about the edges.
+    pub flags: Flags,
+    /// w_L: 0 where no edges count.
+    pub edge_weight: f64,
+}
+
+/// The same of one view.
+#[derive(Debug, Clone, Default)]
+pub(super) struct HeldView {
+    /// Which view of the fitter it is.
+    pub index: usize,
+    /// The lines that the limbs are held to.
+    pub lines: Option<PixelTerm>,
+    /// How many of them are given segments,
+    pub given: usize,
+    /// and how many were located in the image.
+    pub located: usize,
+    /// The arcs of the ends.
+    pub arcs: ArcTerm,
+    /// What the image shows of the limbs; `None` where it was not searched.
+    pub limbs: Option<[LimbObservation; 2]>,
+}
+
+impl Held {
+    /// The given segments as they are.
+    pub fn as_given(data: &Data<'_>) -> Self {
+        let view = |view: &ViewData<'_>| HeldView::new(view, &view.edges.segments, 0, 0);
+        let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
+        let mut held =
+            Self { views: data.views.iter().map(view).collect(), flags, edge_weight: data.edge_weight };
+        let counted = !data.has_edge_weight() || data.edge_weight > 0.0;
+        for (held, view) in held.views.iter_mut().zip(&data.views) {
+            held.given = if counted { view.edges.segments.len() } else { 0 };
+        }
+        held
+    }
+
+    /// Without any edges, for a reason.
+    pub fn without_edges(data: &Data<'_>, reason: Flags) -> Self {
+        let flags = Self::as_given(data).flags | reason | Flags::EDGES_IGNORED;
+        let views = data.views.iter().map(|view| HeldView::new(view, &[], 0, 0)).collect();
+        Self { views, flags, edge_weight: 0.0 }
+    }
+
+    /// What a view of the fitter is held to.
+    pub fn view(&self, index: usize) -> Option<&HeldView> {
+        self.views.iter().find(|view| view.index == index)
+    }
+
+    /// Given segments that count.
+    pub fn segments_used(&self) -> usize {
+        self.views.iter().map(|view| view.given).sum()
+    }
+
+    /// Limb lines that were located in an image and count.
+    pub fn limbs_located(&self) -> usize {
+        self.views.iter().map(|view| view.located).sum()
+    }
+
+    /// Whether something that was seen in an image tells of the limbs: a mask is a hint only.
+    pub fn has_limbs(&self) -> bool {
+        self.limbs_located() + self.segments_used() > 0
+    }
+
+    /// The paper's edge terms, by view.
+    pub fn limb_terms(&self, data: &Data<'_>) -> Vec<Option<LimbTerm>> {
+        let counts = self.edge_weight > 0.0;
+        data.views.iter().map(|view| view.limb_term().filter(|_| counts)).collect()
+    }
+}
+
+impl HeldView {
+    /// Lines, of which some are given segments and some were located in the image.
+    pub fn new(view: &ViewData<'_>, lines: &[PixelSegment], given: usize, located: usize) -> Self {
+        let camera = view.camera().filter(|_| !lines.is_empty());
+        let lines = camera.map(|camera| PixelTerm::new(lines.to_vec(), camera.line_projection()));
+        Self { index: view.index, lines, given, located, ..Self::default() }
+    }
+}
+
+impl ViewData<'_> {
+    /// The paper's edge term, where exactly two segments are usable.
+    pub fn limb_term(&self) -> Option<LimbTerm> {
+        let pair = self.edges.limb_pair()?;
+        Some(LimbTerm::new(pair, self.camera()?.line_projection(), self.noise.endpoint))
+    }
+}

@@ -1,0 +1,169 @@
+//! Third stage: the limbs, located in the images.
+
+use super::data::{Data, ViewData};
+use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
+use super::held::{Held, HeldView};
+use super::objective::{Minimum, Precision, Run};
+use super::options::EdgeUse;
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::limb_location::{LimbObservation, LimbSearch, locate_limbs};
+use crate::residuals::PixelSegment;
+
+/// How many standard deviations a limb may be from that of a rough fit at most.
+const REACH_DEVIATIONS: f64 = 4.0;
+
+/// How many standard deviations of both a given segment may be from a located line.
+const AGREEING_DEVIATIONS: f64 = 3.0;
+
+/// A minimum and what it is held to.
+pub(super) struct Located {
+    pub minimum: Minimum,
+    pub held: Held,
+}
+
+/// By limb: the line that the image of a view shows.
+type Lines = [Option<PixelSegment>; 2];
+
+/// What the images show of the limbs, by view.
+type Observations = Vec<Option<[LimbObservation; 2]>>;
+
+/// Locates the limbs near those of the first fit and fits again with them. A limb that is not seen, or that contradicts
+/// the points, is left to what the first fit held it to.
+pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<Located> {
+    let mut observations = observe(data, guided, guided.minimum.cylinder(), |view| view.deviation);
+    let mut lines = lines_of(data, &observations);
+    let mut fit = None;
+    let one_limb = |lines: &Lines| lines[0].is_some() != lines[1].is_some();
+    if lines.iter().any(one_limb) {
+        fit = fit_to(data, guided, &lines, run)?;
+        if let Some(fit) = &fit {
+            // One limb tells where to look for the other.
+            let by_hand = |view: usize| data.views[view].noise.limb_of_segments();
+            for (view, lines) in lines.iter_mut().enumerate().filter(|(_, lines)| one_limb(lines)) {
+                let missing = usize::from(lines[0].is_some());
+                let again = observe_view(data, guided, view, fit.minimum.cylinder(), by_hand(view));
+                if let (Some(again), Some(seen)) = (again, &mut observations[view]) {
+                    seen[missing].clone_from(&again[missing]);
+                    *lines = lines_of_view(&data.views[view], seen);
+                }
+            }
+        }
+    }
+    if lines.iter().any(|lines| lines[0].is_some() && lines[1].is_some()) {
+        fit = fit_to(data, guided, &lines, run)?;
+        if fit.is_none() {
+            // One of them is something else: the one without which the points are contradicted least.
+            for (view, limb) in (0..lines.len()).flat_map(|view| [(view, 1), (view, 0)]) {
+                let mut without = lines.clone();
+                if without[view][limb].take().is_some()
+                    && let Some(found) = fit_to(data, guided, &without, run)?
+                    && fit.as_ref().is_none_or(|best| found.minimum.scale() < best.minimum.scale())
+                {
+                    fit = Some(found);
+                }
+            }
+        }
+    }
+    let mut located = fit.unwrap_or_else(|| {
+        let none = vec![[None, None]; lines.len()];
+        Located { minimum: guided.minimum.clone(), held: held(data, guided, &none) }
+    });
+    for (held, observation) in located.held.views.iter_mut().zip(observations) {
+        held.limbs = observation;
+    }
+    Ok(located)
+}
+
+/// What the images show of the limbs near those of a cylinder.
+fn observe(
+    data: &Data<'_>,
+    guided: &Guided,
+    cylinder: &Cylinder,
+    deviation: impl Fn(&GuidedView) -> f64,
+) -> Observations {
+    let views = guided.views.iter().enumerate();
+    views.map(|(view, of_view)| observe_view(data, guided, view, cylinder, deviation(of_view))).collect()
+}
+
+/// The same of one view; `None` when it is not to be searched.
+fn observe_view(
+    data: &Data<'_>,
+    guided: &Guided,
+    view: usize,
+    cylinder: &Cylinder,
+    deviation: f64,
+) -> Option<[LimbObservation; 2]> {
+    if data.options.edge_use == EdgeUse::AsGiven {
+        return None;
+    }
+    let range = moved(&guided.views[view].range?, guided.minimum.cylinder(), cylinder);
+    let view = &data.views[view];
+    let (image, camera) = (view.view.image()?, view.view.camera()?);
+    let reach = [REACH_DEVIATIONS * deviation; 2];
+    let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
+    Some(locate_limbs(image, camera, &view.seen(cylinder), &search))
+}
+
+/// The lines that were located, each weighed by its own standard deviation.
+fn lines_of(data: &Data<'_>, observations: &Observations) -> Vec<Lines> {
+    let of_view = |(view, seen): (&ViewData<'_>, &Option<[LimbObservation; 2]>)| {
+        seen.as_ref().map_or([None, None], |seen| lines_of_view(view, seen))
+    };
+    data.views.iter().zip(observations).map(of_view).collect()
+}
+
+fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Lines {
+    [0, 1].map(|limb| {
+        let line = observations[limb].line.ok()?;
+        let weight = (view.noise.endpoint / line.sigma).powi(2);
+        Some(PixelSegment { endpoints: line.ends, weight, limb: Some(limb) })
+    })
+}
+
+/// The fit to located limbs; `None` where they contradict the points.
+fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) -> Result<Option<Located>> {
+    let held = held(data, guided, lines);
+    match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
+        Ok(minimum) => {
+            let agrees = minimum.scale() <= CONTRADICTION * guided.minimum.scale();
+            Ok(agrees.then_some(Located { minimum, held }))
+        }
+        Err(error @ Error::Cancelled { .. }) => Err(error),
+        Err(_) => Ok(None),
+    }
+}
+
+/// What a fit is held to: the located limbs with the given segments that agree with them, and the guides of the others.
+fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
+    let views = data.views.iter().zip(&guided.views).zip(lines).map(|((view, guided), lines)| {
+        let guides = &guided.guides;
+        let (mut all, mut given) = (Vec::new(), 0);
+        for limb in [0, 1] {
+            let own = || guides.given.iter().filter(|segment| segment.limb == Some(limb));
+            match &lines[limb] {
+                Some(line) => {
+                    let agreeing = own().filter(|segment| agree(line, segment, view.noise.endpoint));
+                    let before = all.len();
+                    all.extend(agreeing.copied());
+                    given += all.len() - before;
+                    all.push(*line);
+                }
+                None => {
+                    given += own().count();
+                    all.extend(guides.of_limb(limb, lines[1 - limb].as_ref(), &view.noise));
+                }
+            }
+        }
+        HeldView::new(view, &all, given, lines.iter().flatten().count())
+    });
+    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0 }
+}
+
+/// Whether a given segment lies on a located line, as far as both are known.
+fn agree(line: &PixelSegment, given: &PixelSegment, endpoint: f64) -> bool {
+    let along = (line.endpoints[1] - line.endpoints[0]).normalize();
+    let variance = endpoint.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
+    let limit = AGREEING_DEVIATIONS * variance.sqrt();
+    given.endpoints.iter().all(|q| along.perp(&(q - line.endpoints[0])).abs() <= limit)
+}

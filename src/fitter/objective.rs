@@ -1,0 +1,455 @@
+//! From a start to the minimum of the chosen objective.
+
+use super::correlation::Lattice;
+use super::data::{Data, ViewData};
+use super::held::Held;
+use super::options::ChartChoice;
+use crate::error::{Error, Result};
+use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
+use crate::residuals::{
+    NormalEquations, Objective, PixelResiduals, PointRows, RobustScales, RobustView, Sandwich, Squared, Sum,
+    TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
+};
+use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use std::ops::ControlFlow;
+
+/// The scale of the point residuals is settled when it changes by less than this part.
+const SCALE_TOLERANCE: f64 = 1e-4;
+
+/// The same, and the part by which the cost changes in a step, for a minimum on the way to another one: far below
+/// what the image adds.
+const ROUGH_TOLERANCE: f64 = 1e-2;
+const ROUGH_COST_TOLERANCE: f64 = 1e-5;
+
+/// The part by which a number of independent points may change without another minimum: it is an estimate, good to
+/// a tenth at best.
+const INFORMATION_TOLERANCE: f64 = 0.1;
+
+/// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
+const SCALE_ROUNDS: usize = 20;
+
+/// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
+/// flat, take half as many; without the limit a hundred guides that contradict the points would each be followed to
+/// the end.
+const MANY_SOLVES: usize = 2000;
+const ORDINARY_SOLVES: usize = 40;
+
+/// How exactly a minimum is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Precision {
+    /// On the way: what is located in the image from there moves it again.
+    Rough,
+    /// To the tolerances of the options.
+    Full,
+}
+
+/// A fit under way: who hears of every linear solve and may stop it, and how many there were.
+pub(super) struct Run<'a> {
+    report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    /// The last iteration that was reported.
+    last: Iteration,
+    solves: usize,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
+        Self { report, last: Iteration::before_start(), solves: 0 }
+    }
+
+    /// Asks whether to go on while there is no new iteration to report.
+    pub fn poll(&mut self) -> ControlFlow<()> {
+        (self.report)(&self.last)
+    }
+}
+
+/// A minimum.
+#[derive(Clone)]
+pub(super) struct Minimum {
+    pub convergence: Convergence,
+    /// The scales of the point residuals there.
+    pub scales: Scales,
+}
+
+impl Minimum {
+    pub fn cylinder(&self) -> &Cylinder {
+        &self.convergence.cylinder
+    }
+
+    /// Scale of the point residuals of all views together.
+    pub fn scale(&self) -> f64 {
+        self.scales.all
+    }
+}
+
+impl Precision {
+    /// The part by which a settled scale may still change.
+    fn scale_tolerance(self) -> f64 {
+        match self {
+            Precision::Rough => ROUGH_TOLERANCE,
+            Precision::Full => SCALE_TOLERANCE,
+        }
+    }
+}
+
+/// The scales of the point residuals of a cylinder.
+#[derive(Clone)]
+pub(super) struct Scales {
+    pub views: Vec<RobustScales>,
+    /// Of all views together.
+    pub all: f64,
+}
+
+impl Scales {
+    /// Whether the numbers of independent points are the same to within what their estimate is good for.
+    fn same_information(&self, before: &Self) -> bool {
+        let count = |scales: &RobustScales| scales.independent_points;
+        let mut pairs = self.views.iter().zip(&before.views);
+        pairs.all(|(next, before)| (count(next) / count(before) - 1.0).abs() <= INFORMATION_TOLERANCE)
+    }
+
+    fn differ_by_less_than(&self, part: f64, before: &Self) -> bool {
+        let mut pairs = self.views.iter().zip(&before.views);
+        pairs.all(|(next, before)| (next.point - before.point).abs() <= part * before.point)
+    }
+}
+
+impl Data<'_> {
+    /// Iterates from a start. The near-wall rule is not applied.
+    pub fn minimise(
+        &self,
+        held: &Held,
+        start: &Cylinder,
+        precision: Precision,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
+        match self.is_paper() {
+            true => self.minimise_paper(held, start, run),
+            false => self.minimise_robust(held, start, self.scales(start), precision, run),
+        }
+    }
+
+    /// Iterates on from a minimum, with something else to hold to.
+    pub fn minimise_again(
+        &self,
+        held: &Held,
+        before: &Minimum,
+        precision: Precision,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
+        let scales = before.scales.clone();
+        let mut after = self.minimise_robust(held, before.cylinder(), scales, precision, run)?;
+        self.check_radius(after.cylinder())?;
+        after.convergence.add_work_of(&before.convergence);
+        Ok(after)
+    }
+
+    fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
+        // The numbers of independent points matter for the covariance only.
+        let objective = self.paper_objective(held, start, None);
+        let mut convergence = self.iterate(&objective, start, Precision::Full, 0, run)?;
+        if convergence.termination == Termination::MaxIterations {
+            // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
+            let bottom =
+                self.iterate_in(Chart::Local, &objective, &convergence.cylinder, Precision::Full, 0, run)?;
+            self.check_radius(&bottom.cylinder)?;
+        }
+        if held.edge_weight == 1.0 {
+            // Every scale costs the same: that of the start, or the nearest with a radius that is allowed.
+            let Cylinder { radius, axis } = &mut convergence.cylinder;
+            let drift = start.distance_of_axis_from_origin() / axis.nearest_to_origin().norm();
+            let limits = &self.options.cylinder_limits;
+            let scaled = (*radius * drift).clamp(limits.radius_min, limits.radius_max);
+            let scale = if scaled == *radius * drift { drift } else { scaled / *radius };
+            axis.point *= scale;
+            *radius = scaled;
+        }
+        let all = self.point_scale(&convergence.cylinder);
+        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all } })
+    }
+
+    /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change a
+    /// rough minimum is enough.
+    fn minimise_robust(
+        &self,
+        held: &Held,
+        start: &Cylinder,
+        mut scales: Scales,
+        precision: Precision,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
+        let mut cylinder = *start;
+        let mut total: Option<Convergence> = None;
+        let mut current = Precision::Rough;
+        for _ in 0..SCALE_ROUNDS {
+            let objective = self.robust_objective(held, &scales.views);
+            // The rounds share the solves: where the scale alternates each could take all of them.
+            let before = total.as_ref().map_or(0, |before| before.iterations);
+            let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
+            if let Some(before) = &total {
+                round.add_work_of(before);
+            }
+            cylinder = round.cylinder;
+            let ended = matches!(round.termination, Termination::RadiusRanAway | Termination::MaxIterations);
+            total = Some(round);
+            let next = self.scales_again(&cylinder, &scales);
+            let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
+            scales = next;
+            if ended {
+                break;
+            }
+            if settled {
+                // The correlation changes far less than the scale: it is looked at where that has settled.
+                let counted = self.scales(&cylinder);
+                let same = counted.same_information(&scales);
+                scales = counted;
+                if same && current == precision {
+                    break;
+                }
+                current = precision;
+            }
+        }
+        let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
+        Ok(Minimum { convergence, scales })
+    }
+
+    fn paper_objective(&self, held: &Held, start: &Cylinder, scales: Option<&Scales>) -> Sum<'_> {
+        let independent = |k: usize| scales.map_or(1.0, |scales| scales.views[k].independent_points);
+        let points: Vec<_> = (self.views.iter().enumerate())
+            .filter(|(_, view)| view.points.count() > 0)
+            .map(|(k, view)| (view.points, view.into_view, independent(k)))
+            .collect();
+        let limbs: Vec<_> = self
+            .views
+            .iter()
+            .zip(held.limb_terms(self))
+            .filter_map(|(view, term)| {
+                let held_at = |distance| term.map(|term| term.held_at(distance));
+                let term = match held.edge_weight == 1.0 {
+                    true => held_at(view.seen(start).distance_of_axis_from_origin()),
+                    false => term,
+                };
+                Some((term?, view.into_view))
+            })
+            .collect();
+        paper_objective(&points, &limbs, held.edge_weight)
+    }
+
+    fn robust_objective<'a>(&'a self, held: &'a Held, scales: &[RobustScales]) -> Sum<'a> {
+        let views: Vec<RobustView<'a>> = self
+            .views
+            .iter()
+            .zip(&held.views)
+            .zip(scales)
+            .map(|((view, held), scales)| RobustView {
+                into_view: view.into_view,
+                points: view.points,
+                observed: view.observed,
+                scales: *scales,
+                lines: held.lines.as_ref(),
+                arcs: &held.arcs,
+                endpoint: view.noise.endpoint,
+            })
+            .collect();
+        robust_objective(&views)
+    }
+
+    /// The objective at the scales of a cylinder.
+    fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
+        match self.is_paper() {
+            true => self.paper_objective(held, cylinder, Some(scales)),
+            false => self.robust_objective(held, &scales.views),
+        }
+    }
+
+    /// The linearisation at a cylinder in the frame of the data; `None` where the cost is infinite.
+    pub fn linearise(&self, held: &Held, cylinder: &Cylinder, scales: &Scales) -> Option<NormalEquations> {
+        self.objective(held, cylinder, scales).linearise(&self.frame(cylinder))
+    }
+
+    /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
+    pub fn rows(&self, held: &Held, cylinder: &Cylinder) -> Option<Vec<(f64, Tangent)>> {
+        self.objective(held, cylinder, &self.scales(cylinder)).rows(&self.frame(cylinder))
+    }
+
+    /// What the covariance of a minimum at a cylinder follows from, in the tangent of a frame there; `None` where there
+    /// is none.
+    pub fn sandwich(
+        &self,
+        held: &Held,
+        cylinder: &Cylinder,
+        scales: &Scales,
+        frame: &LocalFrame,
+    ) -> Option<Sandwich> {
+        if self.count() == 0 || !self.options.method.minimises() {
+            return None;
+        }
+        self.objective(held, cylinder, scales).sandwich(frame)
+    }
+
+    /// Whether the edges have a finite cost at a cylinder. The points always have.
+    pub fn edges_are_finite(&self, held: &Held, cylinder: &Cylinder) -> bool {
+        let frame = self.frame(cylinder);
+        let limbs = held.limb_terms(self);
+        (self.views.iter().zip(&held.views).zip(limbs)).all(|((view, held), limbs)| {
+            let frame = frame.moved(&view.into_view);
+            match (self.is_paper(), limbs, &held.lines) {
+                (true, Some(limbs), _) => limbs.cost(&frame).is_some(),
+                (false, _, Some(lines)) => lines.pixel_rows(&frame).is_some(),
+                _ => true,
+            }
+        })
+    }
+
+    fn iterate(
+        &self,
+        objective: &Sum<'_>,
+        start: &Cylinder,
+        precision: Precision,
+        solves_before: usize,
+        run: &mut Run<'_>,
+    ) -> Result<Convergence> {
+        self.iterate_in(self.chart(start), objective, start, precision, solves_before, run)
+    }
+
+    fn iterate_in(
+        &self,
+        chart: Chart,
+        objective: &Sum<'_>,
+        start: &Cylinder,
+        precision: Precision,
+        solves_before: usize,
+        run: &mut Run<'_>,
+    ) -> Result<Convergence> {
+        let most = match self.options.limits.max_iterations {
+            most if run.solves > MANY_SOLVES => most.min(ORDINARY_SOLVES),
+            most => most,
+        };
+        let max_iterations = most.saturating_sub(solves_before);
+        let mut limits = IterationLimits { max_iterations, ..self.options.limits };
+        if precision == Precision::Rough {
+            limits.cost_tolerance = limits.cost_tolerance.max(ROUGH_COST_TOLERANCE);
+        }
+        let kept = &self.limits_of_iteration();
+        let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
+        let Run { report, last, .. } = &mut *run;
+        let convergence =
+            minimise(objective, &self.within_limits(start), &domain, &limits, &mut |iteration| {
+                *last = *iteration;
+                report(iteration)
+            })?;
+        run.solves += convergence.iterations;
+        Ok(convergence)
+    }
+
+    fn chart(&self, start: &Cylinder) -> Chart {
+        let seen = self.views.iter().any(|view| view.camera().is_some());
+        match self.options.chart {
+            _ if !self.options.cylinder_limits.is_none() => Chart::Local,
+            ChartChoice::Local => Chart::Local,
+            ChartChoice::Orthonormal => Chart::Orthonormal,
+            ChartChoice::Auto if self.is_paper() && seen && !start.contains_origin() => Chart::Orthonormal,
+            ChartChoice::Auto => Chart::Local,
+        }
+    }
+
+    /// Scale of the point residuals of a cylinder.
+    pub fn point_scale(&self, cylinder: &Cylinder) -> f64 {
+        let distances = self.views.iter().flat_map(|view| view.distances(cylinder, &self.center));
+        self.scale_of(distances)
+    }
+
+    /// By the median absolute deviation. Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
+    fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
+        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
+    }
+
+    /// What rounding leaves of the residuals of exact data.
+    fn rounding(&self) -> f64 {
+        64.0 * f64::EPSILON * self.center.amax().max(self.unit)
+    }
+
+    /// The number of independent points that count at a cylinder: those that are not outliers.
+    pub fn independent_inliers(&self, cylinder: &Cylinder, scales: &Scales) -> f64 {
+        let of_view = |(view, scales): (&ViewData<'_>, &RobustScales)| {
+            let residuals = view.distances(cylinder, &self.center);
+            let cutoff = if self.is_paper() { f64::INFINITY } else { TUKEY_EFFICIENT * scales.point };
+            let inliers = residuals.iter().filter(|residual| residual.abs() <= cutoff).count();
+            scales.independent_points * inliers as f64 / residuals.len().max(1) as f64
+        };
+        self.views.iter().zip(&scales.views).map(of_view).sum()
+    }
+
+    pub fn scales(&self, cylinder: &Cylinder) -> Scales {
+        self.scales_with(cylinder, |view, residuals, point| {
+            self.independent_points(view, cylinder, residuals, point)
+        })
+    }
+
+    /// New scales with the numbers of independent points of others.
+    fn scales_again(&self, cylinder: &Cylinder, before: &Scales) -> Scales {
+        let mut counts = before.views.iter().map(|scales| scales.independent_points);
+        self.scales_with(cylinder, |_, _, _| counts.next().unwrap_or(1.0))
+    }
+
+    fn scales_with(
+        &self,
+        cylinder: &Cylinder,
+        mut independent_points: impl FnMut(&ViewData<'_>, &[f64], f64) -> f64,
+    ) -> Scales {
+        let mut all = Vec::new();
+        let mut views = Vec::with_capacity(self.views.len());
+        for view in &self.views {
+            let residuals = view.distances(cylinder, &self.center);
+            let told = self.options.noise.depth;
+            let point = if told > 0.0 { told } else { self.scale_of(residuals.iter().copied()) };
+            let independent_points = independent_points(view, &residuals, point);
+            views.push(RobustScales { point, independent_points });
+            all.push(residuals);
+        }
+        let all = match views[..] {
+            [one] if self.options.noise.depth == 0.0 => one.point,
+            _ => self.scale_of(all.into_iter().flatten()),
+        };
+        Scales { views, all }
+    }
+
+    /// The number of independent points of a view whose residuals have some scale, unless the caller told it.
+    fn independent_points(
+        &self,
+        view: &ViewData<'_>,
+        cylinder: &Cylinder,
+        residuals: &[f64],
+        scale: f64,
+    ) -> f64 {
+        let count = residuals.len() as f64;
+        let told = self.options.independent_points;
+        if told > 0.0 {
+            return told.min(count).max(1.0);
+        }
+        // What rounding leaves is alike everywhere and no noise.
+        if residuals.is_empty() || scale <= self.rounding() {
+            return count.max(1.0);
+        }
+        let frame = self.frame(cylinder).moved(&view.into_view);
+        // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
+        // the minimum of the points would take away is no noise.
+        let freed = if self.is_paper() { without_misfit(view, &frame, residuals) } else { None };
+        let residuals = freed.as_deref().unwrap_or(residuals);
+        let of_surface = match &view.lattice {
+            Some(_) => None,
+            None => Lattice::on_surface(&view.view.cloud, &frame),
+        };
+        let Some(lattice) = view.lattice.as_ref().or(of_surface.as_ref()) else { return count };
+        lattice.independent_points(residuals, TUKEY_EFFICIENT * scale).max(1.0)
+    }
+}
+
+/// Residuals less the part that a step to the minimum of the points would take away; `None` where that is not determined.
+fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame, residuals: &[f64]) -> Option<Vec<f64>> {
+    let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
+    let step = -hessian.cholesky()?.solve(&gradient) * frame.unit;
+    let rows = PointRows::new(frame);
+    let changes = view.view.cloud.points().map(|point| rows.row(&point).1.dot(&step));
+    Some(residuals.iter().zip(changes).map(|(residual, change)| residual + change).collect())
+}

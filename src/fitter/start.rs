@@ -1,0 +1,175 @@
+//! First stage: candidates for the start, and the choice among them.
+
+use super::data::{Data, ViewData};
+use super::held::Held;
+use super::objective::Run;
+use super::options::StartKind;
+use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
+use crate::start::limbs::from_limbs;
+use crate::start::moments::Moments;
+use crate::start::ransac::{RansacFit, RansacOptions, ransac};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use nalgebra::Vector3;
+
+/// Points that starts are judged on: a start needs no more.
+const SAMPLE: usize = 500;
+
+/// A start explains the points when their median distance is at most this part of its radius: depth noise on
+/// the smallest cylinders that can be measured is half of it.
+const EXPLAINED: f64 = 0.1;
+
+/// A start and how it was found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub kind: StartKind,
+    pub cylinder: Cylinder,
+}
+
+impl Data<'_> {
+    /// The starts that the options ask for, the most promising first.
+    pub fn candidates(&self, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
+        let given = self.start.map(|cylinder| self.within_limits(cylinder));
+        let found = |kind: StartKind, cylinder: Option<Cylinder>| {
+            cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
+        };
+        match self.options.start {
+            StartKind::Model => found(StartKind::Model, given).ok_or(Error::BadState {
+                call: "fit from a given model",
+                missing: "a start model",
+                remedy: "set one or choose another kind of start",
+            }),
+            StartKind::Limbs => {
+                let starts = self.limbs_starts();
+                let none = || Error::EdgeGeometry {
+                    reason: "the edges and points do not give a cylinder".to_string(),
+                    remedy: "push two segments on the two limbs, or choose another kind of start",
+                };
+                if starts.is_empty() { Err(none()) } else { Ok(starts) }
+            }
+            StartKind::Moments => found(StartKind::Moments, self.moments_start()).ok_or_else(|| {
+                Error::NoStart { reason: "the moments of the points give no cylinder".into() }
+            }),
+            StartKind::Ransac => {
+                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }])
+            }
+            StartKind::Auto => self.choose(given, run),
+        }
+    }
+
+    /// Eberly's algebraic fit with a direction that is allowed, its radius moved into the limits.
+    pub fn moments_start(&self) -> Option<Cylinder> {
+        let fit = Moments::new(self.weighted_points())?.best(self.options.cylinder_limits.cone())?;
+        Some(self.within_limits(&fit.cylinder))
+    }
+
+    /// The best of random samples. The points of several views have no common observer.
+    pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
+        let points: Vec<Vector3<f64>> = self.points().collect();
+        let options = RansacOptions {
+            max_iterations: self.options.ransac_iterations,
+            threshold: self.options.ransac_threshold,
+            seed: self.options.seed,
+            limits: self.limits_of_iteration(),
+            ..RansacOptions::default()
+        };
+        let normals =
+            self.views.iter().map(ViewData::normals).collect::<Option<Vec<_>>>().map(|all| all.concat());
+        let observed = self.views.len() == 1 && self.near_wall();
+        ransac(&points, normals.as_deref(), observed, &options, &mut || run.poll())
+    }
+
+    /// The starts from the two longest segments of each view, which say most about the limbs.
+    fn limbs_starts(&self) -> Vec<Candidate> {
+        let start = |view: &ViewData<'_>| {
+            let edges = &view.edges;
+            let mut order: Vec<usize> = (0..edges.segments.len()).collect();
+            let length = |k: &usize| {
+                let [a, b] = edges.segments[*k].endpoints;
+                (a - b).norm()
+            };
+            order.sort_by(|a, b| length(b).total_cmp(&length(a)));
+            let [first, second, ..] = order[..] else { return None };
+            let sample = view.view.cloud.sample(SAMPLE);
+            let found = from_limbs(&edges.rays[first], &edges.rays[second], &sample)?;
+            let cylinder = self.within_limits(&view.into_view.inverse().cylinder(&found));
+            Some(Candidate { kind: StartKind::Limbs, cylinder })
+        };
+        self.views.iter().filter_map(start).collect()
+    }
+
+    /// All candidates, the one that explains the sample best first.
+    fn choose(&self, given: Option<Cylinder>, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
+        let sample = self.sample(SAMPLE);
+        let from_limbs = self.limbs_starts();
+        let mut candidates = Vec::new();
+        candidates.extend(given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder }));
+        candidates.extend(&from_limbs);
+        let moments = self.moments_start();
+        candidates.extend(moments.map(|cylinder| Candidate { kind: StartKind::Moments, cylinder }));
+        let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
+        // Random samples take longer than all the rest: only where the limbs do not explain the points.
+        let explained = |start: &Candidate| {
+            median_distance(&start.cylinder, &sample) <= EXPLAINED * start.cylinder.radius
+        };
+        if !from_limbs.iter().any(explained) {
+            match self.ransac(run) {
+                Ok(fit) => candidates.push(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
+                Err(error @ Error::Cancelled { .. }) => return Err(error),
+                Err(error) => failure = error.to_string(),
+            }
+        }
+        if candidates.is_empty() {
+            return Err(Error::NoStart { reason: failure });
+        }
+        let smallest =
+            candidates.iter().map(|c| median_distance(&c.cylinder, &sample)).fold(f64::INFINITY, f64::min);
+        // Three standard deviations of the noise around the best candidate.
+        let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
+        let held = Held::as_given(self);
+        let cost = |candidate: &Candidate| self.robust_cost(&held, &candidate.cylinder, &sample, scale);
+        let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
+        judged.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
+    }
+
+    /// Truncated squares of points and endpoints, each part in [0, 1]; 1 more when most points are on the wall
+    /// that the camera cannot see.
+    fn robust_cost(&self, held: &Held, cylinder: &Cylinder, sample: &[Vector3<f64>], scale: f64) -> f64 {
+        let truncated = |ratio: f64| (ratio * ratio).min(1.0);
+        let mut cost = 0.0;
+        if !sample.is_empty() {
+            let sum: f64 = sample.iter().map(|p| truncated(cylinder.distance(p) / scale)).sum();
+            cost += sum / sample.len() as f64;
+        }
+        for (view, held) in self.views.iter().zip(&held.views) {
+            let seen = view.seen(cylinder);
+            let sample = view.view.cloud.sample(SAMPLE / self.views.len());
+            if view.observed && seen.visible_wall(sample.into_iter()).fraction() < 0.5 {
+                cost += 1.0;
+            }
+            let Some(lines) = &held.lines else { continue };
+            let contradiction = view.noise.gross();
+            cost += lines.distances(&seen).map_or(1.0, |distances| {
+                let count = 2 * distances.len();
+                distances.iter().flatten().map(|d| truncated(d / contradiction)).sum::<f64>() / count as f64
+            });
+        }
+        cost
+    }
+}
+
+impl ViewData<'_> {
+    /// The normals of the points in the reference frame, where all have one.
+    fn normals(&self) -> Option<Vec<Vector3<f64>>> {
+        let to_reference = self.into_view.inverse();
+        let normals = self.view.cloud.normals()?;
+        Some(normals.iter().map(|normal| to_reference.direction(&normal.cast())).collect())
+    }
+}
+
+/// Median distance of points from a surface, 0 for no points.
+fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
+    let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
+    median(&mut distances)
+}

@@ -1,0 +1,281 @@
+//! What is known of the errors of the data before any of them is seen: one model for all stages of a fit.
+//!
+//! Thresholds of the stages are multiples of these standard deviations, so that who knows the data better changes a
+//! number here and no threshold.
+
+use crate::error::{Error, Result};
+
+/// Pixels of the image for which the standard deviations of edges and masks hold as they are: 640 × 480, on which they
+/// were measured.
+const DRAWN_PIXELS: f64 = 640.0 * 480.0;
+
+constants! {
+    /// The default of [`NoiseModel::edge_endpoint`].
+    EDGE_ENDPOINT = 0.5, "drawn px";
+
+    /// The default of [`NoiseModel::mask_side`].
+    MASK_SIDE = 1.6, "drawn px";
+
+    /// The default of [`NoiseModel::mask_unevenness`].
+    MASK_UNEVENNESS = 1.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_growth`].
+    MASK_GROWTH = 3.0, "drawn px";
+
+    /// The default of [`NoiseModel::mask_boundary`].
+    MASK_BOUNDARY = 0.8, "drawn px";
+
+    /// The default of [`NoiseModel::mask_correlation`].
+    MASK_CORRELATION = 10.0, "drawn px";
+
+    /// The default of [`NoiseModel::limb_of_points`].
+    LIMB_OF_POINTS = 2.0, "drawn px";
+}
+
+#[cfg(feature = "sensitivity")]
+/// The defaults of the standard deviations.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    CONSTANTS.to_vec()
+}
+
+/// A blur of so many pixels, a standard deviation, leaves less than a tenth of the contrast at the finest pattern that
+/// pixels can hold, exp(−π² σ² / 2): more pixels show nothing more.
+const RESOLVED_BLUR: f64 = 0.7;
+
+/// The blur that boxes of `factor` pixels add to that of a pixel, in pixels: both are apertures, of variance w² / 12.
+#[must_use]
+pub fn box_blur(factor: usize) -> f64 {
+    ((factor as f64).powi(2) - 1.0).sqrt() / 12.0_f64.sqrt()
+}
+
+/// Standard deviations of the data. Where 0 says so, it stands for an estimate from the data.
+///
+/// Edges and masks are drawn by people on a screen, or by networks on a grid of some hundred columns, whatever the
+/// size of the image. So their deviations count in pixels of a drawing, see [`Self::drawn_pixel`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseModel {
+    /// Size of a pixel of the drawing, in which edges and masks were made, in pixels of the image; 0 = by the size of
+    /// the image: 1 up to 640 × 480 pixels, beyond that the square root of how many times as many pixels there are.
+    pub drawn_pixel: f64,
+    /// A hand-set endpoint of an edge across its limb, in pixels of the drawing. 0.5: the edges of 48 twin frames lie
+    /// 0.33 pixels off the limbs in the median, which is that of a deviation of 0.5.
+    pub edge_endpoint: f64,
+    /// A side of a mask as a whole across its limb, in pixels of the drawing. 1.6: masks are drawn to one or two
+    /// pixels, mostly all round alike.
+    pub mask_side: f64,
+    /// The part of it that differs from one end of a side to the other, in pixels of the drawing. 1: what is left of
+    /// `mask_side` when a growth all round of 1.25 pixels is taken away.
+    pub mask_unevenness: f64,
+    /// The largest growth of a mask all round, in pixels of the drawing; a bound, no deviation. 3: two of the
+    /// deviations of a growth of 1.25 pixels, and the half pixel of the raster.
+    pub mask_growth: f64,
+    /// The boundary of a mask at one place, in pixels of the drawing. 0.8: a person or a network draws a boundary to
+    /// about a pixel, smoothly.
+    pub mask_boundary: f64,
+    /// The length along a boundary over which it wanders, in pixels of the drawing. 10: by eye on the masks of recorded
+    /// frames.
+    pub mask_correlation: f64,
+    /// A limb as a fit to the points alone predicts it, in pixels of the drawing. 2: depth cameras smear depth at the
+    /// limbs by some pixels of their own, of which matching windows have 5 to 11.
+    pub limb_of_points: f64,
+    /// A measured point across the surface, in the unit of length; 0 = from the residuals.
+    pub depth: f64,
+    /// The values of the grey image, in the unit of the image linear in light; 0 = from differences of neighbours.
+    pub image: f64,
+    /// The blur of the grey image, the standard deviation of a Gauss curve in pixels of the image; 0 = from its edges.
+    pub blur: f64,
+}
+
+impl Default for NoiseModel {
+    fn default() -> Self {
+        Self {
+            drawn_pixel: 0.0,
+            edge_endpoint: EDGE_ENDPOINT.get(),
+            mask_side: MASK_SIDE.get(),
+            mask_unevenness: MASK_UNEVENNESS.get(),
+            mask_growth: MASK_GROWTH.get(),
+            mask_boundary: MASK_BOUNDARY.get(),
+            mask_correlation: MASK_CORRELATION.get(),
+            limb_of_points: LIMB_OF_POINTS.get(),
+            depth: 0.0,
+            image: 0.0,
+            blur: 0.0,
+        }
+    }
+}
+
+impl NoiseModel {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// `InvalidArgument` that names the deviation, its value and its limit.
+    pub fn check(&self) -> Result<()> {
+        let estimated = [
+            ("size of a drawn pixel", self.drawn_pixel),
+            ("noise of depth", self.depth),
+            ("noise of the image", self.image),
+            ("blur of the image", self.blur),
+        ];
+        for (name, value) in estimated {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Error::argument(name, value, "be finite and at least 0; 0 = estimated"));
+            }
+        }
+        let given = [
+            ("deviation of an edge endpoint", self.edge_endpoint),
+            ("deviation of a mask side", self.mask_side),
+            ("unevenness of a mask side", self.mask_unevenness),
+            ("deviation of a mask boundary", self.mask_boundary),
+            ("correlation of a mask boundary", self.mask_correlation),
+            ("deviation of a limb of the points", self.limb_of_points),
+        ];
+        for (name, value) in given {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::argument(name, value, "be finite and greater than 0"));
+            }
+        }
+        if !(self.mask_growth >= 0.0 && self.mask_growth.is_finite()) {
+            return Err(Error::argument("growth of a mask", self.mask_growth, "be finite and at least 0"));
+        }
+        Ok(())
+    }
+
+    /// The deviations in an image of some columns and rows.
+    #[must_use]
+    pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
+        let pixel = if self.drawn_pixel > 0.0 {
+            self.drawn_pixel
+        } else {
+            (width as f64 * height as f64 / DRAWN_PIXELS).sqrt().max(1.0)
+        };
+        ImageNoise {
+            pixel,
+            endpoint: pixel * self.edge_endpoint,
+            side: pixel * self.mask_side,
+            unevenness: pixel * self.mask_unevenness,
+            growth: pixel * self.mask_growth,
+            boundary: pixel * self.mask_boundary,
+            correlation: pixel * self.mask_correlation,
+            limb_of_points: pixel * self.limb_of_points,
+            value: self.image,
+            blur: self.blur,
+        }
+    }
+}
+
+/// The [`NoiseModel`] in one image: lengths in its pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageNoise {
+    /// Size of a pixel of the drawing.
+    pub pixel: f64,
+    /// A hand-set endpoint across its limb.
+    pub endpoint: f64,
+    /// A side of a mask as a whole.
+    pub side: f64,
+    /// The part of it that differs from one end of a side to the other.
+    pub unevenness: f64,
+    /// The largest growth of a mask all round.
+    pub growth: f64,
+    /// The boundary of a mask at one place.
+    pub boundary: f64,
+    /// The length along a boundary over which it wanders.
+    pub correlation: f64,
+    /// A limb as a fit to the points alone predicts it.
+    pub limb_of_points: f64,
+    /// The values of the grey image; 0 = estimated.
+    pub value: f64,
+    /// Blur of the grey image; 0 = estimated.
+    pub blur: f64,
+}
+
+impl ImageNoise {
+    /// The same in an image whose pixels are the means of boxes of `factor` columns and rows.
+    #[must_use]
+    pub fn reduced(&self, factor: usize) -> Self {
+        let ratio = factor as f64;
+        Self {
+            pixel: self.pixel / ratio,
+            endpoint: self.endpoint / ratio,
+            side: self.side / ratio,
+            unevenness: self.unevenness / ratio,
+            growth: self.growth / ratio,
+            boundary: self.boundary / ratio,
+            correlation: self.correlation / ratio,
+            limb_of_points: self.limb_of_points / ratio,
+            value: self.value / ratio,
+            blur: if self.blur > 0.0 { self.blur.hypot(box_blur(factor)) / ratio } else { 0.0 },
+        }
+    }
+
+    /// Columns and rows of the boxes that lose nothing of an image of some blur: the told blur, else a measured one,
+    /// else that of an image which shows no more than the drawing. They are no larger than a pixel of the drawing: on the
+    /// grid on which edges and masks are known to a pixel there is time enough, and where a limb is hardly to be seen the
+    /// measured blur may be anything.
+    #[must_use]
+    pub fn factor(&self, measured: Option<f64>) -> usize {
+        let blur = if self.blur > 0.0 { Some(self.blur) } else { measured };
+        let factor = blur.map_or(self.pixel, |blur| blur / RESOLVED_BLUR);
+        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(1))
+    }
+
+    /// How far beyond the boundary of a mask, and within it, its surroundings are looked at: past the reach of a boundary
+    /// that is off by five deviations, as the growth of masks and matching windows of depth may make it, yet beside it.
+    #[must_use]
+    pub fn beyond(&self) -> [f64; 4] {
+        [5.0, 7.5, 10.0, 12.5].map(|deviations| deviations * self.boundary)
+    }
+
+    /// The limbs of a fit to hand-set segments: two deviations of an endpoint, as depth draws such a fit, too.
+    #[must_use]
+    pub fn limb_of_segments(&self) -> f64 {
+        2.0 * self.endpoint
+    }
+
+    /// How far from the sides of a mask segments agree with them, growth apart: four deviations of an endpoint, or two
+    /// of the unevenness of a side.
+    #[must_use]
+    pub fn agreement(&self) -> f64 {
+        (4.0 * self.endpoint).max(2.0 * self.unevenness)
+    }
+
+    /// How far from its limb a hand-set endpoint is grossly wrong: ten deviations.
+    #[must_use]
+    pub fn gross(&self) -> f64 {
+        10.0 * self.endpoint
+    }
+
+    /// The least distance of two limbs that can be told apart: four deviations of an endpoint.
+    #[must_use]
+    pub fn apart(&self) -> f64 {
+        4.0 * self.endpoint
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deviations_grow_with_the_image_and_never_shrink() {
+        let model = NoiseModel::default();
+        assert_eq!(model.in_image((640, 480)).endpoint, 0.5);
+        assert_eq!(model.in_image((320, 240)).endpoint, 0.5);
+        let large = model.in_image((2560, 1920));
+        assert_eq!((large.endpoint, large.side, large.growth), (2.0, 6.4, 12.0));
+        let told = NoiseModel { drawn_pixel: 1.0, ..model };
+        assert_eq!(told.in_image((2560, 1920)).endpoint, 0.5);
+    }
+
+    #[test]
+    fn a_bad_deviation_is_named() {
+        assert_eq!(NoiseModel::default().check(), Ok(()));
+        let error = |model: NoiseModel| model.check().unwrap_err().to_string();
+        let model = NoiseModel { edge_endpoint: 0.0, ..NoiseModel::default() };
+        assert_eq!(error(model), "deviation of an edge endpoint is 0; it must be finite and greater than 0");
+        let model = NoiseModel { blur: f64::NAN, ..NoiseModel::default() };
+        assert_eq!(error(model), "blur of the image is NaN; it must be finite and at least 0; 0 = estimated");
+        let model = NoiseModel { mask_growth: -1.0, ..NoiseModel::default() };
+        assert_eq!(error(model), "growth of a mask is -1; it must be finite and at least 0");
+    }
+}

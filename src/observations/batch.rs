@@ -1,0 +1,82 @@
+//! Usable points on their way into a cloud.
+
+use super::points::Dropped;
+use crate::error::{Error, Result};
+use crate::statistics::median;
+use nalgebra::Vector3;
+
+/// Usable points on their way into a cloud.
+#[derive(Default)]
+pub(super) struct Batch {
+    /// Columns and rows of the grid that they come from; one row stands for no order.
+    pub width: usize,
+    pub height: usize,
+    pub points: Vec<Vector3<f64>>,
+    pub weights: Vec<f64>,
+    pub normals: Vec<Vector3<f32>>,
+    /// Where they are in the grid, counted row by row.
+    pub indices: Vec<usize>,
+    pub dropped: Dropped,
+    pub given: usize,
+}
+
+impl Batch {
+    /// No points yet of a grid of that size.
+    pub fn grid(width: usize, height: usize) -> Self {
+        Self { width, height, given: width * height, ..Self::default() }
+    }
+
+    pub fn push(&mut self, point: Vector3<f64>, weight: f64, index: usize) -> Result<()> {
+        let bytes = self.points.len() * 80;
+        let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
+        self.points.try_reserve(1).map_err(out_of_memory)?;
+        self.weights.try_reserve(1).map_err(out_of_memory)?;
+        self.indices.try_reserve(1).map_err(out_of_memory)?;
+        self.points.push(point);
+        self.weights.push(weight);
+        self.indices.push(index);
+        Ok(())
+    }
+
+    /// Checks that the offsets from the origin have a place in the type that keeps them.
+    pub fn check_distances(&self, origin: &Vector3<f64>, wide: bool) -> Result<()> {
+        let largest = if wide { f64::MAX } else { f64::from(f32::MAX) };
+        let Some(far) = self.points.iter().position(|point| !((point - origin).amax() <= largest)) else {
+            return Ok(());
+        };
+        let name = format!("point {}", self.indices[far]);
+        let value = format!("{:?}", self.points[far].as_slice());
+        let requirement = format!(
+            "lie within {largest:.1e} of the points around {:?} in each coordinate; leave it out or give f64 in \
+             a smaller unit of length",
+            origin.as_slice()
+        );
+        Err(Error::argument(name, value, requirement))
+    }
+
+    pub fn push_normal(&mut self, normal: &Vector3<f64>) -> Result<()> {
+        let bytes = self.normals.len() * 24;
+        self.normals.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "the normals", bytes })?;
+        let length = normal.norm();
+        let known = length > 0.0 && length.is_finite();
+        self.normals.push(if known { (normal / length).cast() } else { Vector3::zeros() });
+        Ok(())
+    }
+
+    /// A point in the middle of most of them: the median of a few in each coordinate, which single far
+    /// points do not carry away.
+    pub fn middle(&self) -> Vector3<f64> {
+        const SAMPLES: usize = 255;
+        let count = self.points.len().min(SAMPLES);
+        if count == 0 {
+            return Vector3::zeros();
+        }
+        Vector3::from_fn(|axis, _| {
+            let mut values = [0.0; SAMPLES];
+            for (k, value) in values[..count].iter_mut().enumerate() {
+                *value = self.points[k * self.points.len() / count][axis];
+            }
+            median(&mut values[..count])
+        })
+    }
+}

@@ -1,0 +1,112 @@
+//! An image on a coarser grid, for what its blur leaves nothing to see on the finer one.
+
+use super::image::GreyImage;
+
+/// A grey image in boxes of some columns and rows each, whose mean is a pixel. Boxes that the border cuts are left out.
+/// Nothing is copied.
+#[derive(Debug, Clone, Copy)]
+pub struct ReducedImage<'a> {
+    image: &'a GreyImage,
+    factor: usize,
+}
+
+impl<'a> ReducedImage<'a> {
+    /// In boxes of `factor` columns and rows; 1 and 0 leave the image as it is.
+    #[must_use]
+    pub fn new(image: &'a GreyImage, factor: usize) -> Self {
+        Self { image, factor: factor.max(1) }
+    }
+
+    /// Columns and rows of a box.
+    #[must_use]
+    pub fn factor(&self) -> usize {
+        self.factor
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.image.width() / self.factor
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.image.height() / self.factor
+    }
+
+    /// The value of a pixel.
+    ///
+    /// # Panics
+    /// When the pixel lies outside the image.
+    #[inline]
+    #[must_use]
+    pub fn value(&self, column: usize, row: usize) -> f32 {
+        if self.factor == 1 {
+            return self.image.value(column, row);
+        }
+        self.values(column, row).sum::<f32>() / (self.factor * self.factor) as f32
+    }
+
+    /// Whether the light of a pixel may be any from its value on.
+    ///
+    /// # Panics
+    /// When the pixel lies outside the image.
+    #[inline]
+    #[must_use]
+    pub fn is_saturated(&self, column: usize, row: usize) -> bool {
+        if self.factor == 1 {
+            return self.image.is_saturated(column, row);
+        }
+        self.pixels(column, row).any(|(column, row)| self.image.is_saturated(column, row))
+    }
+
+    /// The values of a box.
+    #[inline]
+    fn values(&self, column: usize, row: usize) -> impl Iterator<Item = f32> {
+        let Self { image, factor } = *self;
+        let columns = column * factor..(column + 1) * factor;
+        (row * factor..(row + 1) * factor)
+            .flat_map(move |row| image.row(row)[columns.clone()].iter().copied())
+    }
+
+    /// The pixels of a box.
+    fn pixels(&self, column: usize, row: usize) -> impl Iterator<Item = (usize, usize)> {
+        let factor = self.factor;
+        let columns = column * factor..(column + 1) * factor;
+        let rows = row * factor..(row + 1) * factor;
+        rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
+    }
+}
+
+/// The place on the grid of an image of a place on that of boxes of `factor` pixels each.
+#[must_use]
+pub fn from_reduced(place: f64, factor: usize) -> f64 {
+    factor as f64 * (place + 0.5) - 0.5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observations::ImageView;
+
+    #[test]
+    fn a_pixel_is_the_mean_of_its_box() {
+        let values: Vec<u8> = vec![1, 2, 3, 4, 9, 5, 6, 7, 8, 9, 9, 9, 9, 255, 9];
+        let image = GreyImage::copy(&ImageView::from_u8(&values, (5, 3)).unwrap()).unwrap();
+        let half = ReducedImage::new(&image, 2);
+        assert_eq!((half.width(), half.height(), half.factor()), (2, 1, 2));
+        assert_eq!((half.value(0, 0), half.value(1, 0)), (3.5, 5.5));
+        assert!(!half.is_saturated(0, 0));
+        let same = ReducedImage::new(&image, 0);
+        assert_eq!((same.width(), same.height(), same.value(3, 2)), (5, 3, 255.0));
+        assert!(same.is_saturated(3, 2) && !same.is_saturated(0, 0));
+    }
+
+    #[test]
+    fn places_are_those_of_pixel_centres() {
+        assert_eq!(from_reduced(0.0, 2), 0.5);
+        assert_eq!(from_reduced(-0.5, 4), -0.5);
+        assert_eq!(from_reduced(3.25, 1), 3.25);
+    }
+}

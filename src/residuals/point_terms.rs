@@ -1,0 +1,81 @@
+//! The points of a view as a term: their mean loss.
+
+use super::loss::{Loss, Squared, TUKEY_EFFICIENT, Tukey, Wall};
+use super::points::PointTerm;
+use super::terms::{Row, Source, Term};
+use super::{NormalEquations, SandwichPart};
+use crate::geometry::LocalFrame;
+
+/// A loss whose scale is a length, for residuals in units of a frame.
+pub trait LossInFrame {
+    /// The loss.
+    type Loss: Loss;
+
+    /// The loss of residuals in units of a frame.
+    fn at(&self, frame: &LocalFrame) -> Self::Loss;
+}
+
+/// The plain square.
+#[derive(Debug, Clone, Copy)]
+pub struct Plain;
+
+impl LossInFrame for Plain {
+    type Loss = Squared;
+
+    fn at(&self, _frame: &LocalFrame) -> Squared {
+        Squared
+    }
+}
+
+/// Tukey's loss at a scale of the residuals.
+#[derive(Debug, Clone, Copy)]
+pub struct Robust {
+    /// Standard deviation of the distances of good points, in the caller's unit.
+    pub scale: f64,
+    /// Whether the points are what an observer at the origin sees.
+    pub observed: bool,
+}
+
+impl LossInFrame for Robust {
+    type Loss = Tukey;
+
+    /// From inside a pipe every point of its surface is visible.
+    fn at(&self, frame: &LocalFrame) -> Tukey {
+        let facing = self.observed && !frame.cylinder.contains_origin();
+        let wall = if facing { Wall::Facing } else { Wall::Either };
+        Tukey { cutoff: TUKEY_EFFICIENT * self.scale / frame.unit, wall }
+    }
+}
+
+/// The mean loss of points, of which some number are independent.
+#[derive(Debug, Clone, Copy)]
+pub struct Points<'a, L> {
+    /// The points.
+    pub points: PointTerm<'a>,
+    /// Their loss.
+    pub loss: L,
+    /// The number of independent points, for the covariance.
+    pub independent_points: f64,
+}
+
+impl<L: LossInFrame> Term for Points<'_, L> {
+    fn source(&self) -> Source {
+        Source::Points
+    }
+
+    fn cost(&self, frame: &LocalFrame) -> Option<f64> {
+        Some(self.points.cost(frame, self.loss.at(frame)))
+    }
+
+    fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
+        Some(self.points.linearise(frame, self.loss.at(frame)))
+    }
+
+    fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
+        Some(self.points.rows(frame, self.loss.at(frame)).collect())
+    }
+
+    fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
+        Some(self.points.sandwich(frame, self.loss.at(frame), self.independent_points))
+    }
+}

@@ -1,0 +1,96 @@
+use super::super::loss::{Truncated, Tukey, Wall};
+use super::*;
+use crate::geometry::Cylinder;
+use crate::observations::PointsView;
+
+fn scene(count: usize) -> (Vec<[f64; 3]>, LocalFrame) {
+    let cylinder = Cylinder::new(Vector3::new(0.1, -0.2, 0.9), Vector3::new(0.4, 0.8, 0.3), 0.07).unwrap();
+    let points = (0..count)
+        .map(|k| {
+            let t = k as f64;
+            [0.1 + 0.09 * (t * 0.37).sin(), -0.2 + 0.1 * (t * 0.11).cos(), 0.85 + 0.03 * (t * 1.7).sin()]
+        })
+        .collect();
+    (points, LocalFrame::new(&cylinder, &Vector3::new(0.1, -0.1, 0.8), 0.05))
+}
+
+#[test]
+fn the_jacobian_agrees_with_central_differences() {
+    let (points, frame) = scene(50);
+    let h = 1e-6;
+    for point in points {
+        let point = Vector3::from(point);
+        let (residual, jacobian, _) = PointRows::new(&frame).row(&point);
+        assert!((residual - frame.cylinder.distance(&point) / frame.unit).abs() < 1e-13);
+        for k in 0..5 {
+            let moved = |sign: f64| frame.retract(&Tangent::ith(k, sign * h)).distance(&point);
+            let difference = (moved(1.0) - moved(-1.0)) / (2.0 * h * frame.unit);
+            assert!((difference - jacobian[k]).abs() < 1e-8, "{k}: {difference} {}", jacobian[k]);
+        }
+    }
+}
+
+#[test]
+fn the_sums_are_those_of_the_rows_and_the_same_for_any_number_of_threads() {
+    let (points, frame) = scene(150_003);
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+    let mut expected = NormalEquations::zero();
+    for point in &points {
+        let (residual, jacobian, _) = PointRows::new(&frame).row(&Vector3::from(*point));
+        expected.add_residual(1.0 / points.len() as f64, residual, &jacobian);
+    }
+    let one = PointTerm::new(&cloud, None).linearise(&frame, Squared);
+    assert!((one.cost - expected.cost).abs() < 1e-12 * expected.cost);
+    assert!((one.gradient - expected.gradient).norm() < 1e-12 * expected.gradient.norm());
+    assert!((one.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
+    assert_eq!(PointTerm::new(&cloud, None).cost(&frame, Squared), one.cost);
+    for threads in [2, 3, 8] {
+        let workers = Workers::new(threads);
+        let term = PointTerm::new(&cloud, Some(&workers));
+        assert_eq!(term.linearise(&frame, Squared), one);
+        assert_eq!(term.cost(&frame, Squared), one.cost);
+    }
+}
+
+#[test]
+fn the_cost_alone_and_the_rows_are_those_of_the_linearisation() {
+    let (points, frame) = scene(4_999);
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+    let term = PointTerm::new(&cloud, None);
+    let check = |equations: NormalEquations, cost: f64, rows: &mut dyn Iterator<Item = (f64, Tangent)>| {
+        assert_eq!(equations.cost, cost);
+        let mut expected = NormalEquations::zero();
+        rows.for_each(|(e, j)| expected.add_residual(1.0, e, &j));
+        let difference = (expected.gradient - equations.gradient).norm();
+        assert!(difference < 1e-13 * equations.hessian.norm(), "{difference}");
+        let difference = (expected.hessian - equations.hessian).norm();
+        assert!(difference < 1e-12 * equations.hessian.norm(), "{difference}");
+    };
+    for wall in [Wall::Either, Wall::Facing, Wall::Averted] {
+        let tukey = Tukey { cutoff: 0.5, wall };
+        let truncated = Truncated { threshold: 0.3, wall };
+        let rows = &mut term.rows(&frame, tukey);
+        check(term.linearise(&frame, tukey), term.cost(&frame, tukey), rows);
+        let rows = &mut term.rows(&frame, truncated);
+        check(term.linearise(&frame, truncated), term.cost(&frame, truncated), rows);
+    }
+}
+
+#[test]
+fn weights_count_as_repeated_points() {
+    let (mut points, frame) = scene(20);
+    let mut weighted = PointCloud::default();
+    let memory: Vec<u8> = (0..20).flat_map(|k| if k == 3 { 3.0_f64 } else { 1.0 }.to_ne_bytes()).collect();
+    let weights = crate::observations::Strided::new(&memory, 0, (20, 1), 8, (8, 0)).unwrap();
+    let view = PointsView { weights: Some(weights), ..PointsView::from_f64(&points) };
+    weighted.push_points(&view, None).unwrap();
+    points.extend([points[3]; 2]);
+    let mut repeated = PointCloud::default();
+    repeated.push_points(&PointsView::from_f64(&points), None).unwrap();
+    let a = PointTerm::new(&weighted, None).linearise(&frame, Squared);
+    let b = PointTerm::new(&repeated, None).linearise(&frame, Squared);
+    assert!((a.cost - b.cost).abs() < 1e-14 * b.cost);
+    assert!((a.hessian - b.hessian).norm() < 1e-13 * b.hessian.norm());
+}
