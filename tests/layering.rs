@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
-const LAYERS: [&[&str]; 13] = [
+const LAYERS: [&[&str]; 14] = [
     &["constant", "error", "statistics", "workers"],
     &["noise"],
     &["geometry"],
@@ -15,6 +15,7 @@ const LAYERS: [&[&str]; 13] = [
     &["residuals"],
     &["solver"],
     &["start", "limb_location", "end_location"],
+    &["detection"],
     &["fitter"],
     &["completion"],
     &["extent"],

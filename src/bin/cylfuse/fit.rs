@@ -64,25 +64,41 @@ pub fn run_all(
     mut settings: Settings,
     take: &mut dyn FnMut(Report),
 ) -> Result<(), rayon::ThreadPoolBuildError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     if inputs.len() > 1 {
         // Frames side by side use the cores better than the sums within one.
         settings.options.threads = 1;
     }
+    let settings = &settings;
+    in_order(
+        inputs,
+        settings.threads,
+        &|index, input| run(input, settings, folders.get(index).map(PathBuf::as_path)),
+        take,
+    )
+}
+
+/// Does something with all inputs, several at a time, and hands over the outcomes in the order of the inputs, each as
+/// soon as it and those before it are there.
+pub fn in_order<T: Send>(
+    inputs: &[Input],
+    threads: usize,
+    run: &(dyn Fn(usize, &Input) -> T + Sync),
+    take: &mut dyn FnMut(T),
+) -> Result<(), rayon::ThreadPoolBuildError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (sender, receiver) = mpsc::channel();
     std::thread::scope(|scope| {
-        let (pool, settings) = (&pool, &settings);
+        let pool = &pool;
         scope.spawn(move || {
             pool.install(|| {
                 // A bridge hands the inputs out one by one, so that the first reports come first.
                 inputs.iter().enumerate().par_bridge().for_each_with(sender, |sender, (index, input)| {
-                    let folder = folders.get(index).map(PathBuf::as_path);
                     // The receiver lives as long as this scope.
-                    let _ = sender.send((index, run(input, settings, folder)));
+                    let _ = sender.send((index, run(index, input)));
                 });
             });
         });
-        let mut waiting: Vec<Option<Report>> = inputs.iter().map(|_| None).collect();
+        let mut waiting: Vec<Option<T>> = inputs.iter().map(|_| None).collect();
         let mut next = 0;
         for (index, report) in receiver {
             waiting[index] = Some(report);

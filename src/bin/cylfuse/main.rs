@@ -4,6 +4,7 @@ mod arguments;
 mod canvas;
 mod cloud;
 mod demo;
+mod detect;
 mod failure;
 mod fit;
 mod frame;
@@ -11,22 +12,26 @@ mod images;
 mod inputs;
 mod overlay;
 mod report;
+mod scene_picture;
 mod table;
 
-use arguments::{Arguments, Command, DemoArguments, FitArguments};
+use arguments::{Arguments, Command, DemoArguments, DetectArguments, FitArguments};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
+use detect::{SceneOutcome, SceneReport};
 use failure::Failure;
 use fit::Settings;
 use indicatif::{ProgressBar, ProgressStyle};
 use inputs::Input;
 use report::{Outcome, Report};
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let failed = match Arguments::parse().command {
         Command::Fit(arguments) => fit_all(&arguments),
+        Command::Detect(arguments) => detect_all(&arguments),
         Command::Demo(arguments) => run_demo(&arguments),
     };
     match failed {
@@ -81,6 +86,51 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     Ok(failed)
 }
 
+/// Searches everything; tells whether something failed.
+fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
+    let detection = match arguments.options() {
+        Ok(options) => options,
+        Err(error) => usage_error(ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+    };
+    let settings = detect::Settings { detection, image: !arguments.no_image };
+    let inputs = if arguments.points.is_empty() {
+        inputs::find_frames(&arguments.frames)
+    } else {
+        arguments.points.iter().cloned().map(Input::Cloud).collect()
+    };
+    let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    let progress = progress_bar(inputs.len());
+    let mut failed = false;
+    let mut written = Ok(());
+    let mut take = |report: SceneReport| {
+        failed |= matches!(report.outcome, SceneOutcome::Failed { .. });
+        if written.is_ok() {
+            written =
+                progress.suspend(|| if arguments.json { print_json(&report) } else { print_scene(&report) });
+        }
+        progress.inc(1);
+    };
+    let folders = folders.as_deref().unwrap_or_default();
+    let search =
+        |index: usize, input: &Input| detect::run(input, &settings, folders.get(index).map(PathBuf::as_path));
+    fit::in_order(&inputs, arguments.threads, &search, &mut take).map_err(io::Error::other)?;
+    progress.finish_and_clear();
+    written?;
+    Ok(failed)
+}
+
+fn print_scene(report: &SceneReport) -> io::Result<()> {
+    match &report.outcome {
+        SceneOutcome::Searched(scene) => {
+            writeln!(io::stdout(), "{}", table::render_scene(&report.frame, scene))
+        }
+        SceneOutcome::Failed { error: Failure { status, message } } => {
+            complain(&format!("{status}: {message}"));
+            Ok(())
+        }
+    }
+}
+
 fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
     let folder = arguments.out.display();
     match demo::run(&arguments.out) {
@@ -100,7 +150,7 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
     }
 }
 
-fn print_json(report: &Report) -> io::Result<()> {
+fn print_json(report: &impl serde::Serialize) -> io::Result<()> {
     let line = serde_json::to_string(report).map_err(io::Error::other)?;
     writeln!(io::stdout(), "{line}")
 }

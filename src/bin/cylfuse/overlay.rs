@@ -340,7 +340,7 @@ fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
     }
 }
 
-fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
+pub(crate) fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
     for (below, above) in pixel.0.iter_mut().zip([r, g, b]) {
         let (old, new, part) = (u32::from(*below), u32::from(above), u32::from(opacity));
         *below = ((old * (255 - part) + new * part) / 255) as u8;
@@ -349,7 +349,7 @@ fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
 
 /// Grey levels of values, spread over the range that is in use: sensors fill 10 or 12 of 16 bits, and depths a part of
 /// theirs. What was not measured is black.
-fn grey_levels(
+pub(crate) fn grey_levels(
     (width, height): (u32, u32),
     value: impl Fn(u32, u32) -> Option<f64>,
     depth: bool,

@@ -1,5 +1,6 @@
 //! The short table for people.
 
+use crate::detect::Scene;
 use crate::report::{Fitted, Measurement, Outcome, Report};
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
@@ -97,6 +98,27 @@ pub fn render(reports: &[Report]) -> String {
         }
     }
     text
+}
+
+/// The cylinders of one frame, a line each.
+pub fn render_scene(frame: &str, scene: &Scene) -> String {
+    let columns = FRAME_COLUMNS;
+    let mut table = Table::new();
+    let rule = LineStyle::none().fill('─').junction('─');
+    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    let titles = ["", "score"].into_iter().chain(columns.iter().map(|column| column.title));
+    table.set_header(titles.collect::<Vec<_>>());
+    for (index, found) in scene.cylinders.iter().enumerate() {
+        let cells = columns.iter().map(|column| (column.cell)(&found.measurement));
+        let first = [(index + 1).to_string(), format!("{:.2}", found.score)];
+        table.add_row(first.into_iter().chain(cells).collect::<Vec<_>>());
+    }
+    let numbers = [true, true].into_iter().chain(columns.iter().map(|column| column.number));
+    for (drawn, _) in table.column_iter_mut().zip(numbers).filter(|(_, number)| *number) {
+        drawn.set_cell_alignment(CellAlignment::Right);
+    }
+    let milliseconds = scene.seconds.total * 1000.0;
+    format!("{frame}: {} cylinders, {milliseconds:.0} ms\n{table}\n", scene.cylinders.len())
 }
 
 /// The folder of a frame.json says which frame it is.

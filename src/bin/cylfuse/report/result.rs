@@ -29,7 +29,8 @@ pub struct ResultValues {
     /// Segments that took part.
     pub segments_used: usize,
     segments_given: usize,
-    limbs_located: usize,
+    /// Limbs that were located in the image.
+    pub limbs_located: usize,
     /// Root mean square distance of the points from the surface.
     pub point_rms: f64,
     point_scale: f64,

@@ -1,0 +1,94 @@
+//! The picture of a scene: every cylinder in its colour, with its number.
+
+use crate::canvas::{Canvas, Color, LINE_HEIGHT};
+use crate::detect::Found;
+use crate::failure::Failure;
+use crate::fit::write_file;
+use crate::frame::View;
+use crate::overlay::{grey_levels, tint};
+use cylfuse::observations::DepthImage;
+use image::{DynamicImage, ImageFormat, RgbaImage};
+use nalgebra::Vector2;
+use std::path::Path;
+
+/// Colours that neighbours in the list can be told by; they come again after the last.
+const COLORS: [Color; 8] = [
+    [230, 60, 60, 130],
+    [60, 180, 75, 130],
+    [70, 110, 255, 130],
+    [255, 200, 30, 130],
+    [200, 80, 230, 130],
+    [40, 210, 220, 130],
+    [245, 130, 48, 130],
+    [190, 240, 90, 130],
+];
+
+/// What is drawn.
+pub struct ScenePicture<'a> {
+    /// The view.
+    pub view: &'a View,
+    /// The depth on the grid of the image.
+    pub depth: &'a DepthImage,
+    /// The number of the cylinder of each pixel, 0 for none.
+    pub labels: &'a [u16],
+    /// The cylinders.
+    pub cylinders: &'a [Found],
+}
+
+impl ScenePicture<'_> {
+    /// Draws the picture into a PNG file.
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        let picture = self.draw().ok_or_else(|| Failure::not_writable(path, "the picture is too large"))?;
+        write_file(path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
+    }
+
+    fn draw(&self) -> Option<image::RgbImage> {
+        let mut image = self.background();
+        let width = image.width();
+        // The middle of each region, for its number.
+        let mut sums = vec![[0.0; 3]; self.cylinders.len()];
+        for (k, &label) in self.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+            let (x, y) = (k as u32 % width, k as u32 / width);
+            let index = usize::from(label) - 1;
+            tint(image.get_pixel_mut(x, y), COLORS[index % COLORS.len()]);
+            let sum = &mut sums[index];
+            *sum = [sum[0] + f64::from(x), sum[1] + f64::from(y), sum[2] + 1.0];
+        }
+        let scale = ((1280 + width / 2) / width).clamp(1, 16);
+        let mut canvas = Canvas::new(&image, scale, (self.cylinders.len() as u32 + 1) * LINE_HEIGHT)?;
+        let top = canvas.image_height() + LINE_HEIGHT / 2;
+        for (index, (found, sum)) in self.cylinders.iter().zip(sums).enumerate() {
+            let number = (index + 1).to_string();
+            let [r, g, b, _] = COLORS[index % COLORS.len()];
+            if sum[2] > 0.0 {
+                let (x, y) = canvas.place(&Vector2::new(sum[0] / sum[2], sum[1] / sum[2]));
+                canvas.bar((x - 2.0, y - 10.0), (12.0 * number.len() as f32, 20.0), [0, 0, 0, 170]);
+                canvas.text((x as u32, (y - 9.0).max(0.0) as u32), &number, [255; 3], true);
+            }
+            let text = format!(
+                "{number}  radius {:.2} mm, score {:.2}, {} pixels",
+                1e3 * found.measurement.cylinder.radius,
+                found.score,
+                found.pixels
+            );
+            canvas.text((16, top + index as u32 * LINE_HEIGHT), &text, [r, g, b], false);
+        }
+        canvas.into_rgb()
+    }
+
+    /// The image, or the depth as grey levels when there is none.
+    fn background(&self) -> RgbaImage {
+        match &self.view.image {
+            Some(image @ (DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_))) => {
+                let grey = image.to_luma16();
+                grey_levels(grey.dimensions(), |x, y| Some(f64::from(grey.get_pixel(x, y).0[0])), false)
+            }
+            Some(image) => image.to_rgba8(),
+            None => {
+                let (width, height) = self.view.size();
+                let value = |x: u32, y: u32| self.depth.depth(x as usize, y as usize);
+                grey_levels((width as u32, height as u32), value, true)
+            }
+        }
+    }
+}

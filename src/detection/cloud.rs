@@ -1,0 +1,199 @@
+//! Bare clouds: seen again as an image from where they were measured.
+
+use super::grid::{Grid, side_of_cells};
+use super::search::{label, search};
+use super::{DetectionOptions, Detections};
+use crate::error::{Error, Result};
+use crate::geometry::{Cylinder, Line};
+use crate::observations::PointsView;
+use crate::statistics::median;
+use nalgebra::{Matrix3, Vector3};
+
+/// Pixels of the image of a cloud, at most.
+const MOST_PIXELS: f64 = 2e6;
+
+/// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
+const WIDEST: f64 = 3.0;
+
+/// Cells of a cloud take this many pixels to each side at least: with a point to a pixel, one in three is empty.
+const LEAST_SIDE: usize = 3;
+
+/// A part of the points that may lie anywhere: single ones far away must not make the image wide.
+const STRAY: f64 = 0.002;
+
+/// The camera that a cloud is seen from: x_camera = R (x − origin).
+struct Viewpoint {
+    rotation: Matrix3<f64>,
+    origin: Vector3<f64>,
+}
+
+/// Finds all cylinders in a cloud; labels are by point, row by row.
+///
+/// # Errors
+/// `InvalidArgument`, `OutOfMemory`.
+pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Result<Detections> {
+    options.check()?;
+    let count = view.width() * view.height();
+    let mut points: Vec<Vector3<f64>> = Vec::new();
+    let bytes = count * size_of::<Vector3<f64>>();
+    points.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
+    let mut usable = Vec::new();
+    for row in 0..view.height() {
+        for column in 0..view.width() {
+            let point = view.points.at(column, row);
+            let known = point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0;
+            if known {
+                usable.push(points.len());
+            }
+            points.push(point);
+        }
+    }
+    let nothing = || Detections { cylinders: Vec::new(), labels: vec![0; count] };
+    let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
+    for &k in &usable {
+        points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
+    }
+    let Some(image) = Image::new(&points, &usable) else { return Ok(nothing()) };
+    let cone = options
+        .limits
+        .axis
+        .map(|cone| crate::geometry::AxisCone { direction: viewpoint.rotation * cone.direction, ..cone });
+    let mut turned = *options;
+    turned.limits.axis = cone;
+    let size = (image.width, image.height);
+    let point = |x: usize, y: usize| {
+        let k = image.nearest[y * image.width + x];
+        (k != u32::MAX).then(|| points[k as usize])
+    };
+    let side = side_of_cells(size).max(LEAST_SIDE);
+    let mut grid = Grid::new(size, image.spacing, side, &point);
+    let found = search(&mut grid, image.spacing, &turned);
+    let ray = |x: usize, y: usize| {
+        let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
+        Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
+    };
+    let seen = label(&grid, &found, size, image.spacing, &point, &ray);
+    let mut labels = vec![0; count];
+    for &k in &usable {
+        let Some(pixel) = image.pixel(&points[k]) else { continue };
+        let near = image.nearest[pixel];
+        // Points behind the one that is seen belong to something else, unless they are as near as a pixel is wide.
+        let depth = points[near as usize].z;
+        if points[k].z - depth <= 2.0 * image.spacing * depth {
+            labels[k] = seen.labels[pixel];
+        }
+    }
+    let mut cylinders = seen.cylinders;
+    for (index, detection) in cylinders.iter_mut().enumerate() {
+        let Cylinder { axis, radius } = detection.cylinder;
+        let back = viewpoint.rotation.transpose();
+        let axis = Line { point: back * axis.point + viewpoint.origin, direction: back * axis.direction };
+        detection.cylinder = Cylinder { axis, radius };
+        detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
+    }
+    Ok(Detections { cylinders, labels })
+}
+
+/// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points
+/// in the direction in which they spread least.
+fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
+    if usable.len() < 50 {
+        return None;
+    }
+    let seen = |p: &Vector3<f64>| p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z;
+    let front = usable.iter().filter(|&&k| seen(&points[k])).count();
+    if front as f64 >= 0.98 * usable.len() as f64 {
+        return Some(Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros() });
+    }
+    let middle = Vector3::from_fn(|axis, _| {
+        let mut values: Vec<f64> = usable.iter().map(|&k| points[k][axis]).collect();
+        median(&mut values)
+    });
+    let mut spread = Matrix3::zeros();
+    let mut distances: Vec<f64> = Vec::with_capacity(usable.len());
+    for &k in usable {
+        let offset = points[k] - middle;
+        // Far points count as near ones: directions alone.
+        let norm = offset.norm();
+        distances.push(norm);
+        if norm > 0.0 {
+            spread += offset * offset.transpose() / norm;
+        }
+    }
+    let size = median(&mut distances);
+    let eigen = spread.symmetric_eigen();
+    let least = eigen.eigenvalues.imin();
+    let mut z: Vector3<f64> = eigen.eigenvectors.column(least).into();
+    // Of the two sides that of the origin, where the sensor most likely is.
+    if z.dot(&middle) < 0.0 {
+        z = -z;
+    }
+    let (x, y) = crate::geometry::any_orthogonal(&z);
+    let rotation = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
+    (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size) })
+}
+
+/// For each pixel on the plane z = 1 the point that is seen there.
+struct Image {
+    width: usize,
+    height: usize,
+    spacing: f64,
+    low: [f64; 2],
+    nearest: Vec<u32>,
+}
+
+impl Image {
+    fn new(points: &[Vector3<f64>], usable: &[usize]) -> Option<Self> {
+        let mut range = [[0.0; 2]; 2];
+        for (axis, range) in range.iter_mut().enumerate() {
+            let mut values: Vec<f64> = usable
+                .iter()
+                .map(|&k| points[k])
+                .filter(|p| p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z)
+                .map(|p| p[axis] / p.z)
+                .collect();
+            if values.len() < 50 {
+                return None;
+            }
+            let stray = (STRAY * values.len() as f64) as usize;
+            let last = values.len() - 1 - stray;
+            let low = *values.select_nth_unstable_by(stray, f64::total_cmp).1;
+            let high = *values.select_nth_unstable_by(last, f64::total_cmp).1;
+            *range = [low, high];
+        }
+        let [width, height] = range.map(|[low, high]| high - low);
+        // As many pixels as points, over the part of the image that has any.
+        let pixels = (usable.len() as f64).min(MOST_PIXELS);
+        let spacing = (width * height / pixels).sqrt();
+        if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
+            return None;
+        }
+        let mut image = Self {
+            width: (width / spacing) as usize + 1,
+            height: (height / spacing) as usize + 1,
+            spacing,
+            low: [range[0][0], range[1][0]],
+            nearest: Vec::new(),
+        };
+        image.nearest = vec![u32::MAX; image.width * image.height];
+        for &k in usable {
+            if let Some(pixel) = image.pixel(&points[k]) {
+                let before = image.nearest[pixel];
+                if before == u32::MAX || points[k].z < points[before as usize].z {
+                    image.nearest[pixel] = k as u32;
+                }
+            }
+        }
+        Some(image)
+    }
+
+    fn pixel(&self, p: &Vector3<f64>) -> Option<usize> {
+        if p.z <= 0.0 {
+            return None;
+        }
+        let x = ((p.x / p.z - self.low[0]) / self.spacing).floor();
+        let y = ((p.y / p.z - self.low[1]) / self.spacing).floor();
+        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
+        inside.then(|| y as usize * self.width + x as usize)
+    }
+}

@@ -1,0 +1,263 @@
+//! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
+
+use super::candidate::{Candidate, Marks, Scene};
+use super::grid::Cell;
+use super::outline::{Beyond, outline, passes};
+use super::surface::{REACH, Surface, fit};
+use crate::geometry::Cylinder;
+use nalgebra::Vector3;
+
+/// What the depth says about one candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Evidence {
+    /// Logarithm of the likelihood ratio of the cylinder and nothing at all, less the penalty for its five numbers.
+    pub gain: f64,
+    /// How much better than the best plane, in the same measure.
+    pub over_plane: f64,
+    /// How much better than two planes that meet along the axis.
+    pub over_edge: f64,
+    /// How much better than the best sphere.
+    pub over_sphere: f64,
+    /// How much better than the best cone, which counts where that tapers.
+    pub over_cone: f64,
+    /// The part of the lines along the axis at whose side the surface goes on smoothly instead of ending at the limb.
+    pub open_sides: f64,
+    /// The part of the lines at whose side something farther away is seen next to the limb.
+    pub closed_sides: f64,
+    /// The part of the cells within the outline that lie off the surface, but not far in front of it.
+    pub seen_through: f64,
+    /// Independent samples of the sides.
+    pub side_samples: f64,
+    /// What the cells cover across the axis, in radii from −1 to 1: where they begin and end.
+    pub across: [f64; 2],
+    /// How far cells lie beyond the limbs, in pixels.
+    pub overhang: f64,
+    /// What they cover along it, in radii.
+    pub length: f64,
+    /// The root mean square distance in standard deviations.
+    pub rms: f64,
+    /// The taper of the best cone: change of radius over the length, by the radius.
+    pub taper: f64,
+}
+
+/// The radius of a cone must change by this part over what is seen of it to be told from a cylinder: cups taper by
+/// more, and depth next to outlines bends a short cylinder by nearly as much.
+const TAPERED: f64 = 0.2;
+
+/// The sides of a cylinder tell as much as this many independent samples at most.
+const MOST_SAMPLES: f64 = 8.0;
+
+/// The least slope of the side of a cup or a cone: 1.7 degrees.
+const SLOPE: f64 = 0.03;
+
+/// Lids are wider than their cans by this part of the radius.
+const LID: f64 = 0.04;
+
+/// A cone is a rarer body than a cylinder, and what depth does next to outlines looks like one: logarithm of the odds.
+const CONE_PRIOR: f64 = 3.0;
+
+/// Evidence that is left where nothing lies beyond the limbs, and where three pixels do is none.
+const OVERHANG: f64 = 10.0;
+
+/// Evidence with which a candidate need not be looked at any more.
+const HOPELESS: f64 = -8.0;
+
+impl Evidence {
+    /// The evidence that there is a cylinder, in the measure of a logarithm of odds: the least of what speaks against
+    /// each of the alternatives.
+    pub fn total(&self) -> f64 {
+        // Along a contact with another body, or a long straight side, neighbouring lines end in the same way.
+        let samples = self.side_samples.min(MOST_SAMPLES);
+        // One side in twenty of a cylinder, but three in five of an edge seem to go on smoothly; the logarithms of the
+        // likelihood ratios are ln(0.95 / 0.4) and ln(0.05 / 0.6).
+        let sides = samples * (0.87 * (1.0 - self.open_sides) - 2.48 * self.open_sides);
+        // Likewise one cell in twenty, or one in three.
+        let through = self.side_samples * (0.35 * (1.0 - self.seen_through) - 2.2 * self.seen_through);
+        // Depth that drifts over a long pipe tapers it as well, but not by a degree or two.
+        let tapers = self.taper.abs() > TAPERED && self.taper.abs() > SLOPE * self.length;
+        let cone = if tapers { self.over_cone + CONE_PRIOR } else { f64::INFINITY };
+        // Less than half of the width tells little of a circle; from inside the whole wall may be seen.
+        let covered = 12.0 * (self.across[1] - self.across[0] - 0.8);
+        // Cells beyond the limbs: fattening makes two pixels of them, an edge that is taken for a thin cylinder more.
+        let overhang = OVERHANG - 3.0 * self.overhang;
+        [
+            self.gain,
+            covered,
+            overhang,
+            self.over_plane,
+            self.over_edge,
+            self.over_sphere,
+            cone,
+            sides,
+            through,
+        ]
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Scene<'_> {
+    /// Everything that speaks for or against a candidate.
+    pub fn judge(&self, candidate: &Candidate, mark: &mut Marks) -> Option<Evidence> {
+        let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
+        let mut evidence = Evidence { gain: candidate.gain, ..Evidence::default() };
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut squares = 0.0;
+        for &k in &candidate.cells {
+            let cell = &self.grid.cells[k];
+            let (across, _) = passes(&cylinder, cell.x, cell.y)?;
+            let along = candidate.surface.place(&cell.point).along;
+            (first, last) = (first.min(along), last.max(along));
+            (left, right) = (left.min(across), right.max(across));
+            squares += self.misfit(&candidate.surface, cell).min(REACH * REACH);
+        }
+        evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
+        evidence.length = (last - first) / cylinder.radius;
+        evidence.across = [left, right];
+        let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
+        let pixels = cylinder.radius / (depth * self.optics.pixel);
+        evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
+        let sides = outline(self, &cylinder, &candidate.cells, mark);
+        let part = |beyond: Beyond| {
+            sides.iter().filter(|side| side.beyond == beyond).count() as f64 / sides.len().max(1) as f64
+        };
+        evidence.side_samples = sides.len() as f64 / self.noise.cells_per_sample.sqrt();
+        evidence.open_sides = part(Beyond::Smooth);
+        evidence.closed_sides = part(Beyond::Farther);
+        self.see_through(&cylinder, candidate, [first, last], &mut evidence);
+        // What the sides rule out needs no other surface, which would take most of the time.
+        if evidence.total() > HOPELESS {
+            self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
+        }
+        Some(evidence)
+    }
+
+    /// Plane, sphere and cone on the same cells and on those that they would explain besides.
+    fn compare(&self, candidate: &Candidate, length: f64, evidence: &mut Evidence, mark: &mut Marks) {
+        let cells = &candidate.cells;
+        let refs: Vec<_> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
+        let own = self.gain(&candidate.surface, cells);
+        let Surface::Cylinder(cylinder, _) = candidate.surface else { return };
+        let numbers = (cells.len() as f64 / self.noise.cells_per_sample).max(2.0).ln();
+        // Three numbers of a plane, six of two and the place of the edge, five of a cylinder.
+        evidence.over_plane = own - self.plane_gain(cells) - numbers;
+        evidence.over_edge = own - self.edge_gain(&cylinder, cells) + numbers;
+        let free = |k: usize| self.planes[k] == 0;
+        let mut margin = |start: Surface| {
+            let other = fit(&start, &refs, &[], self.optics, REACH, 6)?;
+            let other = self.grow(&other, cells, &free, mark)?;
+            mark.next();
+            cells.iter().for_each(|&k| {
+                mark.set(k);
+            });
+            let mut all = cells.clone();
+            all.extend(other.cells.iter().copied().filter(|&k| mark.set(k)));
+            let difference = self.gain(&candidate.surface, &all) - self.gain(&other.surface, &all);
+            let penalty =
+                self.penalty(&other.surface, all.len()) - self.penalty(&candidate.surface, all.len());
+            Some((difference + penalty, other.surface))
+        };
+        let mut middle = Vector3::zeros();
+        for cell in &refs {
+            middle += cell.point / refs.len() as f64;
+        }
+        let on_axis = cylinder.axis.point
+            + cylinder.axis.direction * (middle - cylinder.axis.point).dot(&cylinder.axis.direction);
+        evidence.over_sphere =
+            margin(Surface::Sphere(on_axis, cylinder.radius)).map_or(own, |(margin, _)| margin);
+        if let Some((margin, Surface::Cone(cone, taper))) = margin(Surface::Cone(cylinder, 0.0)) {
+            evidence.taper = taper * length / cone.radius;
+            evidence.over_cone = margin;
+        }
+    }
+
+    /// The gain of the best two planes through cells that an edge along the axis divides.
+    fn edge_gain(&self, cylinder: &Cylinder, cells: &[usize]) -> f64 {
+        let mut order: Vec<(f64, usize)> = cells
+            .iter()
+            .map(|&k| {
+                let cell = &self.grid.cells[k];
+                (passes(cylinder, cell.x, cell.y).map_or(0.0, |p| p.0), k)
+            })
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let sorted: Vec<usize> = order.into_iter().map(|(_, k)| k).collect();
+        (2..=6)
+            .map(|eighths| {
+                let (left, right) = sorted.split_at(sorted.len() * eighths / 8);
+                self.plane_gain(left) + self.plane_gain(right)
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// The gain of the plane through cells.
+    fn plane_gain(&self, cells: &[usize]) -> f64 {
+        let mut matrix = nalgebra::Matrix3::zeros();
+        let mut vector = Vector3::zeros();
+        for &k in cells {
+            let cell = &self.grid.cells[k];
+            let row = Vector3::new(1.0, cell.x, cell.y);
+            matrix += row * row.transpose();
+            vector += row * cell.w;
+        }
+        let Some(cholesky) = matrix.cholesky() else { return 0.0 };
+        let plane = cholesky.solve(&vector);
+        let sum: f64 = cells
+            .iter()
+            .map(|&k| {
+                let cell = &self.grid.cells[k];
+                let residual = cell.w - plane.dot(&Vector3::new(1.0, cell.x, cell.y));
+                (REACH * REACH - (residual / self.noise.deviation).powi(2)).max(0.0)
+            })
+            .sum();
+        0.5 * sum / self.noise.cells_per_sample
+    }
+
+    /// How many cells inside of the outline see something behind.
+    fn see_through(
+        &self,
+        cylinder: &Cylinder,
+        candidate: &Candidate,
+        [first, last]: [f64; 2],
+        evidence: &mut Evidence,
+    ) {
+        let grid = self.grid;
+        // The cells around the support, as far as the cylinder may reach.
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for &k in &candidate.cells {
+            let (x, y) = (k % grid.columns, k / grid.columns);
+            low = [low[0].min(x), low[1].min(y)];
+            high = [high[0].max(x), high[1].max(y)];
+        }
+        let depth = grid.cells[candidate.cells[0]].point.z;
+        let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
+        let (mut through, mut on) = (0.0, 0.0);
+        let inset = 0.1 * (last - first);
+        for y in low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows) {
+            for x in low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns) {
+                let cell = grid.at(x, y);
+                if !cell.measured() {
+                    continue;
+                }
+                let ray = Vector3::new(cell.x, cell.y, 1.0);
+                let Some((across, along)) = passes(cylinder, cell.x, cell.y) else { continue };
+                if across.abs() > 0.8 || along < first + inset || along > last - inset {
+                    continue;
+                }
+                let Some(hit) = cylinder.first_hit(&ray) else { continue };
+                let normal = candidate.surface.place(&hit).normal;
+                let (_, _, sigma, _) =
+                    candidate.surface.residual(&Cell { point: hit, ..*cell }, self.optics.pixel);
+                let behind = (cell.point.z - hit.z) * normal.dot(&ray).abs();
+                let tolerance = (1.3 * REACH * sigma).max(LID * cylinder.radius);
+                if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
+                    through += 1.0;
+                } else if behind.abs() <= tolerance {
+                    on += 1.0;
+                }
+            }
+        }
+        evidence.seen_through = through / f64::max(through + on, 1.0);
+    }
+}

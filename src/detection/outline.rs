@@ -1,0 +1,181 @@
+//! How a surface ends at its two sides.
+
+use super::candidate::{Marks, Scene};
+use super::grid::Cell;
+use super::surface::Surface;
+use crate::geometry::Cylinder;
+use nalgebra::Vector3;
+
+/// Where a ray passes a cylinder: across the axis in radii, −1 to 1 on the body, and the point next to the axis along
+/// it.
+pub(super) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<(f64, f64)> {
+    let ray = Vector3::new(x, y, 1.0);
+    let axis = &cylinder.axis;
+    let normal = ray.cross(&axis.direction);
+    let norm = normal.norm();
+    if norm < 1e-9 {
+        return None;
+    }
+    let across = normal.dot(&axis.point) / (norm * cylinder.radius);
+    let along = match cylinder.first_hit(&ray) {
+        Some(hit) => (hit - axis.point).dot(&axis.direction),
+        None => {
+            // The foot of the common perpendicular on the axis.
+            let flat = ray - axis.direction * ray.dot(&axis.direction);
+            let t = flat.dot(&axis.point) / flat.norm_squared();
+            (ray * t - axis.point).dot(&axis.direction)
+        }
+    };
+    Some((across, along))
+}
+
+/// What follows the outermost cell of a line across the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    /// The surface goes on without an edge.
+    Smooth,
+    /// Something farther away.
+    Farther,
+    /// Nothing measured.
+    Missing,
+    /// Something nearer, the border of the image, or an edge where another surface begins.
+    Hidden,
+}
+
+/// The end of a line across the axis at one side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Side {
+    pub beyond: Beyond,
+    /// The ray along the border of the outermost cell.
+    pub ray: Vector3<f64>,
+}
+
+impl Side {
+    /// The ray, where it should touch the limb.
+    pub fn limb(&self) -> Option<Vector3<f64>> {
+        matches!(self.beyond, Beyond::Farther | Beyond::Missing).then_some(self.ray)
+    }
+}
+
+/// The ends of lines across the axis at either side of the cells of a cylinder, line by line.
+pub(super) fn outline(
+    scene: &Scene<'_>,
+    cylinder: &Cylinder,
+    cells: &[usize],
+    mark: &mut Marks,
+) -> Vec<Side> {
+    let grid = scene.grid;
+    mark.next();
+    let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+    let along = |k: usize| (grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction);
+    for &k in cells {
+        mark.set(k);
+        depth += grid.cells[k].point.z / cells.len() as f64;
+        (first, last) = (first.min(along(k)), last.max(along(k)));
+    }
+    let width = (last - first).max(f64::MIN_POSITIVE);
+    let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
+    // The outermost cell of each line on each side.
+    let mut outermost: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; count];
+    for &k in cells {
+        let cell = &grid.cells[k];
+        let Some((across, _)) = passes(cylinder, cell.x, cell.y) else { continue };
+        let line = (((along(k) - first) / width * count as f64) as usize).min(count - 1);
+        for (side, across) in [(0, -across), (1, across)] {
+            if outermost[line][side].is_none_or(|(best, _)| across > best) {
+                outermost[line][side] = Some((across, k));
+            }
+        }
+    }
+    let ends = outermost.iter().flat_map(|line| line.iter().zip([-1.0, 1.0]));
+    ends.filter_map(|(end, sign)| end.map(|(_, k)| scene.beyond(cylinder, k, sign, mark))).collect()
+}
+
+impl Scene<'_> {
+    /// What follows the outermost cell of a line across the axis.
+    fn beyond(&self, cylinder: &Cylinder, k: usize, sign: f64, mark: &Marks) -> Side {
+        let grid = self.grid;
+        let cell = &grid.cells[k];
+        // The direction across the axis in the image: that in which the position across grows.
+        let here = passes(cylinder, cell.x, cell.y).map_or(0.0, |p| p.0);
+        let step = grid.spacing;
+        let slope = |x: f64, y: f64| passes(cylinder, x, y).map_or(0.0, |p| p.0) - here;
+        let (mut dx, mut dy) = (slope(cell.x + step, cell.y), slope(cell.x, cell.y + step));
+        let norm = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        (dx, dy) = (sign * dx / norm, sign * dy / norm);
+        let ray = |cell: &Cell| {
+            let half = 0.5 * step * cell.fill;
+            Vector3::new(cell.x + half * dx, cell.y + half * dy, 1.0)
+        };
+        let end = |beyond: Beyond, before: usize| Side { beyond, ray: ray(&grid.cells[before]) };
+        let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
+        let mut before = k;
+        let mut smooth = 0;
+        for distance in 1..=4 {
+            let (x, y) =
+                ((column + dx * f64::from(distance)).round(), (row + dy * f64::from(distance)).round());
+            if x < 0.0 || y < 0.0 || x >= grid.columns as f64 || y >= grid.rows as f64 {
+                return end(Beyond::Hidden, before);
+            }
+            let next = y as usize * grid.columns + x as usize;
+            if next == before || mark.has(next) {
+                before = next;
+                continue;
+            }
+            let cell = &grid.cells[next];
+            if !cell.measured() {
+                return end(Beyond::Missing, before);
+            }
+            if !grid.connected(before, next) {
+                let farther = cell.point.z > grid.cells[before].point.z;
+                return end(if farther { Beyond::Farther } else { Beyond::Hidden }, before);
+            }
+            let Some(normal) = self.normal(next) else {
+                before = next;
+                continue;
+            };
+            let place = Surface::Cylinder(*cylinder, 0.0).place(&cell.point);
+            // Steep ramps between an outline and the background are no surface.
+            let steep = normal.dot(&cell.point.normalize()).abs() < 0.3;
+            if place.distance > 0.0 && !steep && -normal.dot(&place.normal) > 0.3 {
+                // A single cell within the outline may be the last of the cylinder itself.
+                smooth +=
+                    if passes(cylinder, cell.x, cell.y).is_some_and(|p| p.0.abs() > 1.0) { 2 } else { 1 };
+                if smooth >= 2 {
+                    return end(Beyond::Smooth, k);
+                }
+            }
+            before = next;
+        }
+        end(Beyond::Hidden, before)
+    }
+
+    /// The normal at a cell, away from the observer, by the plane through its connected neighbours.
+    fn normal(&self, k: usize) -> Option<Vector3<f64>> {
+        let grid = self.grid;
+        let (column, row) = (k % grid.columns, k / grid.columns);
+        let mut matrix = nalgebra::Matrix3::zeros();
+        let mut vector = Vector3::zeros();
+        let mut count = 0;
+        for y in row.saturating_sub(1)..(row + 2).min(grid.rows) {
+            for x in column.saturating_sub(1)..(column + 2).min(grid.columns) {
+                let other = y * grid.columns + x;
+                if grid.connected(k, other) {
+                    let (cell, here) = (&grid.cells[other], &grid.cells[k]);
+                    let row =
+                        Vector3::new(1.0, (cell.x - here.x) / grid.spacing, (cell.y - here.y) / grid.spacing);
+                    matrix += row * row.transpose();
+                    vector += row * cell.w;
+                    count += 1;
+                }
+            }
+        }
+        if count < 5 {
+            return None;
+        }
+        let plane = matrix.cholesky()?.solve(&vector);
+        let here = &grid.cells[k];
+        let (wx, wy) = (plane[1] / grid.spacing, plane[2] / grid.spacing);
+        Some(Vector3::new(wx, wy, plane[0] - here.x * wx - here.y * wy).normalize())
+    }
+}

@@ -1,0 +1,155 @@
+//! One cylinder in several parts, and several cylinders in one.
+
+use super::DetectionOptions;
+use super::candidate::{Candidate, Marks, Scene};
+use super::search::{Judged, plausible, score};
+use super::surface::{REACH, Surface};
+use nalgebra::Vector3;
+
+/// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
+const SECOND: f64 = 4.0;
+
+/// Joins parts of one cylinder that something in front divides.
+pub(super) fn join(
+    scene: &Scene<'_>,
+    found: &mut Vec<Judged>,
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) {
+    found.sort_by(|a, b| b.candidate.gain.total_cmp(&a.candidate.gain));
+    let mut first = 0;
+    while first < found.len() {
+        let mut second = first + 1;
+        while second < found.len() {
+            if let Some(joint) = joined(scene, &found[first], &found[second], options, marks) {
+                found[first] = joint;
+                found.remove(second);
+                second = first + 1;
+            } else {
+                second += 1;
+            }
+        }
+        first += 1;
+    }
+}
+
+/// One cylinder in place of two, where that explains the cells of both no worse.
+fn joined(
+    scene: &Scene<'_>,
+    a: &Judged,
+    b: &Judged,
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) -> Option<Judged> {
+    let (Surface::Cylinder(one, _), Surface::Cylinder(other, _)) =
+        (&a.candidate.surface, &b.candidate.surface)
+    else {
+        return None;
+    };
+    let change = one.compare(other);
+    let radius = one.radius.max(other.radius);
+    // Short parts know their direction badly.
+    if change.angle > 0.35 || one.radius.min(other.radius) < 0.6 * radius || change.axis_distance > radius {
+        return None;
+    }
+    let middle = b.candidate.cells.iter().map(|&k| scene.grid.cells[k].point).sum::<Vector3<f64>>()
+        / b.candidate.cells.len() as f64;
+    if one.axis.distance(&middle) > 1.5 * radius {
+        return None;
+    }
+    marks.next();
+    let mut cells = Vec::new();
+    for &k in a.candidate.cells.iter().chain(&b.candidate.cells) {
+        if marks.set(k) {
+            cells.push(k);
+        }
+    }
+    // Overlapping candidates explain the same cells in two ways; that is for the choice to decide.
+    if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
+        return None;
+    }
+    let surface = scene.refit(&a.candidate.surface, &cells, marks)?;
+    cells.retain(|&k| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH);
+    let gain = scene.gain(&surface, &cells) - scene.penalty(&surface, cells.len());
+    // What the second five numbers would have to bring to be worth having.
+    if gain < a.candidate.gain + b.candidate.gain - 3.0 {
+        return None;
+    }
+    let candidate = Candidate { surface, cells, gain };
+    if !plausible(scene, &candidate, options) {
+        return None;
+    }
+    let evidence = scene.judge(&candidate, marks)?;
+    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: score(&evidence) })
+}
+
+/// Divides candidates that are two cylinders one after the other: stacked cans, a bottle and its neck.
+pub(super) fn divide(
+    scene: &Scene<'_>,
+    found: &mut Vec<Judged>,
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) {
+    let mut index = 0;
+    while index < found.len() {
+        match divided(scene, &found[index], options, marks) {
+            // The parts come last, and may be divided again.
+            Some(parts) => {
+                found.remove(index);
+                found.extend(parts);
+            }
+            None => index += 1,
+        }
+    }
+}
+
+/// A surface and its cells.
+type Part = (Surface, Vec<usize>);
+
+/// The parts of a candidate, where two cylinders explain its cells better than one.
+fn divided(
+    scene: &Scene<'_>,
+    judged: &Judged,
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) -> Option<Vec<Judged>> {
+    let Candidate { surface, cells, gain } = &judged.candidate;
+    // Each part should be about as long as wide to tell its own radius.
+    if judged.evidence.length < 2.0 {
+        return None;
+    }
+    let mut order: Vec<(f64, usize)> =
+        cells.iter().map(|&k| (surface.place(&scene.grid.cells[k].point).along, k)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let sorted: Vec<usize> = order.into_iter().map(|(_, k)| k).collect();
+    let mut best: Option<(f64, [Part; 2])> = None;
+    for eighths in 2..=6 {
+        let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
+        let fitted = |part: &[usize], marks: &mut Marks| {
+            let surface = scene.refit(surface, part, marks)?;
+            Some((scene.gain(&surface, part) - scene.penalty(&surface, part.len()), (surface, part.to_vec())))
+        };
+        let (Some((one, first)), Some((other, second))) = (fitted(low, marks), fitted(high, marks)) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|(most, _)| one + other > *most) {
+            best = Some((one + other, [first, second]));
+        }
+    }
+    let (both, parts) = best?;
+    if both < gain + SECOND {
+        return None;
+    }
+    let free = |k: usize| scene.planes[k] == 0;
+    let mut found = Vec::new();
+    for (surface, cells) in parts {
+        let Some(candidate) = scene.grow(&surface, &cells, &free, marks) else { continue };
+        if candidate.cells.len() < judged.candidate.cells.len() && plausible(scene, &candidate, options) {
+            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
+            found.push(Judged { candidate, evidence, score: score(&evidence) });
+        }
+    }
+    let good = found.iter().filter(|part| part.score > 0.5).count();
+    // A cylinder and a remainder are no better than the whole, unless the whole was none.
+    (good == 2 || good == 1 && judged.score < 0.5).then_some(found)
+}

@@ -1,0 +1,261 @@
+//! Large planes: table, walls, faces of boxes, caps. Seeds are blocks of cells; planes grow and then have to be flat.
+
+use super::grid::Grid;
+use super::noise::Noise;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+/// Cells along the side of a block, the smallest piece that a plane starts from.
+const BLOCK: usize = 4;
+
+/// A cell belongs to a plane within this many standard deviations.
+const REACH: f64 = 3.0;
+
+/// Fewest cells of a plane: four blocks.
+const FEWEST: usize = 4 * BLOCK * BLOCK;
+
+/// The most that a plane may bend between its middle and its border, in standard deviations: a strip of a cylinder,
+/// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · REACH that it spans.
+const FLAT: f64 = 1.5;
+
+/// The most that the cells of a plane may spread, in standard deviations: where the plane only passes through curved
+/// bodies side by side, cells fill its reach evenly, which gives 1.7.
+const SPREAD: f64 = 1.4;
+
+/// The least width of a plane in cells. Strips that bend less than [`FLAT`] are facets of any cylinder with a radius of
+/// up to 125 pixels, but narrower than this.
+const NARROWEST: f64 = 10.0;
+
+/// Sums for w = a + b x + c y.
+#[derive(Clone, Copy)]
+struct Sums {
+    matrix: Matrix3<f64>,
+    vector: Vector3<f64>,
+    squares: f64,
+    count: f64,
+}
+
+impl Sums {
+    fn none() -> Self {
+        Self { matrix: Matrix3::zeros(), vector: Vector3::zeros(), squares: 0.0, count: 0.0 }
+    }
+
+    fn add(&mut self, x: f64, y: f64, w: f64) {
+        let row = Vector3::new(1.0, x, y);
+        self.matrix += row * row.transpose();
+        self.vector += row * w;
+        self.squares += w * w;
+        self.count += 1.0;
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.matrix += other.matrix;
+        self.vector += other.vector;
+        self.squares += other.squares;
+        self.count += other.count;
+    }
+
+    /// The plane, and the root mean square residual.
+    fn solve(&self) -> Option<(Vector3<f64>, f64)> {
+        let plane = self.matrix.cholesky()?.solve(&self.vector);
+        let rest = (self.squares - plane.dot(&self.vector)).max(0.0);
+        Some((plane, (rest / (self.count - 3.0).max(1.0)).sqrt()))
+    }
+}
+
+/// For each cell of a grid the number of its plane from 1 on, or 0.
+pub(super) fn find_planes(grid: &Grid, noise: &Noise) -> Vec<u16> {
+    let (columns, rows) = (grid.columns / BLOCK, grid.rows / BLOCK);
+    let blocks: Vec<Option<(Sums, f64)>> =
+        (0..columns * rows).map(|k| block(grid, k % columns, k / columns, noise)).collect();
+    let mut order: Vec<usize> = (0..blocks.len()).filter(|&k| blocks[k].is_some()).collect();
+    let rms = |k: usize| blocks[k].map_or(f64::INFINITY, |(_, rms)| rms);
+    order.sort_by(|&a, &b| rms(a).total_cmp(&rms(b)));
+    let mut taken = vec![false; blocks.len()];
+    let mut owner = vec![0_u16; grid.cells.len()];
+    let mut number = 0_u16;
+    for seed in order {
+        if taken[seed] {
+            continue;
+        }
+        let Some((plane, members)) = grow(&blocks, (columns, rows), seed, &taken, noise) else { continue };
+        // A seed that leads nowhere is not tried again, its neighbours are.
+        taken[seed] = true;
+        if members.len() * BLOCK * BLOCK < FEWEST {
+            continue;
+        }
+        let Some(found) = settle(grid, noise, plane, (seed % columns, seed / columns), &owner) else {
+            continue;
+        };
+        let Some(next) = number.checked_add(1) else { break };
+        number = next;
+        members.iter().for_each(|&k| taken[k] = true);
+        found.iter().for_each(|&k| owner[k] = number);
+    }
+    owner
+}
+
+/// The sums of a block of cells without a step, if a plane explains them.
+fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(Sums, f64)> {
+    let mut sums = Sums::none();
+    for y in row * BLOCK..(row + 1) * BLOCK {
+        for x in column * BLOCK..(column + 1) * BLOCK {
+            let cell = grid.at(x, y);
+            if cell.measured() {
+                sums.add(cell.x, cell.y, cell.w);
+            }
+        }
+    }
+    if 4.0 * sums.count < 3.0 * (BLOCK * BLOCK) as f64 {
+        return None;
+    }
+    let (_, rms) = sums.solve()?;
+    (rms <= 2.0 * noise.deviation).then_some((sums, rms))
+}
+
+/// Grows a plane over neighbouring blocks.
+fn grow(
+    blocks: &[Option<(Sums, f64)>],
+    (columns, rows): (usize, usize),
+    seed: usize,
+    taken: &[bool],
+    noise: &Noise,
+) -> Option<(Vector3<f64>, Vec<usize>)> {
+    let mut sums = blocks[seed]?.0;
+    let (mut plane, _) = sums.solve()?;
+    let mut members = vec![seed];
+    let mut seen = vec![false; blocks.len()];
+    seen[seed] = true;
+    let (mut next, mut solved_at) = (0, 1);
+    while next < members.len() {
+        let k = members[next];
+        next += 1;
+        let (column, row) = (k % columns, k / columns);
+        let around = [
+            (column > 0).then(|| k - 1),
+            (column + 1 < columns).then_some(k + 1),
+            (row > 0).then(|| k - columns),
+            (row + 1 < rows).then_some(k + columns),
+        ];
+        for neighbour in around.into_iter().flatten() {
+            if seen[neighbour] || taken[neighbour] {
+                continue;
+            }
+            let Some((block, _)) = &blocks[neighbour] else { continue };
+            // The mean square distance of the block from the plane, by its sums.
+            let square = block.squares - 2.0 * plane.dot(&block.vector) + plane.dot(&(block.matrix * plane));
+            if square / block.count <= (2.0 * noise.deviation).powi(2) {
+                seen[neighbour] = true;
+                members.push(neighbour);
+                sums.join(block);
+            }
+        }
+        if 2 * members.len() >= 3 * solved_at {
+            plane = sums.solve()?.0;
+            solved_at = members.len();
+        }
+    }
+    Some((sums.solve()?.0, members))
+}
+
+/// The cells around a seed that a plane explains, and the plane fitted to them; `None` when they bend.
+fn settle(
+    grid: &Grid,
+    noise: &Noise,
+    mut plane: Vector3<f64>,
+    (column, row): (usize, usize),
+    owner: &[u16],
+) -> Option<Vec<usize>> {
+    let mut cells = Vec::new();
+    let mut spread = 0.0;
+    for _ in 0..2 {
+        cells = flood(grid, noise, &plane, (column, row), owner);
+        if cells.len() < FEWEST {
+            return None;
+        }
+        let mut sums = Sums::none();
+        for &k in &cells {
+            let cell = &grid.cells[k];
+            sums.add(cell.x, cell.y, cell.w);
+        }
+        let (fitted, rms) = sums.solve()?;
+        plane = fitted;
+        spread = rms;
+    }
+    if spread > SPREAD * noise.deviation {
+        return None;
+    }
+    (bend(grid, &cells)? <= FLAT * noise.deviation).then_some(cells)
+}
+
+fn flood(
+    grid: &Grid,
+    noise: &Noise,
+    plane: &Vector3<f64>,
+    (column, row): (usize, usize),
+    owner: &[u16],
+) -> Vec<usize> {
+    let near = |k: usize| {
+        let cell = &grid.cells[k];
+        owner[k] == 0
+            && cell.measured()
+            && (plane.dot(&Vector3::new(1.0, cell.x, cell.y)) - cell.w).abs() <= REACH * noise.deviation
+    };
+    let mut seen = vec![false; grid.cells.len()];
+    let mut cells = Vec::new();
+    for y in row * BLOCK..(row + 1) * BLOCK {
+        for x in column * BLOCK..(column + 1) * BLOCK {
+            let k = y * grid.columns + x;
+            if near(k) {
+                seen[k] = true;
+                cells.push(k);
+            }
+        }
+    }
+    let mut next = 0;
+    while next < cells.len() {
+        let k = cells[next];
+        next += 1;
+        for neighbour in grid.neighbours(k) {
+            if !seen[neighbour] {
+                seen[neighbour] = true;
+                if near(neighbour) {
+                    cells.push(neighbour);
+                }
+            }
+        }
+    }
+    cells
+}
+
+/// How far a quadratic surface through cells bends off its plane over their extent, in w: the curvature across their
+/// shorter extent and that along the longer, each times a quarter of the variance-based half extent squared.
+fn bend(grid: &Grid, cells: &[usize]) -> Option<f64> {
+    let count = cells.len() as f64;
+    let mean =
+        cells.iter().map(|&k| grid.cells[k]).fold([0.0; 2], |m, c| [m[0] + c.x / count, m[1] + c.y / count]);
+    let mut spread = nalgebra::Matrix2::zeros();
+    for &k in cells {
+        let offset = nalgebra::Vector2::new(grid.cells[k].x - mean[0], grid.cells[k].y - mean[1]);
+        spread += offset * offset.transpose() / count;
+    }
+    let eigen = spread.symmetric_eigen();
+    // The width of a uniform stretch is 2 √3 standard deviations.
+    if (12.0 * eigen.eigenvalues.min()).sqrt() < NARROWEST * grid.spacing {
+        return None;
+    }
+    let mut matrix = SMatrix::<f64, 6, 6>::zeros();
+    let mut vector = SVector::<f64, 6>::zeros();
+    for &k in cells {
+        let cell = &grid.cells[k];
+        let offset = nalgebra::Vector2::new(cell.x - mean[0], cell.y - mean[1]);
+        // In units of half the extent: that of a uniform stretch is √3 standard deviations.
+        let [s, t] = [0, 1].map(|i| {
+            eigen.eigenvectors.column(i).dot(&offset) / (3.0 * eigen.eigenvalues[i].max(1e-300)).sqrt()
+        });
+        let row = SVector::<f64, 6>::from([1.0, s, t, s * s, s * t, t * t]);
+        matrix += row * row.transpose();
+        vector += row * cell.w;
+    }
+    let solution = matrix.cholesky()?.solve(&vector);
+    Some(solution[3].abs().max(solution[5].abs()))
+}

@@ -1,0 +1,220 @@
+//! The search: patches of several sizes, cylinders grown from them, and the choice among those.
+
+use super::candidate::{Candidate, Marks, Scene};
+use super::evidence::Evidence;
+use super::grid::Grid;
+use super::noise::Noise;
+use super::outline::passes;
+use super::surface::{Optics, REACH, Surface};
+use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
+use nalgebra::Vector3;
+
+/// Half the side of a patch in cells. The smallest is that of a cylinder 15 pixels wide, the largest bends enough for
+/// a cylinder as wide as the image.
+const SIZES: [usize; 4] = [2, 4, 8, 14];
+
+/// The least radius in cells: where a body is less than 10 pixels wide, depth mixes it with what is beside it, and the
+/// edge of a box is as round.
+const THINNEST: f64 = 1.7;
+
+/// How far the direction of a short cylinder may be off, in radians: the fit has to keep to a known direction, the
+/// search does not.
+const DIRECTION_ERROR: f64 = 0.1;
+
+/// Patches must have this part of the cells of a full one, or lie on a narrow body.
+const FEWEST: usize = 12;
+
+/// The evidence at which a cylinder and something else are equally likely, and how fast that changes.
+const EVEN: f64 = 0.0;
+const SLOPE: f64 = 0.8;
+
+/// A candidate that was judged.
+pub(super) struct Judged {
+    pub candidate: Candidate,
+    pub evidence: Evidence,
+    pub score: f64,
+}
+
+/// The cylinders of a grid, best first.
+pub(super) fn search(grid: &mut Grid, pixel: f64, options: &DetectionOptions) -> Vec<Judged> {
+    let Some(noise) = Noise::estimate(grid) else { return Vec::new() };
+    let planes = planes::find_planes(grid, &noise);
+    let scene = Scene {
+        grid,
+        noise,
+        planes: &planes,
+        optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
+    };
+    let mut marks = Marks::new(grid.cells.len());
+    let mut found = candidates(&scene, options, &mut marks);
+    parts::join(&scene, &mut found, options, &mut marks);
+    parts::divide(&scene, &mut found, options, &mut marks);
+    select(&scene, &mut found, options, &mut marks)
+}
+
+fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) -> Vec<Judged> {
+    let grid = scene.grid;
+    let free = |k: usize| scene.planes[k] == 0;
+    let mut found: Vec<Judged> = Vec::new();
+    let mut explained = vec![false; grid.cells.len()];
+    let mut cells = Vec::new();
+    for half in SIZES {
+        let stride = half.max(2);
+        for row in (stride / 2..grid.rows).step_by(stride) {
+            for column in (stride / 2..grid.columns).step_by(stride) {
+                let seed = row * grid.columns + column;
+                if !grid.cells[seed].measured() || !free(seed) || explained[seed] {
+                    continue;
+                }
+                patch::collect(grid, seed, half, &free, marks, &mut cells);
+                if cells.len() < FEWEST {
+                    continue;
+                }
+                let Some(start) =
+                    patch::hypothesis(grid, &cells, scene.noise.deviation, scene.noise.cells_per_sample)
+                else {
+                    continue;
+                };
+                let Some(candidate) = scene.grow(&Surface::Cylinder(start, 0.0), &cells, &free, marks) else {
+                    continue;
+                };
+                if !plausible(scene, &candidate, options) {
+                    continue;
+                }
+                let Some(evidence) = scene.judge(&candidate, marks) else { continue };
+                let score = score(&evidence);
+                if score > 0.5 {
+                    candidate.cells.iter().for_each(|&k| explained[k] = true);
+                }
+                if score > 0.01 {
+                    found.push(Judged { candidate, evidence, score });
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Whether a candidate is worth a closer look.
+pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
+    let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
+    let depth = scene.grid.cells[candidate.cells[0]].point.z;
+    let allowed = options.limits.axis.is_none_or(|cone| {
+        let line = crate::geometry::Line::new(cylinder.axis.point, cone.direction);
+        cylinder.axis.angle(&line) <= cone.max_angle + DIRECTION_ERROR
+    });
+    allowed
+        && candidate.gain > 5.0
+        && cylinder.radius >= THINNEST * scene.grid.spacing * depth
+        && cylinder.radius >= options.limits.radius_min
+        && cylinder.radius <= options.limits.radius_max
+        && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
+}
+
+/// The probability that a candidate is a cylinder.
+pub(super) fn score(evidence: &Evidence) -> f64 {
+    let logit = SLOPE * (evidence.total() - EVEN);
+    1.0 / (1.0 + (-logit).exp())
+}
+
+/// Candidates that do not share cells, the one that explains most first.
+fn select(
+    scene: &Scene<'_>,
+    found: &mut Vec<Judged>,
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) -> Vec<Judged> {
+    let mut chosen: Vec<Judged> = Vec::new();
+    let mut taken = vec![false; scene.grid.cells.len()];
+    found.sort_by(|a, b| (b.score * b.candidate.gain).total_cmp(&(a.score * a.candidate.gain)));
+    for mut judged in found.drain(..) {
+        let all = judged.candidate.cells.len();
+        judged.candidate.cells.retain(|&k| !taken[k]);
+        if judged.candidate.cells.len() * 5 < all * 3 {
+            continue;
+        }
+        if judged.candidate.cells.len() < all {
+            judged.candidate.gain = scene.gain(&judged.candidate.surface, &judged.candidate.cells)
+                - scene.penalty(&judged.candidate.surface, judged.candidate.cells.len());
+            let Some(evidence) = scene.judge(&judged.candidate, marks) else { continue };
+            judged.evidence = evidence;
+            judged.score = score(&evidence);
+        }
+        if judged.score < options.min_score {
+            continue;
+        }
+        judged.candidate.cells.iter().for_each(|&k| taken[k] = true);
+        chosen.push(judged);
+    }
+    chosen.sort_by(|a, b| b.score.total_cmp(&a.score));
+    chosen.truncate(options.max_count.min(usize::from(u16::MAX)));
+    chosen
+}
+
+/// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing.
+pub(super) fn label(
+    grid: &Grid,
+    found: &[Judged],
+    (width, height): (usize, usize),
+    pixel: f64,
+    point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
+    ray: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
+) -> Detections {
+    let mut labels = vec![0_u16; width * height];
+    let mut nearest = vec![f32::INFINITY; width * height];
+    let mut cylinders = Vec::new();
+    for (index, judged) in found.iter().enumerate() {
+        let Surface::Cylinder(cylinder, _) = judged.candidate.surface else { continue };
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut depth: f64 = 0.0;
+        let mut sigma: f64 = 0.0;
+        for &k in &judged.candidate.cells {
+            let (x, y) = (k % grid.columns, k / grid.columns);
+            low = [low[0].min(x), low[1].min(y)];
+            high = [high[0].max(x), high[1].max(y)];
+            let along = judged.candidate.surface.place(&grid.cells[k].point).along;
+            (first, last) = (first.min(along), last.max(along));
+            depth = depth.max(grid.cells[k].point.z);
+            sigma = sigma.max(grid.cells[k].sigma);
+        }
+        let pad = 0.5 * grid.spacing * depth;
+        let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
+        for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
+            for x in
+                low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width)
+            {
+                let Some(ray) = ray(x, y) else { continue };
+                let Some((across, along)) = passes(&cylinder, ray.x, ray.y) else { continue };
+                if across.abs() > 1.0 || along < first - pad || along > last + pad {
+                    continue;
+                }
+                let misfit = match point(x, y) {
+                    None => REACH,
+                    Some(p) => {
+                        let cell = super::grid::Cell {
+                            x: ray.x,
+                            y: ray.y,
+                            w: 1.0 / p.z,
+                            point: p,
+                            sigma: 1.5 * sigma,
+                            fill: 1.0,
+                        };
+                        let (_, distance, sigma, _) = judged.candidate.surface.residual(&cell, pixel);
+                        (distance / sigma).abs()
+                    }
+                };
+                let k = y * width + x;
+                if misfit <= REACH && (misfit as f32) < nearest[k] {
+                    nearest[k] = misfit as f32;
+                    labels[k] = index as u16 + 1;
+                }
+            }
+        }
+        cylinders.push(Detection { cylinder, score: judged.score, pixels: 0, evidence: judged.evidence });
+    }
+    for (index, detection) in cylinders.iter_mut().enumerate() {
+        detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
+    }
+    Detections { cylinders, labels }
+}

@@ -1,0 +1,242 @@
+use super::*;
+use crate::camera::{Distortion, Intrinsics};
+use crate::observations::{DepthView, PointsView};
+
+const SIZE: (usize, usize) = (320, 240);
+
+fn camera() -> Camera {
+    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
+    let (fx, fy, cx, cy) = (300.0, 300.0, 159.5, 119.5);
+    Camera::new(Intrinsics { width, height, fx, fy, cx, cy, distortion: Distortion::None }).unwrap()
+}
+
+/// What may stand in a scene. A ray gives the depth at which it first meets it.
+enum Body {
+    /// Normal and distance from the origin.
+    Plane(Vector3<f64>, f64),
+    Sphere(Vector3<f64>, f64),
+    /// A piece of a cylinder from its centre by half its length to each side, with caps.
+    Can(Cylinder, f64),
+    /// The same with a radius that grows along the axis.
+    Frustum(Cylinder, f64, f64),
+    /// Centre, three half edges.
+    Block(Vector3<f64>, [Vector3<f64>; 3]),
+}
+
+impl Body {
+    fn depth(&self, ray: &Vector3<f64>) -> Option<f64> {
+        match self {
+            Self::Plane(normal, distance) => {
+                let slope = normal.dot(ray);
+                (slope.abs() > 1e-9).then(|| distance / slope).filter(|&t| t > 0.0)
+            }
+            Self::Sphere(center, radius) => {
+                let (a, b) = (ray.norm_squared(), ray.dot(center));
+                let root = b * b - a * (center.norm_squared() - radius * radius);
+                (root >= 0.0).then(|| (b - root.sqrt()) / a).filter(|&t| t > 0.0)
+            }
+            Self::Can(cylinder, half) => frustum(cylinder, 0.0, *half, ray),
+            Self::Frustum(cylinder, taper, half) => frustum(cylinder, *taper, *half, ray),
+            Self::Block(center, edges) => {
+                let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+                for edge in edges {
+                    let (a, b) = (ray.dot(edge), center.dot(edge));
+                    let reach = edge.norm_squared();
+                    let (t0, t1) = ((b - reach) / a, (b + reach) / a);
+                    near = near.max(t0.min(t1));
+                    far = far.min(t0.max(t1));
+                }
+                (near > 0.0 && near < far).then_some(near)
+            }
+        }
+    }
+}
+
+fn frustum(cylinder: &Cylinder, taper: f64, half: f64, ray: &Vector3<f64>) -> Option<f64> {
+    let (p, d, r) = (cylinder.axis.point, cylinder.axis.direction, cylinder.radius);
+    // |t k − q|² = (r + taper (t a − c))² with everything across the axis in k and q.
+    let (along, start) = (ray.dot(&d), p.dot(&d));
+    let (k, q) = (ray - d * along, p - d * start);
+    let (base, slope) = (r - taper * start, taper * along);
+    let a = k.norm_squared() - slope * slope;
+    let b = k.dot(&q) + base * slope;
+    let root = b * b - a * (q.norm_squared() - base * base);
+    let mut hits = Vec::new();
+    if root >= 0.0 && a.abs() > 1e-12 {
+        hits.extend([(b - root.sqrt()) / a, (b + root.sqrt()) / a]);
+        hits.retain(|t| (t * along - start).abs() <= half);
+    }
+    for end in [-half, half] {
+        let t = (start + end) / along;
+        if ((t * ray - p) - d * end).norm() <= r + taper * end {
+            hits.push(t);
+        }
+    }
+    hits.into_iter().filter(|&t| t > 0.0).min_by(f64::total_cmp)
+}
+
+/// Normal errors with standard deviation 1, always the same.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// The depth of a scene with errors of 1.5 mm at 1 m that grow with the square of the depth, times a unit of length.
+fn render(bodies: &[Body], unit: f64) -> DepthImage {
+    let camera = camera();
+    let mut random = Random(7);
+    let mut depths = Vec::new();
+    for row in 0..SIZE.1 {
+        for column in 0..SIZE.0 {
+            let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
+            let depth = bodies.iter().filter_map(|body| body.depth(&ray)).min_by(f64::total_cmp);
+            let error = random.normal();
+            depths.push(depth.map_or(0.0, |z| (unit * (z + 0.0015 * z * z * error)) as f32));
+        }
+    }
+    DepthImage::copy(&DepthView::from_f32(&depths, SIZE, 1.0).unwrap()).unwrap()
+}
+
+/// A table 0.2 below the camera that looks down at it.
+fn table() -> Body {
+    Body::Plane(Vector3::new(0.0, 0.8, 0.6), 0.6)
+}
+
+fn can(x: f64, y: f64, z: f64, direction: Vector3<f64>, radius: f64) -> Cylinder {
+    Cylinder::new(Vector3::new(x, y, z), direction, radius).unwrap()
+}
+
+fn search_for(bodies: &[Body]) -> Detections {
+    detect(&camera(), &render(bodies, 1.0), None, &DetectionOptions::default()).unwrap()
+}
+
+const UP: Vector3<f64> = Vector3::new(0.0, 0.8, 0.6);
+
+fn matches(found: &Cylinder, truth: &Cylinder) -> bool {
+    let change = truth.compare(found);
+    change.angle < 0.09 && change.axis_distance < 0.5 * truth.radius && change.radius_relative.abs() < 0.1
+}
+
+#[test]
+fn cans_and_pipes_are_found_among_other_bodies() {
+    let truths = [
+        can(-0.15, 0.12, 0.7, UP, 0.04),
+        can(0.12, 0.1, 0.72, Vector3::new(1.0, 0.1, -0.1), 0.035),
+        can(0.0, -0.14, 0.9, Vector3::new(1.0, 0.0, 0.2), 0.03),
+    ];
+    let bodies = [
+        table(),
+        Body::Can(truths[0], 0.08),
+        Body::Can(truths[1], 0.06),
+        Body::Can(truths[2], 5.0),
+        Body::Sphere(Vector3::new(-0.02, 0.1, 0.75), 0.05),
+    ];
+    let found = search_for(&bodies);
+    for truth in &truths {
+        let hits = found.cylinders.iter().filter(|d| matches(&d.cylinder, truth)).count();
+        assert_eq!(hits, 1, "{truth:?}: {:?}", found.cylinders);
+    }
+    assert_eq!(found.cylinders.len(), truths.len(), "{:?}", found.cylinders);
+    for (index, detection) in found.cylinders.iter().enumerate() {
+        let pixels = found.labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
+        assert_eq!(pixels, detection.pixels);
+        assert!(detection.score > 0.5 && pixels > 500);
+    }
+}
+
+#[test]
+fn nothing_is_found_where_there_is_no_cylinder() {
+    let edge = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+    let block = Body::Block(
+        edge(0.0, 0.1, 0.75),
+        [edge(0.05, 0.0, 0.0), edge(0.0, 0.04, 0.03), edge(0.0, -0.03, 0.04)],
+    );
+    let turned = Body::Block(
+        edge(0.0, 0.1, 0.75),
+        [edge(0.035, -0.021, 0.028), edge(0.0, 0.056, 0.042), edge(-0.035, -0.021, 0.028)],
+    );
+    let sphere = || Body::Sphere(edge(0.0, 0.1, 0.75), 0.07);
+    let cup = Body::Frustum(can(0.0, 0.12, 0.72, UP, 0.04), 0.3, 0.07);
+    for (name, body) in [("block", block), ("turned block", turned), ("sphere", sphere()), ("cup", cup)] {
+        let found = search_for(&[table(), body]);
+        assert!(found.cylinders.is_empty(), "{name}: {:?}", found.cylinders);
+        assert!(found.labels.iter().all(|&label| label == 0));
+    }
+    assert!(search_for(&[]).cylinders.is_empty());
+    assert!(search_for(&[table()]).cylinders.is_empty());
+    let mut random = Random(3);
+    let noise: Vec<f32> = (0..SIZE.0 * SIZE.1).map(|_| random.uniform() as f32 + 0.5).collect();
+    let noise = DepthImage::copy(&DepthView::from_f32(&noise, SIZE, 1.0).unwrap()).unwrap();
+    let found = detect(&camera(), &noise, None, &DetectionOptions::default()).unwrap();
+    assert!(found.cylinders.is_empty(), "{:?}", found.cylinders);
+}
+
+#[test]
+fn the_answer_has_the_same_bits_again_and_goes_with_the_unit() {
+    let truth = can(0.0, 0.1, 0.7, UP, 0.04);
+    let bodies = [table(), Body::Can(truth, 0.08)];
+    let once = search_for(&bodies);
+    let again = search_for(&bodies);
+    assert_eq!(once.cylinders, again.cylinders);
+    assert_eq!(once.labels, again.labels);
+    let depth = render(&bodies, 1000.0);
+    let millimetres = detect(&camera(), &depth, None, &DetectionOptions::default()).unwrap();
+    assert_eq!(millimetres.cylinders.len(), 1);
+    let ratio = millimetres.cylinders[0].cylinder.radius / once.cylinders[0].cylinder.radius;
+    assert!((ratio / 1000.0 - 1.0).abs() < 1e-2, "{ratio}");
+}
+
+#[test]
+fn options_limit_what_is_found() {
+    let bodies = [
+        table(),
+        Body::Can(can(-0.12, 0.1, 0.7, UP, 0.04), 0.08),
+        Body::Can(can(0.12, 0.1, 0.7, Vector3::x(), 0.025), 0.06),
+    ];
+    let depth = render(&bodies, 1.0);
+    let count =
+        |options: DetectionOptions| detect(&camera(), &depth, None, &options).unwrap().cylinders.len();
+    let defaults = DetectionOptions::default();
+    let limits = CylinderLimits::default();
+    assert_eq!(count(defaults), 2);
+    assert_eq!(count(DetectionOptions { max_count: 1, ..defaults }), 1);
+    let wide = CylinderLimits { radius_min: 0.033, ..limits };
+    assert_eq!(count(DetectionOptions { limits: wide, ..defaults }), 1);
+    let cone = Some(crate::geometry::AxisCone { direction: UP, max_angle: 0.3 });
+    assert_eq!(count(DetectionOptions { limits: CylinderLimits { axis: cone, ..limits }, ..defaults }), 1);
+    assert_eq!(count(DetectionOptions { min_pixels: 100_000, ..defaults }), 0);
+    for min_score in [-0.1, 1.1, f64::NAN] {
+        let error = detect(&camera(), &depth, None, &DetectionOptions { min_score, ..defaults }).unwrap_err();
+        assert!(error.to_string().contains("minimal score"), "{error}");
+    }
+}
+
+#[test]
+fn clouds_are_searched_like_images() {
+    let truth = can(0.0, 0.1, 0.7, UP, 0.04);
+    let depth = render(&[table(), Body::Can(truth, 0.08)], 1.0);
+    let camera = camera();
+    let mut points = Vec::new();
+    for k in 0..SIZE.0 * SIZE.1 {
+        let (column, row) = (k % SIZE.0, k / SIZE.0);
+        let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
+        points.push(depth.depth(column, row).map_or([f64::NAN; 3], |z| (ray * z).into()));
+    }
+    let found = detect_points(&PointsView::from_f64(&points), &DetectionOptions::default()).unwrap();
+    assert_eq!(found.cylinders.len(), 1, "{:?}", found.cylinders);
+    assert!(matches(&found.cylinders[0].cylinder, &truth), "{:?}", found.cylinders);
+    assert_eq!(found.labels.len(), points.len());
+    assert_eq!(found.labels.iter().filter(|&&label| label == 1).count(), found.cylinders[0].pixels);
+    for bad in [&[][..], &[[f64::NAN; 3]; 100], &[[1.0, 2.0, 3.0]; 100], &[[1e300, -1e300, 1e-300]; 60]] {
+        let found = detect_points(&PointsView::from_f64(bad), &DetectionOptions::default()).unwrap();
+        assert!(found.cylinders.is_empty() && found.labels.len() == bad.len());
+    }
+}
