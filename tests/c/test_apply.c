@@ -223,7 +223,7 @@ void test_extent(void)
     cylfuse_cylinder aside = the_scene.truth;
     aside.point[0] += 10.0;
     aside.point[1] += 20.0;
-    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, &aside, &mask, &extent), EDGE_GEOMETRY, "no ray of the mask");
+    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, &aside, &mask, &extent), EDGE_GEOMETRY, "no ray of a mask");
     one[60 * WIDTH + 80] = 0;
     CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, NULL, &mask, &extent), EMPTY_MASK, "all 160 x 120");
     free(one);
