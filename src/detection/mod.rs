@@ -1,4 +1,4 @@
-//! All cylinders of a scene: from a depth image, with or without a grey image, or from a bare cloud.
+//! All cylinders of a scene: from a depth image or from a bare cloud.
 
 mod candidate;
 mod cloud;
@@ -18,7 +18,7 @@ pub use evidence::Evidence;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
-use crate::observations::{DepthImage, GreyImage};
+use crate::observations::DepthImage;
 use grid::{Grid, side_of_cells};
 use nalgebra::{Vector2, Vector3};
 
@@ -81,12 +81,7 @@ pub struct Detections {
 ///
 /// # Errors
 /// `InvalidArgument`.
-pub fn detect(
-    camera: &Camera,
-    depth: &DepthImage,
-    _image: Option<&GreyImage>,
-    options: &DetectionOptions,
-) -> Result<Detections> {
+pub fn detect(camera: &Camera, depth: &DepthImage, options: &DetectionOptions) -> Result<Detections> {
     options.check()?;
     let (width, height) = camera.size();
     let intrinsics = camera.intrinsics();

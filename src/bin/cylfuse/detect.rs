@@ -122,7 +122,7 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         options.min_score = logistic(logit(options.min_score) - LIMBS_MOST);
         options.max_count = usize::MAX;
     }
-    let mut found = detect(&view.camera, depth, frame.image(), &options)?;
+    let mut found = detect(&view.camera, depth, &options)?;
     let detected = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let mut cylinders = Vec::new();
