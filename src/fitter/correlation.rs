@@ -24,6 +24,9 @@ const LEAST_PAIRS: f64 = 36.0;
 /// The part of the points that bounds a grid made from where they are: single far points don't widen it.
 const CENTRAL_PART: f64 = 0.98;
 
+/// Most cells a point in a grid made from where they are: of points along a slanted line nearly all cells are empty.
+const MOST_CELLS: f64 = 64.0;
+
 /// A cell of the grid for a point that lies outside.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -89,9 +92,13 @@ impl Lattice {
             })
         };
         // Cells that surely hold several positions tell the area that these cover.
-        let coarse = 2.0 * (size[0] * size[1] / count as f64).sqrt();
+        let area = size[0] * size[1] / count as f64;
+        // Points in one row, to rounding, have no more cells than there are points either.
+        let shortest = size[0].max(size[1]) / count as f64;
+        let coarse = (2.0 * area.sqrt()).max(shortest);
         let occupied = Self::new(cells(coarse))?.shares.iter().filter(|&&share| share > 0.0).count();
-        Self::new(cells(coarse * (occupied as f64 / count as f64).sqrt()))
+        let step = coarse * (occupied as f64 / count as f64).sqrt();
+        Self::new(cells(step.max((area / MOST_CELLS).sqrt()).max(shortest)))
     }
 
     fn new(cells: impl Iterator<Item = Option<[usize; 2]>> + Clone) -> Option<Self> {
@@ -214,6 +221,18 @@ mod tests {
         let residuals = smooth(200, 150, [5, 3]);
         let found = lattice(&grid(200, 150)).independent_points(&residuals, 100.0);
         assert!((found * 15.0 / 30_000.0 - 1.0).abs() < 0.05, "{found}");
+    }
+
+    #[test]
+    fn points_along_a_line_make_no_large_grid() {
+        let count = 10_000;
+        for (slope, scatter) in [(1.0, 0.0), (0.0, 1e-6), (0.0, 1e-12), (1e-3, 1e-9)] {
+            let along = noise(count, 4).into_iter().zip(noise(count, 5));
+            let places: Vec<Vector2<f64>> =
+                along.map(|(t, jitter)| Vector2::new(slope * t + scatter * jitter, t)).collect();
+            let cells = Lattice::of_positions(&places).map_or(0, |lattice| lattice.shares.len());
+            assert!(cells < 100 * count, "{slope} {scatter}: {cells} cells");
+        }
     }
 
     #[test]
