@@ -2,9 +2,9 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
+use crate::detect_arguments::DetectArguments;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use cylfuse::detection::DetectionOptions;
 use cylfuse::error::Result;
 use cylfuse::fitter::{
     ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
@@ -194,87 +194,6 @@ estimate from the data:
   depth              a measured point across the surface, in metres [0]
   image              the values of the image linear in light [0]
   blur               the blur of the image, in pixels [0]";
-
-/// `cylfuse detect`.
-#[derive(Debug, Args)]
-#[command(group = ArgGroup::new("scene").required(true).args(["frames", "points"]))]
-pub struct DetectArguments {
-    /// Frame files of one view, or folders that are searched for frame.json. Masks, edges and the pose in them do not
-    /// count.
-    #[arg(value_name = "FRAME")]
-    pub frames: Vec<PathBuf>,
-
-    /// Search bare point clouds instead: .ply, .pcd, or .xyz (x y z a line; also .txt, .csv, .asc).
-    #[arg(long, value_name = "CLOUD", num_args = 1..)]
-    pub points: Vec<PathBuf>,
-
-    /// Print one JSON object a frame and line, in the order of the input, instead of the tables.
-    #[arg(long, help_heading = "Output")]
-    pub json: bool,
-
-    /// Write overlay.png and labels.png (16 bit: 0 none, k the k-th cylinder) to this folder; with several frames to
-    /// a subfolder for each.
-    #[arg(long, value_name = "DIR", help_heading = "Output")]
-    pub out: Option<PathBuf>,
-
-    /// Ignore the image file and do not open it.
-    #[arg(long, help_heading = "Search")]
-    pub no_image: bool,
-
-    /// The smallest radius of a cylinder, in the unit of the data.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Search")]
-    pub radius_min: Option<f64>,
-
-    /// The largest radius of a cylinder.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Search")]
-    pub radius_max: Option<f64>,
-
-    /// The direction of the axes in the camera frame, of any length and sign.
-    #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
-    #[arg(allow_hyphen_values = true, help_heading = "Search")]
-    pub axis: Option<[f64; 3]>,
-
-    /// How far an axis may be from --axis, in degrees from 0 to 90 [default: 0, the direction is known].
-    #[arg(long, value_name = "DEG", requires = "axis")]
-    #[arg(allow_hyphen_values = true, help_heading = "Search")]
-    pub axis_max_angle: Option<f64>,
-
-    /// Most cylinders of a frame.
-    #[arg(long, value_name = "N", help_heading = "Search")]
-    pub max_count: Option<usize>,
-
-    /// The least score, from 0 to 1: the probability that there is a cylinder [default: 0.5].
-    #[arg(long, value_name = "P", allow_hyphen_values = true, help_heading = "Search")]
-    pub min_score: Option<f64>,
-
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
-}
-
-impl DetectArguments {
-    /// The library's options.
-    ///
-    /// # Errors
-    /// `InvalidArgument` for a value out of range.
-    pub fn options(&self) -> Result<DetectionOptions> {
-        let defaults = DetectionOptions::default();
-        let degrees = self.axis_max_angle.unwrap_or(0.0);
-        let max_angle = degrees.to_radians().min(std::f64::consts::FRAC_PI_2);
-        let options = DetectionOptions {
-            limits: CylinderLimits {
-                radius_min: self.radius_min.unwrap_or(defaults.limits.radius_min),
-                radius_max: self.radius_max.unwrap_or(defaults.limits.radius_max),
-                axis: self.axis.map(|axis| AxisCone { direction: axis.into(), max_angle }),
-            },
-            max_count: self.max_count.unwrap_or(defaults.max_count),
-            min_score: self.min_score.unwrap_or(defaults.min_score),
-            ..defaults
-        };
-        options.check()?;
-        Ok(options)
-    }
-}
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]
@@ -509,7 +428,8 @@ fn parse_noise(text: &str) -> std::result::Result<(NoiseName, f64), String> {
     Ok((known, value))
 }
 
-fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
+/// Numbers between commas.
+pub fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
     let numbers: Vec<f64> = text
         .split(',')
         .map(|word| word.trim().parse().map_err(|_| format!("'{word}' is not a number")))
