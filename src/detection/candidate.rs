@@ -1,10 +1,13 @@
 //! A surface and the cells that it explains: growth from a start, and what it gains.
 
 use super::grid::{Cell, Grid};
+use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::{Side, outline};
-use super::surface::{Optics, REACH, Surface, fit};
-use nalgebra::Vector3;
+use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
+use crate::geometry::Cylinder;
+use crate::statistics::median;
+use nalgebra::Vector2;
 
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
@@ -18,9 +21,32 @@ pub(super) struct Scene<'a> {
     pub noise: Noise,
     /// Number of the plane of each cell plus 1; 0 for none.
     pub planes: &'a [u16],
-    /// How depth was measured.
+    /// How the scene was measured.
     pub optics: Optics,
+    /// The image, where there is one.
+    pub image: Option<&'a ImageEdges>,
+    /// The column and the row of pixels at a place on the plane z = 1.
+    pub pixel_of: &'a dyn Fn(&Vector2<f64>) -> Option<(usize, usize)>,
 }
+
+/// What holds the sides of a cylinder that grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Sides {
+    /// The outline of its cells.
+    Outline,
+    /// The edges within so many pixels of its limbs; the outline where there are none.
+    Edges { reach: f64 },
+}
+
+/// The square of an inset counts up to this: outlines are uneven.
+const MOST_INSET: f64 = 16.0;
+
+/// What an edge along a limb is worth for each pixel of its length, as a logarithm of odds: one in twenty edges of
+/// ten pixels lies there by chance.
+const GAIN_PER_PIXEL: f64 = 0.3;
+
+/// The part of a limb that edges must cover to hold it.
+const LEAST_COVERED: f64 = 0.2;
 
 /// A surface with its cells.
 #[derive(Debug, Clone)]
@@ -28,8 +54,10 @@ pub(super) struct Candidate {
     pub surface: Surface,
     pub cells: Vec<usize>,
     /// How much better than nothing the surface explains the cells: the logarithm of a likelihood ratio, with as many
-    /// samples as the correlation of the noise leaves.
+    /// samples as the correlation of the noise leaves; with the edges of the image that lie on its limbs.
     pub gain: f64,
+    /// What held its sides.
+    pub sides: Sides,
 }
 
 impl Scene<'_> {
@@ -47,6 +75,47 @@ impl Scene<'_> {
         let sum: f64 =
             cells.iter().map(|&k| (REACH * REACH - self.misfit(surface, &self.grid.cells[k])).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
+    }
+
+    /// How far inside of each limb the outline of cells is, less what sensors do, in standard deviations; 0 where it is
+    /// hidden.
+    pub fn insets(&self, cylinder: &Cylinder, sides: &[Side]) -> [f64; 2] {
+        [-1.0, 1.0].map(|sign| {
+            let mut insets: Vec<f64> = sides
+                .iter()
+                .filter(|side| side.sign == sign)
+                .filter_map(Side::limb)
+                .map(|ray| {
+                    let d = &cylinder.axis.direction;
+                    let flat = ray - d * ray.dot(d);
+                    let t = flat.dot(&cylinder.axis.point) / flat.norm_squared();
+                    (cylinder.radius - cylinder.axis.distance(&(ray * t))) / (t * self.optics.pixel)
+                })
+                .collect();
+            if insets.is_empty() {
+                return 0.0;
+            }
+            (median(&mut insets) - OUTLINE_SHIFT_PIXELS) / OUTLINE_PIXELS
+        })
+    }
+
+    /// What a surface explains, cells and edges of the image, less the penalty for its numbers and what contradicts its
+    /// outline.
+    pub fn worth(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> f64 {
+        let outline: f64 = match surface {
+            Surface::Cylinder(cylinder, _) => {
+                let insets = self.insets(cylinder, &outline(self, cylinder, cells, mark));
+                insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum()
+            }
+            _ => 0.0,
+        };
+        let edges = match (surface, self.image) {
+            (Surface::Cylinder(cylinder, _), Some(image)) => image
+                .support(cylinder, self.range(cylinder, cells), ON_LIMB)
+                .map_or(0.0, |support| support.length * GAIN_PER_PIXEL),
+            _ => 0.0,
+        };
+        self.gain(surface, cells) + edges - outline - self.penalty(surface, cells.len())
     }
 
     /// The penalty for the numbers of a surface that was fitted to this many cells.
@@ -86,18 +155,44 @@ impl Scene<'_> {
         cells
     }
 
-    /// The rays along the sides of a cylinder where nothing nearer hides them.
-    fn outline_rays(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> Vec<Vector3<f64>> {
+    /// What touches the sides of a cylinder: the outline of its cells where nothing nearer hides it, or the edges on
+    /// its limbs.
+    fn tangents(&self, surface: &Surface, cells: &[usize], sides: Sides, mark: &mut Marks) -> Vec<Tangent> {
         let Surface::Cylinder(cylinder, _) = surface else { return Vec::new() };
-        outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect()
+        if let (Sides::Edges { reach }, Some(image)) = (sides, self.image) {
+            let range = self.range(cylinder, cells);
+            let support = image.support(cylinder, range, reach).unwrap_or_default();
+            if support.covered.iter().all(|&covered| covered >= LEAST_COVERED) {
+                return support.tangents;
+            }
+        }
+        let rays: Vec<_> = outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect();
+        // What a sensor does to an outline it does all along: each of the two sides is one measurement.
+        let weight = 2.0 / rays.len() as f64;
+        let tangent = |ray| Tangent { ray, inset: OUTLINE_SHIFT_PIXELS, deviation: OUTLINE_PIXELS, weight };
+        rays.into_iter().map(tangent).collect()
+    }
+
+    /// Where cells begin and end along the axis of a cylinder, from its point.
+    pub fn range(&self, cylinder: &Cylinder, cells: &[usize]) -> [f64; 2] {
+        let along = cells
+            .iter()
+            .map(|&k| (self.grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction));
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
     }
 
     /// Fits a surface to cells again, all of them within reach at first.
-    pub fn refit(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> Option<Surface> {
+    pub fn refit(
+        &self,
+        surface: &Surface,
+        cells: &[usize],
+        sides: Sides,
+        mark: &mut Marks,
+    ) -> Option<Surface> {
         let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
         let surface = fit(surface, &refs, &[], self.optics, 4.0 * REACH, 6)?;
-        let rays = self.outline_rays(&surface, cells, mark);
-        fit(&surface, &refs, &rays, self.optics, REACH, 4)
+        let tangents = self.tangents(&surface, cells, sides, mark);
+        fit(&surface, &refs, &tangents, self.optics, REACH, 4)
     }
 
     /// Grows a surface from a start that fits some cells.
@@ -105,11 +200,16 @@ impl Scene<'_> {
         &self,
         start: &Surface,
         seeds: &[usize],
+        sides: Sides,
         free: &dyn Fn(usize) -> bool,
         mark: &mut Marks,
     ) -> Option<Candidate> {
         let refs: Vec<&Cell> = seeds.iter().map(|&k| &self.grid.cells[k]).collect();
-        let mut surface = fit(start, &refs, &[], self.optics, 4.0 * REACH, 6)?;
+        let tangents = match sides {
+            Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
+            Sides::Outline => Vec::new(),
+        };
+        let mut surface = fit(start, &refs, &tangents, self.optics, 4.0 * REACH, 6)?;
         let mut cells = seeds.to_vec();
         let mut before = 0;
         for _ in 0..ROUNDS {
@@ -118,8 +218,8 @@ impl Scene<'_> {
                 return None;
             }
             let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
-            let rays = self.outline_rays(&surface, &cells, mark);
-            surface = fit(&surface, &refs, &rays, self.optics, REACH, 4)?;
+            let tangents = self.tangents(&surface, &cells, sides, mark);
+            surface = fit(&surface, &refs, &tangents, self.optics, REACH, 4)?;
             // Two per cent more or fewer cells change nothing.
             if cells.len().abs_diff(before) * 50 <= cells.len() {
                 break;
@@ -127,8 +227,8 @@ impl Scene<'_> {
             before = cells.len();
         }
         let cells = self.flood(&surface, &cells, free, mark);
-        let gain = self.gain(&surface, &cells) - self.penalty(&surface, cells.len());
-        (cells.len() >= FEWEST).then_some(Candidate { surface, cells, gain })
+        let gain = self.worth(&surface, &cells, mark);
+        (cells.len() >= FEWEST).then_some(Candidate { surface, cells, gain, sides })
     }
 }
 

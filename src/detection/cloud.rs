@@ -48,7 +48,7 @@ pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Resul
             points.push(point);
         }
     }
-    let nothing = || Detections { cylinders: Vec::new(), labels: vec![0; count] };
+    let nothing = || Detections { cylinders: Vec::new(), labels: vec![0; count], image: None };
     let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
     for &k in &usable {
         points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
@@ -67,7 +67,7 @@ pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Resul
     };
     let side = side_of_cells(size).max(LEAST_SIDE);
     let mut grid = Grid::new(size, image.spacing, side, &point);
-    let found = search(&mut grid, image.spacing, &turned);
+    let found = search(&mut grid, image.spacing, None, &turned);
     let ray = |x: usize, y: usize| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
@@ -91,7 +91,7 @@ pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Resul
         detection.cylinder = Cylinder { axis, radius };
         detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
-    Ok(Detections { cylinders, labels })
+    Ok(Detections { cylinders, labels, image: None })
 }
 
 /// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points

@@ -1,7 +1,8 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
-use super::candidate::{Candidate, Marks, Scene};
+use super::candidate::{Candidate, Marks, Scene, Sides};
 use super::grid::Cell;
+use super::limb_pairs::ON_LIMB;
 use super::outline::{Beyond, outline, passes};
 use super::surface::{REACH, Surface, fit};
 use crate::geometry::Cylinder;
@@ -36,6 +37,14 @@ pub struct Evidence {
     pub length: f64,
     /// The root mean square distance in standard deviations.
     pub rms: f64,
+    /// The part of each limb that edges of the image cover; without an image, `None`.
+    pub limbs: Option<[f64; 2]>,
+    /// The part of the lines at whose either side nothing hides the limb.
+    pub visible: [f64; 2],
+    /// How far inside of either limb the outline of the cells is, less what sensors do, in standard deviations.
+    pub insets: [f64; 2],
+    /// How many limbs a fit located in the image; `None` before it.
+    pub located: Option<usize>,
     /// The taper of the best cone: change of radius over the length, by the radius.
     pub taper: f64,
 }
@@ -59,13 +68,43 @@ const CONE_PRIOR: f64 = 3.0;
 /// Evidence that is left where nothing lies beyond the limbs, and where three pixels do is none.
 const OVERHANG: f64 = 10.0;
 
-/// Evidence with which a candidate need not be looked at any more.
-const HOPELESS: f64 = -8.0;
+/// More evidence than this tells nothing more: what is left is what no model here knows.
+const MOST: f64 = 4.0;
+
+/// Cylinders longer than this many radii are no more certain for it.
+const LONG: f64 = 6.0;
+
+/// Evidence of the shape with which a candidate need not be looked at any more.
+const HOPELESS: f64 = -4.0;
 
 impl Evidence {
-    /// The evidence that there is a cylinder, in the measure of a logarithm of odds: the least of what speaks against
-    /// each of the alternatives.
-    pub fn total(&self) -> f64 {
+    /// The probability that there is a cylinder: a logistic regression on the detections in rendered scenes.
+    #[must_use]
+    pub fn score(&self) -> f64 {
+        let length = self.length.min(LONG);
+        let logit = match self.limbs {
+            None => 0.75 * self.depth() + 0.6 * self.shape() - 1.6 * self.rms + 0.15 * length - 1.7,
+            Some([a, b]) => {
+                let located = self.located.map_or(a + b, |located| located as f64);
+                0.65 * self.depth() + 0.55 * self.shape() - 1.3 * self.rms
+                    + 0.4 * length
+                    + 1.2 * (a + b)
+                    + 1.2 * located
+                    - 4.5
+            }
+        };
+        1.0 / (1.0 + (-logit).exp())
+    }
+
+    /// The evidence of the depth that something is round: the logarithm of the odds against nothing, a plane, and two
+    /// planes that meet, whichever is least.
+    fn depth(&self) -> f64 {
+        self.gain.min(self.over_plane).min(self.over_edge).clamp(-MOST, MOST)
+    }
+
+    /// The evidence that it is no sphere, no cone, and nothing that goes on beyond its sides, likewise. Straight limbs
+    /// in an image say the same.
+    fn shape(&self) -> f64 {
         // Along a contact with another body, or a long straight side, neighbouring lines end in the same way.
         let samples = self.side_samples.min(MOST_SAMPLES);
         // One side in twenty of a cylinder, but three in five of an edge seem to go on smoothly; the logarithms of the
@@ -80,19 +119,10 @@ impl Evidence {
         let covered = 12.0 * (self.across[1] - self.across[0] - 0.8);
         // Cells beyond the limbs: fattening makes two pixels of them, an edge that is taken for a thin cylinder more.
         let overhang = OVERHANG - 3.0 * self.overhang;
-        [
-            self.gain,
-            covered,
-            overhang,
-            self.over_plane,
-            self.over_edge,
-            self.over_sphere,
-            cone,
-            sides,
-            through,
-        ]
-        .into_iter()
-        .fold(f64::INFINITY, f64::min)
+        [covered, overhang, self.over_sphere, cone, sides, through]
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
+            .clamp(-MOST, MOST)
     }
 }
 
@@ -100,7 +130,9 @@ impl Scene<'_> {
     /// Everything that speaks for or against a candidate.
     pub fn judge(&self, candidate: &Candidate, mark: &mut Marks) -> Option<Evidence> {
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
-        let mut evidence = Evidence { gain: candidate.gain, ..Evidence::default() };
+        let gain = self.gain(&candidate.surface, &candidate.cells)
+            - self.penalty(&candidate.surface, candidate.cells.len());
+        let mut evidence = Evidence { gain, ..Evidence::default() };
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut squares = 0.0;
@@ -125,9 +157,21 @@ impl Scene<'_> {
         evidence.side_samples = sides.len() as f64 / self.noise.cells_per_sample.sqrt();
         evidence.open_sides = part(Beyond::Smooth);
         evidence.closed_sides = part(Beyond::Farther);
+        evidence.insets = self.insets(&cylinder, &sides);
+        evidence.visible = [-1.0, 1.0].map(|sign| {
+            let lines = sides.iter().filter(|side| side.sign == sign);
+            let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), side| {
+                (seen + f64::from(u8::from(side.limb().is_some())), all + 1.0)
+            });
+            seen / f64::max(all, 1.0)
+        });
+        evidence.limbs = self
+            .image
+            .map(|image| image.support(&cylinder, [first, last], ON_LIMB).unwrap_or_default().covered);
         self.see_through(&cylinder, candidate, [first, last], &mut evidence);
         // What the sides rule out needs no other surface, which would take most of the time.
-        if evidence.total() > HOPELESS {
+        [evidence.over_plane, evidence.over_edge, evidence.over_sphere] = [f64::INFINITY; 3];
+        if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
             self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
         }
         Some(evidence)
@@ -137,8 +181,17 @@ impl Scene<'_> {
     fn compare(&self, candidate: &Candidate, length: f64, evidence: &mut Evidence, mark: &mut Marks) {
         let cells = &candidate.cells;
         let refs: Vec<_> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
-        let own = self.gain(&candidate.surface, cells);
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return };
+        // Edges of the image hold a radius that depth, which matching windows flatten, may not agree with. What the
+        // others explain is compared with the cylinder that explains the depth best.
+        let surface = match candidate.sides {
+            Sides::Outline => None,
+            Sides::Edges { .. } => self.refit(&candidate.surface, cells, Sides::Outline, mark),
+        };
+        let surface = surface
+            .filter(|surface| self.gain(surface, cells) > self.gain(&candidate.surface, cells))
+            .unwrap_or(candidate.surface);
+        let own = self.gain(&surface, cells);
         let numbers = (cells.len() as f64 / self.noise.cells_per_sample).max(2.0).ln();
         // Three numbers of a plane, six of two and the place of the edge, five of a cylinder.
         evidence.over_plane = own - self.plane_gain(cells) - numbers;
@@ -146,16 +199,15 @@ impl Scene<'_> {
         let free = |k: usize| self.planes[k] == 0;
         let mut margin = |start: Surface| {
             let other = fit(&start, &refs, &[], self.optics, REACH, 6)?;
-            let other = self.grow(&other, cells, &free, mark)?;
+            let other = self.grow(&other, cells, Sides::Outline, &free, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
                 mark.set(k);
             });
             let mut all = cells.clone();
             all.extend(other.cells.iter().copied().filter(|&k| mark.set(k)));
-            let difference = self.gain(&candidate.surface, &all) - self.gain(&other.surface, &all);
-            let penalty =
-                self.penalty(&other.surface, all.len()) - self.penalty(&candidate.surface, all.len());
+            let difference = self.gain(&surface, &all) - self.gain(&other.surface, &all);
+            let penalty = self.penalty(&other.surface, all.len()) - self.penalty(&surface, all.len());
             Some((difference + penalty, other.surface))
         };
         let mut middle = Vector3::zeros();

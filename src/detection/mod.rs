@@ -2,8 +2,10 @@
 
 mod candidate;
 mod cloud;
+mod edges;
 mod evidence;
 mod grid;
+mod limb_pairs;
 mod noise;
 mod outline;
 mod parts;
@@ -18,8 +20,9 @@ pub use evidence::Evidence;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
-use crate::observations::DepthImage;
+use crate::observations::{DepthImage, GreyImage};
 use grid::{Grid, side_of_cells};
+use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
 
 /// The settings of a search.
@@ -64,6 +67,8 @@ pub struct Detection {
     pub score: f64,
     /// Pixels of its region.
     pub pixels: usize,
+    /// Where its region begins and ends along the axis, from the point of the axis.
+    pub along: [f64; 2],
     /// What speaks for it.
     pub evidence: Evidence,
 }
@@ -75,13 +80,46 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
+    /// What scores after a fit need of the image.
+    image: Option<ImageEdges>,
 }
 
-/// Finds all cylinders in a depth image.
+impl Detections {
+    /// The score of a detection after a fit to its region that located so many limbs in the image; without an image that
+    /// of the detection. The cylinder is in the coordinates of the camera.
+    #[must_use]
+    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, limbs_located: usize) -> f64 {
+        if self.image.is_none() {
+            return detection.score;
+        }
+        let limbs = Some(self.covered(detection, fitted));
+        Evidence { limbs, located: Some(limbs_located), ..detection.evidence }.score()
+    }
+
+    /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
+    /// image.
+    #[must_use]
+    pub fn covered(&self, detection: &Detection, cylinder: &Cylinder) -> [f64; 2] {
+        let axis = &detection.cylinder.axis;
+        let mut range = detection.along.map(|along| {
+            (axis.point + axis.direction * along - cylinder.axis.point).dot(&cylinder.axis.direction)
+        });
+        range.sort_by(f64::total_cmp);
+        let support = self.image.as_ref().and_then(|image| image.support(cylinder, range, ON_LIMB));
+        support.unwrap_or_default().covered
+    }
+}
+
+/// Finds all cylinders in a depth image, and in the image that belongs to it where there is one.
 ///
 /// # Errors
 /// `InvalidArgument`.
-pub fn detect(camera: &Camera, depth: &DepthImage, options: &DetectionOptions) -> Result<Detections> {
+pub fn detect(
+    camera: &Camera,
+    depth: &DepthImage,
+    image: Option<&GreyImage>,
+    options: &DetectionOptions,
+) -> Result<Detections> {
     options.check()?;
     let (width, height) = camera.size();
     let intrinsics = camera.intrinsics();
@@ -100,9 +138,16 @@ pub fn detect(camera: &Camera, depth: &DepthImage, options: &DetectionOptions) -
         (p.z > 0.0).then(|| p.cast::<f64>())
     };
     let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height)), &point);
-    let found = search::search(&mut grid, pixel, options);
+    let edges = image.map(|image| ImageEdges { edges: edges::edges(image, camera), pixel });
+    let pixel_of = |p: &Vector2<f64>| {
+        let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
+        (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
+    };
+    let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
+    let found = search::search(&mut grid, pixel, searched, options);
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
-    Ok(search::label(&grid, &found, (width, height), pixel, &point, &ray))
+    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray);
+    Ok(Detections { image: edges, ..found })
 }
 
 #[cfg(test)]

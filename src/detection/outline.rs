@@ -46,6 +46,8 @@ pub(super) enum Beyond {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     pub beyond: Beyond,
+    /// Which side: −1 or 1.
+    pub sign: f64,
     /// The ray along the border of the outermost cell.
     pub ray: Vector3<f64>,
 }
@@ -107,7 +109,7 @@ impl Scene<'_> {
             let half = 0.5 * step * cell.fill;
             Vector3::new(cell.x + half * dx, cell.y + half * dy, 1.0)
         };
-        let end = |beyond: Beyond, before: usize| Side { beyond, ray: ray(&grid.cells[before]) };
+        let end = |beyond: Beyond, before: usize| Side { beyond, sign, ray: ray(&grid.cells[before]) };
         let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
         let mut before = k;
         let mut smooth = 0;

@@ -2,7 +2,7 @@
 
 use super::DetectionOptions;
 use super::candidate::{Candidate, Marks, Scene};
-use super::search::{Judged, plausible, score};
+use super::search::{Judged, plausible};
 use super::surface::{REACH, Surface};
 use nalgebra::Vector3;
 
@@ -68,19 +68,19 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let surface = scene.refit(&a.candidate.surface, &cells, marks)?;
+    let surface = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks)?;
     cells.retain(|&k| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH);
-    let gain = scene.gain(&surface, &cells) - scene.penalty(&surface, cells.len());
+    let gain = scene.worth(&surface, &cells, marks);
     // What the second five numbers would have to bring to be worth having.
     if gain < a.candidate.gain + b.candidate.gain - 3.0 {
         return None;
     }
-    let candidate = Candidate { surface, cells, gain };
+    let candidate = Candidate { surface, cells, gain, sides: a.candidate.sides };
     if !plausible(scene, &candidate, options) {
         return None;
     }
     let evidence = scene.judge(&candidate, marks)?;
-    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: score(&evidence) })
+    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: evidence.score() })
 }
 
 /// Divides candidates that are two cylinders one after the other: stacked cans, a bottle and its neck.
@@ -113,7 +113,7 @@ fn divided(
     options: &DetectionOptions,
     marks: &mut Marks,
 ) -> Option<Vec<Judged>> {
-    let Candidate { surface, cells, gain } = &judged.candidate;
+    let Candidate { surface, cells, gain, .. } = &judged.candidate;
     // Each part should be about as long as wide to tell its own radius.
     if judged.evidence.length < 2.0 {
         return None;
@@ -126,8 +126,8 @@ fn divided(
     for eighths in 2..=6 {
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {
-            let surface = scene.refit(surface, part, marks)?;
-            Some((scene.gain(&surface, part) - scene.penalty(&surface, part.len()), (surface, part.to_vec())))
+            let surface = scene.refit(surface, part, judged.candidate.sides, marks)?;
+            Some((scene.worth(&surface, part, marks), (surface, part.to_vec())))
         };
         let (Some((one, first)), Some((other, second))) = (fitted(low, marks), fitted(high, marks)) else {
             continue;
@@ -143,10 +143,12 @@ fn divided(
     let free = |k: usize| scene.planes[k] == 0;
     let mut found = Vec::new();
     for (surface, cells) in parts {
-        let Some(candidate) = scene.grow(&surface, &cells, &free, marks) else { continue };
+        let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, &free, marks) else {
+            continue;
+        };
         if candidate.cells.len() < judged.candidate.cells.len() && plausible(scene, &candidate, options) {
             let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-            found.push(Judged { candidate, evidence, score: score(&evidence) });
+            found.push(Judged { candidate, evidence, score: evidence.score() });
         }
     }
     let good = found.iter().filter(|part| part.score > 0.5).count();

@@ -1,13 +1,15 @@
 //! The search: patches of several sizes, cylinders grown from them, and the choice among those.
 
-use super::candidate::{Candidate, Marks, Scene};
+use super::candidate::{Candidate, Marks, Scene, Sides};
 use super::evidence::Evidence;
 use super::grid::Grid;
+use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::passes;
 use super::surface::{Optics, REACH, Surface};
 use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
-use nalgebra::Vector3;
+use crate::geometry::Cylinder;
+use nalgebra::{Vector2, Vector3};
 
 /// Half the side of a patch in cells. The smallest is that of a cylinder 15 pixels wide, the largest bends enough for
 /// a cylinder as wide as the image.
@@ -24,9 +26,25 @@ const DIRECTION_ERROR: f64 = 0.1;
 /// Patches must have this part of the cells of a full one, or lie on a narrow body.
 const FEWEST: usize = 12;
 
-/// The evidence at which a cylinder and something else are equally likely, and how fast that changes.
-const EVEN: f64 = 0.0;
-const SLOPE: f64 = 0.8;
+/// The column and the row of pixels at a place on the plane z = 1.
+pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
+
+/// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
+/// better explanation wins, unless it is no cylinder.
+const LEAST_SAY: f64 = 0.25;
+
+/// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
+const ALIKE: f64 = 0.08;
+
+/// The part of both limbs together that edges next to a pair must cover.
+const COVERED: f64 = 0.6;
+
+/// With this score what is explained is not explained again.
+const CERTAIN: f64 = 0.9;
+
+/// How far the limbs of a cylinder by depth alone may be from the edges in the image, in pixels: depth is drawn out by
+/// two.
+const FAR_FROM_LIMB: f64 = 4.0;
 
 /// A candidate that was judged.
 pub(super) struct Judged {
@@ -36,7 +54,12 @@ pub(super) struct Judged {
 }
 
 /// The cylinders of a grid, best first.
-pub(super) fn search(grid: &mut Grid, pixel: f64, options: &DetectionOptions) -> Vec<Judged> {
+pub(super) fn search(
+    grid: &mut Grid,
+    pixel: f64,
+    image: Option<(&ImageEdges, &PixelOf<'_>)>,
+    options: &DetectionOptions,
+) -> Vec<Judged> {
     let Some(noise) = Noise::estimate(grid) else { return Vec::new() };
     let planes = planes::find_planes(grid, &noise);
     let scene = Scene {
@@ -44,19 +67,30 @@ pub(super) fn search(grid: &mut Grid, pixel: f64, options: &DetectionOptions) ->
         noise,
         planes: &planes,
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
+        image: image.map(|(edges, _)| edges),
+        pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
     };
     let mut marks = Marks::new(grid.cells.len());
-    let mut found = candidates(&scene, options, &mut marks);
+    let mut explained = vec![false; grid.cells.len()];
+    let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
+    let by_depth = candidates(&scene, options, &mut explained, &mut marks);
+    found.extend(by_edges(&scene, &by_depth, options, &mut marks));
+    found.extend(by_depth);
     parts::join(&scene, &mut found, options, &mut marks);
     parts::divide(&scene, &mut found, options, &mut marks);
     select(&scene, &mut found, options, &mut marks)
 }
 
-fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) -> Vec<Judged> {
+/// Candidates by patches of the depth, among cells that are not explained yet.
+fn candidates(
+    scene: &Scene<'_>,
+    options: &DetectionOptions,
+    explained: &mut [bool],
+    marks: &mut Marks,
+) -> Vec<Judged> {
     let grid = scene.grid;
     let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
-    let mut explained = vec![false; grid.cells.len()];
     let mut cells = Vec::new();
     for half in SIZES {
         let stride = half.max(2);
@@ -75,14 +109,16 @@ fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) 
                 else {
                     continue;
                 };
-                let Some(candidate) = scene.grow(&Surface::Cylinder(start, 0.0), &cells, &free, marks) else {
+                let Some(candidate) =
+                    scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, &free, marks)
+                else {
                     continue;
                 };
                 if !plausible(scene, &candidate, options) {
                     continue;
                 }
                 let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-                let score = score(&evidence);
+                let score = evidence.score();
                 if score > 0.5 {
                     candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
@@ -90,6 +126,80 @@ fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) 
                     found.push(Judged { candidate, evidence, score });
                 }
             }
+        }
+    }
+    found
+}
+
+/// Candidates that depth gave, moved to the edges next to their limbs.
+fn by_edges(
+    scene: &Scene<'_>,
+    found: &[Judged],
+    options: &DetectionOptions,
+    marks: &mut Marks,
+) -> Vec<Judged> {
+    let mut moved = Vec::new();
+    if scene.image.is_none() {
+        return moved;
+    }
+    let free = |k: usize| scene.planes[k] == 0;
+    for judged in found {
+        let Candidate { surface, cells, gain, .. } = &judged.candidate;
+        let sides = Sides::Edges { reach: FAR_FROM_LIMB };
+        let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
+        if candidate.gain > *gain && plausible(scene, &candidate, options) {
+            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
+            let score = evidence.score();
+            moved.push(Judged { candidate, evidence, score });
+        }
+    }
+    moved
+}
+
+/// Candidates by two edges of the image each; what they explain well is marked.
+fn by_pairs(
+    scene: &Scene<'_>,
+    options: &DetectionOptions,
+    explained: &mut [bool],
+    marks: &mut Marks,
+) -> Vec<Judged> {
+    let Some(image) = scene.image else { return Vec::new() };
+    let free = |k: usize| scene.planes[k] == 0;
+    let mut found: Vec<Judged> = Vec::new();
+    let mut tried: Vec<Cylinder> = Vec::new();
+    for pair in scene.pairs() {
+        // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
+        let same = |other: &Cylinder| {
+            let change = other.compare(&pair.cylinder);
+            change.angle < ALIKE
+                && change.radius_relative.abs() < ALIKE
+                && change.axis_distance < ALIKE * other.radius
+        };
+        let known = pair.cells.iter().filter(|&&k| explained[k]).count();
+        if tried.iter().any(same) || known * 5 > pair.cells.len() * 4 {
+            continue;
+        }
+        tried.push(pair.cylinder);
+        let range = scene.range(&pair.cylinder, &pair.cells);
+        let support = image.support(&pair.cylinder, range, 2.0 * ON_LIMB).unwrap_or_default();
+        if support.covered.iter().sum::<f64>() < COVERED {
+            continue;
+        }
+        let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
+        let start = Surface::Cylinder(pair.cylinder, 0.0);
+        let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
+        if !plausible(scene, &candidate, options) {
+            continue;
+        }
+        let Surface::Cylinder(cylinder, _) = candidate.surface else { continue };
+        tried.push(cylinder);
+        let Some(evidence) = scene.judge(&candidate, marks) else { continue };
+        let score = evidence.score();
+        if score > CERTAIN {
+            candidate.cells.iter().for_each(|&k| explained[k] = true);
+        }
+        if score > 0.01 {
+            found.push(Judged { candidate, evidence, score });
         }
     }
     found
@@ -111,12 +221,6 @@ pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &Dete
         && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
 }
 
-/// The probability that a candidate is a cylinder.
-pub(super) fn score(evidence: &Evidence) -> f64 {
-    let logit = SLOPE * (evidence.total() - EVEN);
-    1.0 / (1.0 + (-logit).exp())
-}
-
 /// Candidates that do not share cells, the one that explains most first.
 fn select(
     scene: &Scene<'_>,
@@ -126,7 +230,8 @@ fn select(
 ) -> Vec<Judged> {
     let mut chosen: Vec<Judged> = Vec::new();
     let mut taken = vec![false; scene.grid.cells.len()];
-    found.sort_by(|a, b| (b.score * b.candidate.gain).total_cmp(&(a.score * a.candidate.gain)));
+    let key = |judged: &Judged| judged.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * judged.score);
+    found.sort_by(|a, b| key(b).total_cmp(&key(a)));
     for mut judged in found.drain(..) {
         let all = judged.candidate.cells.len();
         judged.candidate.cells.retain(|&k| !taken[k]);
@@ -134,13 +239,16 @@ fn select(
             continue;
         }
         if judged.candidate.cells.len() < all {
-            judged.candidate.gain = scene.gain(&judged.candidate.surface, &judged.candidate.cells)
-                - scene.penalty(&judged.candidate.surface, judged.candidate.cells.len());
+            judged.candidate.gain = scene.worth(&judged.candidate.surface, &judged.candidate.cells, marks);
             let Some(evidence) = scene.judge(&judged.candidate, marks) else { continue };
             judged.evidence = evidence;
-            judged.score = score(&evidence);
+            judged.score = evidence.score();
         }
-        if judged.score < options.min_score {
+        // A fit that locates its limbs may raise the score.
+        let located = judged.evidence.limbs.map(|_| 2);
+        if (Evidence { limbs: located.map(|_| [1.0; 2]), located, ..judged.evidence }).score()
+            < options.min_score
+        {
             continue;
         }
         judged.candidate.cells.iter().for_each(|&k| taken[k] = true);
@@ -211,10 +319,16 @@ pub(super) fn label(
                 }
             }
         }
-        cylinders.push(Detection { cylinder, score: judged.score, pixels: 0, evidence: judged.evidence });
+        cylinders.push(Detection {
+            cylinder,
+            score: judged.score,
+            pixels: 0,
+            along: [first, last],
+            evidence: judged.evidence,
+        });
     }
     for (index, detection) in cylinders.iter_mut().enumerate() {
         detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
-    Detections { cylinders, labels }
+    Detections { cylinders, labels, image: None }
 }

@@ -146,7 +146,19 @@ fn place_at_axis(cylinder: &Cylinder, taper: f64, p: &Vector3<f64>) -> Place {
     Place { distance: norm - cylinder.radius - taper * along, normal: across / norm, along }
 }
 
-/// What a surface is held to besides cells.
+/// A ray that touches a cylinder, beside a limb.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tangent {
+    pub ray: Vector3<f64>,
+    /// How far inside of the limb it passes, in pixels.
+    pub inset: f64,
+    /// Standard deviation of that, in pixels.
+    pub deviation: f64,
+    /// As how many measurements it counts.
+    pub weight: f64,
+}
+
+/// How the scene was measured.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Optics {
     /// The side of a pixel on the plane z = 1.
@@ -161,10 +173,10 @@ const BIAS_PIXELS: f64 = 2.5;
 
 /// How far inside of the limb the outline of what is measured is, in pixels: time of flight reaches it, structured
 /// light ends 0 to 3 pixels before it, as the surface turns away.
-const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
+pub(super) const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
 
 /// Standard deviation of that, in pixels.
-const OUTLINE_PIXELS: f64 = 1.5;
+pub(super) const OUTLINE_PIXELS: f64 = 1.5;
 
 impl Surface {
     /// How a bias at the limbs shows at a place: its sixth power of the position across, which vanishes in the middle,
@@ -199,7 +211,7 @@ impl Surface {
 pub(super) fn fit(
     start: &Surface,
     cells: &[&Cell],
-    outline: &[Vector3<f64>],
+    tangents: &[Tangent],
     optics: Optics,
     mut reach: f64,
     steps: usize,
@@ -243,30 +255,27 @@ pub(super) fn fit(
         }
         let mut parameters = surface.parameters() as usize;
         if let Surface::Cylinder(cylinder, bias) = surface {
-            // The ray along the outline touches the cylinder.
-            let sigma = OUTLINE_PIXELS * optics.pixel * center.z;
-            for ray in outline {
+            for Tangent { ray, inset, deviation, weight } in tangents {
                 let d = &cylinder.axis.direction;
                 let flat = ray - d * ray.dot(d);
                 let t = flat.dot(&cylinder.axis.point) / flat.norm_squared();
-                let mut place = surface.place(&(ray * t));
-                place.distance += OUTLINE_SHIFT_PIXELS * optics.pixel * center.z;
-                let ratio = place.distance / sigma;
+                let place = surface.place(&(ray * t));
+                let distance = place.distance + inset * optics.pixel * center.z;
+                let sigma = deviation * optics.pixel * center.z;
+                let ratio = distance / sigma;
                 if ratio.abs() > reach {
                     continue;
                 }
                 let part = 1.0 - (ratio / reach).powi(2);
-                // What a sensor does to an outline it does all along: each of the two sides is one measurement.
-                let weight = 2.0 * part * part / (sigma * sigma * outline.len() as f64);
-                let row = surface.gradient(&place, (&u, &v));
-                let mut row = row;
+                let weight = weight * part * part / (sigma * sigma);
+                let mut row = surface.gradient(&place, (&u, &v));
                 row[5] = 0.0;
                 for i in 0..6 {
                     for j in 0..=i {
                         matrix[(i, j)] += weight * row[i] * row[j];
                     }
                 }
-                vector += row * (weight * place.distance);
+                vector += row * (weight * distance);
             }
             let sigma = BIAS_PIXELS * optics.pixel * center.z;
             matrix[(5, 5)] += 1.0 / (sigma * sigma);

@@ -119,10 +119,9 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     let mut options = settings.detection;
     if frame.image().is_some() {
         // The image may raise a low score.
-        options.min_score = logistic(logit(options.min_score) - LIMBS_MOST);
         options.max_count = usize::MAX;
     }
-    let mut found = detect(&view.camera, depth, &options)?;
+    let mut found = detect(&view.camera, depth, frame.image(), &options)?;
     let detected = started.elapsed().as_secs_f64();
     let started = Instant::now();
     let mut cylinders = Vec::new();
@@ -130,12 +129,11 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         let mask: Vec<u8> =
             found.labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect();
         // A region without any measured pixel of its own cannot be fitted.
-        let Ok(measurement) = fit_region(&frame, &mask, view.size(), detection, settings) else {
+        let Ok(measurement) = fit_region(&frame, &mask, view.size(), &found, detection, settings) else {
             continue;
         };
         let located = measurement.result.limbs_located;
-        let score =
-            if frame.image().is_some() { with_limbs(detection.score, located) } else { detection.score };
+        let score = 0.0;
         cylinders.push((index as u16 + 1, Found { score, pixels: detection.pixels, measurement }));
     }
     cylinders.retain(|(_, found)| found.score >= settings.detection.min_score);
@@ -169,6 +167,7 @@ fn fit_region(
     frame: &observations::Frame,
     mask: &[u8],
     size: (usize, usize),
+    found: &Detections,
     detection: &Detection,
     settings: &Settings,
 ) -> Result<Measurement, Failure> {
@@ -178,7 +177,7 @@ fn fit_region(
     fitter.set_options(options)?;
     fitter.set_start(Some(detection.cylinder));
     fitter.use_frame(frame, Some(&MaskView::from_u8(mask, size)?))?;
-    let result = fit_or_keep(&mut fitter, detection)?;
+    let result = fit_or_keep(&mut fitter, found, detection)?;
     let mut measurement = Measurement::new(&options, &result);
     let extent = fitter.extent_and_arcs(Some(&result.cylinder), None);
     measurement.set_views(vec![ViewValues {
@@ -197,54 +196,44 @@ fn fit_region(
 /// the search for limbs in the image reaches.
 const RADII: [f64; 3] = [1.0, 0.9, 1.1];
 
-/// The fit that locates most limbs, or the detected cylinder where none locates any: depth alone is off next to the
-/// limbs, which the detection allows for and a fit of all points does not.
-fn fit_or_keep(fitter: &mut Fitter, detection: &Detection) -> Result<FitResult, Failure> {
-    let found = detection.cylinder;
-    let mut best: Option<(usize, Cylinder)> = None;
+/// The fit whose limbs the edges of the image cover best, or the detected cylinder where that is covered better: depth
+/// alone is off next to the limbs, which the detection allows for and a fit of all points does not.
+fn fit_or_keep(fitter: &mut Fitter, found: &Detections, detection: &Detection) -> Result<FitResult, Failure> {
+    let cylinder = detection.cylinder;
+    let covered = |cylinder: &Cylinder| found.covered(detection, cylinder).iter().sum::<f64>();
+    let mut best: Option<(f64, Cylinder)> = None;
     for factor in if fitter.image().is_some() { &RADII[..] } else { &[] } {
-        let radius = factor * found.radius;
+        let radius = factor * cylinder.radius;
         // The wall that is seen stays where it is.
-        let away = found.axis.nearest_to_origin().normalize() * (radius - found.radius);
-        let start = Cylinder { axis: Line { point: found.axis.point + away, ..found.axis }, radius };
+        let away = cylinder.axis.nearest_to_origin().normalize() * (radius - cylinder.radius);
+        let start = Cylinder { axis: Line { point: cylinder.axis.point + away, ..cylinder.axis }, radius };
         fitter.set_start(Some(start));
         let Ok(result) = fitter.fit() else { continue };
-        let change = found.compare(&result.cylinder);
-        let same =
-            change.radius_relative.abs() < 0.4 && change.angle < 0.3 && change.axis_distance < found.radius;
-        if same && result.limbs_located > best.map_or(0, |(most, _)| most) {
-            best = Some((result.limbs_located, start));
-            if result.limbs_located == 2 {
+        let change = cylinder.compare(&result.cylinder);
+        let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
+        let reach = f64::max(0.15, 3.0 * pixel * cylinder.axis.point.z / cylinder.radius);
+        let same = change.radius_relative.abs() < reach
+            && change.angle < 0.3
+            && change.axis_distance < cylinder.radius;
+        if !same || result.limbs_located == 0 {
+            continue;
+        }
+        let part = covered(&result.cylinder) + 0.5 * result.limbs_located as f64;
+        if best.is_none_or(|(most, _)| part > most) {
+            best = Some((part, start));
+            if part >= 2.0 {
                 return Ok(result);
             }
         }
     }
-    if let Some((_, start)) = best {
+    if let Some((part, start)) = best
+        && part >= covered(&cylinder)
+    {
         fitter.set_start(Some(start));
         return Ok(fitter.fit()?);
     }
-    fitter.set_start(Some(found));
-    Ok(fitter.evaluate(&found)?)
-}
-
-/// What the image adds to the evidence: where it shows both limbs where depth sees a cylinder there hardly is anything
-/// else; boxes and scraps show none.
-fn with_limbs(score: f64, located: usize) -> f64 {
-    // A logistic on half of the test scenes gave these.
-    let evidence = [-0.6, 2.2, LIMBS_MOST][located.min(2)];
-    logistic(logit(score) + evidence)
-}
-
-/// What two located limbs add to the logarithm of the odds.
-const LIMBS_MOST: f64 = 4.0;
-
-fn logit(probability: f64) -> f64 {
-    let probability = probability.clamp(1e-12, 1.0 - 1e-12);
-    (probability / (1.0 - probability)).ln()
-}
-
-fn logistic(logit: f64) -> f64 {
-    1.0 / (1.0 + (-logit).exp())
+    fitter.set_start(Some(cylinder));
+    Ok(fitter.evaluate(&cylinder)?)
 }
 
 fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
@@ -266,7 +255,7 @@ fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
         if fitter.push_points(&cloud.view(), Some(&mask)).is_err() {
             continue;
         }
-        let Ok(result) = fit_or_keep(&mut fitter, detection) else { continue };
+        let Ok(result) = fit_or_keep(&mut fitter, &found, detection) else { continue };
         let measurement = Measurement::new(&options, &result);
         cylinders.push(Found { score: detection.score, pixels: detection.pixels, measurement });
     }

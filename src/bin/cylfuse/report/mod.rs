@@ -74,7 +74,7 @@ pub struct Measurement {
 /// A cylinder.
 #[derive(Debug, Serialize)]
 pub struct CylinderValues {
-    point: [f64; 3],
+    pub point: [f64; 3],
     /// Unit vector along the axis.
     pub direction: [f64; 3],
     /// The radius.

@@ -1,0 +1,179 @@
+//! Straight edges of the image, after the region growing of von Gioi, Jakubowicz, Morel and Randall, "LSD: a line
+//! segment detector", IPOL 2012.
+
+use crate::camera::Camera;
+use crate::observations::GreyImage;
+use nalgebra::{Matrix2, Vector2};
+
+/// Pixels across the longer side of the image in which edges are looked for: larger ones are averaged in boxes.
+const PIXELS_ACROSS: f64 = 640.0;
+
+/// Gradients that count, in standard deviations of their noise: one in 3,000 of noise alone.
+const SIGNIFICANT: f64 = 3.0;
+
+/// The lower quartile of the magnitude of a gradient of noise (Rayleigh) in standard deviations of one component.
+const QUARTILE: f64 = 0.7585;
+
+/// Gradients of one edge differ in direction by up to 22.5 degrees (von Gioi et al.): its cosine.
+const ALIKE: f64 = 0.9239;
+
+/// The shortest edge in pixels: what is shorter is noise, or has no direction.
+const SHORTEST: f64 = 8.0;
+
+/// The standard deviation across an edge in pixels: a step blurred by up to this much.
+const WIDEST: f64 = 2.0;
+
+/// A straight edge by its ends on the plane z = 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edge {
+    pub ends: [Vector2<f64>; 2],
+}
+
+impl Edge {
+    pub fn length(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).norm()
+    }
+
+    pub fn middle(&self) -> Vector2<f64> {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+
+    pub fn direction(&self) -> Vector2<f64> {
+        (self.ends[1] - self.ends[0]).normalize()
+    }
+}
+
+/// The gradient of an image.
+struct Gradient {
+    width: usize,
+    vectors: Vec<Vector2<f32>>,
+    magnitudes: Vec<f32>,
+}
+
+/// The straight edges of an image.
+pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
+    let factor = (image.width().max(image.height()) as f64 / PIXELS_ACROSS).round().max(1.0) as usize;
+    let gradient = gradient(&reduced(image, factor), image.width() / factor, image.height() / factor);
+    let mut found = Vec::new();
+    let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
+    let mut order: Vec<usize> =
+        (0..gradient.magnitudes.len()).filter(|&k| gradient.magnitudes[k] > threshold).collect();
+    order
+        .sort_unstable_by(|&a, &b| gradient.magnitudes[b].total_cmp(&gradient.magnitudes[a]).then(a.cmp(&b)));
+    let mut free: Vec<bool> = gradient.magnitudes.iter().map(|&m| m > threshold).collect();
+    let mut region = Vec::new();
+    for seed in order {
+        if !free[seed] {
+            continue;
+        }
+        grow(&gradient, seed, &mut free, &mut region);
+        let Some(ends) = line(&gradient, &region) else { continue };
+        let rays = ends.map(|end| {
+            camera.unproject(&(end * factor as f64).add_scalar(0.5 * (factor - 1) as f64)).map(|ray| ray.xy())
+        });
+        if let [Some(a), Some(b)] = rays {
+            found.push(Edge { ends: [a, b] });
+        }
+    }
+    found
+}
+
+/// Means of boxes, as square roots: noise of light grows about as its root does.
+fn reduced(image: &GreyImage, factor: usize) -> Vec<f32> {
+    let (width, height) = (image.width() / factor, image.height() / factor);
+    let mut values = vec![0.0; width * height];
+    for y in 0..height * factor {
+        let row = &image.row(y)[..width * factor];
+        for (sum, pixels) in values[y / factor * width..].iter_mut().zip(row.chunks_exact(factor)) {
+            *sum += pixels.iter().sum::<f32>();
+        }
+    }
+    let area = (factor * factor) as f32;
+    values.iter_mut().for_each(|value| *value = (*value / area).max(0.0).sqrt());
+    values
+}
+
+/// Scharr's derivatives; zero along the border.
+fn gradient(values: &[f32], width: usize, height: usize) -> Gradient {
+    let mut vectors = vec![Vector2::zeros(); values.len()];
+    let mut magnitudes = vec![0.0; values.len()];
+    for y in 1..height.saturating_sub(1) {
+        for x in 1..width.saturating_sub(1) {
+            let k = y * width + x;
+            let at = |dx: isize, dy: isize| {
+                values[k.wrapping_add_signed(dy * width as isize).wrapping_add_signed(dx)]
+            };
+            let gx = 3.0 * (at(1, -1) - at(-1, -1) + at(1, 1) - at(-1, 1)) + 10.0 * (at(1, 0) - at(-1, 0));
+            let gy = 3.0 * (at(-1, 1) - at(-1, -1) + at(1, 1) - at(1, -1)) + 10.0 * (at(0, 1) - at(0, -1));
+            vectors[k] = Vector2::new(gx, gy);
+            magnitudes[k] = gx.hypot(gy);
+        }
+    }
+    Gradient { width, vectors, magnitudes }
+}
+
+/// From where on a gradient is none of noise; `None` where the image is flat.
+fn threshold(magnitudes: &[f32]) -> Option<f32> {
+    let mut sorted = magnitudes.to_vec();
+    if sorted.is_empty() {
+        return None;
+    }
+    let quarter = sorted.len() / 4;
+    let quartile = *sorted.select_nth_unstable_by(quarter, f32::total_cmp).1;
+    let largest = magnitudes.iter().copied().fold(0.0, f32::max);
+    // Images without noise have no quartile.
+    let threshold = (SIGNIFICANT / QUARTILE) as f32 * quartile;
+    (largest > 0.0).then_some(threshold.max(0.01 * largest))
+}
+
+/// The pixels around a seed with gradients of one direction.
+fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<usize>) {
+    let unit = |k: usize| gradient.vectors[k] / gradient.magnitudes[k];
+    region.clear();
+    region.push(seed);
+    free[seed] = false;
+    let mut sum = unit(seed);
+    let mut next = 0;
+    while next < region.len() {
+        let k = region[next];
+        next += 1;
+        // Gradients are zero along the border, so that every neighbour exists.
+        for row in [k - gradient.width, k, k + gradient.width] {
+            for neighbour in row - 1..=row + 1 {
+                if free[neighbour] && unit(neighbour).dot(&sum) > ALIKE as f32 * sum.norm() {
+                    free[neighbour] = false;
+                    region.push(neighbour);
+                    sum += unit(neighbour);
+                }
+            }
+        }
+    }
+}
+
+/// The ends of the line through a region, where it is long and narrow.
+fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
+    if (region.len() as f64) < SHORTEST {
+        return None;
+    }
+    let place = |k: usize| Vector2::new((k % gradient.width) as f64, (k / gradient.width) as f64);
+    let (mut weights, mut middle) = (0.0, Vector2::zeros());
+    for &k in region {
+        let weight = f64::from(gradient.magnitudes[k]);
+        weights += weight;
+        middle += place(k) * weight;
+    }
+    middle /= weights;
+    let mut spread = Matrix2::zeros();
+    for &k in region {
+        let offset = place(k) - middle;
+        spread += offset * offset.transpose() * (f64::from(gradient.magnitudes[k]) / weights);
+    }
+    let eigen = spread.symmetric_eigen();
+    let least = eigen.eigenvalues.imin();
+    let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
+    let along = region.iter().map(|&k| (place(k) - middle).dot(&direction));
+    let (low, high) =
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+    (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
+        .then(|| [middle + direction * low, middle + direction * high])
+}

@@ -1,0 +1,262 @@
+//! The image's say: which straight edges lie on the limbs of a cylinder, and cylinders by pairs of edges.
+
+use super::candidate::Scene;
+use super::edges::Edge;
+use super::outline::passes;
+use super::surface::Tangent;
+use crate::geometry::{Cylinder, LimbFrame, Line};
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
+
+/// How far an edge on a limb is from it in pixels: edges are found to a fraction of one, short ones less well.
+pub(super) const ON_LIMB: f64 = 1.5;
+
+/// Standard deviation of an edge from the limb, in pixels.
+const EDGE_PIXELS: f64 = 0.7;
+
+/// An edge is as good as one measurement in this many pixels.
+const PIXELS_PER_TANGENT: f64 = 10.0;
+
+/// Pieces of the limb that edges cover or not.
+const PIECES: usize = 32;
+
+/// Limbs converge by up to 15 degrees: its cosine.
+const ALONG: f64 = 0.966;
+
+/// The least distance of two limbs in pixels.
+const NARROWEST: f64 = 8.0;
+
+/// Two edges must stand side by side over this part of their distance.
+const SIDE_BY_SIDE: f64 = 0.35;
+
+/// Curvature of the depth between two limbs by that of a cylinder: matching windows flatten it by up to 3.
+const CURVATURES: [f64; 2] = [0.3, 2.0];
+
+/// A ray on the plane z = 1.
+fn image(p: &Vector3<f64>) -> Option<Vector2<f64>> {
+    (p.z > 0.0).then(|| p.xy() / p.z)
+}
+
+/// The straight edges of an image.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ImageEdges {
+    pub edges: Vec<Edge>,
+    /// The side of a pixel on the plane z = 1.
+    pub pixel: f64,
+}
+
+/// The edges on the limbs of a cylinder.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Support {
+    /// The part of each limb that edges cover: at the negative and the positive side of [`passes`].
+    pub covered: [f64; 2],
+    /// How long that is, in pixels.
+    pub length: f64,
+    /// Rays along them.
+    pub tangents: Vec<Tangent>,
+}
+
+impl ImageEdges {
+    /// The edges within `reach` pixels of the limbs of a cylinder between two positions along its axis.
+    pub fn support(&self, cylinder: &Cylinder, [first, last]: [f64; 2], reach: f64) -> Option<Support> {
+        let mut support = Support::default();
+        let frame = LimbFrame::new(cylinder)?;
+        for limb in frame.limb_lines() {
+            let at = |along: f64| {
+                image(&limb.nearest_to(&(cylinder.axis.point + cylinder.axis.direction * along)))
+            };
+            let (start, end) = (at(first)?, at(last)?);
+            let (across, _) = passes(cylinder, start.x, start.y)?;
+            let side = usize::from(across > 0.0);
+            let length = (end - start).norm();
+            if !(length > self.pixel) {
+                return None;
+            }
+            let along = (end - start) / length;
+            let across = Vector2::new(-along.y, along.x);
+            let mut pieces = 0_u32;
+            for edge in &self.edges {
+                let reach = (reach * self.pixel).min(0.2 * edge.length() + 0.3 * self.pixel);
+                if edge.ends.iter().any(|p| (p - start).dot(&across).abs() > reach) {
+                    continue;
+                }
+                let mut range = edge.ends.map(|p| (p - start).dot(&along) / length);
+                range.sort_by(f64::total_cmp);
+                if range[1] <= 0.0 || range[0] >= 1.0 {
+                    continue;
+                }
+                let piece = |t: f64| (t * PIECES as f64).round().clamp(0.0, PIECES as f64) as usize;
+                (piece(range[0])..piece(range[1])).for_each(|k| pieces |= 1 << k);
+                let count = (edge.length() / (PIXELS_PER_TANGENT * self.pixel)).ceil().max(2.0);
+                for k in 0..count as usize {
+                    let p = edge.ends[0].lerp(&edge.ends[1], (k as f64 + 0.5) / count);
+                    let ray = Vector3::new(p.x, p.y, 1.0);
+                    support.tangents.push(Tangent { ray, inset: 0.0, deviation: EDGE_PIXELS, weight: 1.0 });
+                }
+            }
+            support.covered[side] = f64::from(pieces.count_ones()) / PIECES as f64;
+            support.length += support.covered[side] * length / self.pixel;
+        }
+        Some(support)
+    }
+}
+
+impl Scene<'_> {
+    /// Cylinders by two edges of the image and the depth between them, with the cells there, best first.
+    pub fn pairs(&self) -> Vec<Pair> {
+        let mut found = Vec::new();
+        let edges = self.image.map_or(&[][..], |image| &image.edges);
+        for (k, a) in edges.iter().enumerate() {
+            for b in &edges[k + 1..] {
+                found.extend(self.pair(a, b));
+            }
+        }
+        found.sort_by(|a, b| b.length.total_cmp(&a.length));
+        found
+    }
+
+    fn pair(&self, a: &Edge, b: &Edge) -> Option<Pair> {
+        let pixel = self.optics.pixel;
+        let (da, mut db) = (a.direction(), b.direction());
+        if da.dot(&db) < 0.0 {
+            db = -db;
+        }
+        if da.dot(&db) < ALONG {
+            return None;
+        }
+        let along = (da + db).normalize();
+        let across = Vector2::new(-along.y, along.x);
+        let range = |edge: &Edge| {
+            let mut range = edge.ends.map(|p| p.dot(&along));
+            range.sort_by(f64::total_cmp);
+            range
+        };
+        let (ra, rb) = (range(a), range(b));
+        let (low, high) = (ra[0].max(rb[0]), ra[1].min(rb[1]));
+        let middle = 0.5 * (low + high);
+        // Where each edge crosses the middle.
+        let cross = |edge: &Edge, direction: &Vector2<f64>| {
+            let m = edge.middle();
+            m + direction * ((middle - m.dot(&along)) / direction.dot(&along))
+        };
+        let (pa, pb) = (cross(a, &da), cross(b, &db));
+        let width = (pb - pa).dot(&across).abs();
+        let length = high - low;
+        if width < NARROWEST * pixel || length < SHORTEST_OVERLAP * pixel || length < SIDE_BY_SIDE * width {
+            return None;
+        }
+        let center = 0.5 * (pa + pb);
+        let seed = self.cell_at(&center)?;
+        if self.planes[seed] != 0 || !self.grid.cells[seed].measured() {
+            return None;
+        }
+        let (fit, cells) = self.profile(&center, &along, &across, length, width)?;
+        let w = fit[0];
+        let ray = Vector3::new(center.x, center.y, 1.0);
+        let near = ray / w;
+        let radius = 0.5 * width / w;
+        let generator = Vector3::new(along.x, along.y, 0.0) / w - ray * (fit[2] / (0.5 * length) / (w * w));
+        let direction = generator.normalize();
+        let flat = (near - direction * near.dot(&direction)).normalize();
+        let cylinder = Cylinder { axis: Line { point: near + flat * radius, direction }, radius };
+        Some(Pair { cylinder, cells, length: length / pixel })
+    }
+
+    /// The cell at a place on the plane z = 1.
+    fn cell_at(&self, p: &Vector2<f64>) -> Option<usize> {
+        let grid = self.grid;
+        let (column, row) = (self.pixel_of)(p)?;
+        let (column, row) = (column / grid.side, row / grid.side);
+        (column < grid.columns && row < grid.rows).then(|| row * grid.columns + column)
+    }
+
+    /// The quadratic w = a + b s + c t + d s² over the cells between two limbs, with s across and t along from −1 to
+    /// 1; `None` where they bend unlike a cylinder, or are few.
+    fn profile(
+        &self,
+        center: &Vector2<f64>,
+        along: &Vector2<f64>,
+        across: &Vector2<f64>,
+        length: f64,
+        width: f64,
+    ) -> Option<(SVector<f64, 4>, Vec<usize>)> {
+        let spacing = self.grid.spacing;
+        let steps = |size: f64| (size / spacing).round().clamp(3.0, 24.0) as usize;
+        let (rows, columns) = (steps(length), steps(INNER * width));
+        let mut cells = Vec::with_capacity(rows * columns);
+        let mut missing = 0;
+        for row in 0..rows {
+            for column in 0..columns {
+                let t = (row as f64 + 0.5) / rows as f64 - 0.5;
+                let s = (column as f64 + 0.5) / columns as f64 - 0.5;
+                let p = center + along * (t * length) + across * (s * INNER * width);
+                match self.cell_at(&p) {
+                    Some(k) if self.grid.cells[k].measured() && self.planes[k] == 0 => cells.push(k),
+                    _ => missing += 1,
+                }
+            }
+        }
+        cells.sort_unstable();
+        cells.dedup();
+        if cells.len() < FEWEST || missing * 2 > rows * columns {
+            return None;
+        }
+        let mut solution = SVector::<f64, 4>::zeros();
+        let mut reach = f64::INFINITY;
+        let mut uncertainty = 0.0;
+        for _ in 0..3 {
+            let mut matrix = SMatrix::<f64, 4, 4>::zeros();
+            let mut vector = SVector::<f64, 4>::zeros();
+            let mut residuals = Vec::with_capacity(cells.len());
+            for &k in &cells {
+                let cell = &self.grid.cells[k];
+                let offset = Vector2::new(cell.x, cell.y) - center;
+                let (s, t) = (offset.dot(across) / (0.5 * width), offset.dot(along) / (0.5 * length));
+                let row = SVector::<f64, 4>::from([1.0, s, t, s * s]);
+                let residual = cell.w - row.dot(&solution);
+                residuals.push(residual.abs());
+                if residual.abs() <= reach {
+                    matrix += row * row.transpose();
+                    vector += row * cell.w;
+                }
+            }
+            if reach.is_finite() {
+                let within = residuals.iter().filter(|&&r| r <= reach).count();
+                if within * 3 < cells.len() * 2 {
+                    return None;
+                }
+            }
+            let inverse = matrix.cholesky()?.inverse();
+            solution = inverse * vector;
+            uncertainty = self.noise.deviation * (self.noise.cells_per_sample * inverse[(3, 3)]).sqrt();
+            reach = 4.0 * self.noise.deviation + 0.1 * width;
+        }
+        if !(solution[0] > 0.0) {
+            return None;
+        }
+        // z = z₀ + x² / (2 r) with x = z₀ s width / 2 and r = z₀ width / 2: w = w₀ − s² width / 4.
+        let expected = -0.25 * width;
+        let ratio = solution[3] / expected;
+        let uncertain = 2.0 * uncertainty / expected.abs();
+        (ratio + uncertain >= CURVATURES[0] && ratio - uncertain <= CURVATURES[1] && ratio > 0.0)
+            .then_some((solution, cells))
+    }
+}
+
+/// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
+const INNER: f64 = 0.7;
+
+/// The shortest stretch in pixels over which two edges stand side by side.
+const SHORTEST_OVERLAP: f64 = 8.0;
+
+/// Fewest cells between two edges.
+const FEWEST: usize = 8;
+
+/// A cylinder by two edges.
+#[derive(Debug, Clone)]
+pub(super) struct Pair {
+    pub cylinder: Cylinder,
+    /// Cells between the edges.
+    pub cells: Vec<usize>,
+    /// How long the edges stand side by side, in pixels.
+    pub length: f64,
+}
