@@ -66,7 +66,7 @@ impl<'a> Fits<'a> {
 }
 
 fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResult) -> Found {
-    let (extent, arcs) = match fitter.extent_and_arcs(Some(&result.cylinder), None) {
+    let (extent, arcs) = match fitter.extent_and_arcs(None, None) {
         Ok((extent, mut arcs)) => (Ok(extent), arcs.pop().unwrap_or_default()),
         Err(error) => (Err(error), Default::default()),
     };

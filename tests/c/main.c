@@ -158,6 +158,8 @@ int main(void)
     test_memory();
     test_views();
     test_readers();
+    test_detector();
+    test_detector_calls();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
 #endif
