@@ -10,6 +10,7 @@
 
 #include <cylfuse/pcl.hpp>
 
+#include <pcl/common/point_tests.h>
 #include <pcl/console/print.h>
 #include <pcl/pcl_base.h>
 
@@ -59,14 +60,19 @@ public:
         inliers.clear();
         error_ = Error(Status::Ok);
         try {
-            detect();
+            const std::vector<float> used = detect();
             for (const Detection &detection : detector_.detections()) {
-                const std::vector<std::uint32_t> indices = detector_.indices(coefficients.size());
+                const std::vector<std::uint32_t> region = detector_.indices(coefficients.size());
                 coefficients.push_back(to_coefficients(detection.model));
                 coefficients.back().header = Points::input_->header;
                 inliers.emplace_back();
                 inliers.back().header = Points::input_->header;
-                inliers.back().indices.assign(indices.begin(), indices.end());
+                for (const std::uint32_t index : region) {
+                    // Of a camera's image it holds the pixels inside the outline that measured nothing, too.
+                    if (used[index] > 0.0F && pcl::isFinite((*Points::input_)[index])) {
+                        inliers.back().indices.push_back(pcl::index_t(index));
+                    }
+                }
             }
         } catch (const Error &error) {
             error_ = error;
@@ -82,7 +88,8 @@ public:
     const Detector &getDetector() const { return detector_; }
 
 private:
-    void detect()
+    // Searches, and gives 1 for each point that takes part and 0 for the others.
+    std::vector<float> detect()
     {
         if (!Points::input_) {
             throw Error(Status::BadState, "segment needs a cloud; call setInputCloud first");
@@ -90,23 +97,25 @@ private:
         const pcl::PointCloud<PointT> &cloud = *Points::input_;
         detail::check_cloud(cloud);
         Points::initCompute(); // Without indices of the user it makes those of all points, as in PCL.
+        detail::check_indices(cloud, *Points::indices_);
+        std::vector<float> used(cloud.size(), 0.0F);
+        for (const pcl::index_t index : *Points::indices_) {
+            used[std::size_t(index)] = 1.0F;
+        }
         detector_.set_options(options_);
         if (has_intrinsics_) {
-            detector_.detect(frame());
-            return;
-        }
-        PointsView points = points_view(cloud);
-        std::vector<float> weights;
-        if (!Points::fake_indices_) {
+            detector_.detect(frame(used));
+        } else {
             // Points that were not selected stay in their places and count nothing.
-            weights = selected(0.0F, [](std::size_t) { return 1.0F; });
-            points.weights = weights.data();
+            PointsView points = points_view(cloud);
+            points.weights = used.data();
+            detector_.detect_points(points);
         }
-        detector_.detect_points(points);
+        return used;
     }
 
-    // The cloud as a depth image.
-    Frame frame() const
+    // The used points of the cloud as a depth image.
+    Frame frame(const std::vector<float> &used) const
     {
         const pcl::PointCloud<PointT> &cloud = *Points::input_;
         if (cloud.width != intrinsics_.width || cloud.height != intrinsics_.height) {
@@ -116,7 +125,10 @@ private:
                          std::to_string(intrinsics_.height) + "; the cloud must be organised in the pixels of the camera")
                             .c_str());
         }
-        const std::vector<float> depths = selected(0.0F, [&](std::size_t k) { return cloud[k].z; });
+        std::vector<float> depths(cloud.size());
+        for (std::size_t k = 0; k < depths.size(); ++k) {
+            depths[k] = used[k] > 0.0F ? cloud[k].z : 0.0F;
+        }
         Frame frame;
         frame.set_intrinsics(intrinsics_);
         frame.set_depth(DepthView(depths.data(), cloud.width, cloud.height, 1.0));
@@ -124,18 +136,6 @@ private:
             frame.set_image(image_);
         }
         return frame;
-    }
-
-    // A number for each point: `of` the point where it was selected, `none` elsewhere.
-    template <class Of>
-    std::vector<float> selected(float none, Of of) const
-    {
-        detail::check_indices(*Points::input_, *Points::indices_);
-        std::vector<float> numbers(Points::input_->size(), none);
-        for (const pcl::index_t index : *Points::indices_) {
-            numbers[std::size_t(index)] = of(std::size_t(index));
-        }
-        return numbers;
     }
 
     DetectorOptions options_;

@@ -438,7 +438,9 @@ static void all_cylinders_of_a_cloud()
         const std::array<float, 3> p = pair.point(k);
         (*cloud)[k].x = p[0], (*cloud)[k].y = p[1], (*cloud)[k].z = p[2];
     }
-    (*cloud)[5].z = NAN;
+    // In the middle of the first cylinder nothing was measured.
+    const pcl::index_t hole = 59 * 160 + 50;
+    (*cloud)[std::size_t(hole)].x = (*cloud)[std::size_t(hole)].y = (*cloud)[std::size_t(hole)].z = NAN;
     cloud->is_dense = false;
     cloud->header.frame_id = "camera";
     std::vector<pcl::ModelCoefficients> coefficients;
@@ -467,9 +469,9 @@ static void all_cylinders_of_a_cloud()
         const std::vector<std::uint16_t> labels = detection.getDetector().labels();
         for (std::size_t k = 0; k < 2; ++k) {
             CHECK(inliers[k].indices.size() > 300);
-            CHECK(inliers[k].indices.size() == detection.getDetector().detections()[k].pixels);
+            CHECK(inliers[k].indices.size() <= detection.getDetector().detections()[k].pixels);
             for (const pcl::index_t index : inliers[k].indices) {
-                CHECK(labels[std::size_t(index)] == k + 1);
+                CHECK(labels[std::size_t(index)] == k + 1 && index != hole);
             }
         }
         // Only the points that were selected.
