@@ -28,8 +28,8 @@
 //!
 //! # Where to begin
 //! [`fitter::Fitter`] is the whole of it; [`observations`] are what it takes, [`fitter::FitResult`] is what it gives, and
-//! [`extent`] and [`completion`] follow a fit; [`detection`] finds all cylinders of a scene. [`ffi`] is the C interface and,
-//! with the feature `opencv`, the module `opencv` takes its images. `docs/architecture.md` shows the inside.
+//! [`extent`] and [`completion`] follow a fit; [`scene::Detector`] finds and fits all cylinders of a scene. [`ffi`] is the C
+//! interface and, with the feature `opencv`, the module `opencv` takes its images. `docs/architecture.md` shows the inside.
 
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
@@ -64,6 +64,7 @@ pub mod observations;
 #[cfg(feature = "opencv")]
 pub mod opencv;
 mod residuals;
+pub mod scene;
 mod solver;
 mod start;
 mod statistics;

@@ -83,6 +83,12 @@ fn layouts() -> Vec<Layout> {
         cylfuse_limb { view, limb, status, samples, line, deviation }
         cylfuse_limb_sample { view, limb, pixel, deviation, weight }
         cylfuse_end_sample { view, end, pixel, normal, deviation }
+        cylfuse_detector_options {
+            struct_size, image_use, max_threads, max_count, min_pixels, min_score, radius_min, radius_max, axis,
+            axis_max_angle,
+        }
+        cylfuse_detection_progress { struct_size, phase, fits_done, fits }
+        cylfuse_detection { score, pixels, model }
     }
 }
 

@@ -10,7 +10,7 @@ use common::{c_compiler, cpp_compiler, header, root, run, scratch};
 use std::process::Command;
 
 /// The files of src/ffi in the order of the header. `panic_test` is not part of it.
-const SOURCES: [&str; 18] = [
+const SOURCES: [&str; 19] = [
     "status",
     "constants",
     "outcomes",
@@ -24,6 +24,7 @@ const SOURCES: [&str; 18] = [
     "setup",
     "data",
     "frame",
+    "detector",
     "solve",
     "arrays",
     "apply",

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
-const LAYERS: [&[&str]; 14] = [
+const LAYERS: [&[&str]; 15] = [
     &["constant", "error", "statistics", "workers"],
     &["noise"],
     &["geometry"],
@@ -19,6 +19,7 @@ const LAYERS: [&[&str]; 14] = [
     &["fitter"],
     &["completion"],
     &["extent"],
+    &["scene"],
     &["ffi", "opencv"],
     &["bin"],
 ];

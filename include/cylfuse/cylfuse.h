@@ -43,7 +43,8 @@
  *
  * With the colour image (cylfuse_fitter_push_image()) the limbs and ends are located in it, which makes the outcome far
  * more certain. For the next frame: cylfuse_fitter_clear(), push, fit. For several views of one cylinder:
- * cylfuse_fitter_select_view(). For many cylinders in one view: a cylfuse_frame, which many fitters share.
+ * cylfuse_fitter_select_view(). For many cylinders in one view: a cylfuse_frame, which many fitters share. For all
+ * cylinders of a frame or a cloud without any mask: cylfuse_detector_detect() and cylfuse_detector_detect_points().
  *
  * Statuses. A call returns 0 (CYLFUSE_STATUS_OK) or a negative number. A call that fails changes nothing and
  * writes no output, unless its text says so, and cylfuse_fitter_last_error() names the value, the limit and the
@@ -52,8 +53,8 @@
  * a call adds to NULL_POINTER, STRUCT_SIZE, BUSY and PANIC, which any call may return.
  *
  * Memory. The library copies what it is given during the call and keeps no pointer but the callbacks and their
- * user_data. All outputs go to memory of the caller: nothing needs to be freed but fitters and frames, each by its
- * destroy function.
+ * user_data. All outputs go to memory of the caller: nothing needs to be freed but fitters, frames and detectors, each by
+ * its destroy function.
  *
  * Pointers. NULL where a pointer is needed gives NULL_POINTER; a pointer may be NULL only where its text says
  * so. Pointers to data, structs and outputs need no alignment. Data are described by the address of the first
@@ -61,8 +62,8 @@
  * Elements must not overlap. The memory from the first to the last byte of the elements must be readable
  * (writable for outputs).
  *
- * Structs. Those with struct_size grow with later versions, at their end. Each (but cylfuse_progress, which the library
- * makes) has a function named after it that ends in _init, which comes before everything else: it sets struct_size and
+ * Structs. Those with struct_size grow with later versions, at their end. Each (but cylfuse_progress and
+ * cylfuse_detection_progress, which the library makes) has a function named after it that ends in _init, which comes before everything else: it sets struct_size and
  * the defaults. Do not fill such a struct with
  * zeros instead: 0 is no default for some fields. In a struct to be read, struct_size is the size that the program
  * knows: fields that an older program does not have are at their defaults, and fields of a newer one must be 0. In a
@@ -83,7 +84,7 @@
  *
  * Threads. Any number of calls that take a const handle may run on it at once; a call that takes a handle that is not
  * const runs alone. What would disturb another call returns BUSY at once instead of waiting. Only
- * cylfuse_fitter_cancel() and cylfuse_fitter_last_error() always go through. Different handles are independent. No
+ * the functions that end in _cancel and _last_error always go through. Different handles are independent. No
  * thread is started unless max_threads of the options asks for it. There is no shared state but the text of the last
  * call of each thread, and the library prints nothing.
  *
@@ -130,6 +131,16 @@
  * working, and the soname changes with it.
  */
 #define CYLFUSE_ABI_VERSION 1
+
+/**
+ * Finds all cylinders of a frame or a cloud and fits each by the full method: holds options and the last scene. Opaque;
+ * made by `cylfuse_detector_create`.
+ *
+ * A detector may move between threads. Calls that take a `const cylfuse_detector *` run side by side; a call that may
+ * change it runs alone: what would disturb it, from another thread or from a callback, returns `CYLFUSE_STATUS_BUSY`.
+ * Different detectors run in parallel.
+ */
+typedef struct cylfuse_detector cylfuse_detector;
 
 /**
  * Estimates one cylinder: holds options, views with their data, and the last result. Opaque; made by
@@ -241,7 +252,7 @@ typedef int32_t cylfuse_status;
  */
 #define CYLFUSE_STATUS_NUMERICAL (-27)
 /**
- * The progress callback or `cylfuse_fitter_cancel` asked to stop.
+ * A progress callback, `cylfuse_fitter_cancel` or `cylfuse_detector_cancel` asked to stop.
  */
 #define CYLFUSE_STATUS_CANCELLED (-40)
 /**
@@ -520,6 +531,68 @@ typedef struct cylfuse_options {
      */
     double axis_max_angle;
 } cylfuse_options;
+
+/**
+ * Whether a detector looks at the image of a frame.
+ */
+typedef int32_t cylfuse_image_use;
+/**
+ * Where there is one.
+ */
+#define CYLFUSE_IMAGE_USE_AUTO 0
+/**
+ * Never: by depth alone.
+ */
+#define CYLFUSE_IMAGE_USE_IGNORE 1
+
+/**
+ * The settings of a detector. `cylfuse_detector_options_init` fills the defaults, which are named below.
+ */
+typedef struct cylfuse_detector_options {
+    /**
+     * `sizeof(cylfuse_detector_options)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Whether the image of a frame is looked at. Default AUTO.
+     */
+    cylfuse_image_use image_use;
+    /**
+     * Most threads, on which cylinders are fitted side by side. The result has the same bits for any number. Default 1:
+     * no thread is started; 0 = 1.
+     */
+    uint32_t max_threads;
+    /**
+     * Most cylinders, those with the highest scores. Default 0 = no limit.
+     */
+    uint32_t max_count;
+    /**
+     * Fewest pixels of a cylinder; points for a cloud. Default 100.
+     */
+    uint64_t min_pixels;
+    /**
+     * The least score, in [0, 1]: the probability that there is a cylinder. Default 0.5.
+     */
+    double min_score;
+    /**
+     * The smallest radius, in the unit of length, which the search and the fits keep. Default 0 = no limit.
+     */
+    double radius_min;
+    /**
+     * The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+     */
+    double radius_max;
+    /**
+     * The middle of the cone of directions that the axes keep, in the reference frame and of any length. Default
+     * {0, 0, 0} = all directions.
+     */
+    double axis[3];
+    /**
+     * The largest angle of an axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction that is
+     * known. Default 0; must be 0 without `axis`.
+     */
+    double axis_max_angle;
+} cylfuse_detector_options;
 
 /**
  * The distortion of the lens. What the numbers in `cylfuse_intrinsics::distortion` mean.
@@ -1607,6 +1680,74 @@ typedef int32_t cylfuse_log_level;
 typedef void (*cylfuse_log_fn)(cylfuse_log_level level, const char *message, void *user_data);
 
 /**
+ * What a detector is doing.
+ */
+typedef int32_t cylfuse_detection_phase;
+/**
+ * It is about to look for cylinders.
+ */
+#define CYLFUSE_DETECTION_PHASE_SEARCH 1
+/**
+ * It fits those that were found.
+ */
+#define CYLFUSE_DETECTION_PHASE_FIT 2
+
+/**
+ * How far a detector is.
+ */
+typedef struct cylfuse_detection_progress {
+    /**
+     * The size of this struct in the library that calls: later fields exist when it is large enough.
+     */
+    uint32_t struct_size;
+    /**
+     * What it is doing.
+     */
+    cylfuse_detection_phase phase;
+    /**
+     * Cylinders that are fitted.
+     */
+    uint32_t fits_done;
+    /**
+     * Cylinders to fit; 0 before the search.
+     */
+    uint32_t fits;
+} cylfuse_detection_progress;
+
+/**
+ * Hears how far a detector is: before the search, after it, and after each fit, on the thread that called
+ * `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+ *
+ * It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
+ * `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters
+ * are free.
+ *
+ * @param progress valid until the callback returns
+ * @param user_data what was given with the callback
+ * @return 0 to go on; anything else stops the search, which returns CANCELLED
+ */
+typedef int32_t (*cylfuse_detection_progress_fn)(const struct cylfuse_detection_progress *progress,
+                                                 void *user_data);
+
+/**
+ * A cylinder of a scene. Elements of an array: their size is an argument of the call, and only ever grows.
+ */
+typedef struct cylfuse_detection {
+    /**
+     * The probability that there is a cylinder.
+     */
+    double score;
+    /**
+     * Pixels of its region; points for a cloud.
+     */
+    uint64_t pixels;
+    /**
+     * The cylinder that was fitted, as in its `cylfuse_cylinder_estimate`.
+     */
+    struct cylfuse_cylinder model;
+} cylfuse_detection;
+
+/**
  * Which residuals to list.
  */
 typedef int32_t cylfuse_residual_kind;
@@ -1804,6 +1945,18 @@ CYLFUSE_API const char *cylfuse_status_string(cylfuse_status status) CYLFUSE_NOE
 CYLFUSE_API
 cylfuse_status cylfuse_options_init(struct cylfuse_options *options,
                                     size_t struct_size)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fills options of a detector with the defaults.
+ *
+ * @param options what to fill
+ * @param struct_size `sizeof(cylfuse_detector_options)`
+ * @return STRUCT_SIZE for a size that cannot be, and then nothing is written
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_options_init(struct cylfuse_detector_options *options,
+                                             size_t struct_size)
 CYLFUSE_NOEXCEPT;
 
 /**
@@ -2385,6 +2538,266 @@ CYLFUSE_API
 cylfuse_status cylfuse_fitter_use_frame(struct cylfuse_fitter *fitter,
                                         const struct cylfuse_frame *frame,
                                         const struct cylfuse_mask_view *mask)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Makes a detector with default options.
+ *
+ * @param abi_version `CYLFUSE_ABI_VERSION`
+ * @param out_detector where the detector goes, for `cylfuse_detector_destroy` in the end; set to NULL when the call
+ *   fails
+ * @return ABI_MISMATCH when the program was compiled for another version of the interface, OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_create(uint32_t abi_version,
+                                       struct cylfuse_detector **out_detector)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Destroys a detector and frees what it holds. Fitters that it made stay. No other call on it may be running or follow.
+ *
+ * @param detector the detector; NULL does nothing
+ * @return BUSY when a call on the detector is running, which a call from its callback always finds; nothing is
+ *   destroyed then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_destroy(struct cylfuse_detector *detector)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Why the last call on a detector failed; see `cylfuse_fitter_last_error`, whose rules hold here too.
+ *
+ * @param detector the detector, which may be busy; NULL asks for the last call of this thread, whatever it was on
+ * @return a text that is valid until the next call of this thread into the library; never NULL
+ */
+CYLFUSE_API
+const char *cylfuse_detector_last_error(const struct cylfuse_detector *detector)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
+ * linear solve of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
+ *
+ * @param detector the detector
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_cancel(struct cylfuse_detector *detector)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Replaces the options of a detector: of the search, and of the scene as a whole.
+ *
+ * @param detector the detector
+ * @param options copied
+ * @return INVALID_ARGUMENT for a value out of range, STRUCT_SIZE; the old options stay then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_set_options(struct cylfuse_detector *detector,
+                                            const struct cylfuse_detector_options *options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the options of a detector.
+ *
+ * @param detector the detector
+ * @param out_options where they go; `cylfuse_detector_options_init` comes before
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_get_options(const struct cylfuse_detector *detector,
+                                            struct cylfuse_detector_options *out_options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Replaces the options of the fits of a detector. Limits, threads and the start are those of the detector: here
+ * `radius_min`, `radius_max`, `axis`, `axis_max_angle`, `max_threads` and `start` must have their defaults.
+ *
+ * @param detector the detector
+ * @param options copied
+ * @return INVALID_ARGUMENT for a value out of range and for one that the detector sets, STRUCT_SIZE; the old options
+ *   stay then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_set_fit_options(struct cylfuse_detector *detector,
+                                                const struct cylfuse_options *options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the options of the fits of a detector.
+ *
+ * @param detector the detector
+ * @param out_options where they go; `cylfuse_options_init` comes before
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_get_fit_options(const struct cylfuse_detector *detector,
+                                                struct cylfuse_options *out_options)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Sets or takes away the progress callback of a detector.
+ *
+ * @param detector the detector
+ * @param callback NULL for none
+ * @param user_data handed to the callback, kept until the callback is replaced; may be NULL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_set_progress(struct cylfuse_detector *detector,
+                                             cylfuse_detection_progress_fn callback,
+                                             void *user_data)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Finds all cylinders in the depth image of a frame, and fits each to its region by depth and image. Results are in the
+ * reference frame, to which the pose of the frame leads. The scene takes the place of the last one.
+ *
+ * @param detector the detector
+ * @param frame the frame, with intrinsics and a depth image; shared and not copied. It may be changed or destroyed
+ *   afterwards, of which the scene sees nothing.
+ * @return BAD_STATE without intrinsics or depth, UNSUPPORTED for options of the fits that need edges, BUSY when the frame
+ *   is being filled, OUT_OF_MEMORY, CANCELLED; the last scene stays then. A scene without any cylinder is none of them.
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_detect(struct cylfuse_detector *detector,
+                                       const struct cylfuse_frame *frame)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Finds all cylinders in a cloud, organised or not, and fits each to its points. Where nearly all points lie in front of
+ * it, the origin is taken for the sensor. Points with a coordinate that is not finite or a weight of 0 are left out. The
+ * scene takes the place of the last one.
+ *
+ * @param detector the detector
+ * @param points read during the call only
+ * @return INVALID_ARGUMENT for a negative weight or a bad stride, UNSUPPORTED for options of the fits that need edges,
+ *   OUT_OF_MEMORY, CANCELLED; the last scene stays then. A scene without any cylinder is none of them.
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_detect_points(struct cylfuse_detector *detector,
+                                              const struct cylfuse_points_view *points)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says how many cylinders the last scene has.
+ *
+ * @param detector the detector
+ * @param out_count where the number goes
+ * @return BAD_STATE when no scene was searched
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_count(const struct cylfuse_detector *detector,
+                                      size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
+ *
+ * @param detector the detector
+ * @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
+ *   is 0
+ * @param element_size `sizeof(cylfuse_detection)`
+ * @param capacity how many elements `out` holds
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE when no scene was searched, STRUCT_SIZE, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_detections(const struct cylfuse_detector *detector,
+                                           struct cylfuse_detection *out,
+                                           size_t element_size,
+                                           size_t capacity,
+                                           size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the outcome of the fit of one cylinder.
+ *
+ * @param detector the detector
+ * @param index the cylinder, from 0
+ * @param out_result where the result goes; `cylfuse_result_init` comes before
+ * @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_get_result(const struct cylfuse_detector *detector,
+                                           size_t index,
+                                           struct cylfuse_result *out_result)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads one cylinder with its deviations.
+ *
+ * @param detector the detector
+ * @param index the cylinder, from 0
+ * @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before
+ * @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_get_cylinder(const struct cylfuse_detector *detector,
+                                             size_t index,
+                                             struct cylfuse_cylinder_estimate *out_estimate)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the visible piece of one cylinder of a frame.
+ *
+ * @param detector the detector
+ * @param index the cylinder, from 0
+ * @param out_extent where the extent goes; `cylfuse_extent_init` comes before
+ * @return BAD_STATE when no scene was searched and for a cloud, whose cylinders have no ends; INVALID_ARGUMENT when there
+ *   is no such cylinder, EDGE_GEOMETRY when no ray of its region meets it
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_get_extent(const struct cylfuse_detector *detector,
+                                           size_t index,
+                                           struct cylfuse_extent *out_extent)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Writes for each pixel of the colour image, or each point of the cloud, row by row, the number of its cylinder from 1 on:
+ * 1 for the cylinder of index 0. 0 = none.
+ *
+ * @param detector the detector
+ * @param out room for `capacity` numbers, of any alignment; may be NULL when `capacity` is 0
+ * @param capacity width * height of the frame or of the cloud
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE when no scene was searched, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_labels(const struct cylfuse_detector *detector,
+                                       uint16_t *out,
+                                       size_t capacity,
+                                       size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Lists the pixels or points of one cylinder, counted from 0 row by row, in rising order.
+ *
+ * @param detector the detector
+ * @param index the cylinder, from 0
+ * @param out room for `capacity` indices, of any alignment; may be NULL when `capacity` is 0
+ * @param capacity `pixels` of its `cylfuse_detection` is enough
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, BUFFER_TOO_SMALL
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_indices(const struct cylfuse_detector *detector,
+                                        size_t index,
+                                        uint32_t *out,
+                                        size_t capacity,
+                                        size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Makes a fitter of one cylinder as its fit left it, with options, frame or points, region as mask, start model and
+ * result: for residuals, completion, limbs and all else that can be asked of a fit, or for another fit. It shares the
+ * images of the frame and does not depend on the detector.
+ *
+ * @param detector the detector
+ * @param index the cylinder, from 0
+ * @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call fails
+ * @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_make_fitter(const struct cylfuse_detector *detector,
+                                            size_t index,
+                                            struct cylfuse_fitter **out_fitter)
 CYLFUSE_NOEXCEPT;
 
 /**

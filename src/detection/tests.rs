@@ -115,7 +115,7 @@ fn can(x: f64, y: f64, z: f64, direction: Vector3<f64>, radius: f64) -> Cylinder
 }
 
 fn search_for(bodies: &[Body]) -> Detections {
-    detect(&camera(), &render(bodies, 1.0), &DetectionOptions::default()).unwrap()
+    detect(&camera(), &render(bodies, 1.0), None, &DetectionOptions::default()).unwrap()
 }
 
 const UP: Vector3<f64> = Vector3::new(0.0, 0.8, 0.6);
@@ -175,7 +175,7 @@ fn nothing_is_found_where_there_is_no_cylinder() {
     let mut random = Random(3);
     let noise: Vec<f32> = (0..SIZE.0 * SIZE.1).map(|_| random.uniform() as f32 + 0.5).collect();
     let noise = DepthImage::copy(&DepthView::from_f32(&noise, SIZE, 1.0).unwrap()).unwrap();
-    let found = detect(&camera(), &noise, &DetectionOptions::default()).unwrap();
+    let found = detect(&camera(), &noise, None, &DetectionOptions::default()).unwrap();
     assert!(found.cylinders.is_empty(), "{:?}", found.cylinders);
 }
 
@@ -188,7 +188,7 @@ fn the_answer_has_the_same_bits_again_and_goes_with_the_unit() {
     assert_eq!(once.cylinders, again.cylinders);
     assert_eq!(once.labels, again.labels);
     let depth = render(&bodies, 1000.0);
-    let millimetres = detect(&camera(), &depth, &DetectionOptions::default()).unwrap();
+    let millimetres = detect(&camera(), &depth, None, &DetectionOptions::default()).unwrap();
     assert_eq!(millimetres.cylinders.len(), 1);
     let ratio = millimetres.cylinders[0].cylinder.radius / once.cylinders[0].cylinder.radius;
     assert!((ratio / 1000.0 - 1.0).abs() < 1e-2, "{ratio}");
@@ -202,7 +202,7 @@ fn options_limit_what_is_found() {
         Body::Can(can(0.12, 0.1, 0.7, Vector3::x(), 0.025), 0.06),
     ];
     let depth = render(&bodies, 1.0);
-    let count = |options: DetectionOptions| detect(&camera(), &depth, &options).unwrap().cylinders.len();
+    let count = |options: DetectionOptions| detect(&camera(), &depth, None, &options).unwrap().cylinders.len();
     let defaults = DetectionOptions::default();
     let limits = CylinderLimits::default();
     assert_eq!(count(defaults), 2);
@@ -213,7 +213,7 @@ fn options_limit_what_is_found() {
     assert_eq!(count(DetectionOptions { limits: CylinderLimits { axis: cone, ..limits }, ..defaults }), 1);
     assert_eq!(count(DetectionOptions { min_pixels: 100_000, ..defaults }), 0);
     for min_score in [-0.1, 1.1, f64::NAN] {
-        let error = detect(&camera(), &depth, &DetectionOptions { min_score, ..defaults }).unwrap_err();
+        let error = detect(&camera(), &depth, None, &DetectionOptions { min_score, ..defaults }).unwrap_err();
         assert!(error.to_string().contains("minimal score"), "{error}");
     }
 }

@@ -57,10 +57,10 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
 /// Writes all values and their number, or when they are too many their number only.
 ///
 /// # Safety
-/// `out` is NULL or writable for `capacity` doubles.
-unsafe fn write_numbers(
-    values: impl Iterator<Item = f64> + Clone,
-    out: *mut f64,
+/// `out` is NULL or writable for `capacity` numbers.
+pub(super) unsafe fn write_numbers<T: Copy>(
+    values: impl Iterator<Item = T> + Clone,
+    out: *mut T,
     capacity: usize,
     count: &Slot<usize>,
 ) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! Functions of the caller.
 
 use super::constants::cylfuse_log_level;
-use super::results::cylfuse_progress;
+use super::results::{cylfuse_detection_progress, cylfuse_progress};
 use super::texts::Text;
 use std::ffi::{c_char, c_void};
 
@@ -15,6 +15,19 @@ use std::ffi::{c_char, c_void};
 /// @return 0 to go on; anything else stops the fit, which returns CANCELLED
 pub type cylfuse_progress_fn =
     Option<unsafe extern "C" fn(progress: *const cylfuse_progress, user_data: *mut c_void) -> i32>;
+
+/// Hears how far a detector is: before the search, after it, and after each fit, on the thread that called
+/// `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+///
+/// It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
+/// `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters
+/// are free.
+///
+/// @param progress valid until the callback returns
+/// @param user_data what was given with the callback
+/// @return 0 to go on; anything else stops the search, which returns CANCELLED
+pub type cylfuse_detection_progress_fn =
+    Option<unsafe extern "C" fn(progress: *const cylfuse_detection_progress, user_data: *mut c_void) -> i32>;
 
 /// Takes a log line, on the thread that called the function: on several at once when several threads make calls with
 /// a `const cylfuse_fitter *`. It must not throw, unwind or longjmp, nor call functions on the same fitter but

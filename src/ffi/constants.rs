@@ -331,6 +331,27 @@ impl From<EdgeUse> for cylfuse_edge_use {
     }
 }
 
+/// Whether a detector looks at the image of a frame.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_image_use(pub i32);
+
+impl cylfuse_image_use {
+    /// Where there is one.
+    pub const AUTO: cylfuse_image_use = cylfuse_image_use(0);
+    /// Never: by depth alone.
+    pub const IGNORE: cylfuse_image_use = cylfuse_image_use(1);
+
+    /// Whether it looks.
+    pub(super) fn read(self, field: &str) -> Result<bool, Failure> {
+        match self {
+            Self::AUTO => Ok(true),
+            Self::IGNORE => Ok(false),
+            _ => unknown(field, self.0, "0 (AUTO) or 1 (IGNORE)"),
+        }
+    }
+}
+
 /// How the ends of the visible cylinder are found.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

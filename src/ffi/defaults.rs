@@ -8,10 +8,11 @@ use super::results::{
 use super::sized::{SizeTagged, init, zeroed};
 use super::status::cylfuse_status;
 use super::structs::{
-    cylfuse_depth_out, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
-    cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
+    cylfuse_depth_out, cylfuse_depth_view, cylfuse_detector_options, cylfuse_image_view, cylfuse_intrinsics,
+    cylfuse_mask_view, cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
 };
 use crate::fitter::Options;
+use crate::scene::DetectorOptions;
 
 /// Fills a struct with defaults.
 ///
@@ -41,6 +42,20 @@ pub unsafe extern "C" fn cylfuse_options_init(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe { fill(options, "options", struct_size, || (&Options::default()).into()) }
+}
+
+/// Fills options of a detector with the defaults.
+///
+/// @param options what to fill
+/// @param struct_size `sizeof(cylfuse_detector_options)`
+/// @return STRUCT_SIZE for a size that cannot be, and then nothing is written
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_options_init(
+    options: *mut cylfuse_detector_options,
+    struct_size: usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { fill(options, "options", struct_size, || (&DetectorOptions::default()).into()) }
 }
 
 /// Fills intrinsics with zeros: a pinhole, whose size, focal lengths and principal point the caller sets.

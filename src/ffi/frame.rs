@@ -3,7 +3,7 @@
 use super::data::{log_points, optional_mask};
 use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, stateless};
 use super::handle::{change, read as look};
-use super::library::create;
+use super::library::{create, destroy};
 use super::sized::read;
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view};
@@ -58,16 +58,8 @@ pub unsafe extern "C" fn cylfuse_frame_create(
 /// @return BUSY when a call on the frame is running; nothing is destroyed then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cylfuse_status {
-    // SAFETY: NULL or a living frame, by the contract of the header.
-    let Some(handle) = (unsafe { frame.as_ref() }) else { return stateless(|| Ok(())) };
-    if !handle.0.close() {
-        return cylfuse_status::BUSY;
-    }
-    stateless(|| {
-        // SAFETY: it came from `create`, no call uses it, and the caller says that none follows.
-        drop(unsafe { Box::from_raw(frame) });
-        Ok(())
-    })
+    // SAFETY: the contract of the header.
+    unsafe { destroy(frame, |frame| frame.0.close()) }
 }
 
 /// Why the last call on a frame failed; see `cylfuse_fitter_last_error`, whose rules hold here too. The text of
@@ -215,7 +207,7 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
 }
 
 /// What a frame holds; its images are shared.
-fn content_of(handle: &cylfuse_frame) -> Result<Frame, Failure> {
+pub(super) fn content_of(handle: &cylfuse_frame) -> Result<Frame, Failure> {
     let mut content = None;
     let status = look(&handle.0, |frame, _| {
         content = Some(frame.clone());

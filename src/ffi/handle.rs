@@ -75,6 +75,12 @@ impl Cancel<'_> {
 
 impl<C: Default> Default for Handle<C> {
     fn default() -> Self {
+        Self::new(C::default())
+    }
+}
+
+impl<C> Handle<C> {
+    pub fn new(content: C) -> Self {
         static SERIALS: AtomicU64 = AtomicU64::new(1);
         Self {
             serial: SERIALS.fetch_add(1, Ordering::Relaxed),
@@ -82,12 +88,10 @@ impl<C: Default> Default for Handle<C> {
             poisoned: AtomicBool::new(false),
             cancels: AtomicU64::new(0),
             text: Mutex::new(Text::EMPTY),
-            content: UnsafeCell::default(),
+            content: UnsafeCell::new(content),
         }
     }
-}
 
-impl<C> Handle<C> {
     /// Asks the calls that are running to stop.
     pub fn cancel(&self) -> cylfuse_status {
         if self.is_poisoned() {

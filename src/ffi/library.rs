@@ -78,7 +78,6 @@ pub(super) unsafe fn create<H>(
     name: &'static str,
     make: impl FnOnce() -> H,
 ) -> cylfuse_status {
-    const { assert!(size_of::<H>() > 0, "there is something to allocate") };
     stateless(|| {
         // SAFETY: the caller's obligation.
         let out = unsafe { Slot::new(out, name) }?;
@@ -86,15 +85,37 @@ pub(super) unsafe fn create<H>(
         if abi_version != CYLFUSE_ABI_VERSION {
             return Err(Failure::AbiMismatch { given: abi_version });
         }
-        // As Box::new does it, which would abort the program when memory is short.
-        // SAFETY: the size is not zero.
-        let handle = unsafe { alloc(Layout::new::<H>()) }.cast::<H>();
-        if handle.is_null() {
-            return Err(Error::OutOfMemory { what: "the handle", bytes: size_of::<H>() }.into());
-        }
-        // SAFETY: the memory has the size and alignment of the value.
-        unsafe { handle.write(make()) };
-        out.write(handle);
+        out.write(allocate(make())?);
+        Ok(())
+    })
+}
+
+/// A handle on the heap. As Box::new does it, which would abort the program when memory is short.
+pub(super) fn allocate<H>(value: H) -> Result<*mut H, Failure> {
+    const { assert!(size_of::<H>() > 0, "there is something to allocate") };
+    // SAFETY: the size is not zero.
+    let handle = unsafe { alloc(Layout::new::<H>()) }.cast::<H>();
+    if handle.is_null() {
+        return Err(Error::OutOfMemory { what: "the handle", bytes: size_of::<H>() }.into());
+    }
+    // SAFETY: the memory has the size and alignment of the value.
+    unsafe { handle.write(value) };
+    Ok(handle)
+}
+
+/// Frees what is behind a handle, unless it cannot be closed because a call on it is running.
+///
+/// # Safety
+/// `handle` is NULL or came from [`allocate`], and no other call on it follows.
+pub(super) unsafe fn destroy<H>(handle: *mut H, close: impl FnOnce(&H) -> bool) -> cylfuse_status {
+    // SAFETY: NULL or living, by the caller's obligation.
+    let Some(living) = (unsafe { handle.as_ref() }) else { return stateless(|| Ok(())) };
+    if !close(living) {
+        return cylfuse_status::BUSY;
+    }
+    stateless(|| {
+        // SAFETY: it came from `allocate`, which uses the allocator of Box; no call uses it, and none follows.
+        drop(unsafe { Box::from_raw(handle) });
         Ok(())
     })
 }

@@ -2,7 +2,7 @@
 
 use super::constants::cylfuse_input;
 use super::handle::{Handle, cylfuse_fitter, enter_to_change, stateless};
-use super::library::create;
+use super::library::{create, destroy};
 use super::status::{Failure, cylfuse_status};
 use super::texts;
 use std::ffi::c_char;
@@ -29,16 +29,8 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
 ///   nothing is destroyed then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_destroy(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: NULL or a living fitter, by the contract of the header.
-    let Some(handle) = (unsafe { fitter.as_ref() }) else { return stateless(|| Ok(())) };
-    if !handle.0.close() {
-        return cylfuse_status::BUSY;
-    }
-    stateless(|| {
-        // SAFETY: it came from Box::into_raw, no call uses it, and the caller says that none follows.
-        drop(unsafe { Box::from_raw(fitter) });
-        Ok(())
-    })
+    // SAFETY: the contract of the header.
+    unsafe { destroy(fitter, |fitter| fitter.0.close()) }
 }
 
 /// Makes room, so that pushing that many more points and segments into the selected view needs no memory.

@@ -32,6 +32,7 @@ mod constants;
 mod cylinder;
 mod data;
 mod defaults;
+mod detector;
 mod frame;
 mod guard;
 mod handle;
@@ -52,12 +53,13 @@ mod views;
 
 pub use apply::*;
 pub use arrays::*;
-pub use callbacks::{cylfuse_log_fn, cylfuse_progress_fn};
+pub use callbacks::{cylfuse_detection_progress_fn, cylfuse_log_fn, cylfuse_progress_fn};
 pub use camera::*;
 pub use constants::*;
 pub use cylinder::*;
 pub use data::*;
 pub use defaults::*;
+pub use detector::*;
 pub use frame::*;
 pub use handle::cylfuse_fitter;
 pub use library::{

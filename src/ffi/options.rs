@@ -1,10 +1,13 @@
 //! Options between the interface and the library.
 
+use super::constants::cylfuse_image_use;
 use super::status::Failure;
-use super::structs::cylfuse_options;
+use super::structs::{cylfuse_detector_options, cylfuse_options};
+use crate::detection::DetectionOptions;
 use crate::fitter::Options;
 use crate::geometry::{AxisCone, CylinderLimits};
 use crate::noise::NoiseModel;
+use crate::scene::DetectorOptions;
 use crate::solver::IterationLimits;
 use crate::start::ransac::LARGEST_MAX_ITERATIONS;
 
@@ -32,11 +35,10 @@ impl cylfuse_options {
             seed: self.seed,
             ransac_iterations: usize::try_from(self.ransac_max_iterations).unwrap_or(usize::MAX),
             ransac_threshold: self.ransac_threshold,
-            cylinder_limits: CylinderLimits {
-                radius_min: self.radius_min,
-                radius_max: if self.radius_max == 0.0 { f64::INFINITY } else { self.radius_max },
-                axis: self.read_axis()?,
-            },
+            cylinder_limits: read_limits(
+                (self.radius_min, self.radius_max),
+                (self.axis, self.axis_max_angle),
+            )?,
             edge_use: self.edge_use.read("options.edge_use")?,
             extent_rule: self.extent_rule.read("options.extent_rule")?,
             noise: self.read_noise()?,
@@ -81,17 +83,63 @@ impl cylfuse_options {
             ..usual
         })
     }
+}
 
-    fn read_axis(&self) -> Result<Option<AxisCone>, Failure> {
-        let cone = AxisCone { direction: self.axis.into(), max_angle: self.axis_max_angle };
-        if self.axis != [0.0; 3] {
-            return Ok(Some(cone));
+/// Limits of radius and axis, 0 where there is none.
+fn read_limits(
+    (radius_min, radius_max): (f64, f64),
+    (axis, max_angle): ([f64; 3], f64),
+) -> Result<CylinderLimits, Failure> {
+    let axis = (axis != [0.0; 3]).then_some(AxisCone { direction: axis.into(), max_angle });
+    if axis.is_none() && max_angle != 0.0 {
+        let requirement = "be 0 without options.axis: give the direction that the angle is from";
+        return Err(Failure::argument("options.axis_max_angle", max_angle, requirement));
+    }
+    let radius_max = if radius_max == 0.0 { f64::INFINITY } else { radius_max };
+    Ok(CylinderLimits { radius_min, radius_max, axis })
+}
+
+/// The largest radius, 0 where there is none.
+fn or_zero(radius_max: f64) -> f64 {
+    if radius_max < f64::INFINITY { radius_max } else { 0.0 }
+}
+
+impl cylfuse_detector_options {
+    /// The options of the library, with those of the fits.
+    pub(super) fn read(&self, fit: &Options) -> Result<DetectorOptions, Failure> {
+        let count = |given: u64| usize::try_from(given).unwrap_or(usize::MAX);
+        Ok(DetectorOptions {
+            search: DetectionOptions {
+                limits: read_limits((self.radius_min, self.radius_max), (self.axis, self.axis_max_angle))?,
+                max_count: if self.max_count == 0 { usize::MAX } else { count(self.max_count.into()) },
+                min_pixels: count(self.min_pixels),
+                min_score: self.min_score,
+            },
+            fit: *fit,
+            use_image: self.image_use.read("options.image_use")?,
+            threads: self.max_threads.max(1) as usize,
+        })
+    }
+}
+
+impl From<&DetectorOptions> for cylfuse_detector_options {
+    fn from(options: &DetectorOptions) -> Self {
+        let DetectionOptions { limits, max_count, min_pixels, min_score } = options.search;
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            image_use: match options.use_image {
+                true => cylfuse_image_use::AUTO,
+                false => cylfuse_image_use::IGNORE,
+            },
+            max_threads: saturated(options.threads.max(1)),
+            max_count: u32::try_from(max_count).unwrap_or(0),
+            min_pixels: min_pixels as u64,
+            min_score,
+            radius_min: limits.radius_min,
+            radius_max: or_zero(limits.radius_max),
+            axis: limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
+            axis_max_angle: limits.axis.map_or(0.0, |cone| cone.max_angle),
         }
-        if cone.max_angle != 0.0 {
-            let requirement = "be 0 without options.axis: give the direction that the angle is from";
-            return Err(Failure::argument("options.axis_max_angle", cone.max_angle, requirement));
-        }
-        Ok(None)
     }
 }
 
@@ -127,11 +175,7 @@ impl From<&Options> for cylfuse_options {
             edge_noise: unless_usual(noise.edge_endpoint, usual.edge_endpoint),
             mask_noise: unless_usual(noise.mask_side, usual.mask_side),
             radius_min: cylinder_limits.radius_min,
-            radius_max: if cylinder_limits.radius_max < f64::INFINITY {
-                cylinder_limits.radius_max
-            } else {
-                0.0
-            },
+            radius_max: or_zero(cylinder_limits.radius_max),
             axis: cylinder_limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
             axis_max_angle: cylinder_limits.axis.map_or(0.0, |cone| cone.max_angle),
             image_blur: noise.blur,
@@ -197,6 +241,24 @@ mod tests {
     fn options_come_back_the_same() {
         for options in [distinct(), Options { threads: 1, ..Options::default() }] {
             assert_eq!(cylfuse_options::from(&options).read().unwrap(), options);
+        }
+    }
+
+    #[test]
+    fn options_of_a_detector_come_back_the_same() {
+        let distinct = DetectorOptions {
+            search: DetectionOptions {
+                limits: distinct().cylinder_limits,
+                max_count: 7,
+                min_pixels: 11,
+                min_score: 0.125,
+            },
+            fit: Options { seed: 5, ..Options::default() },
+            use_image: false,
+            threads: 3,
+        };
+        for options in [distinct, DetectorOptions::default()] {
+            assert_eq!(cylfuse_detector_options::from(&options).read(&options.fit).unwrap(), options);
         }
     }
 

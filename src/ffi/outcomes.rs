@@ -146,6 +146,18 @@ impl cylfuse_phase {
     pub const SOLVE: cylfuse_phase = cylfuse_phase(2);
 }
 
+/// What a detector is doing.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_detection_phase(pub i32);
+
+impl cylfuse_detection_phase {
+    /// It is about to look for cylinders.
+    pub const SEARCH: cylfuse_detection_phase = cylfuse_detection_phase(1);
+    /// It fits those that were found.
+    pub const FIT: cylfuse_detection_phase = cylfuse_detection_phase(2);
+}
+
 /// Warnings about a result, one bit each. None of them is an error: the numbers of the result say how much it matters.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,8 @@
 
 use super::constants::cylfuse_start;
 use super::outcomes::{
-    cylfuse_end_source, cylfuse_end_state, cylfuse_limb_status, cylfuse_phase, cylfuse_result_flags,
-    cylfuse_termination,
+    cylfuse_detection_phase, cylfuse_end_source, cylfuse_end_state, cylfuse_limb_status, cylfuse_phase,
+    cylfuse_result_flags, cylfuse_termination,
 };
 use super::structs::cylfuse_cylinder;
 
@@ -309,4 +309,30 @@ pub struct cylfuse_end_sample {
     pub normal: [f64; 2],
     /// Standard deviation along `normal`, in pixels.
     pub deviation: f64,
+}
+
+/// How far a detector is.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_detection_progress {
+    /// The size of this struct in the library that calls: later fields exist when it is large enough.
+    pub struct_size: u32,
+    /// What it is doing.
+    pub phase: cylfuse_detection_phase,
+    /// Cylinders that are fitted.
+    pub fits_done: u32,
+    /// Cylinders to fit; 0 before the search.
+    pub fits: u32,
+}
+
+/// A cylinder of a scene. Elements of an array: their size is an argument of the call, and only ever grows.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_detection {
+    /// The probability that there is a cylinder.
+    pub score: f64,
+    /// Pixels of its region; points for a cloud.
+    pub pixels: u64,
+    /// The cylinder that was fitted, as in its `cylfuse_cylinder_estimate`.
+    pub model: cylfuse_cylinder,
 }

@@ -3,12 +3,12 @@
 
 use super::results::{
     cylfuse_completion, cylfuse_counts, cylfuse_cylinder_diagnosis, cylfuse_cylinder_estimate,
-    cylfuse_end_sample, cylfuse_extent, cylfuse_limb, cylfuse_limb_sample, cylfuse_result,
+    cylfuse_detection, cylfuse_end_sample, cylfuse_extent, cylfuse_limb, cylfuse_limb_sample, cylfuse_result,
 };
 use super::status::Failure;
 use super::structs::{
-    cylfuse_depth_out, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
-    cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
+    cylfuse_depth_out, cylfuse_depth_view, cylfuse_detector_options, cylfuse_image_view, cylfuse_intrinsics,
+    cylfuse_mask_view, cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
 };
 use std::mem::MaybeUninit;
 
@@ -39,12 +39,14 @@ size_tagged! {
     cylfuse_intrinsics, cylfuse_points_view, cylfuse_points_out, cylfuse_depth_view, cylfuse_depth_out,
     cylfuse_mask_view, cylfuse_image_view, cylfuse_segments_view, cylfuse_options, cylfuse_counts,
     cylfuse_result, cylfuse_cylinder_estimate, cylfuse_cylinder_diagnosis, cylfuse_completion, cylfuse_extent,
+    cylfuse_detector_options,
 }
 
 // Elements of arrays, whose size is an argument of the call.
 impl Growing for cylfuse_limb {}
 impl Growing for cylfuse_limb_sample {}
 impl Growing for cylfuse_end_sample {}
+impl Growing for cylfuse_detection {}
 
 fn check_size<T: Growing>(name: &'static str, given: usize) -> Result<(), Failure> {
     if (T::FIRST_SIZE..=LARGEST).contains(&given) {

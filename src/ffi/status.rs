@@ -56,7 +56,7 @@ impl cylfuse_status {
     pub const EDGE_GEOMETRY: cylfuse_status = cylfuse_status(-26);
     /// The arithmetic left the range of numbers.
     pub const NUMERICAL: cylfuse_status = cylfuse_status(-27);
-    /// The progress callback or `cylfuse_fitter_cancel` asked to stop.
+    /// A progress callback, `cylfuse_fitter_cancel` or `cylfuse_detector_cancel` asked to stop.
     pub const CANCELLED: cylfuse_status = cylfuse_status(-40);
     /// A defect of the library. The handle can only be destroyed after it; others are not affected.
     pub const PANIC: cylfuse_status = cylfuse_status(-99);

@@ -5,8 +5,8 @@
 
 use super::constants::{
     cylfuse_chart, cylfuse_depth_format, cylfuse_distortion, cylfuse_edge_use, cylfuse_extent_rule,
-    cylfuse_image_format, cylfuse_method, cylfuse_near_wall, cylfuse_objective, cylfuse_scalar,
-    cylfuse_start,
+    cylfuse_image_format, cylfuse_image_use, cylfuse_method, cylfuse_near_wall, cylfuse_objective,
+    cylfuse_scalar, cylfuse_start,
 };
 use std::ffi::c_void;
 
@@ -298,5 +298,34 @@ pub struct cylfuse_options {
     pub axis: [f64; 3],
     /// The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
     /// that is known. Default 0; must be 0 without `axis`.
+    pub axis_max_angle: f64,
+}
+
+/// The settings of a detector. `cylfuse_detector_options_init` fills the defaults, which are named below.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cylfuse_detector_options {
+    /// `sizeof(cylfuse_detector_options)`.
+    pub struct_size: u32,
+    /// Whether the image of a frame is looked at. Default AUTO.
+    pub image_use: cylfuse_image_use,
+    /// Most threads, on which cylinders are fitted side by side. The result has the same bits for any number. Default 1:
+    /// no thread is started; 0 = 1.
+    pub max_threads: u32,
+    /// Most cylinders, those with the highest scores. Default 0 = no limit.
+    pub max_count: u32,
+    /// Fewest pixels of a cylinder; points for a cloud. Default 100.
+    pub min_pixels: u64,
+    /// The least score, in [0, 1]: the probability that there is a cylinder. Default 0.5.
+    pub min_score: f64,
+    /// The smallest radius, in the unit of length, which the search and the fits keep. Default 0 = no limit.
+    pub radius_min: f64,
+    /// The largest radius, at least `radius_min`; equal to it for a radius that is known. Default 0 = no limit.
+    pub radius_max: f64,
+    /// The middle of the cone of directions that the axes keep, in the reference frame and of any length. Default
+    /// {0, 0, 0} = all directions.
+    pub axis: [f64; 3],
+    /// The largest angle of an axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction that is
+    /// known. Default 0; must be 0 without `axis`.
     pub axis_max_angle: f64,
 }

@@ -251,6 +251,12 @@ impl Fitter {
         self.view().mask.as_ref()
     }
 
+    /// Puts a mask in place of that of the selected view, and gives that back. What the last fit was held to stays: this is
+    /// for taking the same mask away and back.
+    pub(crate) fn swap_mask(&mut self, mask: Option<Mask>) -> Option<Mask> {
+        std::mem::replace(&mut self.views[self.selected].mask, mask)
+    }
+
     /// The depth of the selected view on the grid of its image.
     #[must_use]
     pub fn depth(&self) -> Option<&DepthImage> {

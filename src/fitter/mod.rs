@@ -106,10 +106,7 @@ impl Fitter {
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
         if options.threads != self.options.threads {
-            self.workers = Workers::new(match options.threads {
-                0 => std::thread::available_parallelism().map_or(1, usize::from),
-                count => count,
-            });
+            self.workers = Workers::asked(options.threads);
         }
         self.options = options;
         self.held = None;
@@ -194,6 +191,16 @@ impl Fitter {
         let data = self.data()?;
         let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
         describe::describe(&data, &self.held(&data), &start, cylinder)
+    }
+
+    /// The same, kept as if a fit had given it.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::evaluate`]. The last result stays then.
+    pub(crate) fn keep(&mut self, cylinder: &Cylinder) -> Result<FitResult> {
+        let result = self.evaluate(cylinder)?;
+        self.result = Some(result);
+        Ok(result)
     }
 
     /// Residuals of a model, or of the last fit, in the selected view.

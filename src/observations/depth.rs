@@ -81,6 +81,20 @@ impl DepthImage {
         Ok(Self { width, height, values, scale })
     }
 
+    /// The image without the depths that a range leaves out.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub(crate) fn within(&self, range: &DepthRange) -> Result<Self> {
+        let mut image = Self::empty(self.width, self.height, self.scale)?;
+        for (index, value) in image.values.iter_mut().enumerate() {
+            if self.depth_at(index).is_some_and(|depth| (range.min..=range.max).contains(&depth)) {
+                *value = self.values[index];
+            }
+        }
+        Ok(image)
+    }
+
     /// Columns.
     #[must_use]
     pub fn width(&self) -> usize {

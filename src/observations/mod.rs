@@ -20,6 +20,7 @@ pub use depth::{DepthImage, DepthRange};
 pub use frame::{DepthCamera, Frame};
 pub use image::GreyImage;
 pub use mask::Mask;
+pub(crate) use points::check_weights;
 pub use points::{Dropped, Offsets, PointCloud};
 pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};

@@ -56,6 +56,30 @@ const LARGEST_WEIGHT: f64 = f32::MAX as f64;
 /// What a weight must do that is larger.
 const WEIGHT_REQUIREMENT: &str = "be at most 3.4e38; only the ratios of the weights count, so scale them all";
 
+fn bad_weight(index: usize, weight: f64) -> Error {
+    let requirement = if weight < 0.0 { "be at least 0" } else { WEIGHT_REQUIREMENT };
+    Error::argument(format!("the weight of point {index}"), format!("{weight:?}"), requirement)
+}
+
+/// Checks the weights of a cloud as [`PointCloud::push_points`] does, where only parts of it are pushed.
+///
+/// # Errors
+/// `InvalidArgument` for a weight that is negative or larger than an f32 can hold.
+pub(crate) fn check_weights(view: &PointsView<'_>) -> Result<()> {
+    if view.weights.is_none() || view.width() == 0 {
+        return Ok(());
+    }
+    for row in 0..view.height() {
+        for column in 0..view.width() {
+            let weight = view.weight(column, row);
+            if weight.is_finite() && !(0.0..=LARGEST_WEIGHT).contains(&weight) {
+                return Err(bad_weight(row * view.width() + column, weight));
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Coordinates relative to the origin of a [`PointCloud`].
 #[derive(Debug, Clone)]
 pub enum Offsets {
@@ -257,9 +281,7 @@ impl PointCloud {
                 } else if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
                     batch.dropped.not_finite += 1;
                 } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
-                    let name = format!("the weight of point {index}");
-                    let requirement = if weight < 0.0 { "be at least 0" } else { WEIGHT_REQUIREMENT };
-                    return Err(Error::argument(name, format!("{weight:?}"), requirement));
+                    return Err(bad_weight(index, weight));
                 } else if weight as f32 == 0.0 {
                     batch.dropped.zero_weight += 1;
                 } else {

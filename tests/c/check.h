@@ -100,6 +100,8 @@ void test_cylinder(void);
 void test_memory(void);
 void test_views(void);
 void test_readers(void);
+void test_detector(void);
+void test_detector_calls(void);
 #ifdef CYLFUSE_PANIC_TEST
 void test_panic(void);
 #endif

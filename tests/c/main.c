@@ -160,6 +160,10 @@ int main(void)
     test_readers();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
+#else
+    /* With a library that is not optimised, as that of the panic test is, these take minutes. */
+    test_detector();
+    test_detector_calls();
 #endif
     if (failures > 0) {
         printf("%d checks failed\n", failures);

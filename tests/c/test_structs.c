@@ -337,9 +337,53 @@ static void defaults_of_any_size(void)
     free(memory);
 }
 
+/* The checks above hand on a fitter; where there is none, they read the text of this thread. */
+static cylfuse_detector *of_detector;
+
+static cylfuse_status set_detector_options(cylfuse_fitter *none, const void *input)
+{
+    (void)none;
+    return cylfuse_detector_set_options(of_detector, input);
+}
+
+static cylfuse_status set_fit_options(cylfuse_fitter *none, const void *input)
+{
+    (void)none;
+    return cylfuse_detector_set_fit_options(of_detector, input);
+}
+
+static cylfuse_status get_detector_options(const cylfuse_fitter *none, void *output)
+{
+    (void)none;
+    return cylfuse_detector_get_options(of_detector, output);
+}
+
+static cylfuse_status get_fit_options(const cylfuse_fitter *none, void *output)
+{
+    (void)none;
+    return cylfuse_detector_get_fit_options(of_detector, output);
+}
+
+static void structs_of_a_detector(void)
+{
+    cylfuse_detector_options options;
+    cylfuse_options fits;
+    CHECK_OK(cylfuse_detector_create(CYLFUSE_ABI_VERSION, &of_detector));
+    CHECK_OK(cylfuse_detector_options_init(&options, sizeof options));
+    CHECK_OK(cylfuse_options_init(&fits, sizeof fits));
+    check_input(NULL, set_detector_options, &options, sizeof options, sizeof options, "options.struct_size is");
+    check_input(NULL, set_fit_options, &fits, sizeof fits, sizeof fits, "options.struct_size is");
+    check_output(NULL, get_detector_options, sizeof options, sizeof options, "out_options.struct_size is");
+    check_output(NULL, get_fit_options, sizeof fits, sizeof fits, "out_options.struct_size is");
+    CHECK_STATUS(cylfuse_detector_options_init(&options, sizeof options - 1), STRUCT_SIZE);
+    CHECK_STATUS(cylfuse_detector_options_init(&options, 4097), STRUCT_SIZE);
+    CHECK_OK(cylfuse_detector_destroy(of_detector));
+}
+
 void test_struct_sizes(void)
 {
     inputs_of_any_size();
     outputs_of_any_size();
     defaults_of_any_size();
+    structs_of_a_detector();
 }

@@ -6,7 +6,9 @@
 #![allow(clippy::unwrap_used)] // A generator that cannot go on should stop.
 
 mod cases;
+mod detectors;
 mod failures;
+mod pair;
 mod run;
 mod scene;
 mod views;

@@ -7,6 +7,8 @@
 
 #[path = "base64.rs"]
 pub mod base64;
+#[path = "detect.rs"]
+mod detect;
 #[path = "lists.rs"]
 mod lists;
 #[path = "names.rs"]
@@ -24,6 +26,7 @@ use cylfuse::observations::{
     DepthCamera, DepthRange, DepthView, EdgeSegment, Frame, ImageFormat, ImageView, MaskView, Pixels,
     PointsView, VectorsView,
 };
+use cylfuse::scene::{Detector, Scene};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use names::INPUTS;
 use read::{Array, count, cylinder, number, optional_cylinder};
@@ -38,12 +41,15 @@ pub struct Runner<'a> {
     file: &'a Value,
     fitter: Fitter,
     frame: Frame,
+    detector: Detector,
+    scene: Option<Scene>,
 }
 
 impl<'a> Runner<'a> {
-    /// A new fitter and a new frame; `file` has the arrays and cameras.
+    /// A new fitter, a new frame and a new detector; `file` has the arrays and cameras.
     pub fn new(file: &'a Value) -> Self {
-        Self { file, fitter: Fitter::new(), frame: Frame::default() }
+        let (fitter, frame, detector) = (Fitter::new(), Frame::default(), Detector::new());
+        Self { file, fitter, frame, detector, scene: None }
     }
 
     /// Runs the next step.
@@ -57,6 +63,7 @@ impl<'a> Runner<'a> {
         match call {
             "new_fitter" => self.fitter = Fitter::new(),
             "new_frame" => self.frame = Frame::default(),
+            "new_detector" => (self.detector, self.scene) = (Detector::new(), None),
             "set_options" => self.fitter.set_options(read::options(&step["options"]))?,
             "get_options" => return Ok(write::options(self.fitter.options())),
             "select_view" => self.fitter.select_view(count(&step["index"]))?,
@@ -159,7 +166,7 @@ impl<'a> Runner<'a> {
             }
             "intrinsics_project" => return self.pixels(step),
             "intrinsics_unproject" => return self.rays(step),
-            other => panic!("unknown call {other}"),
+            other => return self.detector(other, step),
         }
         Ok(Fields::new())
     }

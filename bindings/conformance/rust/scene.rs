@@ -1,5 +1,6 @@
 //! The data of the golden cases: one cylinder before a wall, seen by a small camera, with noise.
 
+use super::pair;
 use super::run::base64;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
@@ -153,7 +154,7 @@ pub fn depth_pose() -> Value {
 }
 
 /// Noise of unit variance, the same at every run.
-struct Noise(u64);
+pub struct Noise(pub u64);
 
 impl Noise {
     /// SplitMix64.
@@ -166,7 +167,7 @@ impl Noise {
     }
 
     /// The sum of twelve uniform numbers is normal enough.
-    fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 }
@@ -287,11 +288,20 @@ fn images(arrays: &mut Map<String, Value>) {
     );
 }
 
+fn pairs(arrays: &mut Map<String, Value>) {
+    let [width, height] = pair::SIZE;
+    let shape = [height, width];
+    arrays.insert("pair_depth".into(), u16_array(&shape, pair::depth().iter().map(|z| z * 1e4)));
+    arrays.insert("pair_image".into(), u8_array(&shape, pair::image()));
+    arrays.insert("pair_cloud".into(), f32_array(&[height / 2, width / 2, 3], pair::cloud()));
+}
+
 /// All arrays by their names.
 pub fn arrays() -> Map<String, Value> {
     let mut arrays = Map::new();
     clouds(&mut arrays);
     images(&mut arrays);
+    pairs(&mut arrays);
     arrays
 }
 
@@ -319,6 +329,7 @@ pub fn cameras() -> Value {
             "width": apart.size[0], "height": apart.size[1], "fx": apart.focal[0], "fy": apart.focal[1],
             "cx": apart.centre[0], "cy": apart.centre[1], "distortion_model": "NONE", "distortion": vec![0.0; 8],
         },
+        "pair": pair::camera(),
         "focal_length_nan": nan,
         "focal_length_negative": negative,
         "small": {

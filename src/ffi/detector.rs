@@ -1,0 +1,519 @@
+//! All cylinders of a scene.
+
+use super::arrays::write_numbers;
+use super::callbacks::{Callback, cylfuse_detection_progress_fn};
+use super::frame::{content_of, cylfuse_frame};
+use super::handle::{Cancel, Content, Handle, Logs, change, cylfuse_fitter, read as look, stateless};
+use super::library::{allocate, create, destroy};
+use super::options::saturated;
+use super::outcomes::cylfuse_detection_phase;
+use super::results::{
+    cylfuse_cylinder_estimate, cylfuse_detection, cylfuse_detection_progress, cylfuse_extent, cylfuse_result,
+};
+use super::sized::{Output, OutputArray, read};
+use super::status::{Failure, cylfuse_status};
+use super::structs::{cylfuse_detector_options, cylfuse_options, cylfuse_points_view};
+use super::texts;
+use super::views::{self, Slot};
+use crate::error::{Error, Result as LibraryResult};
+use crate::scene::{Detector, DetectorOptions, Found, Observer, Progress, Scene};
+use std::ffi::{c_char, c_void};
+use std::ops::ControlFlow;
+
+/// Finds all cylinders of a frame or a cloud and fits each by the full method: holds options and the last scene. Opaque;
+/// made by `cylfuse_detector_create`.
+///
+/// A detector may move between threads. Calls that take a `const cylfuse_detector *` run side by side; a call that may
+/// change it runs alone: what would disturb it, from another thread or from a callback, returns `CYLFUSE_STATUS_BUSY`.
+/// Different detectors run in parallel.
+pub struct cylfuse_detector(Handle<DetectorContent>);
+
+/// What calls on a detector work on.
+#[derive(Default)]
+struct DetectorContent {
+    detector: Detector,
+    scene: Option<Scene>,
+    progress: Callback<cylfuse_detection_progress_fn>,
+}
+
+impl Logs for DetectorContent {}
+
+/// Readers on several threads share detector and scene.
+const _: () = {
+    const fn shared_by_readers<T: Sync>() {}
+    shared_by_readers::<(Detector, Scene)>();
+};
+
+impl DetectorContent {
+    fn scene(&self) -> Result<&Scene, Failure> {
+        let missing = Error::BadState {
+            call: "asking for cylinders",
+            missing: "a scene",
+            remedy: "search a frame or points first",
+        };
+        self.scene.as_ref().ok_or(missing.into())
+    }
+
+    fn cylinder(&self, index: usize) -> Result<&Found, Failure> {
+        let cylinders = &self.scene()?.cylinders;
+        cylinders.get(index).ok_or_else(|| {
+            let requirement = format!("be less than the number of cylinders, {}", cylinders.len());
+            Failure::argument("index", index, requirement)
+        })
+    }
+
+    fn change_options(&mut self, change: impl FnOnce(&mut DetectorOptions)) -> Result<(), Failure> {
+        let mut options = *self.detector.options();
+        change(&mut options);
+        Ok(self.detector.set_options(options)?)
+    }
+
+    /// Searches, hands over how far it is, and keeps the scene.
+    fn search(
+        &mut self,
+        cancel: &Cancel<'_>,
+        search: impl FnOnce(&Detector, &mut Observer<'_>) -> LibraryResult<Scene>,
+    ) -> Result<(), Failure> {
+        let Callback { function, user_data } = self.progress;
+        let mut progress = |progress: Progress| {
+            let Some(function) = function else { return ControlFlow::Continue(()) };
+            let (phase, done, count) = match progress {
+                Progress::Search => (cylfuse_detection_phase::SEARCH, 0, 0),
+                Progress::Fit { done, count } => (cylfuse_detection_phase::FIT, done, count),
+            };
+            let state = cylfuse_detection_progress {
+                struct_size: size_of::<cylfuse_detection_progress>() as u32,
+                phase,
+                fits_done: saturated(done),
+                fits: saturated(count),
+            };
+            // SAFETY: the caller gave the function for this use; the struct lives until it returns.
+            let stop = unsafe { function(&raw const state, user_data) } != 0;
+            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let stopped = || cancel.is_asked_for();
+        let scene = search(&self.detector, &mut Observer { progress: &mut progress, stopped: &stopped })?;
+        self.scene = Some(scene);
+        Ok(())
+    }
+}
+
+/// Runs a call that may change a detector.
+///
+/// # Safety
+/// `detector` is NULL or a detector that was created and not destroyed.
+unsafe fn enter(
+    detector: *mut cylfuse_detector,
+    call: impl FnOnce(&mut DetectorContent, &Cancel<'_>) -> Result<(), Failure>,
+) -> cylfuse_status {
+    // SAFETY: the caller's obligation.
+    match unsafe { detector.as_ref() } {
+        Some(detector) => change(&detector.0, call),
+        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+    }
+}
+
+/// Runs a call that only reads a detector.
+///
+/// # Safety
+/// As [`enter`].
+unsafe fn enter_to_read(
+    detector: *const cylfuse_detector,
+    call: impl FnOnce(&DetectorContent) -> Result<(), Failure>,
+) -> cylfuse_status {
+    // SAFETY: the caller's obligation.
+    match unsafe { detector.as_ref() } {
+        Some(detector) => look(&detector.0, |content, _| call(content)),
+        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+    }
+}
+
+/// Makes a detector with default options.
+///
+/// @param abi_version `CYLFUSE_ABI_VERSION`
+/// @param out_detector where the detector goes, for `cylfuse_detector_destroy` in the end; set to NULL when the call
+///   fails
+/// @return ABI_MISMATCH when the program was compiled for another version of the interface, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_create(
+    abi_version: u32,
+    out_detector: *mut *mut cylfuse_detector,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { create(abi_version, out_detector, "out_detector", || cylfuse_detector(Handle::default())) }
+}
+
+/// Destroys a detector and frees what it holds. Fitters that it made stay. No other call on it may be running or follow.
+///
+/// @param detector the detector; NULL does nothing
+/// @return BUSY when a call on the detector is running, which a call from its callback always finds; nothing is
+///   destroyed then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detector) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe { destroy(detector, |detector| detector.0.close()) }
+}
+
+/// Why the last call on a detector failed; see `cylfuse_fitter_last_error`, whose rules hold here too.
+///
+/// @param detector the detector, which may be busy; NULL asks for the last call of this thread, whatever it was on
+/// @return a text that is valid until the next call of this thread into the library; never NULL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_detector) -> *const c_char {
+    // SAFETY: NULL or a living detector, by the contract of the header.
+    match unsafe { detector.as_ref() } {
+        Some(detector) => detector.0.last_error(),
+        None => texts::last_of_thread(),
+    }
+}
+
+/// Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
+/// linear solve of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
+///
+/// @param detector the detector
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_cancel(detector: *mut cylfuse_detector) -> cylfuse_status {
+    // SAFETY: NULL or a living detector, by the contract of the header.
+    match unsafe { detector.as_ref() } {
+        Some(detector) => detector.0.cancel(),
+        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+    }
+}
+
+/// Replaces the options of a detector: of the search, and of the scene as a whole.
+///
+/// @param detector the detector
+/// @param options copied
+/// @return INVALID_ARGUMENT for a value out of range, STRUCT_SIZE; the old options stay then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_set_options(
+    detector: *mut cylfuse_detector,
+    options: *const cylfuse_detector_options,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(detector, |content, _| {
+            let given = read(options, "options")?.read(&content.detector.options().fit)?;
+            content.change_options(|options| *options = given)
+        })
+    }
+}
+
+/// Reads the options of a detector.
+///
+/// @param detector the detector
+/// @param out_options where they go; `cylfuse_detector_options_init` comes before
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_get_options(
+    detector: *const cylfuse_detector,
+    out_options: *mut cylfuse_detector_options,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            Output::new(out_options, "out_options")?.write(&content.detector.options().into());
+            Ok(())
+        })
+    }
+}
+
+/// Replaces the options of the fits of a detector. Limits, threads and the start are those of the detector: here
+/// `radius_min`, `radius_max`, `axis`, `axis_max_angle`, `max_threads` and `start` must have their defaults.
+///
+/// @param detector the detector
+/// @param options copied
+/// @return INVALID_ARGUMENT for a value out of range and for one that the detector sets, STRUCT_SIZE; the old options
+///   stay then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_set_fit_options(
+    detector: *mut cylfuse_detector,
+    options: *const cylfuse_options,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(detector, |content, _| {
+            let fit = read(options, "options")?.read()?;
+            content.change_options(|options| options.fit = fit)
+        })
+    }
+}
+
+/// Reads the options of the fits of a detector.
+///
+/// @param detector the detector
+/// @param out_options where they go; `cylfuse_options_init` comes before
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_get_fit_options(
+    detector: *const cylfuse_detector,
+    out_options: *mut cylfuse_options,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            Output::new(out_options, "out_options")?.write(&(&content.detector.options().fit).into());
+            Ok(())
+        })
+    }
+}
+
+/// Sets or takes away the progress callback of a detector.
+///
+/// @param detector the detector
+/// @param callback NULL for none
+/// @param user_data handed to the callback, kept until the callback is replaced; may be NULL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_set_progress(
+    detector: *mut cylfuse_detector,
+    callback: cylfuse_detection_progress_fn,
+    user_data: *mut c_void,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(detector, |content, _| {
+            content.progress = Callback { function: callback, user_data };
+            Ok(())
+        })
+    }
+}
+
+/// Finds all cylinders in the depth image of a frame, and fits each to its region by depth and image. Results are in the
+/// reference frame, to which the pose of the frame leads. The scene takes the place of the last one.
+///
+/// @param detector the detector
+/// @param frame the frame, with intrinsics and a depth image; shared and not copied. It may be changed or destroyed
+///   afterwards, of which the scene sees nothing.
+/// @return BAD_STATE without intrinsics or depth, UNSUPPORTED for options of the fits that need edges, BUSY when the frame
+///   is being filled, OUT_OF_MEMORY, CANCELLED; the last scene stays then. A scene without any cylinder is none of them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_detect(
+    detector: *mut cylfuse_detector,
+    frame: *const cylfuse_frame,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(detector, |content, cancel| {
+            let Some(handle) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let frame = content_of(handle)?;
+            content.search(cancel, |detector, observer| detector.detect_with(&frame, observer))
+        })
+    }
+}
+
+/// Finds all cylinders in a cloud, organised or not, and fits each to its points. Where nearly all points lie in front of
+/// it, the origin is taken for the sensor. Points with a coordinate that is not finite or a weight of 0 are left out. The
+/// scene takes the place of the last one.
+///
+/// @param detector the detector
+/// @param points read during the call only
+/// @return INVALID_ARGUMENT for a negative weight or a bad stride, UNSUPPORTED for options of the fits that need edges,
+///   OUT_OF_MEMORY, CANCELLED; the last scene stays then. A scene without any cylinder is none of them.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_detect_points(
+    detector: *mut cylfuse_detector,
+    points: *const cylfuse_points_view,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter(detector, |content, cancel| {
+            let points = views::points_view(&read(points, "points")?)?;
+            content.search(cancel, |detector, observer| detector.detect_points_with(&points, observer))
+        })
+    }
+}
+
+/// Says how many cylinders the last scene has.
+///
+/// @param detector the detector
+/// @param out_count where the number goes
+/// @return BAD_STATE when no scene was searched
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_count(
+    detector: *const cylfuse_detector,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            Slot::new(out_count, "out_count")?.write(content.scene()?.cylinders.len());
+            Ok(())
+        })
+    }
+}
+
+/// Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
+///
+/// @param detector the detector
+/// @param out room for `capacity` elements of `element_size` bytes, of any alignment; may be NULL when `capacity`
+///   is 0
+/// @param element_size `sizeof(cylfuse_detection)`
+/// @param capacity how many elements `out` holds
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE when no scene was searched, STRUCT_SIZE, BUFFER_TOO_SMALL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_detections(
+    detector: *const cylfuse_detector,
+    out: *mut cylfuse_detection,
+    element_size: usize,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let out = OutputArray::new(out, element_size, capacity, out_count)?;
+            out.write(content.scene()?.cylinders.iter().map(|found| cylfuse_detection {
+                score: found.score,
+                pixels: found.pixels as u64,
+                model: (&found.result.cylinder).into(),
+            }))
+        })
+    }
+}
+
+/// Reads the outcome of the fit of one cylinder.
+///
+/// @param detector the detector
+/// @param index the cylinder, from 0
+/// @param out_result where the result goes; `cylfuse_result_init` comes before
+/// @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_get_result(
+    detector: *const cylfuse_detector,
+    index: usize,
+    out_result: *mut cylfuse_result,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let out = Output::new(out_result, "out_result")?;
+            out.write(&(&content.cylinder(index)?.result).into());
+            Ok(())
+        })
+    }
+}
+
+/// Reads one cylinder with its deviations.
+///
+/// @param detector the detector
+/// @param index the cylinder, from 0
+/// @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before
+/// @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_get_cylinder(
+    detector: *const cylfuse_detector,
+    index: usize,
+    out_estimate: *mut cylfuse_cylinder_estimate,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let out = Output::new(out_estimate, "out_estimate")?;
+            out.write(&(&content.cylinder(index)?.result).into());
+            Ok(())
+        })
+    }
+}
+
+/// Reads the visible piece of one cylinder of a frame.
+///
+/// @param detector the detector
+/// @param index the cylinder, from 0
+/// @param out_extent where the extent goes; `cylfuse_extent_init` comes before
+/// @return BAD_STATE when no scene was searched and for a cloud, whose cylinders have no ends; INVALID_ARGUMENT when there
+///   is no such cylinder, EDGE_GEOMETRY when no ray of its region meets it
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_get_extent(
+    detector: *const cylfuse_detector,
+    index: usize,
+    out_extent: *mut cylfuse_extent,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let out = Output::new(out_extent, "out_extent")?;
+            let extent = content.cylinder(index)?.extent.as_ref().map_err(Clone::clone)?;
+            out.write(&extent.into());
+            Ok(())
+        })
+    }
+}
+
+/// Writes for each pixel of the colour image, or each point of the cloud, row by row, the number of its cylinder from 1 on:
+/// 1 for the cylinder of index 0. 0 = none.
+///
+/// @param detector the detector
+/// @param out room for `capacity` numbers, of any alignment; may be NULL when `capacity` is 0
+/// @param capacity width * height of the frame or of the cloud
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE when no scene was searched, BUFFER_TOO_SMALL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_labels(
+    detector: *const cylfuse_detector,
+    out: *mut u16,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let count = Slot::new(out_count, "out_count")?;
+            write_numbers(content.scene()?.labels.iter().copied(), out, capacity, &count)
+        })
+    }
+}
+
+/// Lists the pixels or points of one cylinder, counted from 0 row by row, in rising order.
+///
+/// @param detector the detector
+/// @param index the cylinder, from 0
+/// @param out room for `capacity` indices, of any alignment; may be NULL when `capacity` is 0
+/// @param capacity `pixels` of its `cylfuse_detection` is enough
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, BUFFER_TOO_SMALL
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_indices(
+    detector: *const cylfuse_detector,
+    index: usize,
+    out: *mut u32,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let count = Slot::new(out_count, "out_count")?;
+            content.cylinder(index)?;
+            // There are never more of them than an index of 32 bits counts.
+            let indices = content.scene()?.indices(index).map(|k| k as u32);
+            write_numbers(indices, out, capacity, &count)
+        })
+    }
+}
+
+/// Makes a fitter of one cylinder as its fit left it, with options, frame or points, region as mask, start model and
+/// result: for residuals, completion, limbs and all else that can be asked of a fit, or for another fit. It shares the
+/// images of the frame and does not depend on the detector.
+///
+/// @param detector the detector
+/// @param index the cylinder, from 0
+/// @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call fails
+/// @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_make_fitter(
+    detector: *const cylfuse_detector,
+    index: usize,
+    out_fitter: *mut *mut cylfuse_fitter,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            let out = Slot::new(out_fitter, "out_fitter")?;
+            out.write(std::ptr::null_mut());
+            content.cylinder(index)?;
+            let fitter = content.scene()?.fitter(index)?;
+            let content = Content { fitter, ..Content::default() };
+            out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
+            Ok(())
+        })
+    }
+}

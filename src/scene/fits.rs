@@ -1,0 +1,150 @@
+//! The fit of one region.
+
+use super::{DetectorOptions, Found, mask_of};
+use crate::detection::{Detection, Detections};
+use crate::error::{Error, Result};
+use crate::fitter::{FitResult, Fitter, Options, StartKind};
+use crate::geometry::{Cylinder, Line, RigidMotion};
+use crate::observations::{Frame, MaskView, PointsView};
+use std::ops::ControlFlow;
+
+/// Tells whether to go on; asked before each linear solve.
+pub(super) type Poll<'a> = dyn Fn() -> ControlFlow<()> + Sync + 'a;
+
+/// What all fits of a scene share.
+pub(super) struct Fits<'a> {
+    options: &'a DetectorOptions,
+    pub seen: Detections,
+    pub size: (usize, usize),
+}
+
+impl<'a> Fits<'a> {
+    pub fn new(options: &'a DetectorOptions, seen: Detections, size: (usize, usize)) -> Self {
+        Self { options, seen, size }
+    }
+
+    /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera.
+    pub fn of_frame(
+        &self,
+        frame: &Frame,
+        index: usize,
+        detection: &Detection,
+        poll: &Poll<'_>,
+    ) -> Result<Found> {
+        let mut fitter = self.fitter()?;
+        let mask = mask_of(&self.seen.labels, index);
+        fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
+        let result = self.fit_or_keep(&mut fitter, detection, frame.pose(), poll)?;
+        let fitted = frame.pose().inverse().cylinder(&result.cylinder);
+        let score = self.seen.score_of_fit(detection, &fitted, result.limbs_located);
+        Ok(found(fitter, score, detection, result))
+    }
+
+    /// The fit of a region of a cloud.
+    pub fn of_points(
+        &self,
+        points: &PointsView<'_>,
+        index: usize,
+        detection: &Detection,
+        poll: &Poll<'_>,
+    ) -> Result<Found> {
+        let mut fitter = self.fitter()?;
+        let mask = mask_of(&self.seen.labels, index);
+        fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))?;
+        let result = self.fit_or_keep(&mut fitter, detection, &RigidMotion::identity(), poll)?;
+        Ok(found(fitter, detection.score, detection, result))
+    }
+
+    /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is
+    /// located: depth alone is off next to the limbs, which the detection allows for and a fit of all points does not.
+    fn fit_or_keep(
+        &self,
+        fitter: &mut Fitter,
+        detection: &Detection,
+        pose: &RigidMotion,
+        poll: &Poll<'_>,
+    ) -> Result<FitResult> {
+        let seen = &detection.cylinder;
+        let found = pose.cylinder(seen);
+        let covered = |cylinder: &Cylinder| self.seen.covered(detection, cylinder).iter().sum::<f64>();
+        let before = covered(seen);
+        let held = before >= COVERED;
+        let radii = match fitter.image() {
+            None => &[],
+            Some(_) if held => &RADII[..1],
+            Some(_) => &RADII[..],
+        };
+        let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
+        let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
+        let mut best: Option<(f64, Cylinder)> = None;
+        for factor in radii {
+            let radius = factor * found.radius;
+            // The wall that is seen stays where it is.
+            let away = seen.axis.nearest_to_origin().normalize() * (radius - found.radius);
+            let axis = Line { point: seen.axis.point + away, ..seen.axis };
+            let start = pose.cylinder(&Cylinder { axis, radius });
+            let result = match fit_from(fitter, &start, poll) {
+                Err(error @ Error::Cancelled { .. }) => return Err(error),
+                Err(_) => continue,
+                Ok(result) => result,
+            };
+            let change = found.compare(&result.cylinder);
+            let same = change.radius_relative.abs() < reach
+                && change.angle < 0.3
+                && change.axis_distance < found.radius;
+            let after = covered(&pose.inverse().cylinder(&result.cylinder));
+            if !same || result.limbs_located == 0 || after + 0.5 * (result.limbs_located as f64) < before {
+                continue;
+            }
+            let quality = after + 0.5 * result.limbs_located as f64;
+            if quality > best.map_or(0.0, |(most, _)| most) {
+                best = Some((quality, start));
+                if held || quality >= COVERED + 1.0 {
+                    return Ok(result);
+                }
+            }
+        }
+        if let Some((_, start)) = best {
+            return fit_from(fitter, &start, poll);
+        }
+        // The search allows for errors at the limits; what is returned keeps them.
+        if !fitter.options().cylinder_limits.contain(&found) {
+            return fit_from(fitter, &found, poll);
+        }
+        fitter.set_start(Some(found));
+        fitter.keep(&found)
+    }
+
+    fn fitter(&self) -> Result<Fitter> {
+        let cylinder_limits = self.options.search.limits;
+        let mut fitter = Fitter::new();
+        fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
+        Ok(fitter)
+    }
+}
+
+fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResult) -> Found {
+    let (extent, arcs) = match fitter.extent_and_arcs(None, None) {
+        Ok((extent, mut arcs)) => (Ok(extent), arcs.pop().unwrap_or_default()),
+        Err(error) => (Err(error), Default::default()),
+    };
+    fitter.swap_mask(None);
+    Found { score, pixels: detection.pixels, result, extent, arcs, fitter }
+}
+
+/// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
+/// the search for limbs in the image reaches.
+const RADII: [f64; 3] = [1.0, 0.9, 1.1];
+
+/// The parts of both limbs together that edges of the image cover where they hold the radius.
+const COVERED: f64 = 1.0;
+
+/// How far the radius of a fit may be from that which was found: a part of it, or pixels of the image, whichever is more.
+/// What is farther off is another pair of edges.
+const RADIUS_CHANGE: f64 = 0.15;
+const RADIUS_PIXELS: f64 = 3.0;
+
+fn fit_from(fitter: &mut Fitter, start: &Cylinder, poll: &Poll<'_>) -> Result<FitResult> {
+    fitter.set_start(Some(*start));
+    fitter.fit_with(&mut |_| poll())
+}

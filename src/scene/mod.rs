@@ -1,0 +1,436 @@
+//! Whole scenes: finds all cylinders of a frame or a cloud and fits each by the full method.
+//!
+//! [`crate::detection`] finds the regions from depth alone; here each becomes the mask of a fit of its own, and what that
+//! sees of the limbs in the image joins the score.
+
+mod fits;
+
+use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_points};
+
+use crate::error::{Error, Result};
+use crate::extent::{ArcSample, Extent};
+use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
+use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
+use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
+use crate::workers::Workers;
+use fits::Fits;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Bytes a pixel or point for which a search has room at the same time: coordinates, cells, labels, masks.
+const BYTES_OF_SEARCH: usize = 64;
+
+/// Most points of a cloud: they are counted in 32 bits.
+const MOST_POINTS: usize = u32::MAX as usize - 1;
+
+/// The settings of a [`Detector`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetectorOptions {
+    /// The search; its limits of the cylinders hold for the fits as well. The axis is in the frame of reference.
+    pub search: DetectionOptions,
+    /// The fits. Limits, start and threads are those of the detector and must be the default here.
+    pub fit: Options,
+    /// Whether the image of a frame is looked at, if it has one.
+    pub use_image: bool,
+    /// Most threads, on which cylinders are fitted side by side; 1, the default, starts none and 0 as many as the machine
+    /// has. The result has the same bits for any number.
+    pub threads: usize,
+}
+
+impl Default for DetectorOptions {
+    fn default() -> Self {
+        Self { search: DetectionOptions::default(), fit: Options::default(), use_image: true, threads: 1 }
+    }
+}
+
+impl DetectorOptions {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// `InvalidArgument` that names the option, its value and its limit.
+    pub fn check(&self) -> Result<()> {
+        self.search.check()?;
+        self.fit.check()?;
+        let refuse = |name: &str, value: String, requirement: &str| {
+            Err(Error::argument(format!("{name} of the fits"), value, requirement))
+        };
+        if self.fit.cylinder_limits != CylinderLimits::default() {
+            let CylinderLimits { radius_min, radius_max, axis } = self.fit.cylinder_limits;
+            let limits =
+                format!("radius {radius_min} to {radius_max}, axis {}", axis.map_or("free", |_| "in a cone"));
+            return refuse("limits", limits, "be none: the limits of the detector hold for the fits");
+        }
+        if self.fit.start != StartKind::Auto {
+            let start = format!("{:?}", self.fit.start);
+            return refuse("start", start, "be Auto: a fit starts from the cylinder that was found");
+        }
+        if self.fit.threads != 1 {
+            let threads = self.fit.threads.to_string();
+            return refuse(
+                "threads",
+                threads,
+                "be 1: the threads of the detector fit cylinders side by side",
+            );
+        }
+        Ok(())
+    }
+}
+
+/// How far a search is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// It begins to look for cylinders.
+    Search,
+    /// So many of the cylinders that were found are fitted.
+    Fit {
+        /// Fits that are done.
+        done: usize,
+        /// All fits.
+        count: usize,
+    },
+}
+
+/// Who hears how far a search is, and may stop it.
+pub struct Observer<'a> {
+    /// Called on the thread that searches; `Break` stops.
+    pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
+    /// Asked on any thread, before each linear solve.
+    pub stopped: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Finds all cylinders of a scene, and fits each.
+///
+/// ```
+/// use cylfuse::observations::PointsView;
+/// use cylfuse::scene::Detector;
+///
+/// // The front of a can of radius 0.1 that stands before a wall.
+/// let mut points = Vec::new();
+/// for row in 0..120 {
+///     for column in 0..160 {
+///         let [x, y] = [(f64::from(column) - 79.5) / 200.0, (f64::from(row) - 59.5) / 200.0];
+///         let near = (1.0_f64 - (1.0 + x * x) * (1.0 - 0.01)).sqrt();
+///         let z = if near > 0.0 { (1.0 - near) / (1.0 + x * x) } else { 1.5 };
+///         points.push([x * z, y * z, z]);
+///     }
+/// }
+/// let scene = Detector::new().detect_points(&PointsView::from_f64(&points))?;
+/// assert_eq!(scene.cylinders.len(), 1);
+/// assert!((scene.cylinders[0].result.cylinder.radius - 0.1).abs() < 0.001);
+/// # Ok::<(), cylfuse::error::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Detector {
+    options: DetectorOptions,
+    workers: Workers,
+}
+
+/// A cylinder of a scene.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The probability that there is a cylinder.
+    pub score: f64,
+    /// Pixels of its region; points for a cloud.
+    pub pixels: usize,
+    /// The fit of its region. Where neither depth nor image tell more than the search knew, what a fit would report for the
+    /// cylinder that the search found.
+    pub result: FitResult,
+    /// Its visible piece. `BadState` for a cloud: ends need a camera.
+    pub extent: Result<Extent>,
+    /// The places in the image on the arcs of start and end; empty for an end that the image does not show.
+    pub arcs: [Vec<ArcSample>; 2],
+    /// The fit, without its mask: the labels have that.
+    fitter: Fitter,
+}
+
+impl Found {
+    /// The options of the fit: those of the detector with its limits and the start.
+    #[must_use]
+    pub fn fit_options(&self) -> &Options {
+        self.fitter.options()
+    }
+
+    /// What the fit saw of the two limbs in the image; `None` when it did not look.
+    #[must_use]
+    pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
+        self.fitter.limbs()
+    }
+}
+
+/// All cylinders of a frame or a cloud.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The cylinders by falling score.
+    pub cylinders: Vec<Found>,
+    /// For each pixel or point, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
+    pub labels: Vec<u16>,
+    /// Columns and rows of the labels.
+    pub size: (usize, usize),
+}
+
+impl Scene {
+    /// The pixels or points of a cylinder, counted from 0 row by row.
+    pub fn indices(&self, index: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+        let own = move |(_, label): &(usize, &u16)| usize::from(**label) == index + 1;
+        self.labels.iter().enumerate().filter(own).map(|(k, _)| k)
+    }
+
+    /// The fitter of a cylinder as its fit left it, with frame, mask, start and result: for residuals, completion and all
+    /// else that can be asked of a fit.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when there is no such cylinder, `OutOfMemory`.
+    pub fn fitter(&self, index: usize) -> Result<Fitter> {
+        let Some(found) = self.cylinders.get(index) else {
+            let requirement = format!("be less than the number of cylinders, {}", self.cylinders.len());
+            return Err(Error::argument("index", index, requirement));
+        };
+        check_memory("the fitter", self.labels.len().max(found.fitter.cloud().len()))?;
+        let mut fitter = found.fitter.clone();
+        if fitter.depth().is_some() {
+            let mask = self.mask(index);
+            fitter.swap_mask(Some(Mask::copy(&MaskView::from_u8(&mask, self.size)?)?));
+        }
+        Ok(fitter)
+    }
+
+    fn mask(&self, index: usize) -> Vec<u8> {
+        mask_of(&self.labels, index)
+    }
+}
+
+/// The mask of one region, 1 inside.
+fn mask_of(labels: &[u16], index: usize) -> Vec<u8> {
+    labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect()
+}
+
+impl Detector {
+    /// A detector with default options.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The options.
+    #[must_use]
+    pub fn options(&self) -> &DetectorOptions {
+        &self.options
+    }
+
+    /// Replaces the options.
+    ///
+    /// # Errors
+    /// `InvalidArgument`; the old options stay then.
+    pub fn set_options(&mut self, options: DetectorOptions) -> Result<()> {
+        options.check()?;
+        if options.threads != self.options.threads {
+            self.workers = Workers::asked(options.threads);
+        }
+        self.options = options;
+        Ok(())
+    }
+
+    /// Finds and fits all cylinders of a frame. They are in the frame of reference that the pose of the frame leads to.
+    /// The images of the frame are shared and not copied.
+    ///
+    /// # Errors
+    /// `BadState` without intrinsics or depth; `Unsupported` for an objective of the fits that needs edge segments;
+    /// `OutOfMemory`.
+    pub fn detect(&self, frame: &Frame) -> Result<Scene> {
+        unobserved(|observer| self.detect_with(frame, observer))
+    }
+
+    /// The same with an observer.
+    ///
+    /// # Errors
+    /// Those of [`Detector::detect`], and `Cancelled`.
+    pub fn detect_with(&self, frame: &Frame, observer: &mut Observer<'_>) -> Result<Scene> {
+        let missing = |missing, remedy| Error::BadState { call: "detecting cylinders", missing, remedy };
+        let camera = frame.camera().ok_or(missing("intrinsics", "set the intrinsics of the frame first"))?;
+        let depth =
+            frame.depth_on_image().ok_or(missing("a depth image", "set the depth of the frame first"))?;
+        let size = camera.size();
+        check_memory("the search", size.0 * size.1)?;
+        let limited;
+        let depth = if *frame.depth_range() == DepthRange::default() {
+            depth
+        } else {
+            limited = depth.within(frame.depth_range())?;
+            &limited
+        };
+        let mut frame = frame.clone();
+        if !self.options.use_image {
+            frame.clear_image();
+        }
+        let search = self.search_options(&frame.pose().inverse());
+        let found = self.search(observer, || detect(camera, depth, frame.image(), &search))?;
+        let fits = Fits::new(&self.options, found, size);
+        self.fit_all(fits, observer, |fits, index, detection, poll| {
+            fits.of_frame(&frame, index, detection, poll)
+        })
+    }
+
+    /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it the origin is
+    /// taken for the sensor. Points with a coordinate that is not finite or a weight of 0 are left out.
+    ///
+    /// # Errors
+    /// `InvalidArgument` for a negative weight, and for too many points; `Unsupported` as [`Detector::detect`];
+    /// `OutOfMemory`.
+    pub fn detect_points(&self, points: &PointsView<'_>) -> Result<Scene> {
+        unobserved(|observer| self.detect_points_with(points, observer))
+    }
+
+    /// The same with an observer.
+    ///
+    /// # Errors
+    /// Those of [`Detector::detect_points`], and `Cancelled`.
+    pub fn detect_points_with(&self, points: &PointsView<'_>, observer: &mut Observer<'_>) -> Result<Scene> {
+        let size = (points.width(), points.height());
+        let count = size.0.saturating_mul(size.1);
+        if count > MOST_POINTS {
+            let requirement = format!("be at most {MOST_POINTS}: divide the cloud");
+            return Err(Error::argument("the number of points", count, requirement));
+        }
+        check_memory("the search", count)?;
+        check_weights(points)?;
+        let search = self.search_options(&RigidMotion::identity());
+        let found = self.search(observer, || match count {
+            // Rows of no points are as many as the caller likes.
+            0 => Ok(Detections::default()),
+            _ => detect_points(points, &search),
+        })?;
+        let fits = Fits::new(&self.options, found, size);
+        self.fit_all(fits, observer, |fits, index, detection, poll| {
+            fits.of_points(points, index, detection, poll)
+        })
+    }
+
+    /// The options of the search, for all that may be left when every cylinder is fitted.
+    fn search_options(&self, into_camera: &RigidMotion) -> DetectionOptions {
+        let limits = of_search(&self.options.search.limits, into_camera);
+        DetectionOptions { limits, max_count: usize::MAX, ..self.options.search }
+    }
+
+    /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
+    /// limit has to hold it.
+    fn within(&self, detection: &Detection, found: &Found) -> bool {
+        let CylinderLimits { radius_min, radius_max, .. } = self.options.search.limits;
+        let inside = (radius_min..=radius_max).contains(&detection.cylinder.radius);
+        inside || !found.result.flags.contains(Flags::RADIUS_AT_LIMIT)
+    }
+
+    fn search(
+        &self,
+        observer: &mut Observer<'_>,
+        find: impl FnOnce() -> Result<Detections>,
+    ) -> Result<Detections> {
+        let stop = |observer: &mut Observer<'_>| {
+            (observer.progress)(Progress::Search).is_break() || (observer.stopped)()
+        };
+        let cancelled = Err(Error::Cancelled { iterations: 0 });
+        if stop(observer) {
+            return cancelled;
+        }
+        let found = find()?;
+        if (observer.stopped)() { cancelled } else { Ok(found) }
+    }
+
+    /// Fits every region, and puts the cylinders into the order of their scores.
+    fn fit_all<'a>(
+        &self,
+        fits: Fits<'a>,
+        observer: &mut Observer<'_>,
+        fit: impl Fn(&Fits<'a>, usize, &Detection, &fits::Poll<'_>) -> Result<Found> + Sync,
+    ) -> Result<Scene> {
+        let detections = &fits.seen.cylinders;
+        let count = detections.len();
+        let stop = AtomicBool::new(false);
+        let stopped = observer.stopped;
+        let poll = || match stop.load(Ordering::Relaxed) || stopped() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let progress = &mut *observer.progress;
+        let mut tell = |done| {
+            if progress(Progress::Fit { done, count }).is_break() {
+                stop.store(true, Ordering::Relaxed);
+            }
+        };
+        tell(0);
+        let mut outcomes: Vec<Option<Result<Found>>> = detections.iter().map(|_| None).collect();
+        let compute = |index: usize| {
+            let cancelled = || Err(Error::Cancelled { iterations: 0 });
+            Some(if poll().is_break() { cancelled() } else { fit(&fits, index, &detections[index], &poll) })
+        };
+        self.workers.fill_and_tell(&mut outcomes, compute, tell);
+        if poll().is_break() {
+            let done = outcomes.iter().flatten().flatten();
+            return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });
+        }
+        let mut cylinders = Vec::new();
+        for (label, outcome) in (1..).zip(outcomes) {
+            match outcome {
+                Some(Ok(found))
+                    if found.score >= self.options.search.min_score
+                        && self.within(&detections[usize::from(label) - 1], &found) =>
+                {
+                    cylinders.push((label, found))
+                }
+                Some(Err(
+                    error @ (Error::Cancelled { .. } | Error::OutOfMemory { .. } | Error::Unsupported { .. }),
+                )) => {
+                    return Err(error);
+                }
+                // A region without any measured pixel of its own, say, cannot be fitted.
+                _ => {}
+            }
+        }
+        cylinders.sort_by(|a, b| b.1.score.total_cmp(&a.1.score));
+        cylinders.truncate(self.options.search.max_count);
+        let Fits { seen: Detections { mut labels, .. }, size, .. } = fits;
+        renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
+        let cylinders = cylinders.into_iter().map(|(_, found)| found).collect();
+        Ok(Scene { cylinders, labels, size })
+    }
+}
+
+/// Calls with an observer that never stops anything.
+fn unobserved<T>(call: impl FnOnce(&mut Observer<'_>) -> T) -> T {
+    call(&mut Observer { progress: &mut |_| ControlFlow::Continue(()), stopped: &|| false })
+}
+
+/// A radius by depth alone is off by this part of it at most: what the search finds so near to the limits may turn out to
+/// keep them.
+const RADIUS_ERROR: f64 = 0.15;
+
+/// The limits of the search, for those of the cylinders in the frame of reference.
+fn of_search(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimits {
+    let turned = |cone: AxisCone| AxisCone { direction: into_camera.direction(&cone.direction), ..cone };
+    let turned = CylinderLimits { axis: limits.axis.map(turned), ..*limits };
+    let wider = CylinderLimits {
+        radius_min: limits.radius_min * (1.0 - RADIUS_ERROR),
+        radius_max: limits.radius_max * (1.0 + RADIUS_ERROR),
+        ..turned
+    };
+    // Not beyond what a limit may be.
+    if wider.check().is_ok() { wider } else { turned }
+}
+
+/// Gives labels the numbers in a new order; those that are not in it become 0.
+fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
+    let mut new = vec![0; usize::from(u16::MAX) + 1];
+    for (number, label) in (1..).zip(order) {
+        new[usize::from(label)] = number;
+    }
+    labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
+}
+
+/// Asks for the memory of a call and gives it back at once, so that a call that could not have it fails before it begins.
+fn check_memory(what: &'static str, pixels: usize) -> Result<()> {
+    let bytes = pixels.saturating_mul(BYTES_OF_SEARCH);
+    let mut memory: Vec<u8> = Vec::new();
+    let asked = memory.try_reserve_exact(bytes);
+    // What nobody looks at need not be allocated.
+    std::hint::black_box(&memory);
+    asked.map_err(|_| Error::OutOfMemory { what, bytes })
+}
