@@ -1,5 +1,7 @@
 //! The golden cases of detectors.
 
+#![allow(clippy::needless_pass_by_value, reason = "what is passed is written on the spot")]
+
 use super::cases::{call, case};
 use serde_json::{Value, json};
 
