@@ -15,6 +15,10 @@ mod overlay;
 mod report;
 mod scene_picture;
 mod table;
+#[cfg(feature = "twin")]
+mod twin;
+#[cfg(feature = "twin")]
+mod twin_arguments;
 
 use arguments::{Arguments, Command, DemoArguments, FitArguments};
 use clap::error::ErrorKind;
@@ -35,6 +39,8 @@ fn main() -> ExitCode {
         Command::Fit(arguments) => fit_all(&arguments),
         Command::Detect(arguments) => detect_all(&arguments),
         Command::Demo(arguments) => run_demo(&arguments),
+        #[cfg(feature = "twin")]
+        Command::Twin(arguments) => make_frames(&arguments),
     };
     match failed {
         Ok(false) => ExitCode::SUCCESS,
@@ -150,6 +156,31 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
             Ok(true)
         }
     }
+}
+
+/// Makes all frames; tells whether something failed.
+#[cfg(feature = "twin")]
+fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
+    let options = match arguments.options() {
+        Ok(options) => options,
+        Err(error) => usage_error(ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+    };
+    let seeds: Vec<u64> = (0..u64::from(arguments.count)).map(|k| arguments.seed.wrapping_add(k)).collect();
+    let progress = progress_bar(seeds.len());
+    let mut failures = Vec::new();
+    let make = |_: usize, seed: &u64| twin::run(*seed, arguments, &options);
+    fit::in_order(&seeds, arguments.threads, &make, &mut |made| {
+        failures.extend(made.err());
+        progress.inc(1);
+    })
+    .map_err(io::Error::other)?;
+    progress.finish_and_clear();
+    for Failure { status, message } in &failures {
+        complain(&format!("{status}: {message}"));
+    }
+    let made = seeds.len() - failures.len();
+    writeln!(io::stdout(), "{made} frames in {}", arguments.out.display())?;
+    Ok(!failures.is_empty())
 }
 
 fn print_json(report: &impl serde::Serialize) -> io::Result<()> {
