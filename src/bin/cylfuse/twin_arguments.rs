@@ -37,10 +37,12 @@ pub struct TwinArguments {
 
     /// Width of the image in pixels.
     #[arg(long, value_name = "N", default_value_t = 640, help_heading = "Camera")]
+    #[arg(value_parser = clap::value_parser!(u32).range(16..=4096))]
     pub width: u32,
 
     /// Height of the image in pixels.
     #[arg(long, value_name = "N", default_value_t = 480, help_heading = "Camera")]
+    #[arg(value_parser = clap::value_parser!(u32).range(16..=4096))]
     pub height: u32,
 
     /// Focal length of the image in pixels [default: 0.89 times the width].

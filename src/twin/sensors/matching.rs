@@ -165,7 +165,7 @@ impl<'a> RowSearch<'a> {
                 *second = if rival { *score } else { *second };
             }
         }
-        for x in 0..self.width {
+        for (x, out) in out.iter_mut().enumerate() {
             let (best, at) = (self.best[x], self.at[x] as usize);
             let clear = best >= least_score && self.second[x] < uniqueness * best;
             if !clear || at == 0 || at + 1 >= count || (both_ways && !self.leads_back(x, at)) {
@@ -175,7 +175,7 @@ impl<'a> RowSearch<'a> {
             let bend = before - 2.0 * best + after;
             let offset = if bend < 0.0 { 0.5 * f64::from((before - after) / bend) } else { 0.0 };
             let exact = (least + at) as f64 + offset;
-            out[x] = (libm::round(exact * steps) / steps) as f32;
+            *out = (libm::round(exact * steps) / steps) as f32;
         }
     }
 

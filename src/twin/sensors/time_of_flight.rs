@@ -127,10 +127,22 @@ impl TimeOfFlight {
         let area = (CELL * CELL) as f64;
         cells.iter_mut().flatten().for_each(|sum| *sum /= area);
         blur(&mut cells, (columns, rows), self.scatter_width / CELL as f64);
+        // Between the middles of cells, so that no step shows.
+        let between = |place: usize, count: usize| {
+            let at = ((place as f64 + 0.5) / CELL as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+            let first = libm::floor(at) as usize;
+            (first, (first + 1).min(count - 1), at - first as f64)
+        };
         for (k, phasor) in phasors.iter_mut().enumerate() {
-            let cell = &cells[(k / width / CELL) * columns + k % width / CELL];
-            let mixed = |own: f64, wide: f64| (1.0 - self.scatter) * own + self.scatter * wide;
-            phasor.iter_mut().zip(cell).for_each(|(own, wide)| *own = mixed(*own, *wide));
+            let (left, right, u) = between(k % width, columns);
+            let (top, bottom, v) = between(k / width, rows);
+            let corners = [(top, left), (top, right), (bottom, left), (bottom, right)];
+            let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+            phasor.iter_mut().for_each(|own| *own *= 1.0 - self.scatter);
+            for ((row, column), weight) in corners.into_iter().zip(weights) {
+                let wide = &cells[row * columns + column];
+                phasor.iter_mut().zip(wide).for_each(|(own, wide)| *own += self.scatter * weight * wide);
+            }
         }
     }
 
