@@ -29,7 +29,8 @@
 //! # Where to begin
 //! [`fitter::Fitter`] is the whole of it; [`observations`] are what it takes, [`fitter::FitResult`] is what it gives, and
 //! [`extent`] and [`completion`] follow a fit; [`scene::Detector`] finds and fits all cylinders of a scene. [`ffi`] is the C
-//! interface and, with the feature `opencv`, the module `opencv` takes its images. `docs/architecture.md` shows the inside.
+//! interface and, with the feature `opencv`, the module `opencv` takes its images; with the feature `twin`, the module `twin`
+//! makes frames. `docs/architecture.md` shows the inside.
 
 // Pointers are for the C interface; everything else is safe code.
 #![deny(unsafe_code)]
@@ -68,6 +69,8 @@ pub mod scene;
 mod solver;
 mod start;
 mod statistics;
+#[cfg(feature = "twin")]
+pub mod twin;
 mod workers;
 
 /// Runs the Rust program of the README as a test.

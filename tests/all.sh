@@ -23,7 +23,7 @@ RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
 step "tests: Rust, header, ABI, C with sanitizers and valgrind, command line"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-cargo test --locked --release --features cli --no-fail-fast 2>&1 | tee "$log"
+cargo test --locked --release --features cli,twin --no-fail-fast 2>&1 | tee "$log"
 
 step "tests: matrices of OpenCV"
 cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a "$log"
@@ -31,7 +31,7 @@ cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a
 step "demo"
 demo=$(mktemp -d)
 cargo run --locked --release --features cli -- demo --out "$demo"
-for file in result.json overlay.png completed.ply completed.pcd; do test -s "$demo/$file"; done
+for file in result.json overlay.png completed.ply completed.pcd scene/overlay.png scene/labels.png; do test -s "$demo/$file"; done
 rm -rf "$demo"
 
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 15] = [
     &["geometry"],
     &["camera"],
     &["observations"],
-    &["residuals"],
+    &["residuals", "twin"],
     &["solver"],
     &["start", "limb_location", "end_location"],
     &["detection"],

@@ -10,4 +10,6 @@ mod output;
 #[path = "../support/scene.rs"]
 mod scene;
 mod support;
+#[cfg(feature = "twin")]
+mod twin;
 mod views;

@@ -288,6 +288,10 @@ fn the_demo_leaves_its_files_where_it_says() {
     for name in ["result.json", "overlay.png", "completed.ply", "completed.pcd"] {
         assert!(demo.stdout.contains(name) && out.join(name).is_file(), "{name}");
     }
+    let scene = ["frame.json", "image.png", "depth.png", "overlay.png", "labels.png"];
+    assert!(
+        demo.stdout.contains("scene/") && scene.iter().all(|name| out.join("scene").join(name).is_file())
+    );
     let again = fitted(&out.join("frame"), &[]);
     assert_eq!(again["cylinder"], fitted(&data("r40_a20_f0"), &[])["cylinder"]);
     let default = Command::new(env!("CARGO_BIN_EXE_cylfuse")).arg("demo").current_dir(folder.path()).output();

@@ -3,6 +3,8 @@
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
 use crate::detect_arguments::DetectArguments;
+#[cfg(feature = "twin")]
+use crate::twin_arguments::TwinArguments;
 use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
@@ -42,6 +44,9 @@ pub enum Command {
     Detect(Box<DetectArguments>),
     /// Fit the built-in frame and leave pictures and files in a folder.
     Demo(DemoArguments),
+    /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
+    #[cfg(feature = "twin")]
+    Twin(TwinArguments),
 }
 
 /// `cylfuse fit`.

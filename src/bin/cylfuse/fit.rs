@@ -79,10 +79,10 @@ pub fn run_all(
 
 /// Does something with all inputs, several at a time, and hands over the outcomes in the order of the inputs, each as
 /// soon as it and those before it are there.
-pub fn in_order<T: Send>(
-    inputs: &[Input],
+pub fn in_order<I: Sync, T: Send>(
+    inputs: &[I],
     threads: usize,
-    run: &(dyn Fn(usize, &Input) -> T + Sync),
+    run: &(dyn Fn(usize, &I) -> T + Sync),
     take: &mut dyn FnMut(T),
 ) -> Result<(), rayon::ThreadPoolBuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;

@@ -15,6 +15,10 @@ mod overlay;
 mod report;
 mod scene_picture;
 mod table;
+#[cfg(feature = "twin")]
+mod twin;
+#[cfg(feature = "twin")]
+mod twin_arguments;
 
 use arguments::{Arguments, Command, DemoArguments, FitArguments};
 use clap::error::ErrorKind;
@@ -35,6 +39,8 @@ fn main() -> ExitCode {
         Command::Fit(arguments) => fit_all(&arguments),
         Command::Detect(arguments) => detect_all(&arguments),
         Command::Demo(arguments) => run_demo(&arguments),
+        #[cfg(feature = "twin")]
+        Command::Twin(arguments) => make_frames(&arguments),
     };
     match failed {
         Ok(false) => ExitCode::SUCCESS,
@@ -52,11 +58,11 @@ fn main() -> ExitCode {
 fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     let settings = match arguments.check() {
         Ok(()) => Settings::new(arguments),
-        Err(message) => usage_error(ErrorKind::ArgumentConflict, &message),
+        Err(message) => usage_error("fit", ErrorKind::ArgumentConflict, &message),
     };
     let settings = match settings {
         Ok(settings) => settings,
-        Err(error) => usage_error(ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+        Err(error) => usage_error("fit", ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
     };
     let inputs = if arguments.points.is_empty() {
         inputs::find_frames(&arguments.frames)
@@ -92,7 +98,9 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
 fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let detection = match arguments.options() {
         Ok(options) => options,
-        Err(error) => usage_error(ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+        Err(error) => {
+            usage_error("detect", ErrorKind::ValueValidation, &format!("{error} ({})", error.name()))
+        }
     };
     let settings = detect::Settings { detection, image: !arguments.no_image };
     let inputs = if arguments.points.is_empty() {
@@ -136,12 +144,13 @@ fn print_scene(report: &SceneReport) -> io::Result<()> {
 fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
     let folder = arguments.out.display();
     match demo::run(&arguments.out) {
-        Ok(report) => {
+        Ok((report, scene)) => {
             print_table(&[report])?;
+            print_scene(&scene)?;
             let contents = demo::CONTENTS;
             writeln!(
                 io::stdout(),
-                "\n{folder}/\n{contents}\n\nTry: cylfuse fit --objective paper {folder}/frame"
+                "\n{folder}/\n{contents}\n\nTry: cylfuse fit --objective paper {folder}/frame\n     cylfuse detect --no-image {folder}/scene"
             )?;
             Ok(false)
         }
@@ -150,6 +159,31 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
             Ok(true)
         }
     }
+}
+
+/// Makes all frames; tells whether something failed.
+#[cfg(feature = "twin")]
+fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
+    let options = match arguments.options() {
+        Ok(options) => options,
+        Err(error) => usage_error("twin", ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+    };
+    let seeds: Vec<u64> = (0..u64::from(arguments.count)).map(|k| arguments.seed.wrapping_add(k)).collect();
+    let progress = progress_bar(seeds.len());
+    let mut failures = Vec::new();
+    let make = |_: usize, seed: &u64| twin::run(*seed, arguments, &options);
+    fit::in_order(&seeds, arguments.threads, &make, &mut |made| {
+        failures.extend(made.err());
+        progress.inc(1);
+    })
+    .map_err(io::Error::other)?;
+    progress.finish_and_clear();
+    for Failure { status, message } in &failures {
+        complain(&format!("{status}: {message}"));
+    }
+    let made = seeds.len() - failures.len();
+    writeln!(io::stdout(), "{made} frames in {}", arguments.out.display())?;
+    Ok(!failures.is_empty())
 }
 
 fn print_json(report: &impl serde::Serialize) -> io::Result<()> {
@@ -180,11 +214,11 @@ fn progress_bar(count: usize) -> ProgressBar {
 }
 
 /// A mistake in the command line: explained on stderr, exit status 2.
-fn usage_error(kind: ErrorKind, message: &str) -> ! {
+fn usage_error(name: &str, kind: ErrorKind, message: &str) -> ! {
     let mut command = Arguments::command();
     command.build();
-    match command.find_subcommand_mut("fit") {
-        Some(fit) => fit.error(kind, message).exit(),
+    match command.find_subcommand_mut(name) {
+        Some(subcommand) => subcommand.error(kind, message).exit(),
         None => command.error(kind, message).exit(),
     }
 }

@@ -1,0 +1,75 @@
+//! Where there is no cylinder, none is found.
+#![cfg(feature = "twin")]
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
+use cylfuse::camera::{Camera, Distortion, Intrinsics};
+use cylfuse::detection::{DetectionOptions, Detections, detect};
+use cylfuse::observations::{DepthImage, DepthView};
+use cylfuse::twin::{
+    CaptureOptions, DEPTH_UNIT, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight, capture,
+    random_scene,
+};
+
+const SIZE: (usize, usize) = (640, 480);
+
+fn camera() -> Camera {
+    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
+    let distortion = Distortion::None;
+    Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion }).unwrap()
+}
+
+fn found(depth: &[u16]) -> Detections {
+    let depth = DepthImage::copy(&DepthView::from_u16(depth, SIZE, DEPTH_UNIT).unwrap()).unwrap();
+    detect(&camera(), &depth, &DetectionOptions::default()).unwrap()
+}
+
+/// Says what was found where nothing should be.
+fn complaint(name: &str, depth: &[u16]) -> Option<String> {
+    let found = found(depth);
+    assert!(found.cylinders.is_empty() == found.labels.iter().all(|label| *label == 0), "{name}");
+    let one = |d: &cylfuse::detection::Detection| {
+        format!("radius {:.1} mm, score {:.2}, {} pixels", 1e3 * d.cylinder.radius, d.score, d.pixels)
+    };
+    let all: Vec<String> = found.cylinders.iter().map(one).collect();
+    (!all.is_empty()).then(|| format!("{name}: {}", all.join("; ")))
+}
+
+/// Boxes, spheres, frustums, planes and some of everything, twice each by both sensors.
+#[test]
+fn nothing_is_found_among_boxes_spheres_frustums_and_planes() {
+    let mut complaints = Vec::new();
+    for (name, sensor) in [
+        ("structured light", DepthSensor::StructuredLight(StructuredLight::default())),
+        ("time of flight", DepthSensor::TimeOfFlight(TimeOfFlight::default())),
+    ] {
+        for seed in 0..10 {
+            let picture = PictureOptions::default();
+            let options = CaptureOptions { camera: camera(), picture, sensor, registered: true };
+            let frame = capture(&random_scene(Kind::NoCylinders, seed).unwrap(), &options, seed).unwrap();
+            assert!(frame.depth.iter().filter(|z| **z > 0).count() > 100_000);
+            complaints.extend(complaint(&format!("{name}, seed {seed}"), &frame.depth));
+        }
+    }
+    assert!(complaints.is_empty(), "{} of 20 scenes\n{}", complaints.len(), complaints.join("\n"));
+}
+
+#[test]
+fn nothing_is_found_in_an_empty_depth_image() {
+    assert_eq!(complaint("empty", &vec![0; SIZE.0 * SIZE.1]), None);
+}
+
+#[test]
+fn nothing_is_found_in_noise() {
+    // A linear congruential generator (Numerical Recipes).
+    let mut state = 1_u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 16
+    };
+    let far: Vec<u16> = (0..SIZE.0 * SIZE.1).map(|_| next() as u16).collect();
+    assert_eq!(complaint("noise of all depths", &far), None);
+    for spread in [100, 1000] {
+        let wall: Vec<u16> = (0..SIZE.0 * SIZE.1).map(|_| (8000 + next() % spread) as u16).collect();
+        assert_eq!(complaint(&format!("a wall with noise of {spread} units"), &wall), None);
+    }
+}
