@@ -63,6 +63,10 @@ pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]
 pub mod opencv;
+#[cfg(not(feature = "sensitivity"))]
+mod parts;
+#[cfg(feature = "sensitivity")]
+pub mod parts;
 mod residuals;
 mod solver;
 mod start;

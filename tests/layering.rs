@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 14] = [
     &["geometry"],
     &["camera"],
     &["observations"],
-    &["residuals"],
+    &["residuals", "parts"],
     &["solver"],
     &["start", "limb_location", "end_location"],
     &["detection"],

@@ -52,7 +52,7 @@ pub(super) fn search(grid: &mut Grid, pixel: f64, options: &DetectionOptions) ->
     select(&scene, &mut found, options, &mut marks)
 }
 
-fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) -> Vec<Judged> {
+pub(super) fn candidates(scene: &Scene<'_>, options: &DetectionOptions, marks: &mut Marks) -> Vec<Judged> {
     let grid = scene.grid;
     let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
