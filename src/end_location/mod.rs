@@ -95,6 +95,8 @@ pub struct End {
     pub state: EndState,
     /// What the position was taken from.
     pub source: EndSource,
+    /// Whether the mask goes on beyond it: over a cap or an inner wall, whose rim or lid may be wider than the body.
+    pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: Vec<ArcSample>,
 }
@@ -163,7 +165,7 @@ pub fn extreme_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End;
 
 fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End {
     let state = surroundings.state(position, outward);
-    End { position, deviation: None, state, source: EndSource::Extreme, samples: Vec::new() }
+    End { position, deviation: None, state, source: EndSource::Extreme, rim: false, samples: Vec::new() }
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
@@ -204,7 +206,14 @@ fn locate(
     if let Some(position) = cut {
         // The last pixel lies within a pixel of the border.
         let deviation = Some(rough.pixel);
-        return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
+        return End {
+            position,
+            deviation,
+            state,
+            source: EndSource::Border,
+            rim: false,
+            samples: Vec::new(),
+        };
     }
     let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
     match arc {
@@ -213,6 +222,7 @@ fn locate(
             deviation: Some(arc.deviation),
             state,
             source: EndSource::Image,
+            rim: told.is_some(),
             samples: arc.samples,
         },
         None => End {
@@ -220,6 +230,7 @@ fn locate(
             deviation: Some(rough.deviation),
             state,
             source: EndSource::Mask,
+            rim: told.is_some(),
             samples: Vec::new(),
         },
     }

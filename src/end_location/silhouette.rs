@@ -5,7 +5,7 @@ use super::surface::Surface;
 use super::surroundings::Surroundings;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
-use crate::parts::BodyEnd;
+use crate::parts::{BodyEnd, EndSign};
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
@@ -135,7 +135,7 @@ impl<'a> Silhouette<'a> {
     /// An end that the depth shows within the mask.
     pub fn of_depth(&self, end: &BodyEnd) -> Option<RoughEnd> {
         let pixel = 1.0 / self.surface.crossing(0.0, end.position)?.across;
-        let pixels = if end.cap { CAP_PIXELS } else { RIM_PIXELS };
+        let pixels = if end.sign == EndSign::Depth { RIM_PIXELS } else { CAP_PIXELS };
         let deviation = pixels.get() * pixel;
         pixel.is_finite().then_some(RoughEnd { position: end.position, deviation, pixel })
     }

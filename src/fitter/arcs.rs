@@ -85,7 +85,9 @@ fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<Arc
     };
     let ends = locate_ends(&search, cylinder)?;
     let endpoint = view.noise.endpoint;
-    let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
+    // The circle of a rim that is wider by a part of the radius looks like a tilt by that part.
+    let ends =
+        ends.iter().filter(|end| !end.rim).filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
     Some(ArcTerm { ends: ends.collect() })
 }
 

@@ -4,6 +4,8 @@
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
 //! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
 
+mod outline;
+
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::noise::ImageNoise;
@@ -54,13 +56,24 @@ pub enum Part {
     Behind,
 }
 
-/// Where the body ends within a mask, by the depth.
+/// Where the body ends within a mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyEnd {
     /// Position along the axis, from the axis point of the cylinder.
     pub position: f64,
-    /// Whether a cap is seen beyond it, whose plane tells the position; else it is where the depth leaves the surface.
-    pub cap: bool,
+    /// What tells it.
+    pub sign: EndSign,
+}
+
+/// What tells where the body ends within a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndSign {
+    /// The plane of a cap.
+    Cap,
+    /// The depth leaves the surface there.
+    Depth,
+    /// The mask ends in the shape of the far rim of that end.
+    FarRim,
 }
 
 /// What the depth says of the parts of a mask.
@@ -115,15 +128,19 @@ impl Parts {
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
-        let end = |significant: bool, inner: &Sight, beyond: &[Sight]| {
-            significant.then(|| {
-                let cap = cap(beyond, cylinder, reach);
-                BodyEnd { position: cap.unwrap_or(inner.position), cap: cap.is_some() }
+        let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
+            if sum(votes) < least {
+                return outline::far_rim(camera, mask, cylinder, outward, noise)
+                    .map(|position| BodyEnd { position, sign: EndSign::FarRim });
+            }
+            Some(match cap(beyond, cylinder, reach) {
+                Some(position) => BodyEnd { position, sign: EndSign::Cap },
+                None => BodyEnd { position: inner.position, sign: EndSign::Depth },
             })
         };
         let ends = [
-            end(sum(&votes[..first]) >= least, &sights[first], &sights[..first]),
-            end(sum(&votes[last + 1..]) >= least, &sights[last], &sights[last + 1..]),
+            end(-1.0, &sights[first], &votes[..first], &sights[..first]),
+            end(1.0, &sights[last], &votes[last + 1..], &sights[last + 1..]),
         ];
         Some(Self { cylinder: *cylinder, reach, ends })
     }
@@ -171,7 +188,7 @@ impl Parts {
         let distance = cylinder.distance(point);
         if !self.within(point) {
             let along = (point - axis.point).dot(&axis.direction);
-            let in_plane = |end: &BodyEnd| end.cap && (along - end.position).abs() <= *reach;
+            let in_plane = |end: &BodyEnd| end.sign == EndSign::Cap && (along - end.position).abs() <= *reach;
             if distance <= *reach && ends.iter().flatten().any(in_plane) {
                 return Part::Cap;
             }
