@@ -5,7 +5,7 @@ use super::surface::Surface;
 use super::surroundings::Surroundings;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
-use crate::parts::{BodyEnd, EndSign};
+use crate::parts::BodyEnd;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
@@ -31,10 +31,6 @@ constants! {
     /// Ends farther from the others than 4.685 times this count for nothing, in deviations of a boundary: short of an
     /// occluder.
     ROBUST_DEVIATION = 0.8, "σ";
-
-    /// Standard deviation of an end by the plane of a cap, and by the depth that leaves the surface at a rim, in pixels.
-    CAP_PIXELS = 0.7, "px";
-    RIM_PIXELS = 2.0, "px";
 
     /// Rounds of reweighting of the mean of the generators.
     REWEIGHTINGS = 10.0, "";
@@ -135,9 +131,7 @@ impl<'a> Silhouette<'a> {
     /// An end that the depth shows within the mask.
     pub fn of_depth(&self, end: &BodyEnd) -> Option<RoughEnd> {
         let pixel = 1.0 / self.surface.crossing(0.0, end.position)?.across;
-        let pixels = if end.sign == EndSign::Depth { RIM_PIXELS } else { CAP_PIXELS };
-        let deviation = pixels.get() * pixel;
-        pixel.is_finite().then_some(RoughEnd { position: end.position, deviation, pixel })
+        pixel.is_finite().then_some(RoughEnd { position: end.position, deviation: end.deviation, pixel })
     }
 
     /// Where the generator at an angle leaves the mask for the last time.

@@ -36,6 +36,15 @@ constants! {
     /// So many standard deviations of its boundary may a mask of the body reach beyond it.
     BOUNDARIES = 2.5, "σ";
 
+    /// Standard deviation of an end by the plane of a cap, by the depth that leaves the surface, and by the far rim, in
+    /// pixels.
+    CAP_PIXELS = 0.7, "px";
+    DEPTH_PIXELS = 1.5, "px";
+    FAR_RIM_PIXELS = 1.5, "px";
+
+    /// The depth may show the surface so far beyond an end, in pixels: matching windows draw it out.
+    SURPLUS = 8.0, "px";
+
     /// Fewest pixels of a cap.
     LEAST_CAP = 40.0, "px";
 }
@@ -61,6 +70,8 @@ pub enum Part {
 pub struct BodyEnd {
     /// Position along the axis, from the axis point of the cylinder.
     pub position: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
     /// What tells it.
     pub sign: EndSign,
 }
@@ -129,14 +140,32 @@ impl Parts {
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
-            if sum(votes) < least {
-                return outline::far_rim(camera, mask, cylinder, outward, noise)
-                    .map(|position| BodyEnd { position, sign: EndSign::FarRim });
+            let pixel = pixel_length(camera, cylinder, inner.position)?;
+            let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
+                Some(position) => {
+                    BodyEnd { position, deviation: CAP_PIXELS.get() * pixel, sign: EndSign::Cap }
+                }
+                None => leaving(inner, votes, beyond, outward, pixel),
+            });
+            let far_rim = || {
+                let position = outline::far_rim(camera, mask, cylinder, outward, noise)?;
+                let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
+                let past: Vec<f64> =
+                    beyond.iter().zip(votes).filter(|(sight, _)| past(sight)).map(|(_, vote)| *vote).collect();
+                // Where the surface itself is seen beyond it, it is none.
+                let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
+                let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;
+                (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
+                    position,
+                    deviation: FAR_RIM_PIXELS.get() * pixel,
+                    sign: EndSign::FarRim,
+                })
+            };
+            match of_depth {
+                Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
+                Some(end) => Some(far_rim().unwrap_or(end)),
+                None => far_rim(),
             }
-            Some(match cap(beyond, cylinder, reach) {
-                Some(position) => BodyEnd { position, sign: EndSign::Cap },
-                None => BodyEnd { position: inner.position, sign: EndSign::Depth },
-            })
         };
         let ends = [
             end(-1.0, &sights[first], &votes[..first], &sights[..first]),
@@ -198,6 +227,31 @@ impl Parts {
         let surface = cylinder.first_hit(point).unwrap_or_else(|| axis.nearest_to(point));
         if point.norm_squared() < surface.norm_squared() { Part::Other } else { Part::Behind }
     }
+}
+
+/// The end where the depth leaves the surface: between the last pixel of the body and the first of what is behind.
+fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: f64) -> BodyEnd {
+    let behind: Vec<f64> = votes.iter().map(|vote| -vote).collect();
+    let first = most(&behind).map(|(first, last)| if outward > 0.0 { first } else { last });
+    let outer = first.map_or(inner.position, |k| beyond[k].position);
+    // Anywhere in between.
+    let gap = (outer - inner.position).abs() / 12.0_f64.sqrt();
+    BodyEnd {
+        position: f64::midpoint(inner.position, outer),
+        deviation: gap.hypot(DEPTH_PIXELS.get() * pixel),
+        sign: EndSign::Depth,
+    }
+}
+
+/// The length along the axis that one pixel shows of the middle of the visible surface.
+fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
+    let axis = &cylinder.axis;
+    let center = axis.point + axis.direction * position;
+    let across = center - axis.direction * center.dot(&axis.direction);
+    let point = center - across.try_normalize(0.0)? * cylinder.radius;
+    let step = 0.01 * cylinder.radius;
+    let moved = camera.project(&(point + axis.direction * step))? - camera.project(&point)?;
+    Some(step / moved.norm()).filter(|length| length.is_finite())
 }
 
 /// How far points of the surface may be from it, by their distances and those of others.

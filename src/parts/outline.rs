@@ -24,7 +24,7 @@ constants! {
     REACH = 3.0, "σ";
 
     /// How much better the far rim must explain the outline than the near one, as the logarithm of a likelihood ratio.
-    LEAST_GAIN = 4.0, "";
+    LEAST_GAIN = 2.0, "";
 }
 
 /// A place of the outline: where its ray meets near and far wall, along the axis, and by how much these positions change
