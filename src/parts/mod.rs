@@ -42,6 +42,9 @@ constants! {
     DEPTH_PIXELS = 1.5, "px";
     FAR_RIM_PIXELS = 1.5, "px";
 
+    /// What the depth behind the surface adds to the odds of a far rim, where it nearly is enough by itself.
+    DEPTH_ODDS = 2.0, "";
+
     /// The depth may show the surface so far beyond an end, in pixels: matching windows draw it out.
     SURPLUS = 8.0, "px";
 
@@ -148,10 +151,15 @@ impl Parts {
                 None => leaving(inner, votes, beyond, outward, pixel),
             });
             let far_rim = || {
-                let position = outline::far_rim(camera, mask, cylinder, outward, noise)?;
+                let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
+                let position = outline::far_rim(camera, mask, cylinder, outward, before, noise)?;
                 let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
-                let past: Vec<f64> =
-                    beyond.iter().zip(votes).filter(|(sight, _)| past(sight)).map(|(_, vote)| *vote).collect();
+                let past: Vec<f64> = beyond
+                    .iter()
+                    .zip(votes)
+                    .filter(|(sight, _)| past(sight))
+                    .map(|(_, vote)| *vote)
+                    .collect();
                 // Where the surface itself is seen beyond it, it is none.
                 let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
                 let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;

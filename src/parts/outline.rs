@@ -23,8 +23,8 @@ constants! {
     /// Places farther from the rim than this many standard deviations are something else, all alike.
     REACH = 3.0, "σ";
 
-    /// How much better the far rim must explain the outline than the near one, as the logarithm of a likelihood ratio.
-    LEAST_GAIN = 2.0, "";
+    /// How much better the far rim must explain the outline than the near one, as the logarithm of odds.
+    LEAST_GAIN = 1.0, "";
 }
 
 /// A place of the outline: where its ray meets near and far wall, along the axis, and by how much these positions change
@@ -36,12 +36,13 @@ struct Place {
 }
 
 /// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
-/// or something else does.
+/// or something else does. `before` is what else speaks for the far rim, as the logarithm of odds.
 pub(super) fn far_rim(
     camera: &Camera,
     mask: &Mask,
     cylinder: &Cylinder,
     outward: f64,
+    before: f64,
     noise: &ImageNoise,
 ) -> Option<f64> {
     let places = places(camera, mask, cylinder, outward)?;
@@ -74,7 +75,7 @@ pub(super) fn far_rim(
     // Neighbours share their error.
     let independent =
         (1.0 / noise.correlation).min(1.0) * pixels_by_place(camera, mask, cylinder, places.len());
-    (faces && (near - far) * independent >= LEAST_GAIN.get()).then_some(position)
+    (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)
 }
 
 /// About how many pixels of the outline come to one place.
