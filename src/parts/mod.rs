@@ -36,9 +36,12 @@ constants! {
     /// So many standard deviations of its boundary may a mask of the body reach beyond it.
     BOUNDARIES = 2.5, "σ";
 
-    /// Standard deviation of an end by the plane of a cap, by the depth that leaves the surface, and by the far rim, in
-    /// pixels.
-    CAP_PIXELS = 0.7, "px";
+    /// The part of the error of a depth that all points of a cap share.
+    SHARED_PART = 0.35, "σ";
+
+    /// Standard deviation of an end by the plane of a cap at least, by the depth that leaves the surface, and by the far
+    /// rim, in pixels.
+    CAP_PIXELS = 0.4, "px";
     DEPTH_PIXELS = 1.5, "px";
     FAR_RIM_PIXELS = 1.5, "px";
 
@@ -145,8 +148,9 @@ impl Parts {
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
-                Some(position) => {
-                    BodyEnd { position, deviation: CAP_PIXELS.get() * pixel, sign: EndSign::Cap }
+                Some((position, spread)) => {
+                    let deviation = (SHARED_PART.get() * spread).max(CAP_PIXELS.get() * pixel);
+                    BodyEnd { position, deviation, sign: EndSign::Cap }
                 }
                 None => leaving(inner, votes, beyond, outward, pixel),
             });
@@ -325,8 +329,8 @@ fn most(votes: &[f64]) -> Option<(usize, usize)> {
     found
 }
 
-/// The position of the cap along the axis, if what is seen beyond an end is one.
-fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<f64> {
+/// The position of the cap along the axis and the standard deviation of its points, if what is seen beyond an end is one.
+fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> {
     let axis = &cylinder.axis;
     let inner = |sight: &&Sight| sight.distance <= (CAP_PART.get() - 1.0) * cylinder.radius;
     let mut along: Vec<f64> =
@@ -337,5 +341,5 @@ fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<f64> {
     let middle = median(&mut along);
     let mut apart: Vec<f64> = along.iter().map(|position| (position - middle).abs()).collect();
     let spread = DEVIATION_OF_MEDIAN * median(&mut apart);
-    (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some(middle)
+    (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some((middle, spread))
 }
