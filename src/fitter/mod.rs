@@ -305,8 +305,11 @@ impl Fitter {
         asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
-    /// By view: the part of it that is the body, where its mask holds more.
+    /// By view: the part of it that is the body, where its mask holds more. The other objectives take the mask as it is.
     fn bodies(&self) -> Vec<Option<View>> {
+        if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
+            return Vec::new();
+        }
         self.views.iter().map(|view| body::separate(view, &self.options)).collect()
     }
 

@@ -15,7 +15,7 @@ use nalgebra::{Vector2, Vector3};
 
 constants! {
     /// About how many pixels of a mask are looked at.
-    PIXELS = 20000.0, "px";
+    PIXELS = 5000.0, "px";
 
     /// The part of the half width that they cover: beside the limbs depth is worst.
     WIDTH_PART = 0.85, "";

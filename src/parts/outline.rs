@@ -106,7 +106,16 @@ fn places(camera: &Camera, mask: &Mask, cylinder: &Cylinder, outward: f64) -> Op
         return None;
     }
     let mut outermost: Vec<Option<(f64, Vector2<f64>)>> = vec![None; count];
-    for (column, row) in mask.set_pixels() {
+    // Left of the first column and above the first row nothing is in the mask.
+    let inner = |&(column, row): &(usize, usize)| {
+        column > 0
+            && row > 0
+            && mask.contains(column - 1, row)
+            && mask.contains(column + 1, row)
+            && mask.contains(column, row - 1)
+            && mask.contains(column, row + 1)
+    };
+    for (column, row) in mask.set_pixels().filter(|pixel| !inner(pixel)) {
         let pixel = Vector2::new(column as f64, row as f64);
         let Some(ray) = camera.unproject(&pixel) else { continue };
         let normal = ray.cross(&axis.direction);
