@@ -55,6 +55,13 @@ constants! {
     LEAST_CAP = 40.0, "px";
 }
 
+#[cfg(feature = "sensitivity")]
+/// The constants of the parts of a mask.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    [CONSTANTS, outline::CONSTANTS].concat()
+}
+
 /// The lower quartile of absolute normal errors in standard deviations: 0.3186.
 const QUARTILE: f64 = 0.3186;
 
