@@ -65,6 +65,7 @@ fn main() {
     });
     let mut constants: Vec<Constant> = [
         cylfuse::noise::constants(),
+        cylfuse::parts::constants(),
         cylfuse::limb_location::constants(),
         cylfuse::end_location::constants(),
     ]

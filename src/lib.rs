@@ -64,6 +64,10 @@ pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]
 pub mod opencv;
+#[cfg(not(feature = "sensitivity"))]
+mod parts;
+#[cfg(feature = "sensitivity")]
+pub mod parts;
 mod residuals;
 pub mod scene;
 mod solver;

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 15] = [
     &["geometry"],
     &["camera"],
     &["observations"],
-    &["residuals", "twin"],
+    &["residuals", "parts", "twin"],
     &["solver"],
     &["start", "limb_location", "end_location"],
     &["detection"],

@@ -21,6 +21,8 @@ pub struct Frame {
     pub truth: Cylinder,
     /// Unknown where a recorded cylinder was not measured.
     pub length: Option<f64>,
+    /// Whether both ends are seen; where not, centre and length are not known.
+    pub ends_seen: bool,
 }
 
 impl Frame {
@@ -35,6 +37,7 @@ impl Frame {
             inputs: Inputs::read(folder),
             truth: true_cylinder,
             length: truth["length"].as_f64(),
+            ends_seen: truth["ends_seen"].as_bool().unwrap_or(true),
         }
     }
 }
@@ -46,7 +49,10 @@ pub fn read_set(shared: &Path, set: &str) -> Vec<Frame> {
         return Vec::new();
     };
     let mut folders: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    folders.retain(|folder| folder.join("truth.json").exists());
+    folders.retain(|folder| {
+        let truth = folder.join("truth.json");
+        truth.exists() && json(&truth)["radius"].is_number()
+    });
     folders.sort();
     map(&folders, |folder| Frame::read(folder))
 }

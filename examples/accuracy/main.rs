@@ -10,6 +10,7 @@ mod support;
 
 mod disturbance;
 mod frame;
+mod objects;
 mod rows;
 mod scaled;
 mod table;
@@ -24,6 +25,8 @@ struct Sets {
     wild: Vec<Frame>,
     repeat: Vec<Frame>,
     real: Vec<Frame>,
+    objects: Vec<Frame>,
+    real2: Vec<Frame>,
     views: Vec<views::Views>,
     list: bool,
 }
@@ -31,7 +34,7 @@ struct Sets {
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 12] = [
+const ROWS: [Row; 13] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
@@ -44,6 +47,7 @@ const ROWS: [Row; 12] = [
     ("never-worse", rows::never_worse),
     ("methods", rows::methods),
     ("views", views::views),
+    ("objects", objects::objects),
 ];
 
 fn main() {
@@ -69,6 +73,8 @@ fn main() {
         wild: read_set(&shared, "frames/wild"),
         repeat: read_set(&shared, "frames/repeat"),
         real: read_set(&shared, "real"),
+        objects: read_set(&shared, "objects"),
+        real2: read_set(&shared, "real2"),
         views: views::read_views(&shared),
         list,
     };

@@ -55,6 +55,7 @@ impl Scale {
             },
             truth: frame.truth,
             length: frame.length,
+            ends_seen: frame.ends_seen,
         }
     }
 

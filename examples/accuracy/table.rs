@@ -16,6 +16,7 @@ pub struct Summary {
 
 impl Summary {
     pub fn new(mut values: Vec<f64>) -> Self {
+        values.retain(|value| !value.is_nan());
         values.sort_by(f64::total_cmp);
         let count = values.len();
         if count == 0 {

@@ -11,11 +11,13 @@ mod outline;
 mod parts;
 mod patch;
 mod planes;
+mod region;
 mod search;
 mod surface;
 
 pub use cloud::detect_points;
 pub use evidence::Evidence;
+pub(crate) use region::detect_in_mask;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};

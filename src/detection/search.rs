@@ -82,7 +82,7 @@ pub(super) fn search(
 }
 
 /// Candidates by patches of the depth, among cells that are not explained yet.
-fn candidates(
+pub(super) fn candidates(
     scene: &Scene<'_>,
     options: &DetectionOptions,
     explained: &mut [bool],

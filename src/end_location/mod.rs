@@ -18,6 +18,7 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
+use crate::parts::{BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
 use arc::ArcSearch;
@@ -94,6 +95,8 @@ pub struct End {
     pub state: EndState,
     /// What the position was taken from.
     pub source: EndSource,
+    /// Whether the mask goes on beyond it: over a cap or an inner wall, whose rim or lid may be wider than the body.
+    pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: Vec<ArcSample>,
 }
@@ -125,6 +128,13 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 #[must_use]
 pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
+    let parts = search.depth.and_then(|depth| {
+        Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)
+            .filter(|parts| !parts.all_body())
+    });
+    let body = parts.as_ref().and_then(|parts| parts.body(search.camera, search.mask));
+    let search = &EndSearch { mask: body.as_ref().unwrap_or(search.mask), ..*search };
+    let told = parts.map_or([None, None], |parts| parts.ends);
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
@@ -138,7 +148,8 @@ pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 
         mask: search.mask,
         noise: search.noise.reduced(factor),
     });
-    let ends = [-1.0, 1.0].map(|outward| locate(&silhouette, &surroundings, arcs.as_ref(), outward));
+    let ends = [(-1.0, told[0]), (1.0, told[1])]
+        .map(|(outward, told)| locate(&silhouette, &surroundings, arcs.as_ref(), told.as_ref(), outward));
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { Some(ends) } else { extreme_ends(search, cylinder) }
 }
@@ -154,7 +165,7 @@ pub fn extreme_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End;
 
 fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End {
     let state = surroundings.state(position, outward);
-    End { position, deviation: None, state, source: EndSource::Extreme, samples: Vec::new() }
+    End { position, deviation: None, state, source: EndSource::Extreme, rim: false, samples: Vec::new() }
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
@@ -183,9 +194,11 @@ fn locate(
     silhouette: &Silhouette<'_>,
     surroundings: &Surroundings<'_>,
     arcs: Option<&ArcSearch<'_>>,
+    told: Option<&BodyEnd>,
     outward: f64,
 ) -> End {
-    let Some(rough) = silhouette.end(surroundings, outward) else {
+    let of_depth = told.and_then(|end| silhouette.of_depth(end));
+    let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
         return extreme(silhouette.extreme(outward), outward, surroundings);
     };
     let state = surroundings.state(rough.position, outward);
@@ -193,7 +206,14 @@ fn locate(
     if let Some(position) = cut {
         // The last pixel lies within a pixel of the border.
         let deviation = Some(rough.pixel);
-        return End { position, deviation, state, source: EndSource::Border, samples: Vec::new() };
+        return End {
+            position,
+            deviation,
+            state,
+            source: EndSource::Border,
+            rim: false,
+            samples: Vec::new(),
+        };
     }
     let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
     match arc {
@@ -202,6 +222,7 @@ fn locate(
             deviation: Some(arc.deviation),
             state,
             source: EndSource::Image,
+            rim: told.is_some(),
             samples: arc.samples,
         },
         None => End {
@@ -209,6 +230,7 @@ fn locate(
             deviation: Some(rough.deviation),
             state,
             source: EndSource::Mask,
+            rim: told.is_some(),
             samples: Vec::new(),
         },
     }

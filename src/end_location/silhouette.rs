@@ -5,6 +5,7 @@ use super::surface::Surface;
 use super::surroundings::Surroundings;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
+use crate::parts::BodyEnd;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
 
@@ -125,6 +126,12 @@ impl<'a> Silhouette<'a> {
             deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
             pixel,
         })
+    }
+
+    /// An end that the depth shows within the mask.
+    pub fn of_depth(&self, end: &BodyEnd) -> Option<RoughEnd> {
+        let pixel = 1.0 / self.surface.crossing(0.0, end.position)?.across;
+        pixel.is_finite().then_some(RoughEnd { position: end.position, deviation: end.deviation, pixel })
     }
 
     /// Where the generator at an angle leaves the mask for the last time.

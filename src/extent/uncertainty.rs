@@ -133,6 +133,7 @@ mod tests {
                 deviation: Some(DEVIATION),
                 state: EndState::Seen,
                 source: EndSource::Image,
+                rim: false,
                 samples: Vec::new(),
             });
             let at = |end| (end, RigidMotion::identity());

@@ -85,6 +85,11 @@ fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<Arc
     };
     let ends = locate_ends(&search, cylinder)?;
     let endpoint = view.noise.endpoint;
+    // A mask that goes on beyond an end is that of a whole object. A lid or rim may be at either end of it, and the circle
+    // of one that is wider by a part of the radius looks like a tilt by that part.
+    if ends.iter().any(|end| end.rim) {
+        return None;
+    }
     let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
     Some(ArcTerm { ends: ends.collect() })
 }

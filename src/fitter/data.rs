@@ -98,7 +98,7 @@ impl<'a> Data<'a> {
     /// Checks views and options against each other.
     pub fn new(
         options: &'a Options,
-        views: &'a [View],
+        views: impl Iterator<Item = &'a View> + Clone,
         start: Option<&'a Cylinder>,
         workers: &'a Workers,
     ) -> Result<Self> {
@@ -110,7 +110,8 @@ impl<'a> Data<'a> {
                 remedy: "choose the chart auto or local, or take the limits away",
             });
         }
-        for view in views.iter().filter(|_| fused) {
+        let view_count = views.clone().count();
+        for view in views.clone().filter(|_| fused) {
             let count = view.segments.len();
             if count > 0 && view.camera().is_none() {
                 return Err(Error::BadState {
@@ -120,7 +121,7 @@ impl<'a> Data<'a> {
                 });
             }
             // Of several views some may have no edges.
-            let nothing_to_do = views.len() > 1 && count == 0;
+            let nothing_to_do = view_count > 1 && count == 0;
             if paper && options.edge_weight > 0.0 && count != 2 && !nothing_to_do {
                 return Err(Error::Unsupported {
                     what: format!("the paper's objective takes exactly 2 edge segments, not {count}"),
@@ -128,9 +129,8 @@ impl<'a> Data<'a> {
                 });
             }
         }
-        let views = views.iter().enumerate();
         let mut views: Vec<ViewData<'a>> =
-            views.map(|(index, view)| ViewData::new(options, index, view, workers)).collect();
+            views.enumerate().map(|(index, view)| ViewData::new(options, index, view, workers)).collect();
         // One order whatever that of the caller was.
         views.sort_by_cached_key(ViewData::key);
         let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());

@@ -230,8 +230,7 @@ impl<'a> View<'_, 'a, '_, '_> {
             guided
         } else {
             let (view, noise) = (self.view().view, self.view().noise);
-            let outline =
-                view.mask.as_ref().and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
+            let outline = view.body().and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
             match outline {
                 Some(outline) => self.by_mask(camera, &outline, &given, candidates, first)?,
                 None => self.by_segments(camera, &given, candidates, first)?,

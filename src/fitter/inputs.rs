@@ -42,7 +42,7 @@ impl Fitter {
             let out_of_memory = |_| Error::OutOfMemory { what: "a view", bytes };
             self.views.try_reserve(1).map_err(out_of_memory)?;
             self.views.push(View::default());
-            self.held = None;
+            self.made_with = None;
         }
         self.selected = index;
         Ok(())
@@ -72,7 +72,7 @@ impl Fitter {
 
     /// The selected view, to change it: what the last fit held the cylinder to is another matter then.
     fn view_mut(&mut self) -> &mut View {
-        self.held = None;
+        self.made_with = None;
         &mut self.views[self.selected]
     }
 

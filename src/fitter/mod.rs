@@ -4,6 +4,7 @@
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod body;
 mod correlation;
 mod data;
 mod describe;
@@ -24,6 +25,7 @@ mod uncertainty;
 mod view;
 
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
+pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
@@ -36,6 +38,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
+use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
 use crate::workers::Workers;
 use data::Data;
@@ -67,9 +70,18 @@ pub struct Fitter {
     views: Vec<View>,
     /// The view that is set, pushed to and asked about.
     selected: usize,
-    /// What the last fit held the cylinder to.
-    held: Option<Held>,
+    /// What the last fit was made with.
+    made_with: Option<MadeWith>,
     result: Option<FitResult>,
+}
+
+/// What a fit was made with.
+#[derive(Debug, Clone)]
+struct MadeWith {
+    /// What it held the cylinder to.
+    held: Held,
+    /// By view: what was fitted of it, where its mask holds more than the body.
+    bodies: Vec<Option<View>>,
 }
 
 impl Default for Fitter {
@@ -80,7 +92,7 @@ impl Default for Fitter {
             start: None,
             views: vec![View::default()],
             selected: 0,
-            held: None,
+            made_with: None,
             result: None,
         }
     }
@@ -109,7 +121,7 @@ impl Fitter {
             self.workers = Workers::asked(options.threads);
         }
         self.options = options;
-        self.held = None;
+        self.made_with = None;
         Ok(())
     }
 
@@ -135,13 +147,14 @@ impl Fitter {
     /// The same for any view.
     #[must_use]
     pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
-        self.held.as_ref()?.view(view)?.limbs.as_ref()
+        self.made_with.as_ref()?.held.view(view)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
     #[must_use]
     pub fn limbs_known(&self, view: usize) -> bool {
-        self.held.as_ref().and_then(|held| held.view(view)).is_some_and(|held| held.located > 0)
+        let made_with = self.made_with.as_ref();
+        made_with.and_then(|made_with| made_with.held.view(view)).is_some_and(|held| held.located > 0)
     }
 
     /// Estimates the cylinder.
@@ -161,7 +174,8 @@ impl Fitter {
         let clock = Instant::now();
         let seconds = || clock.elapsed().as_secs_f64();
         self.check_memory(BYTES_OF_FIT)?;
-        let data = self.data()?;
+        let bodies = self.bodies();
+        let data = self.data_of(&bodies)?;
         let mut run = Run::new(report);
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
@@ -176,7 +190,7 @@ impl Fitter {
             result.seconds.solve = ended - started;
         }
         result.seconds.total = seconds();
-        self.held = Some(fit.held);
+        self.made_with = Some(MadeWith { held: fit.held, bodies });
         self.result = Some(result);
         Ok(result)
     }
@@ -232,6 +246,7 @@ impl Fitter {
     /// `BadState` without a model and a result, `TooFewPoints` and the like as in [`Fitter::fit`].
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
+        let cloud = &self.view().cloud;
         self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
         let scales = data.scales(&cylinder);
@@ -245,7 +260,22 @@ impl Fitter {
             let (residual, facing) = rows.residual(&point);
             loss.loss_and_weight(residual, facing).1
         };
-        listed(view.points.count(), view.view.cloud.points().map(weight))
+        listed(cloud.len(), cloud.points().map(weight))
+    }
+
+    /// What each used point of the selected view belongs to, at a model or at the last fit: the lateral surface, a cap,
+    /// something in front, something behind. The depth image tells where within the mask the lateral surface ends;
+    /// without one it goes on.
+    ///
+    /// # Errors
+    /// `BadState` without a model and a result, `OutOfMemory`.
+    pub fn point_parts(&self, cylinder: Option<&Cylinder>) -> Result<Vec<Part>> {
+        let cylinder = self.model_or_result("telling the parts of the points", cylinder)?;
+        let view = self.view();
+        let seen = view.pose().inverse().cylinder(&cylinder);
+        let parts = view.parts(&seen, &self.options.noise);
+        let parts = parts.unwrap_or_else(|| Parts::of_points(&seen, view.cloud.points()));
+        listed(view.cloud.len(), view.cloud.points().map(|point| parts.of_point(&point)))
     }
 
     /// Rank, condition and the weakest direction of the stacked Jacobian at a model, or at the last fit, by
@@ -282,20 +312,36 @@ impl Fitter {
         asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
+    /// By view: the part of it that is the body, where its mask holds more. The other objectives take the mask as it is.
+    fn bodies(&self) -> Vec<Option<View>> {
+        if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
+            return Vec::new();
+        }
+        self.views.iter().map(|view| body::separate(view, &self.options)).collect()
+    }
+
+    /// The data of the last fit, or of everything that was pushed.
     fn data(&self) -> Result<Data<'_>> {
-        Data::new(&self.options, &self.views, self.start.as_ref(), &self.workers)
+        self.data_of(self.made_with.as_ref().map_or(&[], |made_with| &made_with.bodies))
+    }
+
+    /// The data of all views, of some only the body.
+    fn data_of<'a>(&'a self, bodies: &'a [Option<View>]) -> Result<Data<'a>> {
+        let body = |index: usize| bodies.get(index).and_then(Option::as_ref);
+        let views = self.views.iter().enumerate().map(|(index, view)| body(index).unwrap_or(view));
+        Data::new(&self.options, views, self.start.as_ref(), &self.workers)
     }
 
     /// What the last fit held the cylinder to, or the given segments.
     fn held(&self, data: &Data<'_>) -> Held {
-        self.held.clone().unwrap_or_else(|| Held::as_given(data))
+        self.made_with.as_ref().map_or_else(|| Held::as_given(data), |made_with| made_with.held.clone())
     }
 }
 
-/// Numbers in memory that is asked for.
-fn listed(count: usize, numbers: impl Iterator<Item = f64>) -> Result<Vec<f64>> {
+/// A list in memory that is asked for.
+fn listed<T>(count: usize, numbers: impl Iterator<Item = T>) -> Result<Vec<T>> {
     let mut list = Vec::new();
-    let bytes = count.saturating_mul(size_of::<f64>());
+    let bytes = count.saturating_mul(size_of::<T>());
     list.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the list", bytes })?;
     list.extend(numbers);
     Ok(list)

@@ -1,14 +1,18 @@
 //! The data of one view, as they were pushed.
 
 use crate::camera::Camera;
-use crate::geometry::RigidMotion;
+use crate::geometry::{Cylinder, RigidMotion};
+use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
+use crate::parts::Parts;
 
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct View {
     pub frame: Frame,
     pub mask: Option<Mask>,
+    /// The part of the mask that is the body, where that is not all of it.
+    pub body: Option<Mask>,
     pub cloud: PointCloud,
     pub segments: Vec<EdgeSegment>,
 }
@@ -27,6 +31,18 @@ impl View {
     /// The depth on the grid of the image.
     pub fn depth(&self) -> Option<&DepthImage> {
         self.frame.depth_on_image()
+    }
+
+    /// The mask of the body.
+    pub fn body(&self) -> Option<&Mask> {
+        self.body.as_ref().or(self.mask.as_ref())
+    }
+
+    /// The parts of the mask about a cylinder in the coordinates of the view; `None` without camera, depth and mask, and
+    /// where the depth does not show the cylinder.
+    pub fn parts(&self, cylinder: &Cylinder, noise: &NoiseModel) -> Option<Parts> {
+        let (camera, depth, mask) = (self.camera()?, self.depth()?, self.mask.as_ref()?);
+        Parts::new(camera, depth, mask, cylinder, &noise.in_image(camera.size()))
     }
 
     /// The grey image.

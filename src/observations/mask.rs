@@ -91,6 +91,26 @@ impl Mask {
         })
     }
 
+    /// The columns and rows beyond which no pixel is set.
+    #[must_use]
+    pub fn bounds(&self) -> (Range<usize>, Range<usize>) {
+        (self.columns.clone(), self.rows.clone())
+    }
+
+    /// The mask of the set pixels (column, row) that are chosen; `None` when there are none.
+    #[must_use]
+    pub fn chosen(&self, choose: impl Fn(usize, usize) -> bool) -> Option<Self> {
+        let mut chosen = Self { pixels: vec![false; self.pixels.len()], ..self.clone() };
+        let (mut columns, mut rows) = (self.width..0, self.height..0);
+        for (column, row) in self.set_pixels().filter(|&(column, row)| choose(column, row)) {
+            chosen.pixels[row * self.width + column] = true;
+            columns = columns.start.min(column)..columns.end.max(column + 1);
+            rows = rows.start.min(row)..row + 1;
+        }
+        (chosen.columns, chosen.rows) = (columns, rows);
+        (!chosen.rows.is_empty()).then_some(chosen)
+    }
+
     /// Checks that the mask lies on the grid of another image, which has the given columns and rows.
     ///
     /// # Errors

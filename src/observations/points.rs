@@ -295,6 +295,26 @@ impl PointCloud {
         self.append(&batch, view.scalar())
     }
 
+    /// The points that are chosen by their index, with what belongs to each of them.
+    #[must_use]
+    pub fn chosen(&self, choose: impl Fn(usize) -> bool) -> Self {
+        fn of<T: Copy>(all: &[T], indices: &[usize]) -> Vec<T> {
+            if all.is_empty() { Vec::new() } else { indices.iter().map(|&index| all[index]).collect() }
+        }
+        let indices: Vec<usize> = (0..self.len()).filter(|&index| choose(index)).collect();
+        let offsets = match &self.offsets {
+            Offsets::F32(axes) => Offsets::F32([0, 1, 2].map(|k| of(&axes[k], &indices))),
+            Offsets::F64(axes) => Offsets::F64([0, 1, 2].map(|k| of(&axes[k], &indices))),
+        };
+        Self {
+            offsets,
+            weights: of(&self.weights, &indices),
+            normals: of(&self.normals, &indices),
+            pixels: of(&self.pixels, &indices),
+            ..*self
+        }
+    }
+
     /// Adds the points of a batch whose input had the given type.
     pub(super) fn append(&mut self, batch: &Batch, scalar: Scalar) -> Result<()> {
         let first = self.is_empty();

@@ -81,7 +81,7 @@ impl Inputs {
             depth_scale: frame["depth_scale"].as_f64().unwrap(),
             mask: mask.into_raw(),
             image: open("image").into_luma8().into_raw(),
-            edges: frame["edges"].as_array().unwrap().iter().map(edge).collect(),
+            edges: frame["edges"].as_array().map_or_else(Vec::new, |edges| edges.iter().map(edge).collect()),
         }
     }
 

@@ -1,0 +1,76 @@
+//! The one cylinder in a mask.
+
+use super::DetectionOptions;
+use super::candidate::{Marks, Scene};
+use super::grid::{Grid, side_of_cells};
+use super::noise::Noise;
+use super::search::candidates;
+use super::surface::{Optics, Surface};
+use super::{parts, planes};
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, CylinderLimits};
+use crate::observations::{DepthImage, Mask};
+use nalgebra::{Vector2, Vector3};
+
+/// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
+/// the depth is estimated from all of it.
+const MARGIN: usize = 16;
+
+/// Cells outside of the mask belong to no cylinder: like those of a plane.
+const OUTSIDE: u16 = u16::MAX;
+
+/// The cylinder that explains the depth in a mask best, whatever else is in the mask: caps, inner walls, things in
+/// front. `None` where none explains it better than a plane.
+pub(crate) fn detect_in_mask(
+    camera: &Camera,
+    depth: &DepthImage,
+    mask: &Mask,
+    limits: &CylinderLimits,
+) -> Option<Cylinder> {
+    let size = camera.size();
+    let side = side_of_cells(size);
+    let margin = MARGIN * side;
+    let (columns, rows) = mask.bounds();
+    // Whole cells of the grid of the image.
+    let start = |first: usize| first.saturating_sub(margin) / side * side;
+    let (left, top) = (start(columns.start), start(rows.start));
+    let (right, bottom) = ((columns.end + margin).min(size.0), (rows.end + margin).min(size.1));
+    let intrinsics = camera.intrinsics();
+    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let point = |x: usize, y: usize| -> Option<Vector3<f64>> {
+        let (x, y) = (x + left, y + top);
+        let z = depth.depth(x, y)?;
+        Some(camera.unproject(&Vector2::new(x as f64, y as f64))? * z)
+    };
+    let mut grid = Grid::new((right - left, bottom - top), pixel, side, &point);
+    let noise = Noise::estimate(&mut grid)?;
+    let mut planes = planes::find_planes(&grid, &noise);
+    let grid = &grid;
+    for (k, plane) in planes.iter_mut().enumerate() {
+        let [x, y] = [(k % grid.columns, left), (k / grid.columns, top)]
+            .map(|(cell, first)| first + cell * side + side / 2);
+        if !mask.contains(x, y) {
+            *plane = OUTSIDE;
+        }
+    }
+    let scene = Scene {
+        grid,
+        noise,
+        planes: &planes,
+        optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
+        image: None,
+        pixel_of: &|_| None,
+    };
+    let options =
+        DetectionOptions { limits: *limits, min_pixels: 0, min_score: 0.0, ..DetectionOptions::default() };
+    let mut marks = Marks::new(grid.cells.len());
+    let mut explained = vec![false; grid.cells.len()];
+    let mut found = candidates(&scene, &options, &mut explained, &mut marks);
+    parts::join(&scene, &mut found, &options, &mut marks);
+    let worth = |k: usize| found[k].score * found[k].candidate.gain;
+    let best = (0..found.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;
+    match found[best].candidate.surface {
+        Surface::Cylinder(cylinder, _) => Some(cylinder),
+        _ => None,
+    }
+}

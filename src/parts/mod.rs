@@ -1,0 +1,352 @@
+//! What in a mask is the lateral surface of a cylinder, its body, and what is not: caps, inner walls, things in front.
+//!
+//! Masks drawn by people or networks cover whole objects. Along the axis the pixels of such a mask see the body, then
+//! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
+//! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
+
+mod outline;
+
+use crate::camera::Camera;
+use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
+use crate::observations::{DepthImage, Mask};
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median};
+use nalgebra::{Vector2, Vector3};
+
+constants! {
+    /// About how many pixels of a mask are looked at.
+    PIXELS = 5000.0, "px";
+
+    /// The part of the half width that they cover: beside the limbs depth is worst.
+    WIDTH_PART = 0.85, "";
+
+    /// A depth is on the surface within this many standard deviations,
+    REACH = 3.0, "σ";
+
+    /// and within this part of the radius: the cylinder is a rough one, and rims are a few per cent wider.
+    LEAST_REACH = 0.05, "radius";
+
+    /// The part of the radius within which points are looked at for the plane of a cap: beside its rim depth is rounded.
+    CAP_PART = 0.8, "";
+
+    /// The most by which the points of a cap may spread along the axis, as a part of the radius: those of an inner wall
+    /// spread over the radius.
+    CAP_SPREAD = 0.06, "radius";
+
+    /// So many standard deviations of its boundary may a mask of the body reach beyond it.
+    BOUNDARIES = 2.5, "σ";
+
+    /// The part of the error of a depth that all points of a cap share.
+    SHARED_PART = 0.35, "σ";
+
+    /// Standard deviation of an end by the plane of a cap at least, by the depth that leaves the surface, and by the far
+    /// rim, in pixels.
+    CAP_PIXELS = 0.4, "px";
+    DEPTH_PIXELS = 1.5, "px";
+    FAR_RIM_PIXELS = 1.5, "px";
+
+    /// What the depth behind the surface adds to the odds of a far rim, where it nearly is enough by itself.
+    DEPTH_ODDS = 2.0, "";
+
+    /// The depth may show the surface so far beyond an end, in pixels: matching windows draw it out.
+    SURPLUS = 8.0, "px";
+
+    /// Fewest pixels of a cap.
+    LEAST_CAP = 40.0, "px";
+}
+
+#[cfg(feature = "sensitivity")]
+/// The constants of the parts of a mask.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    [CONSTANTS, outline::CONSTANTS].concat()
+}
+
+/// The lower quartile of absolute normal errors in standard deviations: 0.3186.
+const QUARTILE: f64 = 0.3186;
+
+/// What a point or pixel of a mask belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The lateral surface.
+    Body,
+    /// A cap: it lies in the plane across the axis at an end.
+    Cap,
+    /// Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+    Other,
+    /// Something farther away than the surface: the inner wall of an open end, or the background.
+    Behind,
+}
+
+/// Where the body ends within a mask.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyEnd {
+    /// Position along the axis, from the axis point of the cylinder.
+    pub position: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+    /// What tells it.
+    pub sign: EndSign,
+}
+
+/// What tells where the body ends within a mask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndSign {
+    /// The plane of a cap.
+    Cap,
+    /// The depth leaves the surface there.
+    Depth,
+    /// The mask ends in the shape of the far rim of that end.
+    FarRim,
+}
+
+/// What the depth says of the parts of a mask.
+#[derive(Debug, Clone, Copy)]
+pub struct Parts {
+    cylinder: Cylinder,
+    /// How far from the surface a depth may be.
+    reach: f64,
+    /// Against and along the axis; `None` where the mask ends with the body.
+    pub ends: [Option<BodyEnd>; 2],
+}
+
+/// A pixel of the mask that was looked at.
+struct Sight {
+    /// Position along the axis at which its ray meets the surface.
+    position: f64,
+    /// The point that was measured, and how far it is from the surface.
+    point: Vector3<f64>,
+    distance: f64,
+    /// Whether the point is nearer than the surface.
+    nearer: bool,
+    /// Whether it is on the wall that the camera sees.
+    facing: bool,
+}
+
+impl Parts {
+    /// The parts of a mask about a cylinder in the coordinates of the camera, from outside. `None` where the depth does
+    /// not show the cylinder.
+    #[must_use]
+    pub fn new(
+        camera: &Camera,
+        depth: &DepthImage,
+        mask: &Mask,
+        cylinder: &Cylinder,
+        noise: &ImageNoise,
+    ) -> Option<Self> {
+        if cylinder.contains_origin() {
+            return None;
+        }
+        let stride = (mask.count() as f64 / PIXELS.get()).sqrt().ceil().max(1.0) as usize;
+        let mut sights: Vec<Sight> = mask
+            .set_pixels_of_grid(stride)
+            .filter_map(|pixel| Sight::new(camera, depth, cylinder, pixel))
+            .collect();
+        sights.sort_by(|a, b| a.position.total_cmp(&b.position));
+        let reach = reach(cylinder, sights.iter().map(|sight| sight.distance));
+        let votes: Vec<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
+        let (first, last) = most(&votes)?;
+        // A strip as wide as the surface and as long as the boundary of a mask may be off.
+        let near = sights[first].point.z.min(sights[last].point.z);
+        let pixel = 0.5 * (camera.intrinsics().fx + camera.intrinsics().fy);
+        let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
+        let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
+        let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
+        let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
+            let pixel = pixel_length(camera, cylinder, inner.position)?;
+            let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
+                Some((position, spread)) => {
+                    let deviation = (SHARED_PART.get() * spread).max(CAP_PIXELS.get() * pixel);
+                    BodyEnd { position, deviation, sign: EndSign::Cap }
+                }
+                None => leaving(inner, votes, beyond, outward, pixel),
+            });
+            let far_rim = || {
+                let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
+                let position = outline::far_rim(camera, mask, cylinder, outward, before, noise)?;
+                let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
+                let past: Vec<f64> = beyond
+                    .iter()
+                    .zip(votes)
+                    .filter(|(sight, _)| past(sight))
+                    .map(|(_, vote)| *vote)
+                    .collect();
+                // Where the surface itself is seen beyond it, it is none.
+                let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
+                let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;
+                (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
+                    position,
+                    deviation: FAR_RIM_PIXELS.get() * pixel,
+                    sign: EndSign::FarRim,
+                })
+            };
+            match of_depth {
+                Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
+                Some(end) => Some(far_rim().unwrap_or(end)),
+                None => far_rim(),
+            }
+        };
+        let ends = [
+            end(-1.0, &sights[first], &votes[..first], &sights[..first]),
+            end(1.0, &sights[last], &votes[last + 1..], &sights[last + 1..]),
+        ];
+        Some(Self { cylinder: *cylinder, reach, ends })
+    }
+
+    /// The same of points alone, which do not tell where the body ends.
+    #[must_use]
+    pub fn of_points(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> Self {
+        let reach = reach(cylinder, points.map(|point| cylinder.distance(&point)));
+        Self { cylinder: *cylinder, reach, ends: [None, None] }
+    }
+
+    /// Whether the whole mask is the body.
+    #[must_use]
+    pub fn all_body(&self) -> bool {
+        self.ends.iter().all(Option::is_none)
+    }
+
+    /// Whether a ray passes the cylinder between its ends.
+    #[must_use]
+    pub fn within(&self, ray: &Vector3<f64>) -> bool {
+        let axis = &self.cylinder.axis;
+        let point = self.cylinder.first_hit(ray).unwrap_or_else(|| {
+            let across = ray - axis.direction * ray.dot(&axis.direction);
+            ray * (axis.nearest_to_origin().dot(&across) / across.norm_squared())
+        });
+        let position = (point - axis.point).dot(&axis.direction);
+        let [first, last] = self.ends;
+        first.is_none_or(|end| position >= end.position) && last.is_none_or(|end| position <= end.position)
+    }
+
+    /// The pixels of a mask that show the body; `None` when there are none.
+    #[must_use]
+    pub fn body(&self, camera: &Camera, mask: &Mask) -> Option<Mask> {
+        mask.chosen(|column, row| {
+            let ray = camera.unproject(&Vector2::new(column as f64, row as f64));
+            ray.is_some_and(|ray| self.within(&ray))
+        })
+    }
+
+    /// What a measured point belongs to.
+    #[must_use]
+    pub fn of_point(&self, point: &Vector3<f64>) -> Part {
+        let Self { cylinder, reach, ends } = self;
+        let axis = &cylinder.axis;
+        let distance = cylinder.distance(point);
+        if !self.within(point) {
+            let along = (point - axis.point).dot(&axis.direction);
+            let in_plane = |end: &BodyEnd| end.sign == EndSign::Cap && (along - end.position).abs() <= *reach;
+            if distance <= *reach && ends.iter().flatten().any(in_plane) {
+                return Part::Cap;
+            }
+        } else if distance.abs() <= *reach && faces(cylinder, point) {
+            return Part::Body;
+        }
+        let surface = cylinder.first_hit(point).unwrap_or_else(|| axis.nearest_to(point));
+        if point.norm_squared() < surface.norm_squared() { Part::Other } else { Part::Behind }
+    }
+}
+
+/// The end where the depth leaves the surface: between the last pixel of the body and the first of what is behind.
+fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: f64) -> BodyEnd {
+    let behind: Vec<f64> = votes.iter().map(|vote| -vote).collect();
+    let first = most(&behind).map(|(first, last)| if outward > 0.0 { first } else { last });
+    let outer = first.map_or(inner.position, |k| beyond[k].position);
+    // Anywhere in between.
+    let gap = (outer - inner.position).abs() / 12.0_f64.sqrt();
+    BodyEnd {
+        position: f64::midpoint(inner.position, outer),
+        deviation: gap.hypot(DEPTH_PIXELS.get() * pixel),
+        sign: EndSign::Depth,
+    }
+}
+
+/// The length along the axis that one pixel shows of the middle of the visible surface.
+fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
+    let axis = &cylinder.axis;
+    let center = axis.point + axis.direction * position;
+    let across = center - axis.direction * center.dot(&axis.direction);
+    let point = center - across.try_normalize(0.0)? * cylinder.radius;
+    let step = 0.01 * cylinder.radius;
+    let moved = camera.project(&(point + axis.direction * step))? - camera.project(&point)?;
+    Some(step / moved.norm()).filter(|length| length.is_finite())
+}
+
+/// How far points of the surface may be from it, by their distances and those of others.
+fn reach(cylinder: &Cylinder, distances: impl Iterator<Item = f64>) -> f64 {
+    let sigma = lower_quartile_size(distances) / QUARTILE;
+    (REACH.get() * sigma).max(LEAST_REACH.get() * cylinder.radius)
+}
+
+fn faces(cylinder: &Cylinder, point: &Vector3<f64>) -> bool {
+    (point - cylinder.axis.nearest_to(point)).dot(point) < 0.0
+}
+
+impl Sight {
+    fn new(
+        camera: &Camera,
+        depth: &DepthImage,
+        cylinder: &Cylinder,
+        (column, row): (usize, usize),
+    ) -> Option<Self> {
+        let z = depth.depth(column, row)?;
+        let ray = camera.unproject(&Vector2::new(column as f64, row as f64))?;
+        let axis = &cylinder.axis;
+        let normal = ray.cross(&axis.direction);
+        if normal.dot(&axis.point).abs() > WIDTH_PART.get() * normal.norm() * cylinder.radius {
+            return None;
+        }
+        let hit = cylinder.first_hit(&ray)?;
+        let point = ray * z;
+        Some(Self {
+            position: (hit - axis.point).dot(&axis.direction),
+            distance: cylinder.distance(&point),
+            nearer: z < hit.z,
+            facing: faces(cylinder, &point),
+            point,
+        })
+    }
+
+    /// 1 for the surface, −1 for what is farther away, 0 for what hides both.
+    fn vote(&self, reach: f64) -> f64 {
+        if self.distance.abs() <= reach && self.facing {
+            1.0
+        } else if self.nearer {
+            0.0
+        } else {
+            -1.0
+        }
+    }
+}
+
+/// The first and the last vote of the stretch with the greatest sum; `None` where no vote is positive.
+fn most(votes: &[f64]) -> Option<(usize, usize)> {
+    let (mut best, mut found) = (0.0, None);
+    let (mut sum, mut start) = (0.0, 0);
+    for (k, vote) in votes.iter().enumerate() {
+        if sum <= 0.0 {
+            (sum, start) = (0.0, k);
+        }
+        sum += vote;
+        if sum > best {
+            (best, found) = (sum, Some((start, k)));
+        }
+    }
+    found
+}
+
+/// The position of the cap along the axis and the standard deviation of its points, if what is seen beyond an end is one.
+fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> {
+    let axis = &cylinder.axis;
+    let inner = |sight: &&Sight| sight.distance <= (CAP_PART.get() - 1.0) * cylinder.radius;
+    let mut along: Vec<f64> =
+        beyond.iter().filter(inner).map(|sight| (sight.point - axis.point).dot(&axis.direction)).collect();
+    if along.len() < LEAST_CAP.count() {
+        return None;
+    }
+    let middle = median(&mut along);
+    let mut apart: Vec<f64> = along.iter().map(|position| (position - middle).abs()).collect();
+    let spread = DEVIATION_OF_MEDIAN * median(&mut apart);
+    (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some((middle, spread))
+}

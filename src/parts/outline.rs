@@ -1,0 +1,151 @@
+//! The outline of a mask at an end: the near rim of the end circle, or the far one beyond a cap.
+//!
+//! A ray through the near rim meets the near wall of the cylinder at the end, one through the far rim the far wall. So
+//! the outline tells which of the rims it is: along it the one position is the same everywhere, the other is not.
+
+use crate::camera::Camera;
+use crate::geometry::Cylinder;
+use crate::noise::ImageNoise;
+use crate::observations::Mask;
+use crate::statistics::median;
+use nalgebra::{Vector2, Vector3};
+
+constants! {
+    /// The part of the half width in which the outline is looked at: beside the limbs both rims are one.
+    WIDTH_PART = 0.9, "";
+
+    /// Most places along the outline.
+    PLACES = 64.0, "";
+
+    /// Fewest places.
+    LEAST_PLACES = 6.0, "";
+
+    /// Places farther from the rim than this many standard deviations are something else, all alike.
+    REACH = 3.0, "σ";
+
+    /// How much better the far rim must explain the outline than the near one, as the logarithm of odds.
+    LEAST_GAIN = 1.0, "";
+}
+
+/// A place of the outline: where its ray meets near and far wall, along the axis, and by how much these positions change
+/// from one pixel to the next.
+#[derive(Clone, Copy)]
+struct Place {
+    positions: [f64; 2],
+    steps: [f64; 2],
+}
+
+/// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
+/// or something else does. `before` is what else speaks for the far rim, as the logarithm of odds.
+pub(super) fn far_rim(
+    camera: &Camera,
+    mask: &Mask,
+    cylinder: &Cylinder,
+    outward: f64,
+    before: f64,
+    noise: &ImageNoise,
+) -> Option<f64> {
+    let places = places(camera, mask, cylinder, outward)?;
+    // The raster of the mask comes to its boundary.
+    let sigma = noise.boundary.hypot(0.3);
+    let walls = [0, 1].map(|wall| {
+        let mut positions: Vec<f64> = places.iter().map(|place| place.positions[wall]).collect();
+        let mut position = median(&mut positions);
+        let ratio =
+            |place: &Place, position: f64| (place.positions[wall] - position) / (place.steps[wall] * sigma);
+        for _ in 0..3 {
+            let near = places.iter().filter(|place| ratio(place, position).abs() <= REACH.get());
+            let (mut sum, mut total) = (0.0, 0.0);
+            for place in near {
+                let weight = place.steps[wall].powi(-2);
+                sum += weight * place.positions[wall];
+                total += weight;
+            }
+            if total > 0.0 {
+                position = sum / total;
+            }
+        }
+        let cost: f64 =
+            places.iter().map(|place| ratio(place, position).powi(2).min(REACH.get().powi(2))).sum();
+        (position, 0.5 * cost)
+    });
+    let [(_, near), (position, far)] = walls;
+    // A cap is seen where it faces the camera.
+    let faces = outward * (position + cylinder.axis.point.dot(&cylinder.axis.direction)) < 0.0;
+    // Neighbours share their error.
+    let independent =
+        (1.0 / noise.correlation).min(1.0) * pixels_by_place(camera, mask, cylinder, places.len());
+    (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)
+}
+
+/// About how many pixels of the outline come to one place.
+fn pixels_by_place(camera: &Camera, mask: &Mask, cylinder: &Cylinder, count: usize) -> f64 {
+    width(camera, mask, cylinder) / count as f64
+}
+
+/// The width of the cylinder in the image, in pixels.
+fn width(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> f64 {
+    let (columns, rows) = mask.bounds();
+    let middle = [columns, rows].map(|range| 0.5 * (range.start + range.end) as f64);
+    let ray = camera.unproject(&Vector2::new(middle[0], middle[1])).unwrap_or_else(Vector3::z);
+    let depth = cylinder.first_hit(&ray).map_or(cylinder.axis.nearest_to_origin().norm(), |hit| hit.z);
+    let pixel = 0.5 * (camera.intrinsics().fx + camera.intrinsics().fy);
+    2.0 * WIDTH_PART.get() * cylinder.radius * pixel / depth.abs().max(f64::MIN_POSITIVE)
+}
+
+/// The outermost pixels of the mask, by where they are across the axis.
+fn places(camera: &Camera, mask: &Mask, cylinder: &Cylinder, outward: f64) -> Option<Vec<Place>> {
+    let axis = &cylinder.axis;
+    let walls = |ray: &Vector3<f64>| {
+        let (near, far) = cylinder.intersect_ray(ray)?;
+        (near > 0.0).then(|| [near, far].map(|t| (ray * t - axis.point).dot(&axis.direction)))
+    };
+    // A place for every other pixel: the raster leaves no gaps then.
+    let count = (0.5 * width(camera, mask, cylinder)).min(PLACES.get()) as usize;
+    if count < LEAST_PLACES.count() {
+        return None;
+    }
+    let mut outermost: Vec<Option<(f64, Vector2<f64>)>> = vec![None; count];
+    // Left of the first column and above the first row nothing is in the mask.
+    let inner = |&(column, row): &(usize, usize)| {
+        column > 0
+            && row > 0
+            && mask.contains(column - 1, row)
+            && mask.contains(column + 1, row)
+            && mask.contains(column, row - 1)
+            && mask.contains(column, row + 1)
+    };
+    for (column, row) in mask.set_pixels().filter(|pixel| !inner(pixel)) {
+        let pixel = Vector2::new(column as f64, row as f64);
+        let Some(ray) = camera.unproject(&pixel) else { continue };
+        let normal = ray.cross(&axis.direction);
+        let across = normal.dot(&axis.point) / (normal.norm() * cylinder.radius * WIDTH_PART.get());
+        if across.abs() >= 1.0 {
+            continue;
+        }
+        let Some([near, _]) = walls(&ray) else { continue };
+        let place = (0.5 * (across + 1.0) * count as f64) as usize;
+        let best = &mut outermost[place.min(count - 1)];
+        if best.is_none_or(|(before, _)| outward * near > outward * before) {
+            *best = Some((near, pixel));
+        }
+    }
+    let places: Vec<Place> = outermost
+        .iter()
+        .flatten()
+        .filter_map(|(near, pixel)| {
+            // One pixel on along the generator, in the image.
+            let point = camera.unproject(pixel).and_then(|ray| cylinder.first_hit(&ray))?;
+            let step = 0.01 * cylinder.radius;
+            let ahead = camera.project(&(point + axis.direction * (outward * step)))?;
+            let along = (ahead - pixel).try_normalize(0.0)?;
+            // The boundary is half a pixel beyond the last pixel.
+            let at = |pixels: f64| walls(&camera.unproject(&(pixel + along * pixels))?);
+            let (positions, next) = (at(0.5)?, at(-0.5)?);
+            let steps = [0, 1].map(|wall| (positions[wall] - next[wall]).abs());
+            let whole = near.is_finite() && steps.iter().all(|step| *step > 0.0);
+            whole.then_some(Place { positions, steps })
+        })
+        .collect();
+    (places.len() >= LEAST_PLACES.count()).then_some(places)
+}

@@ -1,0 +1,152 @@
+//! Masks of whole objects: what in them is the body of the cylinder.
+#![allow(clippy::unwrap_used)]
+
+use cylfuse::camera::{Camera, Distortion, Intrinsics};
+use cylfuse::extent::EndState;
+use cylfuse::fitter::{Fitter, Part};
+use cylfuse::geometry::Cylinder;
+use cylfuse::observations::{DepthRange, DepthView, MaskView};
+use nalgebra::{Vector2, Vector3};
+
+const SIZE: (usize, usize) = (240, 200);
+
+/// Half the length of the body.
+const HALF_LENGTH: f64 = 0.06;
+
+/// Depth of the wall behind.
+const WALL: f64 = 1.2;
+
+/// How the end that faces the camera looks.
+#[derive(Clone, Copy, PartialEq)]
+enum Top {
+    Closed,
+    Open,
+    /// Closed, and no depth is measured on it.
+    Dark,
+}
+
+struct Scene {
+    camera: Camera,
+    cylinder: Cylinder,
+    top: Top,
+}
+
+impl Scene {
+    /// A can that leans towards the camera by 30 degrees.
+    fn new(top: Top) -> Self {
+        let intrinsics = Intrinsics {
+            width: SIZE.0 as u32,
+            height: SIZE.1 as u32,
+            fx: 500.0,
+            fy: 500.0,
+            cx: 119.5,
+            cy: 99.5,
+            distortion: Distortion::None,
+        };
+        let direction = Vector3::new(0.1, -0.86, -0.5);
+        let cylinder = Cylinder::new(Vector3::new(0.01, 0.0, 0.7), direction, 0.04).unwrap();
+        Self { camera: Camera::new(intrinsics).unwrap(), cylinder, top }
+    }
+
+    /// What a pixel sees, and its depth.
+    fn look(&self, column: usize, row: usize) -> (Option<Part>, f64) {
+        let ray = self.camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
+        let axis = &self.cylinder.axis;
+        let along = |point: &Vector3<f64>| (point - axis.point).dot(&axis.direction);
+        let Some((near, far)) = self.cylinder.intersect_ray(&ray) else { return (None, WALL) };
+        let (near, far) = (ray * near, ray * far);
+        if along(&near).abs() <= HALF_LENGTH {
+            return (Some(Part::Body), near.z);
+        }
+        let rim = axis.point + axis.direction * HALF_LENGTH;
+        let cap = ray * (rim.dot(&axis.direction) / ray.dot(&axis.direction));
+        if (cap - rim).norm() > self.cylinder.radius {
+            return (None, WALL);
+        }
+        match self.top {
+            Top::Closed => (Some(Part::Cap), cap.z),
+            Top::Dark => (Some(Part::Cap), 0.0),
+            Top::Open => (Some(Part::Behind), far.z),
+        }
+    }
+
+    fn pixels<T>(&self, value: impl Fn(Option<Part>, f64) -> T) -> Vec<T> {
+        let place = |k: usize| self.look(k % SIZE.0, k / SIZE.0);
+        (0..SIZE.0 * SIZE.1)
+            .map(|k| {
+                let (part, depth) = place(k);
+                value(part, depth)
+            })
+            .collect()
+    }
+
+    /// A fitter with the depth within a mask of the parts that are wanted.
+    fn fitter(&self, wanted: impl Fn(Part) -> bool) -> Fitter {
+        let mask = self.pixels(|part, _| u8::from(part.is_some_and(&wanted)));
+        let depth = self.pixels(|_, depth| depth as f32);
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(*self.camera.intrinsics()).unwrap();
+        let depth = DepthView::from_f32(&depth, SIZE, 1.0).unwrap();
+        let mask = MaskView::from_u8(&mask, SIZE).unwrap();
+        fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+        fitter
+    }
+
+    /// The parts of the pixels of the whole object that have a depth.
+    fn parts(&self) -> Vec<Part> {
+        self.pixels(|part, depth| part.filter(|_| depth > 0.0)).into_iter().flatten().collect()
+    }
+}
+
+#[test]
+fn the_body_is_measured_whatever_the_mask_holds() {
+    for top in [Top::Closed, Top::Open, Top::Dark] {
+        let scene = Scene::new(top);
+        for whole in [false, true] {
+            let mut fitter = scene.fitter(|part| whole || part == Part::Body);
+            let fit = fitter.fit().unwrap();
+            let difference = scene.cylinder.compare(&fit.cylinder);
+            assert!(difference.angle < 0.005, "{}", difference.angle);
+            assert!(difference.radius_relative.abs() < 0.01, "{}", difference.radius_relative);
+            let extent = fitter.extent(None, None).unwrap();
+            let length = extent.length / (2.0 * HALF_LENGTH) - 1.0;
+            assert!(length.abs() < 0.02, "whole {whole}: {length}");
+            let states = [extent.start_state, extent.end_state];
+            // Beyond the rim of a dark cap nothing was measured.
+            let of_rim = if top == Top::Dark { EndState::Unknown } else { EndState::Seen };
+            assert!(states.contains(&of_rim) && states.contains(&EndState::Seen), "{states:?}");
+        }
+    }
+}
+
+#[test]
+fn points_are_labelled() {
+    for top in [Top::Closed, Top::Open] {
+        let scene = Scene::new(top);
+        let mut fitter = scene.fitter(|_| true);
+        fitter.fit().unwrap();
+        let (found, truth) = (fitter.point_parts(None).unwrap(), scene.parts());
+        assert_eq!(found.len(), truth.len());
+        for part in [Part::Body, Part::Cap, Part::Behind] {
+            let of_part = || found.iter().zip(&truth).filter(|(_, truth)| **truth == part);
+            let right = of_part().filter(|(found, truth)| found == truth).count();
+            assert!(
+                right as f64 >= 0.93 * of_part().count() as f64,
+                "{part:?}: {right} of {}",
+                of_part().count()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mask_of_the_body_is_left_as_it_is() {
+    let scene = Scene::new(Top::Closed);
+    let mut fitter = scene.fitter(|part| part == Part::Body);
+    let fit = fitter.fit().unwrap();
+    assert_eq!(fit.points_used, fitter.cloud().len());
+    let mut whole = scene.fitter(|_| true);
+    let fit = whole.fit().unwrap();
+    let body = scene.parts().iter().filter(|part| **part == Part::Body).count();
+    assert!(fit.points_used.abs_diff(body) * 50 < body, "{} of {body}", fit.points_used);
+}
