@@ -12,6 +12,7 @@ mod disturbance;
 mod frame;
 mod rows;
 mod scaled;
+mod shared_errors;
 mod table;
 mod views;
 
@@ -23,7 +24,10 @@ struct Sets {
     paper: Vec<Frame>,
     wild: Vec<Frame>,
     repeat: Vec<Frame>,
+    tof: Vec<Frame>,
     real: Vec<Frame>,
+    /// Recorded frames with masks of whole objects.
+    whole: Vec<Frame>,
     views: Vec<views::Views>,
     list: bool,
 }
@@ -31,7 +35,7 @@ struct Sets {
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 12] = [
+const ROWS: [Row; 14] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
@@ -40,6 +44,8 @@ const ROWS: [Row; 12] = [
     ("images", rows::images),
     ("scaled", rows::scaled),
     ("repeat", rows::repeat),
+    ("tof", shared_errors::tof),
+    ("compressed", shared_errors::compressed),
     ("real", rows::real),
     ("never-worse", rows::never_worse),
     ("methods", rows::methods),
@@ -68,7 +74,9 @@ fn main() {
         paper: read_set(&shared, "frames/paper"),
         wild: read_set(&shared, "frames/wild"),
         repeat: read_set(&shared, "frames/repeat"),
+        tof: read_set(&shared, "frames/tof"),
         real: read_set(&shared, "real"),
+        whole: read_set(&shared, "real2"),
         views: views::read_views(&shared),
         list,
     };
