@@ -157,7 +157,7 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
         }
         HeldView::new(view, &all, given, lines.iter().flatten().count())
     });
-    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0 }
+    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: true }
 }
 
 /// Whether a given segment lies on a located line, as far as both are known.
