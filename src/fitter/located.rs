@@ -66,6 +66,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         let none = vec![[None, None]; lines.len()];
         Located { minimum: guided.minimum.clone(), held: held(data, guided, &none) }
     });
+    located.held.settled = true;
     for (held, observation) in located.held.views.iter_mut().zip(observations) {
         held.limbs = observation;
     }
@@ -157,7 +158,7 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
         }
         HeldView::new(view, &all, given, lines.iter().flatten().count())
     });
-    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: true }
+    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: false }
 }
 
 /// How much a given segment says beside a located line: 1 where it lies on it, and less the farther it is from there, as far
