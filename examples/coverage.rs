@@ -78,10 +78,11 @@ fn main() {
     let rows = [
         ("robust with image", fused(ObjectiveKind::Robust), true),
         ("robust", fused(ObjectiveKind::Robust), true),
+        ("robust, no edges, with image", fused(ObjectiveKind::Robust), false),
         ("robust, no edges", fused(ObjectiveKind::Robust), false),
         ("paper, w_L = 0.6", fused(ObjectiveKind::Paper), true),
     ];
-    for set in ["frames/paper", "frames/wild", "frames/repeat"] {
+    for set in ["frames/paper", "frames/wild", "frames/repeat", "frames/tof"] {
         let folders = frames::shared_frames(set);
         if folders.is_empty() {
             continue;

@@ -5,6 +5,7 @@ mod support;
 
 use cylfuse::fitter::{FitResult, Flags, Method, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
+use cylfuse::noise::NoiseModel;
 use nalgebra::Vector3;
 use support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
 
@@ -53,9 +54,10 @@ fn trial(truth: &Cylinder, case: &Case, seed: u64) -> FitResult {
         fitter.set_intrinsics(intrinsics()).unwrap();
         fitter.push_edges(&segments).unwrap();
     }
-    // Only the noise is on trial, not the search for a start.
+    // Only the noise is on trial, not the search for a start, nor errors that all points share.
     fitter.set_start(Some(*truth));
-    fitter.set_options(Options { start: StartKind::Model, threads: 1, ..case.options }).unwrap();
+    let noise = NoiseModel { depth_shared: 0.0, ..case.options.noise };
+    fitter.set_options(Options { start: StartKind::Model, threads: 1, noise, ..case.options }).unwrap();
     fitter.fit().unwrap()
 }
 
@@ -166,6 +168,8 @@ fn fit_with_offset(offset: f64) -> FitResult {
     let mut fitter = fitter_with(&points);
     fitter.set_intrinsics(intrinsics()).unwrap();
     fitter.push_edges(&limb_segments(&truth, &camera())).unwrap();
+    let noise = NoiseModel { depth_shared: 0.0, ..NoiseModel::default() };
+    fitter.set_options(Options { noise, ..Options::default() }).unwrap();
     fitter.fit().unwrap()
 }
 

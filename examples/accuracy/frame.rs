@@ -19,6 +19,8 @@ pub struct Frame {
     pub inputs: Inputs,
     /// The cylinder as a perfect fit to the depth would find it, its axis point at the centre.
     pub truth: Cylinder,
+    /// Whether the radius is known by other means than this frame.
+    pub radius_known: bool,
     /// Unknown where a recorded cylinder was not measured.
     pub length: Option<f64>,
     /// Whether both ends are seen; where not, centre and length are not known.
@@ -36,6 +38,7 @@ impl Frame {
             name: folder.file_name().unwrap().to_string_lossy().into_owned(),
             inputs: Inputs::read(folder),
             truth: true_cylinder,
+            radius_known: truth["radius_known_independently"].as_bool().unwrap_or(true),
             length: truth["length"].as_f64(),
             ends_seen: truth["ends_seen"].as_bool().unwrap_or(true),
         }

@@ -13,6 +13,7 @@ mod frame;
 mod objects;
 mod rows;
 mod scaled;
+mod shared_errors;
 mod table;
 mod views;
 
@@ -24,8 +25,10 @@ struct Sets {
     paper: Vec<Frame>,
     wild: Vec<Frame>,
     repeat: Vec<Frame>,
+    tof: Vec<Frame>,
     real: Vec<Frame>,
     objects: Vec<Frame>,
+    /// Recorded frames with masks of whole objects.
     real2: Vec<Frame>,
     views: Vec<views::Views>,
     list: bool,
@@ -34,7 +37,7 @@ struct Sets {
 type Row = (&'static str, fn(&Sets));
 
 /// The tables by name.
-const ROWS: [Row; 13] = [
+const ROWS: [Row; 15] = [
     ("given", rows::given),
     ("wild", rows::wild),
     ("no-edges", rows::no_edges),
@@ -43,6 +46,8 @@ const ROWS: [Row; 13] = [
     ("images", rows::images),
     ("scaled", rows::scaled),
     ("repeat", rows::repeat),
+    ("tof", shared_errors::tof),
+    ("compressed", shared_errors::compressed),
     ("real", rows::real),
     ("never-worse", rows::never_worse),
     ("methods", rows::methods),
@@ -72,6 +77,7 @@ fn main() {
         paper: read_set(&shared, "frames/paper"),
         wild: read_set(&shared, "frames/wild"),
         repeat: read_set(&shared, "frames/repeat"),
+        tof: read_set(&shared, "frames/tof"),
         real: read_set(&shared, "real"),
         objects: read_set(&shared, "objects"),
         real2: read_set(&shared, "real2"),

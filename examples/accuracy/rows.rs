@@ -4,6 +4,7 @@ use crate::Sets;
 use crate::disturbance::Disturbance;
 use crate::frame::{Case, Edges, Errors, Frame, GIVEN, map};
 use crate::scaled::{SAME, Scale};
+use crate::shared_errors;
 use crate::table::{Summary, Target, columns, print_head, print_row, print_targets};
 use cylfuse::fitter::{Method, ObjectiveKind, Options, StartKind};
 
@@ -20,7 +21,7 @@ const WRONG_EDGE: f64 = 20.0;
 /// Pixels beside the limbs where people set the edges of a mask at worst.
 const REAL_GROWTH: i32 = 3;
 
-fn fit_all(sets: &Sets, name: &str, frames: &[Frame], case: &Case) -> Vec<Option<Errors>> {
+pub fn fit_all(sets: &Sets, name: &str, frames: &[Frame], case: &Case) -> Vec<Option<Errors>> {
     let all = map(frames, |frame| frame.errors_of(case));
     list(sets, name, frames, &all);
     all
@@ -314,6 +315,7 @@ pub fn real(sets: &Sets) {
             print(name, &errors, &missed.join(", "));
         }
     }
+    shared_errors::real(sets);
 }
 
 /// The default against points alone and limbs with the scale vote alone.

@@ -54,6 +54,7 @@ impl Scale {
                 edges,
             },
             truth: frame.truth,
+            radius_known: frame.radius_known,
             length: frame.length,
             ends_seen: frame.ends_seen,
         }

@@ -75,7 +75,12 @@ impl Guided {
 fn hold<'a>(data: &Data<'_>, guides: impl Iterator<Item = &'a Guides>, flags: Flags) -> Held {
     let view =
         |(view, guides): (&ViewData<'_>, &Guides)| HeldView::new(view, &guides.all(), guides.given.len(), 0);
-    Held { views: data.views.iter().zip(guides).map(view).collect(), flags, edge_weight: data.edge_weight }
+    Held {
+        views: data.views.iter().zip(guides).map(view).collect(),
+        flags,
+        edge_weight: data.edge_weight,
+        settled: !data.locates(),
+    }
 }
 
 /// The first fit of the robust objective.

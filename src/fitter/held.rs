@@ -14,6 +14,8 @@ pub(super) struct Held {
     pub flags: Flags,
     /// w_L: 0 where no edges count.
     pub edge_weight: f64,
+    /// Whether nothing else is looked for from here: on the way the points are taken as they are.
+    pub settled: bool,
 }
 
 /// The same of one view.
@@ -38,8 +40,12 @@ impl Held {
     pub fn as_given(data: &Data<'_>) -> Self {
         let view = |view: &ViewData<'_>| HeldView::new(view, &view.edges.segments, 0, 0);
         let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
-        let mut held =
-            Self { views: data.views.iter().map(view).collect(), flags, edge_weight: data.edge_weight };
+        let mut held = Self {
+            views: data.views.iter().map(view).collect(),
+            flags,
+            edge_weight: data.edge_weight,
+            settled: true,
+        };
         let counted = !data.has_edge_weight() || data.edge_weight > 0.0;
         for (held, view) in held.views.iter_mut().zip(&data.views) {
             held.given = if counted { view.edges.segments.len() } else { 0 };
@@ -51,7 +57,7 @@ impl Held {
     pub fn without_edges(data: &Data<'_>, reason: Flags) -> Self {
         let flags = Self::as_given(data).flags | reason | Flags::EDGES_IGNORED;
         let views = data.views.iter().map(|view| HeldView::new(view, &[], 0, 0)).collect();
-        Self { views, flags, edge_weight: 0.0 }
+        Self { views, flags, edge_weight: 0.0, settled: true }
     }
 
     /// What a view of the fitter is held to.

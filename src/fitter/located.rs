@@ -8,13 +8,10 @@ use super::options::EdgeUse;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::{LimbObservation, LimbSearch, locate_limbs};
-use crate::residuals::PixelSegment;
+use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
 const REACH_DEVIATIONS: f64 = 4.0;
-
-/// How many standard deviations of both a given segment may be from a located line.
-const AGREEING_DEVIATIONS: f64 = 3.0;
 
 /// A minimum and what it is held to.
 pub(super) struct Located {
@@ -69,6 +66,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         let none = vec![[None, None]; lines.len()];
         Located { minimum: guided.minimum.clone(), held: held(data, guided, &none) }
     });
+    located.held.settled = true;
     for (held, observation) in located.held.views.iter_mut().zip(observations) {
         held.limbs = observation;
     }
@@ -143,9 +141,12 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
             let own = || guides.given.iter().filter(|segment| segment.limb == Some(limb));
             match &lines[limb] {
                 Some(line) => {
-                    let agreeing = own().filter(|segment| agree(line, segment, view.noise.endpoint));
+                    let weighed = own().map(|segment| PixelSegment {
+                        weight: segment.weight * agreement(line, segment, view.noise.endpoint),
+                        ..*segment
+                    });
                     let before = all.len();
-                    all.extend(agreeing.copied());
+                    all.extend(weighed.filter(|segment| segment.weight > 0.0));
                     given += all.len() - before;
                     all.push(*line);
                 }
@@ -157,13 +158,15 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
         }
         HeldView::new(view, &all, given, lines.iter().flatten().count())
     });
-    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0 }
+    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: false }
 }
 
-/// Whether a given segment lies on a located line, as far as both are known.
-fn agree(line: &PixelSegment, given: &PixelSegment, endpoint: f64) -> bool {
+/// How much a given segment says beside a located line: 1 where it lies on it, and less the farther it is from there, as far
+/// as both are known. With a step two captures of a scene would differ by what the segment pulls.
+fn agreement(line: &PixelSegment, given: &PixelSegment, endpoint: f64) -> f64 {
     let along = (line.endpoints[1] - line.endpoints[0]).normalize();
     let variance = endpoint.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
-    let limit = AGREEING_DEVIATIONS * variance.sqrt();
-    given.endpoints.iter().all(|q| along.perp(&(q - line.endpoints[0])).abs() <= limit)
+    let distances = given.endpoints.map(|q| along.perp(&(q - line.endpoints[0])).abs());
+    let loss = Tukey { cutoff: TUKEY_EFFICIENT * variance.sqrt(), wall: Wall::Either };
+    loss.loss_and_weight(distances[0].max(distances[1]), 0.0).1
 }

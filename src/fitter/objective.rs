@@ -7,8 +7,8 @@ use super::options::ChartChoice;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    NormalEquations, Objective, PixelResiduals, PointRows, RobustScales, RobustView, Sandwich, Squared, Sum,
-    TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
+    LossInFrame, NormalEquations, Objective, PixelResiduals, PointRows, Robust, RobustScales, RobustView,
+    Sandwich, SharedErrors, Squared, Sum, TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
@@ -34,6 +34,14 @@ const SCALE_ROUNDS: usize = 20;
 /// the end.
 const MANY_SOLVES: usize = 2000;
 const ORDINARY_SOLVES: usize = 40;
+
+/// The part of the distance over which what shifts all points changes by its own size: a lens has the errors of its
+/// field of view, twenty degrees and more.
+const SHARED_RANGE: f64 = 1.0 / 3.0;
+
+/// Most of what points share, in units of their noise: exact data share nothing, and depth that a filter has smoothed
+/// three times its noise.
+const MOST_SHARED: f64 = 10.0;
 
 /// How exactly a minimum is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,7 +190,7 @@ impl Data<'_> {
         let mut total: Option<Convergence> = None;
         let mut current = Precision::Rough;
         for _ in 0..SCALE_ROUNDS {
-            let objective = self.robust_objective(held, &scales.views);
+            let objective = self.robust_objective(held, &cylinder, &scales.views);
             // The rounds share the solves: where the scale alternates each could take all of them.
             let before = total.as_ref().map_or(0, |before| before.iterations);
             let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
@@ -235,7 +243,12 @@ impl Data<'_> {
         paper_objective(&points, &limbs, held.edge_weight)
     }
 
-    fn robust_objective<'a>(&'a self, held: &'a Held, scales: &[RobustScales]) -> Sum<'a> {
+    fn robust_objective<'a>(
+        &'a self,
+        held: &'a Held,
+        cylinder: &Cylinder,
+        scales: &[RobustScales],
+    ) -> Sum<'a> {
         let views: Vec<RobustView<'a>> = self
             .views
             .iter()
@@ -245,20 +258,42 @@ impl Data<'_> {
                 into_view: view.into_view,
                 points: view.points,
                 observed: view.observed,
+                shared: self.shared_errors(view, cylinder, scales),
                 scales: *scales,
                 lines: held.lines.as_ref(),
                 arcs: &held.arcs,
                 endpoint: view.noise.endpoint,
             })
             .collect();
-        robust_objective(&views)
+        robust_objective(&views, held.settled && held.has_limbs())
+    }
+
+    /// The errors that the points of a view share; `None` where they are not what an observer outside sees.
+    fn shared_errors(
+        &self,
+        view: &ViewData<'_>,
+        cylinder: &Cylinder,
+        scales: &RobustScales,
+    ) -> Option<SharedErrors> {
+        let part = self.options.noise.depth_shared;
+        let frame = self.frame(cylinder).moved(&view.into_view);
+        if !view.observed || frame.cylinder.contains_origin() || part == 0.0 {
+            return None;
+        }
+        let loss = Robust { scale: scales.point, observed: true }.at(&frame);
+        let matrix = view.points.linearise(&frame, loss).hessian;
+        let shift = -matrix.fixed_view::<2, 2>(0, 0).try_inverse()? * matrix.fixed_view::<2, 1>(0, 4);
+        let axis_shift = frame.u * shift[0] + frame.v * shift[1];
+        let distance = view.into_view.point(&self.center).norm();
+        let size = (part * distance).min(MOST_SHARED * scales.point);
+        Some(SharedErrors { bend: size, axis_shift, offset: size, tilt: size / (SHARED_RANGE * distance) })
     }
 
     /// The objective at the scales of a cylinder.
     fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
         match self.is_paper() {
             true => self.paper_objective(held, cylinder, Some(scales)),
-            false => self.robust_objective(held, &scales.views),
+            false => self.robust_objective(held, cylinder, &scales.views),
         }
     }
 

@@ -59,9 +59,10 @@ impl Data<'_> {
 /// in the noise.
 ///
 /// It is that of the noise of the data, with the weights that the fit used and the correlation of the depth noise
-/// along the order of the points. A radius or a direction that the limits fix has none; a limit that a minimum lies on
-/// is not felt. Errors that all data share (calibration, registration, a scale of the depth, depth
-/// that is smeared at the limbs) are not in it.
+/// between neighbours. For the robust objective the errors that all points of a view share are in it, as far as
+/// [`NoiseModel::depth_shared`](crate::noise::NoiseModel::depth_shared) tells them: a bend of the profile, an offset, a tilt.
+/// A radius or a direction that the limits fix has none; a limit that a minimum lies on is not felt. Errors of the
+/// calibration, the registration and a scale of the depth are not in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertainty {
     /// The frame at the cylinder.

@@ -14,6 +14,7 @@
 //! be more blurred they are located again on means of boxes of pixels, which lose nothing then.
 
 mod block;
+mod compression;
 mod consensus;
 mod detected;
 mod profile;
@@ -31,6 +32,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
     let files = [
         CONSTANTS,
         block::CONSTANTS,
+        compression::CONSTANTS,
         consensus::CONSTANTS,
         detected::CONSTANTS,
         profile::CONSTANTS,
@@ -50,6 +52,7 @@ use crate::geometry::{Cylinder, LimbFrame};
 use crate::noise::{ImageNoise, box_blur};
 use crate::observations::{GreyImage, ReducedImage, from_reduced};
 use block::{Block, INSIDE, OUTSIDE};
+use compression::noise_of_compression;
 use consensus::{FILTER_HALF, rough_line};
 use nalgebra::{Matrix2, Vector2};
 use refine::{Expected, Limb, SHADING, refine};
@@ -208,9 +211,11 @@ pub fn locate_limbs(
     model: &Cylinder,
     search: &LimbSearch,
 ) -> [LimbObservation; 2] {
+    let least_noise = noise_of_compression(image);
     let located = |factor: usize| {
         let (camera, search) = (camera.reduced(factor), search.reduced(factor));
-        let grid = Grid { image: ReducedImage::new(image, factor), camera: &camera, noise: search.noise };
+        let image = ReducedImage::new(image, factor);
+        let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
         located_on(&grid, model, &search).map(|limb| limb.enlarged(factor))
     };
     let mut factor = search.noise.factor(None);

@@ -22,6 +22,8 @@ pub(super) struct Grid<'a> {
     pub image: ReducedImage<'a>,
     pub camera: &'a Camera,
     pub noise: ImageNoise,
+    /// Standard deviation of a pixel that differences of neighbours do not show.
+    pub least_noise: f64,
 }
 
 /// A stretch of the expected limb line in ideal pixels and the coordinates about it: s along the line from its
@@ -92,6 +94,8 @@ pub(super) struct Strip {
     ends: Vec<usize>,
     /// Standard deviation of a pixel; 0 = from the pixels.
     told_noise: f64,
+    /// The least that the pixels are taken to have.
+    least_noise: f64,
     /// Whether neighbours may be alike by interpolation: an image that is more blurred than its grid asks for.
     interpolated: bool,
 }
@@ -99,9 +103,15 @@ pub(super) struct Strip {
 impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
     pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
-        let Grid { image, camera, noise } = grid;
+        let Grid { image, camera, noise, least_noise } = grid;
         let interpolated = image.factor() > 1;
-        let mut strip = Self { pixels: Vec::new(), ends: Vec::new(), told_noise: noise.value, interpolated };
+        let mut strip = Self {
+            pixels: Vec::new(),
+            ends: Vec::new(),
+            told_noise: noise.value,
+            least_noise: *least_noise,
+            interpolated,
+        };
         let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
             let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
@@ -217,7 +227,7 @@ impl Strip {
     /// Interpolation makes neighbours alike, and their differences small. By how much, differences over two pixels show
     /// where there is least to be seen: the lower quartile.
     pub fn noise(&self) -> f64 {
-        let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE);
+        let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(self.least_noise);
         if self.told_noise > 0.0 {
             return self.told_noise;
         }

@@ -14,11 +14,14 @@ mod point_terms;
 mod points;
 mod robust;
 mod sandwich;
+mod shared;
 mod terms;
 
 pub use arcs::{ArcRay, ArcTerm, near_wall};
 pub use limbs::{LimbPair, LimbTerm};
-pub use loss::{Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Wall};
+pub use loss::{
+    Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Tukey, Wall,
+};
 pub use paper::paper_objective;
 pub use pixel_terms::PixelResiduals;
 pub use pixels::{PixelSegment, PixelTerm};
@@ -28,6 +31,7 @@ pub use points::PointTerm;
 pub use robust::{RobustScales, RobustView, robust_objective};
 pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
+pub use shared::SharedErrors;
 pub use terms::{Sum, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};

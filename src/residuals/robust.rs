@@ -11,6 +11,7 @@ use super::pixel_terms::{InPixels, PixelResiduals, PixelScale};
 use super::pixels::PixelTerm;
 use super::point_terms::{Points, Robust};
 use super::points::PointTerm;
+use super::shared::{SharedErrors, SharingPoints};
 use super::terms::{Sum, Summand, Term};
 use crate::geometry::RigidMotion;
 
@@ -32,6 +33,8 @@ pub struct RobustView<'a> {
     pub points: PointTerm<'a>,
     /// Whether an observer at the origin of the view sees them.
     pub observed: bool,
+    /// The errors that they share, as the observer sees them; `None` where nothing is known of an observer.
+    pub shared: Option<SharedErrors>,
     /// Its scales.
     pub scales: RobustScales,
     /// The lines that the limbs are held to.
@@ -42,9 +45,10 @@ pub struct RobustView<'a> {
     pub endpoint: f64,
 }
 
-/// The robust objective of some views at fixed scales. A new term takes a line here.
+/// The robust objective of some views at fixed scales; `contested` says whether limbs tell of the radius, against which
+/// the errors that points share count. A new term takes a line here.
 #[must_use]
-pub fn robust_objective<'a>(views: &[RobustView<'a>]) -> Sum<'a> {
+pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a> {
     let information = |view: &RobustView<'_>| match view.points.count() {
         0 => 0.0,
         _ => view.scales.independent_points / (view.scales.point * view.scales.point),
@@ -52,7 +56,7 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>]) -> Sum<'a> {
     let total: f64 = views.iter().map(information).sum();
     let mut summands = Vec::new();
     for view in views {
-        let RobustView { into_view, points, observed, scales, lines, arcs, endpoint } = *view;
+        let RobustView { into_view, points, observed, shared, scales, lines, arcs, endpoint } = *view;
         let scale = PixelScale { deviation: endpoint, length: total.sqrt().recip() };
         let mut add = |factor: f64, term: Box<dyn Term + 'a>| {
             summands.push(Summand { factor, into_view, term });
@@ -61,7 +65,13 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>]) -> Sum<'a> {
         if points.count() > 0 {
             let loss = Robust { scale: scales.point, observed };
             let RobustScales { independent_points, .. } = scales;
-            add(information(view) / total, Box::new(Points { points, loss, independent_points }));
+            let points = Points { points, loss, independent_points };
+            let variance = information(view).recip();
+            let term: Box<dyn Term> = match shared {
+                Some(shared) => Box::new(SharingPoints { points, shared, variance, contested }),
+                None => Box::new(points),
+            };
+            add(information(view) / total, term);
         }
         if let Some(lines) = lines {
             add(1.0, in_pixels(lines));

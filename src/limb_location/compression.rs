@@ -1,0 +1,106 @@
+//! What compression adds to the noise of an image.
+//!
+//! JPEG rounds the cosine transform of every block of 8 × 8 pixels by itself. What is lost is no noise of single
+//! pixels: differences of neighbours within a block hardly show it, and it makes edges where there are none. It does show
+//! where two blocks meet, because their errors are independent there: the differences across such a border are larger
+//! than those within, by E|e₁ − e₂| = 2 σ / √π for errors of standard deviation σ.
+
+use crate::observations::GreyImage;
+
+/// Columns and rows of a block.
+const BLOCK: usize = 8;
+
+/// Places within a block that its border is compared with: at even distances from it, for the patterns of colour
+/// filters repeat every two pixels, and not next to it.
+const WITHIN: [usize; 3] = [1, 3, 5];
+
+/// Differences beyond this many mean ones are edges of what is seen.
+const LARGEST: f64 = 4.0;
+
+/// How many standard deviations above chance the differences at borders must be, along rows and along columns.
+const SIGNIFICANT: f64 = 5.0;
+
+constants! {
+    /// How many standard deviations of a pixel the error of a block counts in a sum over pixels: it is alike over about
+    /// two pixels each way.
+    ALIKE = 2.0, "σ";
+}
+
+/// The standard deviation of independent noise that does as much to a sum over pixels as the compression does, in the unit
+/// of the image; 0 where none is seen. The blocks must begin in the corner of the image.
+pub(super) fn noise_of_compression(image: &GreyImage) -> f64 {
+    let (width, height) = (image.width(), image.height());
+    let rows = excess(width, height, |along, across| f64::from(image.value(along, across)));
+    let columns = excess(height, width, |along, across| f64::from(image.value(across, along)));
+    match (rows, columns) {
+        (Some(rows), Some(columns)) => {
+            ALIKE.get() * 0.5 * std::f64::consts::PI.sqrt() * f64::midpoint(rows, columns)
+        }
+        _ => 0.0,
+    }
+}
+
+/// By how much the differences at borders exceed those within, along one line of pixels a block; `None` where that may be
+/// chance.
+fn excess(length: usize, lines: usize, value: impl Fn(usize, usize) -> f64) -> Option<f64> {
+    let differences = || {
+        (BLOCK / 2..lines).step_by(BLOCK).flat_map(|line| (1..length).map(move |k| (k, line))).map(
+            |(k, line)| {
+                let difference = (value(k, line) - value(k - 1, line)).abs();
+                ((k - 1) % BLOCK, difference)
+            },
+        )
+    };
+    let (count, sum) = differences().fold((0.0, 0.0), |(count, sum), (_, d)| (count + 1.0, sum + d));
+    let most = LARGEST * sum / count;
+    // Number, sum and sum of squares by place in a block.
+    let mut places = [[0.0; 3]; BLOCK];
+    for (place, difference) in differences() {
+        let d = difference.min(most);
+        places[place].iter_mut().zip([1.0, d, d * d]).for_each(|(sum, x)| *sum += x);
+    }
+    let mean_and_variance = |[count, sum, squares]: [f64; 3]| {
+        let mean = sum / count;
+        (mean, (squares / count - mean * mean) / count)
+    };
+    let within =
+        WITHIN.iter().fold([0.0; 3], |sum, &place| std::array::from_fn(|k| sum[k] + places[place][k]));
+    let ((border, of_border), (inside, of_inside)) =
+        (mean_and_variance(places[BLOCK - 1]), mean_and_variance(within));
+    let excess = border - inside;
+    (excess > SIGNIFICANT * (of_border + of_inside).sqrt()).then_some(excess)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observations::ImageView;
+
+    /// A ramp with edges and noise, and an error of each block, uniform between ± `error`.
+    fn image(error: f64) -> GreyImage {
+        let hash = |a: usize, b: usize, salt: u64| {
+            let mut x = (a as u64 * 0x9e37_79b9_7f4a_7c15) ^ (b as u64 * 0xc2b2_ae3d_27d4_eb4f) ^ salt;
+            x = (x ^ (x >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            x = (x ^ (x >> 32)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            (x >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+        };
+        let (width, height) = (320, 240);
+        let pixel = |k: usize| {
+            let (x, y) = (k % width, k / width);
+            let tiles = if (x / 37 + y / 29) % 2 == 0 { 60.0 } else { 0.0 };
+            let value = 60.0 + 0.2 * x as f64 + tiles + hash(x, y, 1) + error * hash(x / 8, y / 8, 2);
+            value.round() as u8
+        };
+        let values: Vec<u8> = (0..width * height).map(pixel).collect();
+        GreyImage::copy(&ImageView::from_u8(&values, (width, height)).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn errors_of_blocks_are_seen_and_nothing_else() {
+        assert_eq!(noise_of_compression(&image(0.0)), 0.0);
+        let error = 3.0;
+        let expected = ALIKE.get() * error / 3.0_f64.sqrt();
+        let found = noise_of_compression(&image(error));
+        assert!((found / expected - 1.0).abs() < 0.4, "{found} {expected}");
+    }
+}
