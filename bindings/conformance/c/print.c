@@ -45,6 +45,11 @@ int succeeded_on_frame(const run *r, cylfuse_status status)
     return report(r, status, cylfuse_frame_last_error(r->frame));
 }
 
+int succeeded_on_detector(const run *r, cylfuse_status status)
+{
+    return report(r, status, cylfuse_detector_last_error(r->detector));
+}
+
 static void print_model(const run *r, const char *name, const cylfuse_cylinder *model)
 {
     char field[64];

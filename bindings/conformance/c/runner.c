@@ -383,7 +383,7 @@ static void run_step(run *r)
     else CALL(compare) compare(r);
     else CALL(intrinsics_project) intrinsics_project(r);
     else CALL(intrinsics_unproject) intrinsics_unproject(r);
-    else stop("unknown call", call);
+    else run_detector_step(r, call);
 }
 
 static char *read_file(const char *path)
@@ -408,7 +408,10 @@ int main(int argc, char **argv)
     cJSON_ArrayForEach(one, need(file, "cases"))
     {
         run r = {.file = file, .name = need(one, "name")->valuestring, .index = 0};
-        if (new_fitter(&r) != CYLFUSE_STATUS_OK || new_frame(&r) != CYLFUSE_STATUS_OK) stop("no handle", r.name);
+        if (new_fitter(&r) != CYLFUSE_STATUS_OK || new_frame(&r) != CYLFUSE_STATUS_OK
+            || cylfuse_detector_create(CYLFUSE_ABI_VERSION, &r.detector) != CYLFUSE_STATUS_OK) {
+            stop("no handle", r.name);
+        }
         cJSON_ArrayForEach(step, need(one, "steps"))
         {
             r.step = step;
@@ -417,6 +420,7 @@ int main(int argc, char **argv)
         }
         cylfuse_fitter_destroy(r.fitter);
         cylfuse_frame_destroy(r.frame);
+        cylfuse_detector_destroy(r.detector);
     }
     cJSON_Delete(file);
     free(text);

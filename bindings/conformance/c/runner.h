@@ -21,6 +21,7 @@ typedef struct {
     int index;
     cylfuse_fitter *fitter;
     cylfuse_frame *frame;
+    cylfuse_detector *detector;
 } run;
 
 /* Ends the program: the file is not as described. */
@@ -71,6 +72,7 @@ void print_number(const run *r, const char *field, double value);
 /* Prints the outcome of a call on a fitter, or without one; returns whether it succeeded. */
 int succeeded(const run *r, cylfuse_status status, const cylfuse_fitter *fitter);
 int succeeded_on_frame(const run *r, cylfuse_status status);
+int succeeded_on_detector(const run *r, cylfuse_status status);
 void print_result(const run *r, const cylfuse_result *result);
 void print_estimate(const run *r, const cylfuse_cylinder_estimate *estimate);
 void print_extent(const run *r, const cylfuse_extent *extent);
@@ -85,5 +87,8 @@ void point_weights(const run *r);
 void limbs(const run *r);
 void limb_samples(const run *r);
 void end_samples(const run *r);
+
+/* Runs a call on the detector. */
+void run_detector_step(run *r, const char *call);
 
 #endif

@@ -3,6 +3,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "what is passed is written on the spot")]
 
 use super::failures::failures;
+use super::pair;
 use super::scene::{self, edges, truth};
 use super::views::views;
 use serde_json::{Value, json};
@@ -422,6 +423,7 @@ pub fn file() -> Value {
     cases.push(selection());
     cases.extend(settings());
     cases.extend(completion());
+    cases.extend(pair::detectors());
     cases.extend(failures());
     json!({"arrays": scene::arrays(), "cameras": scene::cameras(), "cases": cases})
 }

@@ -7,6 +7,7 @@
 
 mod cases;
 mod failures;
+mod pair;
 mod run;
 mod scene;
 mod views;

@@ -42,3 +42,4 @@ pub const INPUTS: &[(&str, Inputs)] = &[
     ("EDGES", Inputs::EDGES),
     ("IMAGE", Inputs::IMAGE),
 ];
+pub const IMAGE_USES: &[(&str, bool)] = &[("AUTO", true), ("IGNORE", false)];

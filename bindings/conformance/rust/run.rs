@@ -7,6 +7,8 @@
 
 #[path = "base64.rs"]
 pub mod base64;
+#[path = "detector.rs"]
+mod detector;
 #[path = "lists.rs"]
 mod lists;
 #[path = "names.rs"]
@@ -24,6 +26,7 @@ use cylfuse::observations::{
     DepthCamera, DepthRange, DepthView, EdgeSegment, Frame, ImageFormat, ImageView, MaskView, Pixels,
     PointsView, VectorsView,
 };
+use cylfuse::scene::{Detector, Scene};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use names::INPUTS;
 use read::{Array, count, cylinder, number, optional_cylinder};
@@ -38,12 +41,14 @@ pub struct Runner<'a> {
     file: &'a Value,
     fitter: Fitter,
     frame: Frame,
+    detector: Detector,
+    scene: Option<Scene>,
 }
 
 impl<'a> Runner<'a> {
-    /// A new fitter and a new frame; `file` has the arrays and cameras.
+    /// A new fitter, frame and detector; `file` has the arrays and cameras.
     pub fn new(file: &'a Value) -> Self {
-        Self { file, fitter: Fitter::new(), frame: Frame::default() }
+        Self { file, fitter: Fitter::new(), frame: Frame::default(), detector: Detector::new(), scene: None }
     }
 
     /// Runs the next step.
@@ -159,7 +164,7 @@ impl<'a> Runner<'a> {
             }
             "intrinsics_project" => return self.pixels(step),
             "intrinsics_unproject" => return self.rays(step),
-            other => panic!("unknown call {other}"),
+            other => return self.run_detector(other, step),
         }
         Ok(Fields::new())
     }

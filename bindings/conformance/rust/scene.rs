@@ -1,5 +1,6 @@
 //! The data of the golden cases: one cylinder before a wall, seen by a small camera, with noise.
 
+use super::pair;
 use super::run::base64;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
@@ -153,7 +154,7 @@ pub fn depth_pose() -> Value {
 }
 
 /// Noise of unit variance, the same at every run.
-struct Noise(u64);
+pub struct Noise(pub u64);
 
 impl Noise {
     /// SplitMix64.
@@ -166,7 +167,7 @@ impl Noise {
     }
 
     /// The sum of twelve uniform numbers is normal enough.
-    fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 }
@@ -179,11 +180,11 @@ fn f64_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("f64", shape, &values.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<_>>())
 }
 
-fn f32_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+pub fn f32_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("f32", shape, &values.into_iter().flat_map(|x| (x as f32).to_le_bytes()).collect::<Vec<_>>())
 }
 
-fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+pub fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array(
         "u16",
         shape,
@@ -191,7 +192,7 @@ fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     )
 }
 
-fn u8_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+pub fn u8_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("u8", shape, &values.into_iter().map(|x| x.round() as u8).collect::<Vec<_>>())
 }
 
@@ -292,6 +293,7 @@ pub fn arrays() -> Map<String, Value> {
     let mut arrays = Map::new();
     clouds(&mut arrays);
     images(&mut arrays);
+    pair::arrays(&mut arrays);
     arrays
 }
 
@@ -321,6 +323,7 @@ pub fn cameras() -> Value {
         },
         "focal_length_nan": nan,
         "focal_length_negative": negative,
+        "pair": pair::camera(),
         "small": {
             "width": 16, "height": 12, "fx": 20.0, "fy": 20.0, "cx": 7.5, "cy": 5.5,
             "distortion_model": "NONE", "distortion": vec![0.0; 8],
