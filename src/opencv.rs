@@ -30,6 +30,7 @@ use crate::observations::{
     DepthRange, DepthView, EdgeSegment, ImageFormat, ImageView, MaskView, Pixels, PointsView, Scalar,
     Strided, VectorsView,
 };
+use crate::scene::Scene;
 use nalgebra::Vector2;
 use opencv::core::{
     CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_32FC1, CV_32FC3, CV_64FC1, CV_64FC3, Mat, MatTraitConst,
@@ -218,6 +219,15 @@ pub fn complete_depth(fitter: &Fitter, model: Option<&Cylinder>, mask: Option<&M
         })
     })?;
     let rows = depths.chunks(width.max(1)).collect::<Vec<_>>();
+    Mat::from_slice_2d(&rows).map_err(inside)
+}
+
+/// The labels of a scene, `CV_16UC1`: 0 for none, else the number of the cylinder from 1 on.
+///
+/// # Errors
+/// `Unsupported` for a scene without any pixel.
+pub fn labels(scene: &Scene) -> Result<Mat> {
+    let rows = scene.labels.chunks(scene.size.0.max(1)).collect::<Vec<_>>();
     Mat::from_slice_2d(&rows).map_err(inside)
 }
 

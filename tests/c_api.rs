@@ -125,7 +125,7 @@ fn an_extent_takes_bounded_time() {
 
 #[test]
 fn memory_that_runs_out_is_told() {
-    for call in ["push", "residuals", "fit", "diagnose"] {
+    for call in ["push", "residuals", "fit", "diagnose", "detect"] {
         defect(&["3", call]);
     }
 }

@@ -41,9 +41,9 @@ listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
 check "what was installed" test "$listing" = "./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
-./include/cylfuse/cylfuse.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp ./include/cylfuse/error.hpp \
-./include/cylfuse/frame.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
-./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
+./include/cylfuse/cylfuse.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
+./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
 # From here on it is somewhere else: nothing may remember where it was.
@@ -66,7 +66,7 @@ every_constant() { # every_constant: enums.hpp has all constants of the C interf
     [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
 }
 check "enumerations" every_constant
-for header in callbacks cylfuse eigen enums error frame opencv pcl pcl_segmentation types views; do
+for header in callbacks cylfuse detector eigen enums error frame opencv pcl pcl_detection pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done

@@ -10,7 +10,7 @@ use common::{c_compiler, cpp_compiler, header, root, run, scratch};
 use std::process::Command;
 
 /// The files of src/ffi in the order of the header. `panic_test` is not part of it.
-const SOURCES: [&str; 19] = [
+const SOURCES: [&str; 20] = [
     "status",
     "constants",
     "outcomes",
@@ -25,6 +25,7 @@ const SOURCES: [&str; 19] = [
     "data",
     "frame",
     "detector",
+    "detections",
     "solve",
     "arrays",
     "apply",

@@ -200,7 +200,19 @@ func (run *caseRun) set(step *caseStep) (known bool, err error) {
 		return true, run.detector.SetFitOptions(step.options())
 	case "detector_cancel":
 		return true, run.detector.Cancel()
-	case "make_fitter":
+	case "new_detector":
+		err := run.detector.Close()
+		if err == nil {
+			run.detector, err = NewDetector()
+		}
+		return true, err
+	case "detect":
+		_, err := run.detector.Detect(frame)
+		return true, err
+	case "detect_points":
+		_, err := run.detector.DetectPoints(run.points(step.Points))
+		return true, err
+	case "detector_make_fitter":
 		made, err := run.detector.Fitter(step.Index)
 		if err != nil {
 			return true, err
@@ -254,30 +266,41 @@ func (run *caseRun) get(step *caseStep) (out outputs, err error) {
 		return fields(run.detector.Options())
 	case "detector_get_fit_options":
 		return fields(run.detector.FitOptions())
-	case "detect":
-		found, err := run.detector.Detect(run.frame)
-		out.addDetections(found)
-		return out, err
-	case "detect_points":
-		found, err := run.detector.DetectPoints(run.points(step.Points))
-		out.addDetections(found)
-		return out, err
-	case "detections":
+	case "detector_count":
+		found, err := run.detector.Detections()
+		return list("count", len(found), err)
+	case "detector_detections":
 		found, err := run.detector.Detections()
 		out.addDetections(found)
 		return out, err
 	case "detector_get_result", "detector_get_cylinder", "detector_get_extent":
+		// The list knows no such error as the library.
+		if _, err := run.detector.Indices(step.Index); err != nil {
+			return nil, err
+		}
 		found, err := run.detector.Detections()
-		if err != nil || step.Call == "detector_get_extent" {
-			return fields(*found[step.Index].Extent, err)
+		if err != nil {
+			return nil, err
+		}
+		if step.Call == "detector_get_extent" {
+			if extent := found[step.Index].Extent; extent != nil {
+				return fields(*extent, nil)
+			}
+			// The fitter says why there is none.
+			made, err := run.detector.Fitter(step.Index)
+			if err != nil {
+				return nil, err
+			}
+			defer made.Close()
+			return fields(made.Extent(nil, nil))
 		}
 		out.addFields("", found[step.Index].Result)
 		out.keepPart(step.Call == "detector_get_cylinder")
 		return out, nil
-	case "labels":
+	case "detector_labels":
 		labels, err := run.detector.Labels()
 		return list("labels", labels.Data, err)
-	case "indices":
+	case "detector_indices":
 		indices, err := run.detector.Indices(step.Index)
 		return list("indices", indices, err)
 	case "evaluate":

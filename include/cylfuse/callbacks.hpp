@@ -2,7 +2,7 @@
 
 /**
  * @file callbacks.hpp
- * Functions of the caller that a fitter calls. Include cylfuse.hpp, which says how they are meant.
+ * Functions of the caller that fitters and detectors call. Include cylfuse.hpp, which says how they are meant.
  */
 
 #ifndef CYLFUSE_CALLBACKS_HPP
@@ -19,6 +19,9 @@ namespace cylfuse {
 /** Hears of every linear solve of a fit; false stops it with Status::Cancelled. */
 using ProgressCallback = std::function<bool(const Progress &)>;
 
+/** Hears how far a detector is; false stops it with Status::Cancelled. */
+using DetectionCallback = std::function<bool(const DetectionProgress &)>;
+
 /** Takes a log line, valid until it returns; from several threads at once when several make calls on a const fitter. */
 using LogCallback = std::function<void(LogLevel, const char *)>;
 
@@ -27,9 +30,10 @@ using LogCallback = std::function<void(LogLevel, const char *)>;
 inline namespace without_exceptions {
 namespace detail {
 
-inline std::int32_t on_progress(const cylfuse_progress *progress, void *user_data) noexcept
+template <class Callback, class State>
+std::int32_t on_progress(const State *progress, void *user_data) noexcept
 {
-    return (*static_cast<ProgressCallback *>(user_data))(*progress) ? 0 : 1;
+    return (*static_cast<Callback *>(user_data))(*progress) ? 0 : 1;
 }
 
 inline void on_log(cylfuse_log_level level, const char *message, void *user_data) noexcept
@@ -53,10 +57,11 @@ inline std::exception_ptr &thrown() noexcept
     return exception;
 }
 
-inline std::int32_t on_progress(const cylfuse_progress *progress, void *user_data) noexcept
+template <class Callback, class State>
+std::int32_t on_progress(const State *progress, void *user_data) noexcept
 {
     try {
-        return (*static_cast<ProgressCallback *>(user_data))(*progress) ? 0 : 1;
+        return (*static_cast<Callback *>(user_data))(*progress) ? 0 : 1;
     } catch (...) {
         thrown() = std::current_exception();
         return 1;

@@ -4,7 +4,7 @@
  * @file cylfuse.hpp
  * The C interface in C++14: header only, nothing but cylfuse.h and the standard library.
  *
- * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame. Their methods have the names of the C
+ * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector a detector. Their methods have the names of the C
  * functions and do what is said there; units, frames of coordinates, missing values, views and threads are as at the
  * top of cylfuse.h. What is filled by the caller or by the library derives from the C struct of that name and sets its
  * size and defaults: numbers are its fields, as in `options.edge_noise = 0.5`, and enumerations are read and set by
@@ -175,7 +175,7 @@ public:
         if (callback) {
             made.reset(new ProgressCallback(std::move(callback)));
         }
-        const cylfuse_progress_fn function = made ? detail::on_progress : nullptr;
+        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
         const cylfuse_status status = cylfuse_fitter_set_progress(handle(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             progress_ = std::move(made); // The earlier one goes after the library knows the new one.
@@ -390,13 +390,7 @@ private:
     Returned<std::vector<T>> list(Call call) const
     {
         std::vector<T> all;
-        std::size_t count = 0;
-        cylfuse_status status = CYLFUSE_STATUS_BUFFER_TOO_SMALL;
-        while (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
-            all.resize(count);
-            status = call(all.data(), all.size(), &count);
-        }
-        all.resize(status == CYLFUSE_STATUS_OK ? count : 0);
+        const cylfuse_status status = internal::list(all, call);
         return finish(status, std::move(all));
     }
 
@@ -469,5 +463,7 @@ inline Returned<Difference> compare(const Cylinder &first, const Cylinder &secon
 
 } // inline namespace
 } // namespace cylfuse
+
+#include <cylfuse/detector.hpp>
 
 #endif

@@ -76,6 +76,12 @@ enum class Chart : cylfuse_chart {
     Orthonormal = CYLFUSE_CHART_ORTHONORMAL,
 };
 
+/** Whether a detector looks at the image of a frame. */
+enum class ImageUse : cylfuse_image_use {
+    Auto = CYLFUSE_IMAGE_USE_AUTO,
+    Ignore = CYLFUSE_IMAGE_USE_IGNORE,
+};
+
 /** What given edge segments are. */
 enum class EdgeUse : cylfuse_edge_use {
     Refine = CYLFUSE_EDGE_USE_REFINE,
@@ -184,6 +190,12 @@ constexpr Input operator|(Input a, Input b) noexcept
 enum class Phase : cylfuse_phase {
     Start = CYLFUSE_PHASE_START,
     Solve = CYLFUSE_PHASE_SOLVE,
+};
+
+/** What a detector is doing. */
+enum class DetectionPhase : cylfuse_detection_phase {
+    Search = CYLFUSE_DETECTION_PHASE_SEARCH,
+    Fit = CYLFUSE_DETECTION_PHASE_FIT,
 };
 
 /** How much a log line matters. */

@@ -278,6 +278,22 @@ inline Completion complete_depth(const Fitter &fitter, cv::Mat &depth, int type,
 }
 
 /**
+ * The labels of what a detector found, CV_16UC1: 0 for none, else the index of the cylinder + 1. `size` is that of the
+ * image of the frame, or of the organised cloud.
+ */
+inline cv::Mat labels(const Detector &detector, cv::Size size)
+{
+    const std::vector<std::uint16_t> all = detector.labels();
+    if (size.width < 0 || size.height < 0 || std::size_t(size.width) * std::size_t(size.height) != all.size()) {
+        throw Error(Status::SizeMismatch,
+                    ("the size is " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                     " but there are " + std::to_string(all.size()) + " labels; give the size of the scene")
+                        .c_str());
+    }
+    return cv::Mat(size, CV_16UC1, const_cast<std::uint16_t *>(all.data())).clone();
+}
+
+/**
  * Proposes edges where nobody gives them: OpenCV's line detector over a grey or colour image of 8 bits, and of what it
  * finds the pieces on the two limbs of the last fit. That is best one to the points alone, such as by
  * Method::Ransac: others look at the mask, which may be bad. `reach` as for Fitter::select_edges(). With neither

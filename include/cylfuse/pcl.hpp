@@ -2,7 +2,8 @@
 
 /**
  * @file pcl.hpp
- * Clouds, indices and model coefficients of PCL in and out, and a class in place of PCL's segmentation of cylinders.
+ * Clouds, indices and model coefficients of PCL in and out, a class in place of PCL's segmentation of cylinders, and one
+ * that finds all cylinders of a scene.
  * Include it beside PCL 1.12 or later. The coordinates are those of the cloud; completion, extent and edges need
  * them in the camera frame.
  */
@@ -167,6 +168,7 @@ Completion complete(const Fitter &fitter, pcl::PointCloud<PointT> &cloud, Option
 } // inline namespace
 } // namespace cylfuse
 
+#include <cylfuse/pcl_detection.hpp>
 #include <cylfuse/pcl_segmentation.hpp>
 
 #endif

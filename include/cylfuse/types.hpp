@@ -29,6 +29,12 @@ using Cylinder = cylfuse_cylinder;
 /** The state of a running fit, before each linear solve. */
 using Progress = cylfuse_progress;
 
+/** How far a detector is. */
+using DetectionProgress = cylfuse_detection_progress;
+
+/** A cylinder of a scene: score, pixels of its region, the cylinder that was fitted. */
+using Detection = cylfuse_detection;
+
 /** What a short piece of a limb in the image says. */
 using LimbSample = cylfuse_limb_sample;
 
@@ -98,6 +104,20 @@ private:
     Options &set(std::int32_t &field, Enumeration value) noexcept
     {
         field = static_cast<std::int32_t>(value);
+        return *this;
+    }
+};
+
+/** The settings of a detector, with the defaults at first. */
+struct DetectorOptions : cylfuse_detector_options {
+    DetectorOptions() noexcept { cylfuse_detector_options_init(this, sizeof(cylfuse_detector_options)); }
+
+    /** Whether the image of a frame is looked at. */
+    ImageUse image_use() const noexcept { return ImageUse(cylfuse_detector_options::image_use); }
+    /** Sets whether the image of a frame is looked at. */
+    DetectorOptions &image_use(ImageUse value) noexcept
+    {
+        cylfuse_detector_options::image_use = static_cast<cylfuse_image_use>(value);
         return *this;
     }
 };

@@ -35,6 +35,20 @@ struct ScalarOf<double> {
     static constexpr cylfuse_scalar value = CYLFUSE_SCALAR_F64;
 };
 
+// Lists what a function of the C interface has, however much it is; nothing where it fails.
+template <class T, class Call>
+cylfuse_status list(std::vector<T> &all, Call call)
+{
+    std::size_t count = 0;
+    cylfuse_status status = CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+    while (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
+        all.resize(count);
+        status = call(all.data(), all.size(), &count);
+    }
+    all.resize(status == CYLFUSE_STATUS_OK ? count : 0);
+    return status;
+}
+
 } // namespace internal
 /** @endcond */
 

@@ -100,6 +100,18 @@ fn completed_depth_has_the_size_of_the_camera() {
 }
 
 #[test]
+fn labels_have_the_pixels_of_the_image() {
+    let scene = crate::scene::Detector::new().detect(fitter().frame()).unwrap();
+    assert_eq!(scene.cylinders.len(), 1);
+    let labels = labels(&scene).unwrap();
+    assert_eq!((labels.rows(), labels.cols(), labels.typ()), (480, 640, CV_16UC1));
+    for k in scene.indices(0) {
+        assert_eq!(*labels.at_2d::<u16>((k / 640) as i32, (k % 640) as i32).unwrap(), 1);
+    }
+    assert_eq!(opencv::core::count_non_zero(&labels).unwrap() as usize, scene.cylinders[0].pixels);
+}
+
+#[test]
 fn what_is_wrong_is_named() {
     let mut fitter = fitter();
     let range = DepthRange::default();

@@ -10,7 +10,7 @@ use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_p
 
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
-use crate::fitter::{FitResult, Fitter, LimbObservation, Options, StartKind};
+use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
 use crate::workers::Workers;
@@ -263,12 +263,10 @@ impl Detector {
         if !self.options.use_image {
             frame.clear_image();
         }
-        let mut search = self.options.search;
-        search.limits = in_camera(&search.limits, &frame.pose().inverse());
+        let mut search = self.search_options(&frame.pose().inverse());
         if frame.image().is_some() {
             // The image may raise a low score.
             search.min_score = score::least_before_limbs(search.min_score);
-            search.max_count = usize::MAX;
         }
         let found = self.search(observer, || detect(camera, depth, &search))?;
         let fits = Fits::new(&self.options, found.labels, size);
@@ -300,15 +298,30 @@ impl Detector {
         }
         check_memory("the search", count)?;
         check_weights(points)?;
+        let search = self.search_options(&RigidMotion::identity());
         let found = self.search(observer, || match count {
             // Rows of no points are as many as the caller likes.
             0 => Ok(Detections::default()),
-            _ => detect_points(points, &self.options.search),
+            _ => detect_points(points, &search),
         })?;
         let fits = Fits::new(&self.options, found.labels, size);
         self.fit_all(fits, &found.cylinders, observer, |fits, index, detection, poll| {
             fits.of_points(points, index, detection, poll)
         })
+    }
+
+    /// The options of the search, for all that may be left when every cylinder is fitted.
+    fn search_options(&self, into_camera: &RigidMotion) -> DetectionOptions {
+        let limits = of_search(&self.options.search.limits, into_camera);
+        DetectionOptions { limits, max_count: usize::MAX, ..self.options.search }
+    }
+
+    /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
+    /// limit has to hold it.
+    fn within(&self, detection: &Detection, found: &Found) -> bool {
+        let CylinderLimits { radius_min, radius_max, .. } = self.options.search.limits;
+        let inside = (radius_min..=radius_max).contains(&detection.cylinder.radius);
+        inside || !found.result.flags.contains(Flags::RADIUS_AT_LIMIT)
     }
 
     fn search(
@@ -360,18 +373,18 @@ impl Detector {
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });
         }
         let mut cylinders = Vec::new();
-        for (label, outcome) in (1..).zip(outcomes) {
+        for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
-                Some(Ok(found)) if found.score >= self.options.search.min_score => {
-                    cylinders.push((label, found))
+                Some(Ok(found)) => {
+                    let keeps = found.score >= self.options.search.min_score
+                        && self.within(&detections[index], &found);
+                    cylinders.extend(keeps.then_some((index as u16 + 1, found)));
                 }
                 Some(Err(
                     error @ (Error::Cancelled { .. } | Error::OutOfMemory { .. } | Error::Unsupported { .. }),
-                )) => {
-                    return Err(error);
-                }
+                )) => return Err(error),
                 // A region without any measured pixel of its own, say, cannot be fitted.
-                _ => {}
+                Some(Err(_)) | None => {}
             }
         }
         cylinders.sort_by(|a, b| b.1.score.total_cmp(&a.1.score));
@@ -388,10 +401,21 @@ fn unobserved<T>(call: impl FnOnce(&mut Observer<'_>) -> T) -> T {
     call(&mut Observer { progress: &mut |_| ControlFlow::Continue(()), stopped: &|| false })
 }
 
-/// Limits as the camera sees them.
-fn in_camera(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimits {
+/// A radius by depth alone is off by less than this part of it in 94 of 100 cylinders of ../shared/scenes: what the search
+/// finds so near to the limits may turn out to keep them.
+const RADIUS_ERROR: f64 = 0.15;
+
+/// The limits of the search, for those of the cylinders in the frame of reference.
+fn of_search(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimits {
     let turned = |cone: AxisCone| AxisCone { direction: into_camera.direction(&cone.direction), ..cone };
-    CylinderLimits { axis: limits.axis.map(turned), ..*limits }
+    let turned = CylinderLimits { axis: limits.axis.map(turned), ..*limits };
+    let wider = CylinderLimits {
+        radius_min: limits.radius_min * (1.0 - RADIUS_ERROR),
+        radius_max: limits.radius_max * (1.0 + RADIUS_ERROR),
+        ..turned
+    };
+    // Not beyond what a limit may be.
+    if wider.check().is_ok() { wider } else { turned }
 }
 
 /// Gives labels the numbers in a new order; those that are not in it become 0.

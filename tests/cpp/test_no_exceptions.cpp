@@ -43,6 +43,11 @@ int main()
     if (!all || all->size() != 200 || !frame || frame->set_intrinsics(cylfuse::Intrinsics())) {
         return 1;
     }
+    auto detector = cylfuse::Detector::create();
+    if (!detector || detector->count().status() != cylfuse::Status::BadState || !detector->detect_points(points) ||
+        *detector->count() > 1 || detector->detect(*frame)) {
+        return 1;
+    }
     std::printf("without exceptions: all checks hold\n");
     return 0;
 }

@@ -1,5 +1,5 @@
 // OpenCV in and out.
-#include "check.hpp"
+#include "pair.hpp"
 
 #include <cylfuse/opencv.hpp>
 
@@ -186,8 +186,27 @@ static void bad_images_are_named()
     CHECK_ERROR(fitter.push_image(cylfuse::image_view(images.depth)), INVALID_ARGUMENT, "NaN");
 }
 
+static void labels_are_a_matrix()
+{
+    const Pair pair;
+    cylfuse::Detector detector;
+    CHECK_ERROR(cylfuse::labels(detector, {160, 120}), BAD_STATE, "first");
+    detector.detect(pair.frame());
+    const cv::Mat labels = cylfuse::labels(detector, {160, 120});
+    CHECK(labels.type() == CV_16UC1 && labels.cols == 160 && labels.rows == 120);
+    for (std::size_t index = 0; index < 2; ++index) {
+        CHECK(cv::countNonZero(labels == double(index + 1)) == int(detector.detections()[index].pixels));
+        for (const std::uint32_t k : detector.indices(index)) {
+            CHECK(labels.at<std::uint16_t>(int(k / 160), int(k % 160)) == index + 1);
+        }
+    }
+    CHECK_ERROR(cylfuse::labels(detector, {160, 119}), SIZE_MISMATCH, "160 x 119 but there are 19200 labels");
+    CHECK_ERROR(cylfuse::labels(detector, {-160, -120}), SIZE_MISMATCH, "-160");
+}
+
 int main()
 {
+    labels_are_a_matrix();
     all_types_pass();
     segments_and_cameras();
     edges_are_proposed_and_drawn();

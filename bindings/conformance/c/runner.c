@@ -383,7 +383,7 @@ static void run_step(run *r)
     else CALL(compare) compare(r);
     else CALL(intrinsics_project) intrinsics_project(r);
     else CALL(intrinsics_unproject) intrinsics_unproject(r);
-    else run_detector_step(r, call);
+    else if (!run_on_detector(r, call)) stop("unknown call", call);
 }
 
 static char *read_file(const char *path)
@@ -409,9 +409,7 @@ int main(int argc, char **argv)
     {
         run r = {.file = file, .name = need(one, "name")->valuestring, .index = 0};
         if (new_fitter(&r) != CYLFUSE_STATUS_OK || new_frame(&r) != CYLFUSE_STATUS_OK
-            || cylfuse_detector_create(CYLFUSE_ABI_VERSION, &r.detector) != CYLFUSE_STATUS_OK) {
-            stop("no handle", r.name);
-        }
+            || new_detector(&r) != CYLFUSE_STATUS_OK) stop("no handle", r.name);
         cJSON_ArrayForEach(step, need(one, "steps"))
         {
             r.step = step;

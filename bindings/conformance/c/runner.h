@@ -81,14 +81,15 @@ void print_diagnosis(const run *r, const cylfuse_cylinder_diagnosis *diagnosis);
 void print_options(const run *r, const cylfuse_options *options);
 void print_completion(const run *r, const cylfuse_completion *completion);
 
+cylfuse_status new_detector(run *r);
+/* Runs a call on the detector; returns whether it is one. */
+int run_on_detector(run *r, const char *call);
+
 /* Calls that list something. */
 void residuals(const run *r);
 void point_weights(const run *r);
 void limbs(const run *r);
 void limb_samples(const run *r);
 void end_samples(const run *r);
-
-/* Runs a call on the detector. */
-void run_detector_step(run *r, const char *call);
 
 #endif

@@ -2,8 +2,8 @@
 
 #![allow(clippy::needless_pass_by_value, reason = "what is passed is written on the spot")]
 
+use super::detectors::detectors;
 use super::failures::failures;
-use super::pair;
 use super::scene::{self, edges, truth};
 use super::views::views;
 use serde_json::{Value, json};
@@ -423,7 +423,7 @@ pub fn file() -> Value {
     cases.push(selection());
     cases.extend(settings());
     cases.extend(completion());
-    cases.extend(pair::detectors());
+    cases.extend(detectors());
     cases.extend(failures());
     json!({"arrays": scene::arrays(), "cameras": scene::cameras(), "cases": cases})
 }

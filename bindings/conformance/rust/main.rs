@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used)] // A generator that cannot go on should stop.
 
 mod cases;
+mod detectors;
 mod failures;
 mod pair;
 mod run;

@@ -36,10 +36,10 @@ pub const CHARTS: &[(&str, ChartChoice)] =
 pub const EDGE_USES: &[(&str, EdgeUse)] = &[("REFINE", EdgeUse::Refine), ("AS_GIVEN", EdgeUse::AsGiven)];
 pub const EXTENT_RULES: &[(&str, ExtentRule)] =
     &[("AUTO", ExtentRule::Auto), ("EXTREMES", ExtentRule::Extremes), ("LOCATED", ExtentRule::Located)];
+pub const IMAGE_USES: &[(&str, bool)] = &[("AUTO", true), ("IGNORE", false)];
 pub const INPUTS: &[(&str, Inputs)] = &[
     ("POINTS", Inputs::POINTS),
     ("DEPTH", Inputs::DEPTH),
     ("EDGES", Inputs::EDGES),
     ("IMAGE", Inputs::IMAGE),
 ];
-pub const IMAGE_USES: &[(&str, bool)] = &[("AUTO", true), ("IGNORE", false)];

@@ -7,7 +7,6 @@ use cylfuse::error::Result;
 use cylfuse::fitter::Options;
 use cylfuse::geometry::{AxisCone, Cylinder};
 use cylfuse::observations::{Scalar, Strided};
-use cylfuse::scene::DetectorOptions;
 use nalgebra::Vector3;
 use serde_json::Value;
 
@@ -132,30 +131,6 @@ pub fn options(value: &Value) -> Options {
     }
     if axis.direction != Vector3::zeros() {
         options.cylinder_limits.axis = Some(axis);
-    }
-    options
-}
-
-/// The options of a detector whose fits keep theirs.
-pub fn detector_options(value: &Value, fit: Options) -> DetectorOptions {
-    let mut options = DetectorOptions { fit, ..DetectorOptions::default() };
-    let mut axis = AxisCone { direction: Vector3::zeros(), max_angle: 0.0 };
-    for (key, value) in value.as_object().unwrap() {
-        match key.as_str() {
-            "image_use" => options.use_image = named(value, IMAGE_USES),
-            "max_threads" => options.threads = count(value),
-            "max_count" => options.search.max_count = count(value),
-            "min_pixels" => options.search.min_pixels = count(value),
-            "min_score" => options.search.min_score = number(value),
-            "radius_min" => options.search.limits.radius_min = number(value),
-            "radius_max" => options.search.limits.radius_max = number(value),
-            "axis" => axis.direction = numbers::<3>(value).into(),
-            "axis_max_angle" => axis.max_angle = number(value),
-            other => panic!("unknown option {other}"),
-        }
-    }
-    if axis.direction != Vector3::zeros() {
-        options.search.limits.axis = Some(axis);
     }
     options
 }

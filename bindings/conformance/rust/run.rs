@@ -7,8 +7,8 @@
 
 #[path = "base64.rs"]
 pub mod base64;
-#[path = "detector.rs"]
-mod detector;
+#[path = "detect.rs"]
+mod detect;
 #[path = "lists.rs"]
 mod lists;
 #[path = "names.rs"]
@@ -46,9 +46,10 @@ pub struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    /// A new fitter, frame and detector; `file` has the arrays and cameras.
+    /// A new fitter, a new frame and a new detector; `file` has the arrays and cameras.
     pub fn new(file: &'a Value) -> Self {
-        Self { file, fitter: Fitter::new(), frame: Frame::default(), detector: Detector::new(), scene: None }
+        let (fitter, frame, detector) = (Fitter::new(), Frame::default(), Detector::new());
+        Self { file, fitter, frame, detector, scene: None }
     }
 
     /// Runs the next step.
@@ -62,6 +63,7 @@ impl<'a> Runner<'a> {
         match call {
             "new_fitter" => self.fitter = Fitter::new(),
             "new_frame" => self.frame = Frame::default(),
+            "new_detector" => (self.detector, self.scene) = (Detector::new(), None),
             "set_options" => self.fitter.set_options(read::options(&step["options"]))?,
             "get_options" => return Ok(write::options(self.fitter.options())),
             "select_view" => self.fitter.select_view(count(&step["index"]))?,
@@ -164,7 +166,7 @@ impl<'a> Runner<'a> {
             }
             "intrinsics_project" => return self.pixels(step),
             "intrinsics_unproject" => return self.rays(step),
-            other => return self.run_detector(other, step),
+            other => return self.detector(other, step),
         }
         Ok(Fields::new())
     }

@@ -180,11 +180,11 @@ fn f64_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("f64", shape, &values.into_iter().flat_map(f64::to_le_bytes).collect::<Vec<_>>())
 }
 
-pub fn f32_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+fn f32_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("f32", shape, &values.into_iter().flat_map(|x| (x as f32).to_le_bytes()).collect::<Vec<_>>())
 }
 
-pub fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array(
         "u16",
         shape,
@@ -192,7 +192,7 @@ pub fn u16_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Valu
     )
 }
 
-pub fn u8_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
+fn u8_array(shape: &[usize], values: impl IntoIterator<Item = f64>) -> Value {
     array("u8", shape, &values.into_iter().map(|x| x.round() as u8).collect::<Vec<_>>())
 }
 
@@ -288,12 +288,20 @@ fn images(arrays: &mut Map<String, Value>) {
     );
 }
 
+fn pairs(arrays: &mut Map<String, Value>) {
+    let [width, height] = pair::SIZE;
+    let shape = [height, width];
+    arrays.insert("pair_depth".into(), u16_array(&shape, pair::depth().iter().map(|z| z * 1e4)));
+    arrays.insert("pair_image".into(), u8_array(&shape, pair::image()));
+    arrays.insert("pair_cloud".into(), f32_array(&[height / 2, width / 2, 3], pair::cloud()));
+}
+
 /// All arrays by their names.
 pub fn arrays() -> Map<String, Value> {
     let mut arrays = Map::new();
     clouds(&mut arrays);
     images(&mut arrays);
-    pair::arrays(&mut arrays);
+    pairs(&mut arrays);
     arrays
 }
 
@@ -321,9 +329,9 @@ pub fn cameras() -> Value {
             "width": apart.size[0], "height": apart.size[1], "fx": apart.focal[0], "fy": apart.focal[1],
             "cx": apart.centre[0], "cy": apart.centre[1], "distortion_model": "NONE", "distortion": vec![0.0; 8],
         },
+        "pair": pair::camera(),
         "focal_length_nan": nan,
         "focal_length_negative": negative,
-        "pair": pair::camera(),
         "small": {
             "width": 16, "height": 12, "fx": 20.0, "fy": 20.0, "cx": 7.5, "cy": 5.5,
             "distortion_model": "NONE", "distortion": vec![0.0; 8],

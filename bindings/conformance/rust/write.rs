@@ -3,9 +3,8 @@
 use super::names::*;
 use cylfuse::extent::{EndSource, EndState, Extent};
 use cylfuse::fitter::{FitResult, Fitter, Options, RadiusComparison, Termination, Uncertainty};
-use cylfuse::geometry::{Cylinder, CylinderLimits};
+use cylfuse::geometry::Cylinder;
 use cylfuse::noise::NoiseModel;
-use cylfuse::scene::DetectorOptions;
 use nalgebra::{Matrix3, Vector3};
 
 /// The numbers of every output.
@@ -32,14 +31,6 @@ impl Output {
     pub fn list(mut self, name: &str, values: &[f64]) -> Self {
         self.0.push((name.into(), values.to_vec()));
         self
-    }
-
-    fn limits(self, limits: &CylinderLimits) -> Self {
-        let largest = if limits.radius_max.is_finite() { limits.radius_max } else { 0.0 };
-        self.number("radius_min", limits.radius_min)
-            .number("radius_max", largest)
-            .list("axis", limits.axis.map_or(Vector3::zeros(), |cone| cone.direction).as_slice())
-            .number("axis_max_angle", limits.axis.map_or(0.0, |cone| cone.max_angle))
     }
 
     pub fn model(self, name: &str, cylinder: &Cylinder) -> Self {
@@ -157,8 +148,10 @@ pub fn extent(extent: &Extent) -> Fields {
 }
 
 pub fn options(options: &Options) -> Fields {
+    let limits = &options.cylinder_limits;
     let (noise, usual) = (&options.noise, NoiseModel::default());
     let unless = |told: f64, usual: f64| if told == usual { 0.0 } else { told };
+    let largest = if limits.radius_max.is_finite() { limits.radius_max } else { 0.0 };
     Output::default()
         .number("method", position(&options.method, METHODS))
         .number("objective", position(&options.objective, OBJECTIVES))
@@ -186,19 +179,10 @@ pub fn options(options: &Options) -> Fields {
         .count("ransac_max_iterations", options.ransac_iterations)
         .number("edge_use", position(&options.edge_use, EDGE_USES))
         .number("extent_rule", position(&options.extent_rule, EXTENT_RULES))
-        .limits(&options.cylinder_limits)
-        .0
-}
-
-pub fn detector_options(options: &DetectorOptions) -> Fields {
-    let search = &options.search;
-    Output::default()
-        .number("image_use", position(&options.use_image, IMAGE_USES))
-        .count("max_threads", options.threads)
-        .count("max_count", if search.max_count == usize::MAX { 0 } else { search.max_count })
-        .count("min_pixels", search.min_pixels)
-        .number("min_score", search.min_score)
-        .limits(&search.limits)
+        .number("radius_min", limits.radius_min)
+        .number("radius_max", largest)
+        .list("axis", limits.axis.map_or(Vector3::zeros(), |cone| cone.direction).as_slice())
+        .number("axis_max_angle", limits.axis.map_or(0.0, |cone| cone.max_angle))
         .0
 }
 

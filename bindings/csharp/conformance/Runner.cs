@@ -13,7 +13,7 @@ namespace Cylfuse.Conformance
         private readonly JsonValue file;
         private Fitter fitter = new Fitter();
         private Frame frame = new Frame();
-        private readonly Detector detector = new Detector();
+        private Detector detector = new Detector();
 
         internal Runner(JsonValue file)
         {
@@ -68,15 +68,23 @@ namespace Cylfuse.Conformance
                 case "detector_set_fit_options": detector.FitOptions = Options<FitOptions>(step["options"]); break;
                 case "detector_get_fit_options": Describe(detector.FitOptions, "", outputs); break;
                 case "detector_cancel": detector.Cancel(); break;
-                case "detect": DescribeDetections(detector.Detect(frame), outputs); break;
-                case "detect_points": DescribeDetections(detector.DetectPoints(Cloud(step["points"])), outputs); break;
-                case "detections": DescribeDetections(detector.Detections(), outputs); break;
+                case "new_detector":
+                    detector.Dispose();
+                    detector = new Detector();
+                    break;
+                case "detect": detector.Detect(frame); break;
+                case "detect_points": detector.DetectPoints(Cloud(step["points"])); break;
+                case "detector_count": outputs["count"] = new[] { (double)detector.Detections().Length }; break;
+                case "detector_detections": DescribeDetections(detector.Detections(), outputs); break;
                 case "detector_get_result": DescribeResult(Detected(step).Result, false, outputs); break;
                 case "detector_get_cylinder": DescribeResult(Detected(step).Result, true, outputs); break;
-                case "detector_get_extent": Describe(Detected(step).Extent, "", outputs); break;
-                case "labels": outputs["labels"] = Flatten(detector.Labels()); break;
-                case "indices": outputs["indices"] = Flatten(detector.Indices(step["index"])); break;
-                case "make_fitter":
+                case "detector_get_extent":
+                    // The fitter says why there is none.
+                    Describe(Detected(step).Extent ?? detector.MakeFitter(step["index"]).Extent(), "", outputs);
+                    break;
+                case "detector_labels": outputs["labels"] = Flatten(detector.Labels()); break;
+                case "detector_indices": outputs["indices"] = Flatten(detector.Indices(step["index"])); break;
+                case "detector_make_fitter":
                     Fitter made = detector.MakeFitter(step["index"]);
                     fitter.Dispose();
                     fitter = made;
@@ -312,7 +320,12 @@ namespace Cylfuse.Conformance
 
         // What comes out.
 
-        private Detection Detected(JsonValue step) => detector.Detections()[(int)step["index"]];
+        private Detection Detected(JsonValue step)
+        {
+            // The list knows no such error as the library.
+            detector.Indices(step["index"]);
+            return detector.Detections()[(int)step["index"]];
+        }
 
         /// <summary>What a search has found.</summary>
         private static void DescribeDetections(Detection[] found, Dictionary<string, double[]> outputs)

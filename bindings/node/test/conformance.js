@@ -119,6 +119,12 @@ const columnsOf = (items, names) => Object.fromEntries(names.map((name) => [
   name, items.flatMap((item) => (name === 'status' ? enumerations.limbStatus[item[name]] : item[name])),
 ]));
 
+/** One detection; the list knows no such error as the library. */
+function detected(detector, { index }) {
+  detector.indices(index);
+  return detector.detections()[index];
+}
+
 /** What a search has found. */
 const found = (detections) => ({
   score: detections.map(({ score }) => score),
@@ -176,17 +182,28 @@ const calls = {
   detector_set_fit_options: (_, step, { detector }) => detector.setFitOptions(fields(step.options)),
   detector_get_fit_options: (_, step, { detector }) => detector.getFitOptions(),
   detector_cancel: (_, step, { detector }) => detector.cancel(),
-  detect: async (_, step, { detector, frame }) => found(await detector.detect(frame)),
-  detect_points: async (_, step, { detector }) => found(await detector.detectPoints(points(step.points))),
-  detections: (_, step, { detector }) => found(detector.detections()),
+  async detect(_, step, { detector, frame }) {
+    await detector.detect(frame);
+  },
+  async detect_points(_, step, { detector }) {
+    await detector.detectPoints(points(step.points));
+  },
+  new_detector(_, step, held) {
+    held.detector.close();
+    held.detector = new cylfuse.Detector();
+  },
+  detector_count: (_, step, { detector }) => ({ count: detector.detections().length }),
+  detector_detections: (_, step, { detector }) => found(detector.detections()),
   detector_get_result: (_, step, { detector }) =>
-    partOf(detector.detections()[step.index].result, (name) => !OF_ESTIMATE.test(name)),
+    partOf(detected(detector, step).result, (name) => !OF_ESTIMATE.test(name)),
   detector_get_cylinder: (_, step, { detector }) =>
-    partOf(detector.detections()[step.index].result, (name) => OF_ESTIMATE.test(name)),
-  detector_get_extent: (_, step, { detector }) => detector.detections()[step.index].extent,
-  labels: (_, step, { detector }) => ({ labels: detector.labels().data }),
-  indices: (_, step, { detector }) => ({ indices: detector.indices(step.index) }),
-  make_fitter(fitter, step, held) {
+    partOf(detected(detector, step).result, (name) => OF_ESTIMATE.test(name)),
+  // The fitter says why there is none.
+  detector_get_extent: (_, step, { detector }) =>
+    detected(detector, step).extent ?? detector.fitter(step.index).extent(),
+  detector_labels: (_, step, { detector }) => ({ labels: detector.labels().data }),
+  detector_indices: (_, step, { detector }) => ({ indices: detector.indices(step.index) }),
+  detector_make_fitter(fitter, step, held) {
     held.fitter = held.detector.fitter(step.index);
     fitter.close();
   },

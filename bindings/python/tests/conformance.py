@@ -157,27 +157,37 @@ class Runner:
             return dataclasses.asdict(detector.fit_options)
         elif call == "detector_cancel":
             detector.cancel()
+        elif call == "new_detector":
+            detector.close()
+            self.detector = cylfuse.Detector()
         elif call == "detect":
-            return self.detections(detector.detect(self.frame))
+            detector.detect(self.frame)
         elif call == "detect_points":
-            return self.detections(detector.detect_points(*self.cloud(step["points"])))
-        elif call == "detections":
+            detector.detect_points(*self.cloud(step["points"]))
+        elif call == "detector_count":
+            return {"count": len(detector.detections)}
+        elif call == "detector_detections":
             return self.detections(detector.detections)
         elif call in ("detector_get_result", "detector_get_cylinder"):
-            return self.part(detector.detections[step["index"]].result, call == "detector_get_result")
+            return self.part(self.detected(step).result, call == "detector_get_result")
         elif call == "detector_get_extent":
-            return detector.detections[step["index"]].extent.to_dict()
-        elif call == "labels":
+            return self.detected(step).result.extent.to_dict()
+        elif call == "detector_labels":
             return {"labels": detector.labels}
-        elif call == "indices":
+        elif call == "detector_indices":
             return {"indices": detector.indices(step["index"])}
-        elif call == "make_fitter":
+        elif call == "detector_make_fitter":
             fitter = detector.fitter(step["index"])
             self.fitter.close()
             self.fitter = fitter
         else:
             raise ValueError(f"unknown call {call}")
         return {}
+
+    def detected(self, step: dict[str, Any]) -> cylfuse.Detection:
+        # The list knows no such error as the library.
+        self.detector.indices(step["index"])
+        return self.detector.detections[step["index"]]
 
     @staticmethod
     def detections(found: list[cylfuse.Detection]) -> dict[str, Any]:

@@ -103,8 +103,16 @@ static void short_memory(const char *call)
     cylfuse_options options = defaults();
     options.method = CYLFUSE_METHOD_POINTS;
     CHECK_STATUS(cylfuse_fitter_set_options(fitter, &options), OK);
+    cylfuse_detector *detector = NULL;
+    CHECK_STATUS(cylfuse_detector_create(CYLFUSE_ABI_VERSION, &detector), OK);
     limit_memory(room);
-    if (strcmp(call, "residuals") == 0) {
+    if (strcmp(call, "detect") == 0) {
+        cylfuse_points_view view = view_of(points, count);
+        CHECK_STATUS(cylfuse_detector_detect_points(detector, &view), OUT_OF_MEMORY);
+        CHECK(strstr(cylfuse_detector_last_error(detector), "out of memory") != NULL);
+        view.width = 10;
+        CHECK_STATUS(cylfuse_detector_detect_points(detector, &view), OK);
+    } else if (strcmp(call, "residuals") == 0) {
         /* Into the caller's own memory: nothing more is needed. */
         size_t needed = 0;
         CHECK_STATUS(cylfuse_fitter_residuals(fitter, &CYLINDER, CYLFUSE_RESIDUAL_KIND_POINTS, points, 3 * count,
@@ -125,6 +133,7 @@ static void short_memory(const char *call)
         cylfuse_status status = fit(fitter).status;
         CHECK(status == CYLFUSE_STATUS_OK || status == CYLFUSE_STATUS_OUT_OF_MEMORY);
     }
+    CHECK_STATUS(cylfuse_detector_destroy(detector), OK);
     CHECK_STATUS(cylfuse_fitter_clear(fitter), OK);
     CHECK_STATUS(push(fitter, points, 10), OK);
     destroy(fitter);

@@ -27,7 +27,7 @@ final class ConformanceRunner implements AutoCloseable {
     private final JsonObject file;
     private Fitter fitter = new Fitter();
     private Frame frame = new Frame();
-    private final Detector detector = new Detector();
+    private Detector detector = new Detector();
 
     ConformanceRunner(JsonObject file) {
         this.file = file;
@@ -73,17 +73,25 @@ final class ConformanceRunner implements AutoCloseable {
             case "detector_set_fit_options" -> detector.setFitOptions(options(new FitOptions(), step));
             case "detector_get_fit_options" -> describeOptions(detector.fitOptions(), outputs);
             case "detector_cancel" -> detector.cancel();
-            case "detect" -> describeDetections(detector.detect(frame), outputs);
-            case "detect_points" ->
-                describeDetections(detector.detectPoints(cloud(step.getAsJsonObject("points"))), outputs);
-            case "detections" -> describeDetections(detector.detections(), outputs);
+            case "new_detector" -> {
+                detector.close();
+                detector = new Detector();
+            }
+            case "detect" -> detector.detect(frame);
+            case "detect_points" -> detector.detectPoints(cloud(step.getAsJsonObject("points")));
+            case "detector_count" -> outputs.put("count", new double[] {detector.detections().size()});
+            case "detector_detections" -> describeDetections(detector.detections(), outputs);
             case "detector_get_result" -> describeResult(detected(step).result(), false, outputs);
             case "detector_get_cylinder" -> describeResult(detected(step).result(), true, outputs);
-            case "detector_get_extent" -> describe(detected(step).extent(), "", outputs);
-            case "labels" -> outputs.put("labels", Arrays.stream(detector.labels().numbers()).asDoubleStream().toArray());
-            case "indices" -> outputs.put(
+            case "detector_get_extent" -> {
+                Extent extent = detected(step).extent();
+                // The fitter says why there is none.
+                describe(extent != null ? extent : detector.makeFitter(step.get("index").getAsInt()).extent(), "", outputs);
+            }
+            case "detector_labels" -> outputs.put("labels", Arrays.stream(detector.labels().numbers()).asDoubleStream().toArray());
+            case "detector_indices" -> outputs.put(
                     "indices", Arrays.stream(detector.indices(step.get("index").getAsInt())).asDoubleStream().toArray());
-            case "make_fitter" -> {
+            case "detector_make_fitter" -> {
                 Fitter made = detector.makeFitter(step.get("index").getAsInt());
                 fitter.close();
                 fitter = made;
@@ -360,6 +368,8 @@ final class ConformanceRunner implements AutoCloseable {
     }
 
     private Detection detected(JsonObject step) {
+        // The list knows no such error as the library.
+        detector.indices(step.get("index").getAsInt());
         return detector.detections().get(step.get("index").getAsInt());
     }
 
