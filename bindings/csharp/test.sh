@@ -31,6 +31,8 @@ compile -out:"$project/smallest.exe" "$project/smallest.cs"
     block 2
     echo '} static void Views(Fitter fitter, Fitter[] fitters, ushort[,] depth, byte[,] mask, double[,] rotation) {'
     block 3
+    echo '} static void Scene(Frame frame) {'
+    block 4
     echo '} }'
 } >"$project/camera.cs"
 compile -nowarn:219 -target:library -out:"$project/camera.dll" "$project/camera.cs"

@@ -25,6 +25,16 @@ cylfuse_status bridge_push_points(cylfuse_fitter *fitter, const cylfuse_points_v
     return cylfuse_fitter_push_points(fitter, &view, with_pixels(&mask_copy, mask, mask_data));
 }
 
+cylfuse_status bridge_detect_points(cylfuse_detector *detector, const cylfuse_points_view *points, const uint8_t *data,
+                                    const uint8_t *weights, const uint8_t *normals)
+{
+    cylfuse_points_view view = *points;
+    view.data = data;
+    view.weights = weights;
+    view.normals = normals;
+    return cylfuse_detector_detect_points(detector, &view);
+}
+
 cylfuse_status bridge_push_depth(cylfuse_fitter *fitter, const cylfuse_depth_view *depth, const uint8_t *data,
                                  const cylfuse_mask_view *mask, const uint8_t *mask_data)
 {
@@ -141,7 +151,7 @@ cylfuse_status bridge_select_edges(cylfuse_fitter *fitter, const cylfuse_cylinde
     return cylfuse_fitter_select_edges(fitter, model, &view, reach, out_limbs, capacity);
 }
 
-/* The call on a fitter that this thread is in: a handle of Go, 0 for none. */
+/* The call on a fitter or detector that this thread is in: a handle of Go, 0 for none. */
 static _Thread_local uintptr_t current;
 
 uintptr_t bridge_enter(uintptr_t call)
@@ -163,6 +173,12 @@ static void hear_log(cylfuse_log_level level, const char *message, void *user_da
     cylfuseGoLog(level, (char *)message, current);
 }
 
+static int32_t hear_detection_progress(const cylfuse_detection_progress *progress, void *user_data)
+{
+    (void)user_data;
+    return cylfuseGoDetectionProgress((cylfuse_detection_progress *)progress, current);
+}
+
 cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on)
 {
     return cylfuse_fitter_set_progress(fitter, on ? hear_progress : NULL, NULL);
@@ -171,4 +187,9 @@ cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on)
 cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on)
 {
     return cylfuse_fitter_set_log(fitter, max_level, on ? hear_log : NULL, NULL);
+}
+
+cylfuse_status bridge_set_detection_progress(cylfuse_detector *detector, int32_t on)
+{
+    return cylfuse_detector_set_progress(detector, on ? hear_detection_progress : NULL, NULL);
 }

@@ -36,6 +36,8 @@ cylfuse_status bridge_end_samples(cylfuse_fitter *fitter, const cylfuse_cylinder
                                   size_t *out_count);
 cylfuse_status bridge_use_frame(cylfuse_fitter *fitter, const cylfuse_frame *frame, const cylfuse_mask_view *mask,
                                 const uint8_t *mask_data);
+cylfuse_status bridge_detect_points(cylfuse_detector *detector, const cylfuse_points_view *points, const uint8_t *data,
+                                    const uint8_t *weights, const uint8_t *normals);
 cylfuse_status bridge_frame_set_depth(cylfuse_frame *frame, const cylfuse_depth_view *depth, const uint8_t *data);
 cylfuse_status bridge_frame_set_image(cylfuse_frame *frame, const cylfuse_image_view *image, const uint8_t *data);
 cylfuse_status bridge_intrinsics_project(const cylfuse_intrinsics *intrinsics, const cylfuse_points_view *points,
@@ -55,5 +57,6 @@ uintptr_t bridge_enter(uintptr_t call);
 /* Sets or takes away the callbacks that call Go. */
 cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on);
 cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on);
+cylfuse_status bridge_set_detection_progress(cylfuse_detector *detector, int32_t on);
 
 #endif

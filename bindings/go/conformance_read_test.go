@@ -97,6 +97,7 @@ var caseNames = map[string][]string{
 	"kind":             {"", "POINTS", "EDGES"},
 	"layout":           {"PACKED", "ORGANISED"},
 	"order":            {"", "", "", "", "RGB8", "BGR8", "RGBA8", "BGRA8"},
+	"image_use":        {"AUTO", "IGNORE"},
 	"input":            {"POINTS", "DEPTH", "EDGES", "IMAGE"},
 }
 
@@ -258,7 +259,19 @@ func (file *caseFile) intrinsics(step *caseStep) Intrinsics {
 
 func (step *caseStep) options() Options {
 	options := DefaultOptions()
-	target := reflect.ValueOf(&options).Elem()
+	step.setOptions(&options)
+	return options
+}
+
+func (step *caseStep) detectorOptions() DetectorOptions {
+	options := DefaultDetectorOptions()
+	step.setOptions(&options)
+	return options
+}
+
+// setOptions sets the fields of a struct of options that the step names.
+func (step *caseStep) setOptions(options any) {
+	target := reflect.ValueOf(options).Elem()
 	for i := 0; i < target.NumField(); i++ {
 		name := snake(target.Type().Field(i).Name)
 		text, ok := step.Options[name]
@@ -281,7 +294,7 @@ func (step *caseStep) options() Options {
 			if err := json.Unmarshal(text, &axis); err != nil {
 				panic(err)
 			}
-			options.Axis = vectorOf(axis)
+			field.Set(reflect.ValueOf(vectorOf(axis)))
 			continue
 		}
 		if err := value.UnmarshalJSON(text); err != nil {
@@ -296,7 +309,6 @@ func (step *caseStep) options() Options {
 	for name := range step.Options {
 		panic("no option " + name)
 	}
-	return options
 }
 
 func (step *caseStep) segments() (Segments[float64], error) {

@@ -81,11 +81,33 @@ func (out outputs) addItems(items any) {
 // ofEstimate are the fields of a result that C has in cylfuse_cylinder_estimate.
 var ofEstimate = regexp.MustCompile("^(model|start_|radius_|direction_|position_|covariance)")
 
+// keepPart keeps one of the two structs of C that a result is made of.
+func (out outputs) keepPart(ofCylinder bool) {
+	for name := range out {
+		if ofEstimate.MatchString(name) != ofCylinder {
+			delete(out, name)
+		}
+	}
+}
+
+// addDetections lists what a search has found.
+func (out outputs) addDetections(found []Detection) {
+	for _, name := range []string{"score", "pixels", "model.point", "model.direction", "model.radius"} {
+		out[name] = []float64{}
+	}
+	for _, one := range found {
+		out.add("score", one.Score)
+		out.add("pixels", one.Pixels)
+		out.addFields("model.", one.Result.Cylinder)
+	}
+}
+
 // caseRun has what the steps of a case work on.
 type caseRun struct {
 	*caseFile
-	fitter *Fitter
-	frame  *Frame
+	fitter   *Fitter
+	frame    *Frame
+	detector *Detector
 }
 
 // renew puts a new fitter and a new frame, those that are wanted, in the place of the old ones.
@@ -172,6 +194,31 @@ func (run *caseRun) set(step *caseStep) (known bool, err error) {
 		return true, fitter.PushEdges(segments)
 	case "use_frame":
 		return true, fitter.UseFrame(frame, run.mask(step))
+	case "detector_set_options":
+		return true, run.detector.SetOptions(step.detectorOptions())
+	case "detector_set_fit_options":
+		return true, run.detector.SetFitOptions(step.options())
+	case "detector_cancel":
+		return true, run.detector.Cancel()
+	case "new_detector":
+		err := run.detector.Close()
+		if err == nil {
+			run.detector, err = NewDetector()
+		}
+		return true, err
+	case "detect":
+		_, err := run.detector.Detect(frame)
+		return true, err
+	case "detect_points":
+		_, err := run.detector.DetectPoints(run.points(step.Points))
+		return true, err
+	case "detector_make_fitter":
+		made, err := run.detector.Fitter(step.Index)
+		if err != nil {
+			return true, err
+		}
+		run.fitter = made
+		return true, fitter.Close()
 	}
 	return false, nil
 }
@@ -213,12 +260,49 @@ func (run *caseRun) get(step *caseStep) (out outputs, err error) {
 		return fields(fitter.Fit())
 	case "get_result", "get_cylinder":
 		out, err := fields(fitter.Result())
-		for name := range out {
-			if ofEstimate.MatchString(name) != (step.Call == "get_cylinder") {
-				delete(out, name)
-			}
-		}
+		out.keepPart(step.Call == "get_cylinder")
 		return out, err
+	case "detector_get_options":
+		return fields(run.detector.Options())
+	case "detector_get_fit_options":
+		return fields(run.detector.FitOptions())
+	case "detector_count":
+		found, err := run.detector.Detections()
+		return list("count", len(found), err)
+	case "detector_detections":
+		found, err := run.detector.Detections()
+		out.addDetections(found)
+		return out, err
+	case "detector_get_result", "detector_get_cylinder", "detector_get_extent":
+		// The list knows no such error as the library.
+		if _, err := run.detector.Indices(step.Index); err != nil {
+			return nil, err
+		}
+		found, err := run.detector.Detections()
+		if err != nil {
+			return nil, err
+		}
+		if step.Call == "detector_get_extent" {
+			if extent := found[step.Index].Extent; extent != nil {
+				return fields(*extent, nil)
+			}
+			// The fitter says why there is none.
+			made, err := run.detector.Fitter(step.Index)
+			if err != nil {
+				return nil, err
+			}
+			defer made.Close()
+			return fields(made.Extent(nil, nil))
+		}
+		out.addFields("", found[step.Index].Result)
+		out.keepPart(step.Call == "detector_get_cylinder")
+		return out, nil
+	case "detector_labels":
+		labels, err := run.detector.Labels()
+		return list("labels", labels.Data, err)
+	case "detector_indices":
+		indices, err := run.detector.Indices(step.Index)
+		return list("indices", indices, err)
 	case "evaluate":
 		return fields(fitter.Evaluate(*model))
 	case "residuals":
@@ -295,7 +379,7 @@ func TestConformance(t *testing.T) {
 	defer results.Close()
 	writer := bufio.NewWriter(results)
 	for _, golden := range file.Cases {
-		run := caseRun{caseFile: &file}
+		run := caseRun{caseFile: &file, detector: newDetector(t)}
 		must(t, run.renew(true, true))
 		for index := range golden.Steps {
 			step := &golden.Steps[index]

@@ -3,7 +3,7 @@
 //
 // A Fitter holds options, views and data. Push what there is, fit, read the result; Clear leads to the next frame.
 // SelectView leads to another view of the same cylinder, and a Frame is shared by the fitters of many cylinders. FitPoints
-// does it in one call for a bare cloud.
+// does it in one call for a bare cloud. A Detector finds all cylinders of a frame or a cloud without masks.
 //
 // Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. The camera frame is x to the
 // right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the reference
@@ -16,7 +16,7 @@
 // description says is an ErrShape, raised before the library is called. A call that fails changes nothing. A result
 // that did not converge, or that needs care for another reason, is not an error: Result.Flags tells.
 //
-// Goroutines. Methods that only read run side by side on a Fitter; one that changes something runs alone. What would
+// Goroutines. Methods that only read run side by side on a Fitter or Detector; one that changes something runs alone. What would
 // disturb another call gets StatusBusy at once. Only Cancel always goes through. Different fitters run in parallel.
 package cylfuse
 

@@ -23,7 +23,7 @@ const (
 	StatusABIMismatch Status = C.CYLFUSE_STATUS_ABI_MISMATCH
 	// StatusBadState: the call came before something that it needs.
 	StatusBadState Status = C.CYLFUSE_STATUS_BAD_STATE
-	// StatusBusy: another call on the same fitter or frame is running, in another goroutine or around a callback, and
+	// StatusBusy: another call on the same fitter, frame or detector is running, in another goroutine or around a callback, and
 	// one of the two may change it.
 	StatusBusy Status = C.CYLFUSE_STATUS_BUSY
 	// StatusBufferTooSmall: a buffer for an output is too small.
@@ -80,9 +80,10 @@ func (err *Error) Unwrap() error { return err.Status }
 // ErrShape is within every error about a slice that does not hold what its description says. Nothing was called then.
 var ErrShape = errors.New("cylfuse: wrong shape")
 
-// ErrClosed is the error of a call on a fitter or frame that was closed, or that is no work of NewFitter or NewFrame.
-var ErrClosed = errors.New("cylfuse: the fitter or frame is closed, or was not made by NewFitter or NewFrame: make a " +
-	"new one")
+// ErrClosed is the error of a call on a fitter, frame or detector that was closed, or that is no work of NewFitter,
+// NewFrame, NewDetector or Detector.Fitter.
+var ErrClosed = errors.New("cylfuse: the fitter, frame or detector is closed, or was not made by a function of this " +
+	"package: make a new one")
 
 func shapeError(format string, arguments ...any) error {
 	return fmt.Errorf("%w: %s", ErrShape, fmt.Sprintf(format, arguments...))

@@ -37,13 +37,18 @@ func NewFitter() (*Fitter, error) {
 	if err := withoutHandle(create); err != nil {
 		return nil, err
 	}
-	fitter := &Fitter{cameras: make([]size, 1)}
+	return ownFitter(handle, size{}), nil
+}
+
+// ownFitter takes a fitter that was just created, with a camera of this size.
+func ownFitter(handle *C.cylfuse_fitter, camera size) *Fitter {
+	fitter := &Fitter{cameras: []size{camera}}
 	fitter.own(&native{
 		handle:    unsafe.Pointer(handle),
 		destroy:   func(h unsafe.Pointer) C.cylfuse_status { return C.cylfuse_fitter_destroy((*C.cylfuse_fitter)(h)) },
 		lastError: func(h unsafe.Pointer) *C.char { return C.cylfuse_fitter_last_error((*C.cylfuse_fitter)(h)) },
 	})
-	return fitter, nil
+	return fitter
 }
 
 // Close frees the fitter. A second Close does nothing. StatusBusy when a call on the fitter is running: nothing is

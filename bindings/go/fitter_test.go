@@ -435,6 +435,8 @@ func TestNames(t *testing.T) {
 		EndHidden.String():                                     "hidden",
 		PhaseSolve.String():                                    "solve",
 		LogDebug.String():                                      "debug",
+		ImageUseIgnore.String():                                "ignore",
+		DetectionFit.String():                                  "fit",
 		ResidualEdges.String():                                 "edges",
 		DistortionKannalaBrandt.String():                       "Kannala-Brandt",
 		Method(99).String():                                    "99",

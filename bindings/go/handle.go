@@ -17,8 +17,8 @@ type object struct {
 	native *native
 }
 
-// native is what the garbage collector has to free. It is apart from Fitter because a callback may well refer to its
-// fitter, and Go frees no cycle with a finalizer in it.
+// native is what the garbage collector has to free. It is apart from its owner because a callback may well refer to that,
+// and Go frees no cycle with a finalizer in it.
 type native struct {
 	handle    unsafe.Pointer // nil when it was destroyed
 	destroy   func(unsafe.Pointer) C.cylfuse_status
@@ -77,10 +77,11 @@ func (object *object) call(run func(handle unsafe.Pointer) C.cylfuse_status) err
 	})
 }
 
-// running is a call on a fitter, for its callbacks. Between calls nothing global refers to a fitter, so that one that
-// was forgotten is collected together with its callbacks.
+// running is a call on a fitter or a detector, for its callbacks. Between calls nothing global refers to the owner, so
+// that one that was forgotten is collected together with its callbacks.
 type running struct {
-	fitter *Fitter
+	fitter   *Fitter
+	detector *Detector
 	// thrown is what a callback panicked with; the call goes on panicking when the library has returned.
 	thrown any
 }
@@ -88,12 +89,19 @@ type running struct {
 // call runs one call on the open fitter and turns its status into an error.
 func (fitter *Fitter) call(run func(handle *C.cylfuse_fitter) C.cylfuse_status) error {
 	call := running{fitter: fitter}
-	err := fitter.object.call(func(handle unsafe.Pointer) C.cylfuse_status {
-		key := cgo.NewHandle(&call)
+	return call.run(&fitter.object, func(handle unsafe.Pointer) C.cylfuse_status {
+		return run((*C.cylfuse_fitter)(handle))
+	})
+}
+
+// run runs one call with what it calls back.
+func (call *running) run(object *object, run func(handle unsafe.Pointer) C.cylfuse_status) error {
+	err := object.call(func(handle unsafe.Pointer) C.cylfuse_status {
+		key := cgo.NewHandle(call)
 		defer key.Delete()
 		outer := C.bridge_enter(C.uintptr_t(key))
 		defer C.bridge_enter(outer)
-		return run((*C.cylfuse_fitter)(handle))
+		return run(handle)
 	})
 	if call.thrown != nil {
 		panic(call.thrown)

@@ -39,7 +39,8 @@ func TestReadme(t *testing.T) {
 		t.Skip("CYLFUSE_GO_MODULE, the folder of the published module, is not set: test.sh lays it out")
 	}
 	programs, commands := blocks(t, "go"), blocks(t, "sh")[0]
-	want := []string{"radius 0.500000\n", "radius 0.0400, length 0.100, warnings: \n"}
+	want := []string{"radius 0.500000\n", "radius 0.0400, length 0.100, warnings: \n",
+		"radius 0.10, sure: true\n"}
 	if len(programs) != len(want) {
 		t.Fatalf("%d programs in the README", len(programs))
 	}

@@ -69,6 +69,12 @@ func (input Input) String() string {
 // String names the phase.
 func (phase Phase) String() string { return name(phase, PhaseStart, "start", "solve") }
 
+// String names the use.
+func (use ImageUse) String() string { return name(use, 0, "auto", "ignore") }
+
+// String names the phase.
+func (phase DetectionPhase) String() string { return name(phase, DetectionSearch, "search", "fit") }
+
 // String names the level.
 func (level LogLevel) String() string {
 	return name(level, 0, "off", "error", "warning", "info", "debug")

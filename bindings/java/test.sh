@@ -46,12 +46,14 @@ block() { awk -v number="$1" '/^```/ { inside = /java/ && ++count == number; nex
 } >"$project/src/main/java/Smallest.java"
 # The ones with a camera and with views compile.
 {
-    echo 'import org.cylfuse.*; class WithCamera {'
+    echo 'import java.util.List; import org.cylfuse.*; class WithCamera {'
     echo 'static void use(Fitter fitter, short[] depth, byte[] mask, byte[] image) {'
     block 2
     echo '} static void views(Fitter fitter, Fitter[] fitters, Intrinsics camera, short[] depth, byte[] mask,'
     echo 'double[][] rotation) {'
     block 3
+    echo '} static void scene(Frame frame) {'
+    block 4
     echo '} }'
 } >"$project/src/main/java/WithCamera.java"
 cat >"$project/pom.xml" <<'POM'

@@ -13,6 +13,7 @@ namespace Cylfuse.Conformance
         private readonly JsonValue file;
         private Fitter fitter = new Fitter();
         private Frame frame = new Frame();
+        private Detector detector = new Detector();
 
         internal Runner(JsonValue file)
         {
@@ -23,6 +24,7 @@ namespace Cylfuse.Conformance
         {
             fitter.Dispose();
             frame.Dispose();
+            detector.Dispose();
         }
 
         /// <summary>What a step gives: numbers under the names of the C fields.</summary>
@@ -59,8 +61,34 @@ namespace Cylfuse.Conformance
                     fitter.ClearInput(((JsonArray)step["inputs"])
                         .Aggregate(Inputs.None, (inputs, input) => inputs | Named<Inputs>(input)));
                     break;
-                case "set_options": fitter.Options = Options(step["options"]); break;
+                case "set_options": fitter.Options = Options<FitOptions>(step["options"]); break;
                 case "get_options": Describe(fitter.Options, "", outputs); break;
+                case "detector_set_options": detector.Options = Options<DetectorOptions>(step["options"]); break;
+                case "detector_get_options": Describe(detector.Options, "", outputs); break;
+                case "detector_set_fit_options": detector.FitOptions = Options<FitOptions>(step["options"]); break;
+                case "detector_get_fit_options": Describe(detector.FitOptions, "", outputs); break;
+                case "detector_cancel": detector.Cancel(); break;
+                case "new_detector":
+                    detector.Dispose();
+                    detector = new Detector();
+                    break;
+                case "detect": detector.Detect(frame); break;
+                case "detect_points": detector.DetectPoints(Cloud(step["points"])); break;
+                case "detector_count": outputs["count"] = new[] { (double)detector.Detections().Length }; break;
+                case "detector_detections": DescribeDetections(detector.Detections(), outputs); break;
+                case "detector_get_result": DescribeResult(Detected(step).Result, false, outputs); break;
+                case "detector_get_cylinder": DescribeResult(Detected(step).Result, true, outputs); break;
+                case "detector_get_extent":
+                    // The fitter says why there is none.
+                    Describe(Detected(step).Extent ?? detector.MakeFitter(step["index"]).Extent(), "", outputs);
+                    break;
+                case "detector_labels": outputs["labels"] = Flatten(detector.Labels()); break;
+                case "detector_indices": outputs["indices"] = Flatten(detector.Indices(step["index"])); break;
+                case "detector_make_fitter":
+                    Fitter made = detector.MakeFitter(step["index"]);
+                    fitter.Dispose();
+                    fitter = made;
+                    break;
                 case "set_intrinsics": fitter.Intrinsics = Camera(step["camera"]); break;
                 case "set_start_model": fitter.SetStartModel(model); break;
                 case "reserve": fitter.Reserve(step["points"], step["segments"]); break;
@@ -76,8 +104,8 @@ namespace Cylfuse.Conformance
                     break;
                 case "counts": Describe(fitter.Counts(), "", outputs); break;
                 case "fit": Describe(fitter.Fit(), "", outputs); break;
-                case "get_result": DescribeResult(false, outputs); break;
-                case "get_cylinder": DescribeResult(true, outputs); break;
+                case "get_result": DescribeResult(fitter.Result(), false, outputs); break;
+                case "get_cylinder": DescribeResult(fitter.Result(), true, outputs); break;
                 case "evaluate": Describe(fitter.Evaluate(model), "", outputs); break;
                 case "residuals":
                     outputs["residuals"] = fitter.Residuals(Named<ResidualKind>(step["kind"]), model);
@@ -191,12 +219,12 @@ namespace Cylfuse.Conformance
                 Named<DistortionModel>(camera["distortion_model"]), Numbers(camera["distortion"]));
         }
 
-        private static FitOptions Options(JsonValue given)
+        private static T Options<T>(JsonValue given) where T : class, new()
         {
-            var options = new FitOptions();
+            var options = new T();
             foreach (KeyValuePair<string, JsonValue> setting in given)
             {
-                PropertyInfo property = typeof(FitOptions).GetProperty(Names.OfCSharp(setting.Key));
+                PropertyInfo property = typeof(T).GetProperty(Names.OfCSharp(setting.Key));
                 Type type = property.PropertyType;
                 property.SetValue(options, type == typeof(Vector) ? Vector(setting.Value)
                     : type.IsEnum ? Named(type, setting.Value)
@@ -292,11 +320,30 @@ namespace Cylfuse.Conformance
 
         // What comes out.
 
+        private Detection Detected(JsonValue step)
+        {
+            // The list knows no such error as the library.
+            detector.Indices(step["index"]);
+            return detector.Detections()[(int)step["index"]];
+        }
+
+        /// <summary>What a search has found.</summary>
+        private static void DescribeDetections(Detection[] found, Dictionary<string, double[]> outputs)
+        {
+            outputs["score"] = found.Select(one => one.Score).ToArray();
+            outputs["pixels"] = found.Select(one => (double)one.Pixels).ToArray();
+            outputs["model.point"] = found.SelectMany(one => Numbers(one.Result.Model.Point)).ToArray();
+            outputs["model.direction"] = found.SelectMany(one => Numbers(one.Result.Model.Direction)).ToArray();
+            outputs["model.radius"] = found.Select(one => one.Result.Model.Radius).ToArray();
+        }
+
+        private static double[] Numbers(Vector vector) => new[] { vector.X, vector.Y, vector.Z };
+
         /// <summary>One of the two parts of a result, which come from two functions of C.</summary>
-        private void DescribeResult(bool ofCylinder, Dictionary<string, double[]> outputs)
+        private static void DescribeResult(FitResult result, bool ofCylinder, Dictionary<string, double[]> outputs)
         {
             var all = new Dictionary<string, double[]>();
-            Describe(fitter.Result(), "", all);
+            Describe(result, "", all);
             var cylinder = new HashSet<string>(typeof(Fitter).Assembly.GetType("Cylfuse.NativeCylinderEstimate")
                 .GetFields(BindingFlags.NonPublic | BindingFlags.Instance).Select(field => field.Name));
             foreach (KeyValuePair<string, double[]> output in all)

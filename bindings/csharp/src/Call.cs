@@ -4,7 +4,7 @@ using System.Threading;
 
 namespace Cylfuse
 {
-    /// <summary>A call that is running on a fitter or a frame: until it is disposed the native object is not destroyed.
+    /// <summary>A call that is running on a fitter, a frame or a detector: until it is disposed the native object is not destroyed.
     /// Many may run on one object at once; the library says which of them exclude each other.</summary>
     internal sealed class Call : IDisposable
     {
@@ -26,10 +26,10 @@ namespace Cylfuse
         /// <summary>The innermost call of this thread, which is the one that a callback belongs to.</summary>
         internal static Call Current => current;
 
-        /// <summary>The native fitter or frame.</summary>
+        /// <summary>The native fitter, frame or detector.</summary>
         internal IntPtr Pointer { get; }
 
-        /// <summary>Stops a fit.</summary>
+        /// <summary>Stops a fit or a search.</summary>
         internal CancellationToken Token { get; set; }
 
         /// <summary>Whether a callback has thrown.</summary>

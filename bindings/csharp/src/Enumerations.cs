@@ -146,6 +146,24 @@ namespace Cylfuse
         Located = 2,
     }
 
+    /// <summary>Whether a detector looks at the image of a frame.</summary>
+    public enum ImageUse
+    {
+        /// <summary>Where there is one.</summary>
+        Auto = 0,
+        /// <summary>Never: by depth alone.</summary>
+        Ignore = 1,
+    }
+
+    /// <summary>What a detector is doing.</summary>
+    public enum DetectionPhase
+    {
+        /// <summary>It is about to look for cylinders.</summary>
+        Search = 1,
+        /// <summary>It fits those that were found.</summary>
+        Fit = 2,
+    }
+
     /// <summary>The distortion of the lens. What the numbers in Intrinsics mean.</summary>
     public enum DistortionModel
     {

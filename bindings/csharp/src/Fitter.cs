@@ -1,4 +1,5 @@
 using System;
+using System.Collections.Generic;
 using System.Threading;
 
 namespace Cylfuse
@@ -27,12 +28,16 @@ namespace Cylfuse
         /// <exception cref="EntryPointNotFoundException">The native library is older than this package.</exception>
         /// <exception cref="CylfuseException">The native library has another binary interface
         /// (AbiMismatch).</exception>
-        public unsafe Fitter()
+        public Fitter() : this(new FitterHandle(), null) { }
+
+        /// <summary>Takes a fitter with the camera of its first view.</summary>
+        internal unsafe Fitter(FitterHandle handle, Intrinsics camera)
         {
             // Fields, because the library keeps these functions and the garbage collector does not know that.
             nativeProgress = OnProgress;
             nativeLog = OnLog;
-            handle = new FitterHandle();
+            this.handle = handle;
+            cameras = new List<Intrinsics> { camera };
         }
 
         /// <summary>Destroys the fitter and frees what it holds. May be called more than once.</summary>
@@ -280,7 +285,7 @@ namespace Cylfuse
             return new FitResult(result, estimate);
         }
 
-        private static unsafe void Prepare(NativeResult* result, NativeCylinderEstimate* estimate)
+        internal static unsafe void Prepare(NativeResult* result, NativeCylinderEstimate* estimate)
         {
             Native.Check(Native.Functions.ResultInit(result, (UIntPtr)sizeof(NativeResult)));
             Native.Check(Native.Functions.CylinderEstimateInit(estimate, (UIntPtr)sizeof(NativeCylinderEstimate)));

@@ -7,7 +7,7 @@ namespace Cylfuse
     public sealed partial class Fitter
     {
         // By view; null where none was set. The library does not give them back.
-        private readonly List<Intrinsics> cameras = new List<Intrinsics> { null };
+        private readonly List<Intrinsics> cameras;
         private int selected;
 
         /// <summary>Selects a view, so that what is set and pushed, and what follows a fit in one view, concerns that

@@ -59,6 +59,18 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int ProjectPointsFunction(NativeIntrinsics* intrinsics, NativePointsView* points, double* pixels, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int UnprojectFunction(NativeIntrinsics* intrinsics, double* pixels, UIntPtr count, double* rays);
         [UnmanagedFunctionPointer(C)] internal delegate int CompareFunction(NativeCylinder* a, NativeCylinder* b, out double angle, out double axisDistance, out double radiusRelative);
+        [UnmanagedFunctionPointer(C)] internal delegate int DetectorOptionsFunction(IntPtr detector, NativeDetectorOptions* options);
+        [UnmanagedFunctionPointer(C)] internal delegate int DetectionProgressCallback(NativeDetectionProgress* progress, IntPtr userData);
+        [UnmanagedFunctionPointer(C)] internal delegate int SetDetectionProgressFunction(IntPtr detector, DetectionProgressCallback callback, IntPtr userData);
+        [UnmanagedFunctionPointer(C)] internal delegate int DetectFunction(IntPtr detector, IntPtr frame);
+        [UnmanagedFunctionPointer(C)] internal delegate int DetectPointsFunction(IntPtr detector, NativePointsView* points);
+        [UnmanagedFunctionPointer(C)] internal delegate int CountFunction(IntPtr detector, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int ResultOfFunction(IntPtr detector, UIntPtr index, NativeResult* result);
+        [UnmanagedFunctionPointer(C)] internal delegate int EstimateOfFunction(IntPtr detector, UIntPtr index, NativeCylinderEstimate* estimate);
+        [UnmanagedFunctionPointer(C)] internal delegate int ExtentOfFunction(IntPtr detector, UIntPtr index, NativeExtent* extent);
+        [UnmanagedFunctionPointer(C)] internal delegate int LabelsFunction(IntPtr detector, ushort* labels, UIntPtr capacity, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int IndicesFunction(IntPtr detector, UIntPtr index, uint* indices, UIntPtr capacity, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int MakeFitterFunction(IntPtr detector, UIntPtr index, out IntPtr fitter);
 
         internal readonly NumberFunction AbiVersion = Find<NumberFunction>("cylfuse_abi_version");
         internal readonly NumberFunction VersionNumber = Find<NumberFunction>("cylfuse_version_number");
@@ -67,6 +79,7 @@ namespace Cylfuse
         internal readonly StatusTextFunction StatusString = Find<StatusTextFunction>("cylfuse_status_string");
 
         internal readonly InitFunction OptionsInit = Find<InitFunction>("cylfuse_options_init");
+        internal readonly InitFunction DetectorOptionsInit = Find<InitFunction>("cylfuse_detector_options_init");
         internal readonly InitFunction IntrinsicsInit = Find<InitFunction>("cylfuse_intrinsics_init");
         internal readonly InitFunction PointsViewInit = Find<InitFunction>("cylfuse_points_view_init");
         internal readonly InitFunction DepthViewInit = Find<InitFunction>("cylfuse_depth_view_init");
@@ -129,6 +142,26 @@ namespace Cylfuse
         internal readonly DepthCameraFunction FrameSetDepthCamera = Find<DepthCameraFunction>("cylfuse_frame_set_depth_camera");
         internal readonly SetDepthFunction FrameSetDepth = Find<SetDepthFunction>("cylfuse_frame_set_depth");
         internal readonly ImageFunction FrameSetImage = Find<ImageFunction>("cylfuse_frame_set_image");
+
+        internal readonly CreateFunction DetectorCreate = Find<CreateFunction>("cylfuse_detector_create");
+        internal readonly HandleFunction DetectorDestroy = Find<HandleFunction>("cylfuse_detector_destroy");
+        internal readonly HandleTextFunction DetectorLastError = Find<HandleTextFunction>("cylfuse_detector_last_error");
+        internal readonly HandleFunction DetectorCancel = Find<HandleFunction>("cylfuse_detector_cancel");
+        internal readonly DetectorOptionsFunction DetectorSetOptions = Find<DetectorOptionsFunction>("cylfuse_detector_set_options");
+        internal readonly DetectorOptionsFunction DetectorGetOptions = Find<DetectorOptionsFunction>("cylfuse_detector_get_options");
+        internal readonly OptionsFunction DetectorSetFitOptions = Find<OptionsFunction>("cylfuse_detector_set_fit_options");
+        internal readonly OptionsFunction DetectorGetFitOptions = Find<OptionsFunction>("cylfuse_detector_get_fit_options");
+        internal readonly SetDetectionProgressFunction DetectorSetProgress = Find<SetDetectionProgressFunction>("cylfuse_detector_set_progress");
+        internal readonly DetectFunction DetectorDetect = Find<DetectFunction>("cylfuse_detector_detect");
+        internal readonly DetectPointsFunction DetectorDetectPoints = Find<DetectPointsFunction>("cylfuse_detector_detect_points");
+        internal readonly CountFunction DetectorCount = Find<CountFunction>("cylfuse_detector_count");
+        internal readonly ListFunction DetectorDetections = Find<ListFunction>("cylfuse_detector_detections");
+        internal readonly ResultOfFunction DetectorGetResult = Find<ResultOfFunction>("cylfuse_detector_get_result");
+        internal readonly EstimateOfFunction DetectorGetCylinder = Find<EstimateOfFunction>("cylfuse_detector_get_cylinder");
+        internal readonly ExtentOfFunction DetectorGetExtent = Find<ExtentOfFunction>("cylfuse_detector_get_extent");
+        internal readonly LabelsFunction DetectorLabels = Find<LabelsFunction>("cylfuse_detector_labels");
+        internal readonly IndicesFunction DetectorIndices = Find<IndicesFunction>("cylfuse_detector_indices");
+        internal readonly MakeFitterFunction DetectorMakeFitter = Find<MakeFitterFunction>("cylfuse_detector_make_fitter");
 
         internal readonly DistancesFunction CylinderDistances = Find<DistancesFunction>("cylfuse_cylinder_distances");
         internal readonly ProjectFunction CylinderProject = Find<ProjectFunction>("cylfuse_cylinder_project");

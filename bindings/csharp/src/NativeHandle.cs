@@ -3,7 +3,7 @@ using System.Runtime.InteropServices;
 
 namespace Cylfuse
 {
-    /// <summary>Owns a native fitter or frame, which is destroyed when the handle is disposed and no call holds
+    /// <summary>Owns a native fitter, frame or detector, which is destroyed when the handle is disposed and no call holds
     /// it.</summary>
     internal abstract class NativeHandle : SafeHandle
     {
@@ -40,11 +40,32 @@ namespace Cylfuse
             Native.Check(Native.Functions.FitterCreate(NativeFunctions.AbiVersionOfBinding, out handle));
         }
 
+        /// <summary>Takes the fitter that a detector makes.</summary>
+        internal FitterHandle(Call call, int index) : base(nameof(Fitter))
+        {
+            call.Check(Native.Functions.DetectorMakeFitter(call.Pointer, (UIntPtr)index, out handle));
+        }
+
         /// <inheritdoc/>
         internal override IntPtr LastError(IntPtr pointer) => Native.Functions.FitterLastError(pointer);
 
         /// <inheritdoc/>
         protected override bool ReleaseHandle() => Native.Functions.FitterDestroy(handle) == 0;
+    }
+
+    /// <summary>Owns a native detector.</summary>
+    internal sealed class DetectorHandle : NativeHandle
+    {
+        internal DetectorHandle() : base(nameof(Detector))
+        {
+            Native.Check(Native.Functions.DetectorCreate(NativeFunctions.AbiVersionOfBinding, out handle));
+        }
+
+        /// <inheritdoc/>
+        internal override IntPtr LastError(IntPtr pointer) => Native.Functions.DetectorLastError(pointer);
+
+        /// <inheritdoc/>
+        protected override bool ReleaseHandle() => Native.Functions.DetectorDestroy(handle) == 0;
     }
 
     /// <summary>Owns a native frame.</summary>

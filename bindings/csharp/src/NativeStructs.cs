@@ -42,6 +42,21 @@ namespace Cylfuse
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeDetectorOptions
+    {
+        internal uint struct_size;
+        internal int image_use;
+        internal uint max_threads;
+        internal uint max_count;
+        internal ulong min_pixels;
+        internal double min_score;
+        internal double radius_min;
+        internal double radius_max;
+        internal Vector axis;
+        internal double axis_max_angle;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     internal unsafe struct NativeIntrinsics
     {
         internal uint struct_size;
@@ -280,6 +295,23 @@ namespace Cylfuse
         internal double cost;
         internal double lambda;
         internal IntPtr cylinder;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeDetectionProgress
+    {
+        internal uint struct_size;
+        internal int phase;
+        internal uint fits_done;
+        internal uint fits;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeDetection
+    {
+        internal double score;
+        internal ulong pixels;
+        internal NativeCylinder model;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -143,7 +143,7 @@ namespace Cylfuse.Tests
             GC.WaitForPendingFinalizers();
         }
 
-        private static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
+        internal static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
             .Where(line => line.StartsWith("VmRSS:"))
             .Select(line => long.Parse(line.Split(new[] { ' ', '\t' },
                 StringSplitOptions.RemoveEmptyEntries)[1])).Single();

@@ -1,6 +1,6 @@
 'use strict';
-// One native function for all progress callbacks and one for all log callbacks of this thread. They find their fitter
-// by a number through a weak reference, so that a callback that refers to its fitter does not keep it alive.
+// One native function for all callbacks of a kind of this thread. They find their fitter or detector by a number through
+// a weak reference, so that a callback that refers to its owner does not keep it alive.
 
 const native = require('./native.js');
 
@@ -8,11 +8,13 @@ const { koffi } = native;
 const listeners = new Map();
 let last = 0n;
 
-const progressCallback = koffi.register(
-  (progress, key) =>
-    listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, native.structs.progress)) ?? 0,
+const heard = (struct) => koffi.register(
+  (progress, key) => listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, struct)) ?? 0,
   native.ProgressCallback,
 );
+
+const progressCallback = heard(native.structs.progress);
+const detectionCallback = heard(native.structs.detection_progress);
 
 const logCallback = koffi.register(
   (level, message, key) => listeners.get(BigInt(key))?.deref()?.hearLog(level, message),
@@ -28,4 +30,4 @@ function addListener(listener) {
 
 const removeListener = (key) => listeners.delete(key);
 
-module.exports = { progressCallback, logCallback, addListener, removeListener };
+module.exports = { progressCallback, detectionCallback, logCallback, addListener, removeListener };

@@ -130,26 +130,37 @@ const OPTION_FIELDS = {
   axisMaxAngle: ['axis_max_angle', number],
 };
 
-/** The defaults with the given fields in place of them. */
-function optionsToC(options) {
-  const given = object('options', options, Object.keys(OPTION_FIELDS));
-  const c = initialised('options');
+const DETECTOR_OPTION_FIELDS = {
+  imageUse: ['image_use', 'imageUse'], maxThreads: ['max_threads', uint32], maxCount: ['max_count', uint32],
+  minPixels: ['min_pixels', uint64], minScore: ['min_score', number], radiusMin: ['radius_min', number],
+  radiusMax: ['radius_max', number], axis: ['axis', (what, value) => numbers(what, value, 3)],
+  axisMaxAngle: ['axis_max_angle', number],
+};
+
+/** What makes a struct of the defaults with the given fields in place of them. */
+const toC = (struct, fields) => (options) => {
+  const given = object('options', options, Object.keys(fields));
+  const c = initialised(struct);
   for (const [name, value] of Object.entries(given)) {
     if (value === undefined) continue;
-    const [field, kind] = OPTION_FIELDS[name];
+    const [field, kind] = fields[name];
     c[field] = typeof kind === 'string' ? numberOf(kind, name, value) : kind(name, value);
   }
   return c;
-}
+};
 
-function optionsFromC(c) {
+const fromC = (fields) => (c) => {
   const options = {};
-  for (const [name, [field, kind]] of Object.entries(OPTION_FIELDS)) {
+  for (const [name, [field, kind]] of Object.entries(fields)) {
     options[name] = typeof kind === 'string' ? nameOf(kind, c[field]) : c[field];
   }
   options.axis = Array.from(c.axis);
   return options;
-}
+};
+
+const [optionsToC, optionsFromC] = [toC('options', OPTION_FIELDS), fromC(OPTION_FIELDS)];
+const detectorOptionsToC = toC('detector_options', DETECTOR_OPTION_FIELDS);
+const detectorOptionsFromC = fromC(DETECTOR_OPTION_FIELDS);
 
 const INTRINSICS = ['width', 'height', 'fx', 'fy', 'cx', 'cy', 'distortionModel', 'distortion'];
 
@@ -199,7 +210,7 @@ const POINTS = [
   'normalStride', 'normalRowStride',
 ];
 
-/** The view of a cloud, and how many points it has. */
+/** The view of a cloud, how many points it has, and its columns and rows. */
 function pointsToC(points) {
   const given = described('points', points, POINTS);
   const { data } = given;
@@ -227,7 +238,7 @@ function pointsToC(points) {
     view[`${field}_stride`] = stride * bytes;
     view[`${field}_row_stride`] = rowStride * bytes;
   }
-  return { view, count: width * height };
+  return { view, count: width * height, size: [width, height] };
 }
 
 const PIXELS = ['data', 'width', 'height', 'rowStride', 'pixelStride'];
@@ -397,6 +408,10 @@ const progressFromC = (c) => ({
   cylinder: c.cylinder === null ? null : cylinderFromC(koffi.decode(c.cylinder, structs.cylinder)),
 });
 
+const detectionProgressFromC = (c) => ({
+  phase: nameOf('detectionPhase', c.phase), fitsDone: c.fits_done, fits: c.fits,
+});
+
 const limbFromC = (c) => ({
   view: c.view, limb: c.limb, status: nameOf('limbStatus', c.status), samples: c.samples, line: Array.from(c.line),
   deviation: c.deviation,
@@ -411,8 +426,8 @@ const endSampleFromC = (c) => ({
 });
 
 module.exports = {
-  SCALARS, DEPTH_FORMATS, object, number, size, optionsToC, optionsFromC, intrinsicsToC, poseToC,
-  depthCameraToC, cylinderToC, optionalCylinder, pointsToC, depthToC, imageToC, maskToC, segmentsToC, pixelsToC,
-  resultFromC, countsFromC, diagnosisFromC, completionFromC, extentFromC, progressFromC, limbFromC, limbSampleFromC,
-  endSampleFromC,
+  SCALARS, DEPTH_FORMATS, object, number, size, optionsToC, optionsFromC, detectorOptionsToC, detectorOptionsFromC,
+  intrinsicsToC, poseToC, depthCameraToC, cylinderToC, optionalCylinder, pointsToC, depthToC, imageToC, maskToC, segmentsToC, pixelsToC,
+  resultFromC, countsFromC, diagnosisFromC, completionFromC, extentFromC, progressFromC,
+  detectionProgressFromC, limbFromC, limbSampleFromC, endSampleFromC,
 };

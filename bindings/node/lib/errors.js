@@ -21,13 +21,13 @@ function check(status) {
 }
 
 /**
- * Throws for a call on a fitter that failed on another thread. Its text is with the fitter, and is read by a thread
+ * Throws for a call on a handle that failed on another thread. Its text is with the handle, and is read by a thread
  * whose own last call was on something else.
  */
-function checkElsewhere(status, fitter) {
+function checkElsewhere(status, { kind, handle }) {
   if (status === 0) return;
   initialised('counts');
-  throw new CylfuseError(status, functions.cylfuse_fitter_last_error(fitter));
+  throw new CylfuseError(status, functions[`cylfuse_${kind}_last_error`](handle));
 }
 
 module.exports = { CylfuseError, check, checkElsewhere, statusError };

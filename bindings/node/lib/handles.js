@@ -18,10 +18,10 @@ function destroy(held) {
 const registry = new FinalizationRegistry(destroy);
 if (!isMainThread) process.on('exit', () => open.forEach(destroy));
 
-/** Creates a fitter or frame, which is destroyed with its owner. */
-function create(kind, owner) {
+/** Creates a fitter, frame or detector, which is destroyed with its owner; `make` may do so by another function. */
+function create(kind, owner, make = functions[`cylfuse_${kind}_create`]) {
   const out = [null];
-  check(functions[`cylfuse_${kind}_create`](ABI_VERSION, out));
+  check(make(ABI_VERSION, out));
   const held = { kind, handle: out[0] };
   open.add(held);
   registry.register(owner, held, owner);

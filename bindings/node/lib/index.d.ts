@@ -19,6 +19,7 @@ import type {
 } from './results.js';
 
 export * from './data.js';
+export * from './detector.js';
 export * from './results.js';
 
 /** The name of a status of the C interface. */

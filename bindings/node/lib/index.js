@@ -4,6 +4,7 @@ const { functions } = require('./native.js');
 const convert = require('./convert.js');
 const { enumerations } = require('./names.js');
 const { CylfuseError, check } = require('./errors.js');
+const { Detector } = require('./detector.js');
 const { Fitter } = require('./fitter.js');
 const { Frame } = require('./frame.js');
 
@@ -57,6 +58,7 @@ function unprojectPixels(intrinsics, pixels) {
 
 exports.Fitter = Fitter;
 exports.Frame = Frame;
+exports.Detector = Detector;
 exports.CylfuseError = CylfuseError;
 exports.fitPoints = fitPoints;
 exports.distances = distances;

@@ -35,6 +35,8 @@ const enumerations = {
   endSource: { extreme: 0, mask: 1, image: 2, border: 3 },
   endState: { unknown: 0, seen: 1, cut: 2, hidden: 3 },
   phase: { start: 1, solve: 2 },
+  imageUse: { auto: 0, ignore: 1 },
+  detectionPhase: { search: 1, fit: 2 },
   logLevel: { off: 0, error: 1, warning: 2, info: 3, debug: 4 },
 };
 

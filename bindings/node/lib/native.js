@@ -68,6 +68,12 @@ const Options = koffi.struct({
   radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double',
 });
 
+const DetectorOptions = koffi.struct({
+  struct_size: 'uint32_t', image_use: 'int32_t', max_threads: 'uint32_t', max_count: 'uint32_t',
+  min_pixels: 'uint64_t', min_score: 'double', radius_min: 'double', radius_max: 'double', axis: vector,
+  axis_max_angle: 'double',
+});
+
 const Counts = koffi.struct({
   struct_size: 'uint32_t', view: 'uint32_t', points_given: 'uint64_t', points_used: 'uint64_t',
   dropped_not_finite: 'uint64_t', dropped_zero_weight: 'uint64_t', dropped_outside_mask: 'uint64_t',
@@ -113,6 +119,12 @@ const Progress = koffi.struct({
   lambda: 'double', cylinder: 'void *',
 });
 
+const DetectionProgress = koffi.struct({
+  struct_size: 'uint32_t', phase: 'int32_t', fits_done: 'uint32_t', fits: 'uint32_t',
+});
+
+const Detection = koffi.struct({ score: 'double', pixels: 'uint64_t', model: Cylinder });
+
 const Limb = koffi.struct({
   view: 'uint32_t', limb: 'uint32_t', status: 'int32_t', samples: 'uint32_t', line: koffi.array('double', 4),
   deviation: 'double',
@@ -136,7 +148,8 @@ const structs = {
   depth_out: DepthOut, mask_view: MaskView, image_view: ImageView, segments_view: SegmentsView, options: Options,
   counts: Counts, result: Result, cylinder_estimate: CylinderEstimate, cylinder_diagnosis: CylinderDiagnosis,
   completion: Completion, extent: Extent, progress: Progress, limb: Limb, limb_sample: LimbSample,
-  end_sample: EndSample,
+  end_sample: EndSample, detector_options: DetectorOptions, detection_progress: DetectionProgress,
+  detection: Detection,
 };
 
 const input = pointer;
@@ -219,6 +232,26 @@ const signatures = {
   cylfuse_fitter_select_edges: [
     'int32_t', [Handle, input(Cylinder), input(SegmentsView), 'double', 'void *', 'size_t'],
   ],
+  cylfuse_detector_options_init: ['int32_t', [output(DetectorOptions), 'size_t']],
+  cylfuse_detector_create: ['int32_t', ['uint32_t', output(Handle)]],
+  cylfuse_detector_destroy: ['int32_t', [Handle]],
+  cylfuse_detector_last_error: ['str', [Handle]],
+  cylfuse_detector_cancel: ['int32_t', [Handle]],
+  cylfuse_detector_set_options: ['int32_t', [Handle, input(DetectorOptions)]],
+  cylfuse_detector_get_options: ['int32_t', [Handle, filled(DetectorOptions)]],
+  cylfuse_detector_set_fit_options: ['int32_t', [Handle, input(Options)]],
+  cylfuse_detector_get_fit_options: ['int32_t', [Handle, filled(Options)]],
+  cylfuse_detector_set_progress: ['int32_t', [Handle, ProgressCallback, 'void *']],
+  cylfuse_detector_detect: ['int32_t', [Handle, Handle]],
+  cylfuse_detector_detect_points: ['int32_t', [Handle, input(PointsView)]],
+  cylfuse_detector_count: ['int32_t', [Handle, output('size_t')]],
+  cylfuse_detector_detections: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
+  cylfuse_detector_get_result: ['int32_t', [Handle, 'size_t', filled(Result)]],
+  cylfuse_detector_get_cylinder: ['int32_t', [Handle, 'size_t', filled(CylinderEstimate)]],
+  cylfuse_detector_get_extent: ['int32_t', [Handle, 'size_t', filled(Extent)]],
+  cylfuse_detector_labels: ['int32_t', [Handle, 'void *', 'size_t', output('size_t')]],
+  cylfuse_detector_indices: ['int32_t', [Handle, 'size_t', 'void *', 'size_t', output('size_t')]],
+  cylfuse_detector_make_fitter: ['int32_t', [Handle, 'size_t', output(Handle)]],
   cylfuse_cylinder_distances: ['int32_t', [input(Cylinder), input(PointsView), 'void *', 'size_t']],
   cylfuse_cylinder_project: ['int32_t', [input(Cylinder), input(Intrinsics), 'void *']],
   cylfuse_cylinder_compare: [
@@ -263,10 +296,14 @@ function loadLibrary() {
 const library = loadLibrary();
 
 /**
- * The fit on a thread of the pool. Its outputs are memory of koffi.alloc: the collector does not move it, and nothing
- * is converted when the fit ends after the JavaScript of its worker.
+ * The long calls on a thread of the pool. What they point to is memory of koffi.alloc: the collector does not move it,
+ * and nothing is converted when a call ends after the JavaScript of its worker.
  */
-const fitAsync = library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *', 'void *']).async;
+const onPool = {
+  fit: library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *', 'void *']).async,
+  detect: library.func('cylfuse_detector_detect', 'int32_t', [Handle, Handle]).async,
+  detectPoints: library.func('cylfuse_detector_detect_points', 'int32_t', [Handle, 'void *']).async,
+};
 
 /** A struct as its ..._init function fills it: with the defaults, or with zeros for an output. */
 function initialised(name) {
@@ -275,4 +312,4 @@ function initialised(name) {
   return struct;
 }
 
-module.exports = { ABI_VERSION, koffi, structs, functions, fitAsync, initialised, ProgressCallback, LogCallback };
+module.exports = { ABI_VERSION, koffi, structs, functions, onPool, initialised, ProgressCallback, LogCallback };

@@ -1,18 +1,17 @@
 'use strict';
-// Fits on the thread pool of Node.
+// Fits and searches on the thread pool of Node.
 
 const fs = require('node:fs');
 const { inspect } = require('node:util');
 const { isMainThread } = require('node:worker_threads');
-const { koffi, fitAsync, initialised, structs } = require('./native.js');
-const { enumerations } = require('./names.js');
+const { koffi, onPool, initialised, structs } = require('./native.js');
 
 // koffi takes 256 calls at a time, and the callbacks of calls count as such. The pool has 4 threads, or as many as
 // UV_THREADPOOL_SIZE says.
 let places = 64;
 const waiting = [];
 
-/** How many fits with callbacks are on the pool. */
+/** How many calls with callbacks are on the pool. */
 let heard = 0;
 
 /** Memory for a struct that the library fills. */
@@ -22,27 +21,28 @@ function allocated(name) {
   return memory;
 }
 
+/** Copies a typed array to where the collector does not move it. */
+function copied(array) {
+  const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
+  const memory = koffi.alloc('uint8_t', Math.max(bytes.length, 1));
+  if (bytes.length > 0) new Uint8Array(koffi.view(memory, bytes.length)).set(bytes);
+  return memory;
+}
+
 /**
- * Runs a fit when there is a place: its status, result and estimate. `hears` says whether it calls back; `cancelled`
- * whether it was cancelled while it waited.
+ * Makes a call when there is a place: its status, undefined when it was cancelled while it waited. `hears` says whether
+ * it calls back.
  */
-async function fitOnPool(handle, hears, cancelled) {
+async function run(call, parameters, hears, cancelled) {
   if (places > 0) places -= 1;
   else await new Promise((resolve) => { waiting.push(resolve); });
   heard += hears;
-  const [result, estimate] = [allocated('result'), allocated('cylinder_estimate')];
   try {
-    if (cancelled()) return { status: enumerations.status.CANCELLED };
-    const status = await new Promise((resolve, reject) => {
-      fitAsync(handle, result, estimate, (error, value) => (error ? reject(error) : resolve(value)));
+    if (cancelled()) return undefined;
+    return await new Promise((resolve, reject) => {
+      call(...parameters, (error, value) => (error ? reject(error) : resolve(value)));
     });
-    return {
-      status, result: koffi.decode(result, structs.result),
-      estimate: koffi.decode(estimate, structs.cylinder_estimate),
-    };
   } finally {
-    koffi.free(result);
-    koffi.free(estimate);
     heard -= hears;
     // The place goes to the next one, if any waits.
     const next = waiting.shift();
@@ -51,8 +51,43 @@ async function fitOnPool(handle, hears, cancelled) {
   }
 }
 
+/** Runs a fit: its status, result and estimate. */
+async function fitOnPool(handle, hears, cancelled) {
+  const [result, estimate] = [allocated('result'), allocated('cylinder_estimate')];
+  try {
+    const status = await run(onPool.fit, [handle, result, estimate], hears, cancelled);
+    return {
+      status, result: koffi.decode(result, structs.result),
+      estimate: koffi.decode(estimate, structs.cylinder_estimate),
+    };
+  } finally {
+    koffi.free(result);
+    koffi.free(estimate);
+  }
+}
+
+/** Searches a frame: the status. */
+const detectOnPool = (handle, frame, hears, cancelled) => run(onPool.detect, [handle, frame], hears, cancelled);
+
+/** Searches points, of which it makes a copy at once: the status. */
+async function detectPointsOnPool(handle, view, hears, cancelled) {
+  const memory = [koffi.alloc(structs.points_view, 1)];
+  try {
+    const copy = { ...view };
+    for (const name of ['data', 'weights', 'normals']) {
+      if (!copy[name]) continue;
+      copy[name] = copied(copy[name]);
+      memory.push(copy[name]);
+    }
+    koffi.encode(memory[0], structs.points_view, copy);
+    return await run(onPool.detectPoints, [handle, memory[0]], hears, cancelled);
+  } finally {
+    memory.forEach(koffi.free);
+  }
+}
+
 // A callback on the pool waits for the main thread, and at the end of the process Node waits for the pool: for ever. So
-// with such a fit the process ends here, when all that listened before has heard of it.
+// with such a call the process ends here, when all that listened before has heard of it.
 if (isMainThread) {
   let fatal = null;
   process.on('uncaughtExceptionMonitor', (error) => { fatal = { error }; });
@@ -65,4 +100,4 @@ if (isMainThread) {
   });
 }
 
-module.exports = { fitOnPool };
+module.exports = { fitOnPool, detectOnPool, detectPointsOnPool };

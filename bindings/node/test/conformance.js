@@ -9,7 +9,8 @@ const { enumerations } = require('../lib/names.js');
 const file = JSON.parse(fs.readFileSync(path.join(__dirname, '..', '..', 'conformance', 'cases.json'), 'utf8'));
 
 const TYPES = { u8: Uint8Array, u16: Uint16Array, f32: Float32Array, f64: Float64Array };
-const ENUMERATED = ['method', 'objective', 'start', 'near_wall', 'chart', 'edge_use', 'extent_rule', 'distortion_model'];
+const ENUMERATED = ['method', 'objective', 'start', 'near_wall', 'chart', 'edge_use', 'extent_rule', 'distortion_model',
+  'image_use'];
 
 const camel = (name) => name.replace(/_(.)/g, (_, letter) => letter.toUpperCase());
 const snake = (name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
@@ -118,6 +119,21 @@ const columnsOf = (items, names) => Object.fromEntries(names.map((name) => [
   name, items.flatMap((item) => (name === 'status' ? enumerations.limbStatus[item[name]] : item[name])),
 ]));
 
+/** One detection; the list knows no such error as the library. */
+function detected(detector, { index }) {
+  detector.indices(index);
+  return detector.detections()[index];
+}
+
+/** What a search has found. */
+const found = (detections) => ({
+  score: detections.map(({ score }) => score),
+  pixels: detections.map(({ pixels }) => pixels),
+  ...Object.fromEntries(['point', 'direction', 'radius'].map((part) => [
+    `model.${part}`, detections.flatMap(({ result }) => result.cylinder[part]),
+  ])),
+});
+
 /** Some fields of a result. */
 const partOf = (result, wanted) => Object.fromEntries(Object.entries(result).filter(([name]) => wanted(name)));
 
@@ -161,6 +177,36 @@ const calls = {
   fit: (fitter) => fitter.fit(),
   get_result: (fitter) => partOf(fitter.result(), (name) => !OF_ESTIMATE.test(name)),
   get_cylinder: (fitter) => partOf(fitter.result(), (name) => OF_ESTIMATE.test(name)),
+  detector_set_options: (_, step, { detector }) => detector.setOptions(fields(step.options)),
+  detector_get_options: (_, step, { detector }) => detector.getOptions(),
+  detector_set_fit_options: (_, step, { detector }) => detector.setFitOptions(fields(step.options)),
+  detector_get_fit_options: (_, step, { detector }) => detector.getFitOptions(),
+  detector_cancel: (_, step, { detector }) => detector.cancel(),
+  async detect(_, step, { detector, frame }) {
+    await detector.detect(frame);
+  },
+  async detect_points(_, step, { detector }) {
+    await detector.detectPoints(points(step.points));
+  },
+  new_detector(_, step, held) {
+    held.detector.close();
+    held.detector = new cylfuse.Detector();
+  },
+  detector_count: (_, step, { detector }) => ({ count: detector.detections().length }),
+  detector_detections: (_, step, { detector }) => found(detector.detections()),
+  detector_get_result: (_, step, { detector }) =>
+    partOf(detected(detector, step).result, (name) => !OF_ESTIMATE.test(name)),
+  detector_get_cylinder: (_, step, { detector }) =>
+    partOf(detected(detector, step).result, (name) => OF_ESTIMATE.test(name)),
+  // The fitter says why there is none.
+  detector_get_extent: (_, step, { detector }) =>
+    detected(detector, step).extent ?? detector.fitter(step.index).extent(),
+  detector_labels: (_, step, { detector }) => ({ labels: detector.labels().data }),
+  detector_indices: (_, step, { detector }) => ({ indices: detector.indices(step.index) }),
+  detector_make_fitter(fitter, step, held) {
+    held.fitter = held.detector.fitter(step.index);
+    fitter.close();
+  },
   evaluate: (fitter, step) => fitter.evaluate(model(step.model)),
   residuals: (fitter, step) => ({ residuals: fitter.residuals(word(step.kind), model(step.model)) }),
   point_weights: (fitter) => fitter.pointWeights(),
@@ -199,7 +245,7 @@ function bits(value) {
 
 async function main() {
   for (const { name, steps } of file.cases) {
-    const held = { fitter: new cylfuse.Fitter(), frame: new cylfuse.Frame() };
+    const held = { fitter: new cylfuse.Fitter(), frame: new cylfuse.Frame(), detector: new cylfuse.Detector() };
     for (const [index, step] of steps.entries()) {
       const line = (...parts) => console.log([name, index, ...parts].join('\t'));
       try {
@@ -213,6 +259,7 @@ async function main() {
     }
     held.fitter.close();
     held.frame.close();
+    held.detector.close();
   }
 }
 

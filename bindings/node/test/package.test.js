@@ -30,13 +30,15 @@ before(() => {
 after(() => fs.rmSync(beside, { recursive: true }));
 
 test('the programs and commands of the README', { skip }, () => {
-  const [smallest, withCamera] = blocks('js');
+  const [smallest, withCamera, scene] = blocks('js');
   const line = smallest.slice(0, smallest.indexOf('fitPoints(')).split('\n').length;
   assert.ok(line <= 10, `the fit is in line ${line}`);
   fs.writeFileSync(path.join(folder, 'pipe.mjs'), smallest);
   assert.match(run('bash', '-e', '-c', blocks('sh')[0]), /\nradius 0\.500000\n$/);
   fs.writeFileSync(path.join(folder, 'camera.mjs'), withCamera);
   assert.equal(run(process.execPath, 'camera.mjs'), 'radius 0.0400, length 0.100, warnings: \n');
+  fs.writeFileSync(path.join(folder, 'scene.mjs'), scene);
+  assert.equal(run(process.execPath, 'scene.mjs'), 'true true 0.10\n');
   fs.writeFileSync(path.join(folder, 'required.cjs'), "console.log(require('cylfuse').version);");
   assert.match(run(process.execPath, 'required.cjs'), /^\d+\.\d+\.\d+\n$/);
 });

@@ -1,6 +1,6 @@
 // Compiled by the tests, never run: what the types allow and what they refuse.
 import {
-  Fitter, Frame, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
+  Detector, Fitter, Frame, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
   type Pose,
 } from 'cylfuse';
 
@@ -42,6 +42,19 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   } catch (error) {
     if (error instanceof CylfuseError && error.code === 'TOO_FEW_POINTS') return -1;
   }
+  const detector = new Detector();
+  detector.setOptions({ imageUse: 'ignore', maxCount: 3, axis: [0, 1, 0] });
+  detector.setFitOptions({ depthNoise: 0.001 });
+  detector.setProgress((progress) => progress.phase === 'search' || progress.fitsDone < progress.fits);
+  const lengths: number[] = [...await detector.detect(frame), ...detector.detectPointsSync(xyz)].map(
+    ({ score, result: { radiusDeviation }, extent: ends }) => score + radiusDeviation + (ends?.length ?? 0),
+  );
+  const labels: Uint16Array = detector.labels().data;
+  const indices: Uint32Array = detector.indices(labels.length);
+  detector.fitter(indices.length + lengths.length).close();
+  detector.close();
+  // @ts-expect-error the extent of a cloud is null
+  detector.detections()[0].extent.length;
   // @ts-expect-error no such objective
   fitter.setOptions({ objective: 'best' });
   // @ts-expect-error a typed array is needed

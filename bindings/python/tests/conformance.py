@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import json
 import math
 import pathlib
@@ -30,6 +31,7 @@ class Runner:
         self.file = file
         self.fitter = cylfuse.Fitter()
         self.frame = cylfuse.Frame()
+        self.detector = cylfuse.Detector()
 
     def array(self, name: str | None) -> Any:
         if name is None:
@@ -90,9 +92,7 @@ class Runner:
         elif call in ("clear", "cancel"):
             getattr(fitter, call)()
         elif call == "push_points":
-            points = step["points"]
-            weights, normals = self.columns(points.get("weights"), 1), self.columns(points.get("normals"), 3)
-            fitter.push_points(self.columns(points, 3), weights, normals, mask)
+            fitter.push_points(*self.cloud(step["points"]), mask)
         elif call == "push_depth":
             fitter.push_depth(self.array(step["depth"]), mask, **self.range(step), **label)
         elif call == "push_image":
@@ -106,9 +106,7 @@ class Runner:
         elif call == "fit":
             return self.result(fitter.fit())
         elif call in ("get_result", "get_cylinder"):
-            fields, kind = self.result(fitter.result), _structs.Result
-            of_result = {"lambda", *(name for name, _ in kind._fields_)}
-            return {name: value for name, value in fields.items() if (name in of_result) == (call == "get_result")}
+            return self.part(fitter.result, call == "get_result")
         elif call == "evaluate":
             return self.result(fitter.evaluate(model))
         elif call == "residuals":
@@ -144,8 +142,63 @@ class Runner:
         elif call == "compare":
             return self.model(step["a"]).compare(self.model(step["b"]))._asdict()
         else:
+            return self.run_detector(call, step)
+        return {}
+
+    def run_detector(self, call: str, step: dict[str, Any]) -> dict[str, Any]:
+        detector = self.detector
+        if call == "detector_set_options":
+            detector.options = cylfuse.DetectorOptions(**step["options"])
+        elif call == "detector_get_options":
+            return dataclasses.asdict(detector.options)
+        elif call == "detector_set_fit_options":
+            detector.fit_options = cylfuse.Options(**step["options"])
+        elif call == "detector_get_fit_options":
+            return dataclasses.asdict(detector.fit_options)
+        elif call == "detector_cancel":
+            detector.cancel()
+        elif call == "new_detector":
+            detector.close()
+            self.detector = cylfuse.Detector()
+        elif call == "detect":
+            detector.detect(self.frame)
+        elif call == "detect_points":
+            detector.detect_points(*self.cloud(step["points"]))
+        elif call == "detector_count":
+            return {"count": len(detector.detections)}
+        elif call == "detector_detections":
+            return self.detections(detector.detections)
+        elif call in ("detector_get_result", "detector_get_cylinder"):
+            return self.part(self.detected(step).result, call == "detector_get_result")
+        elif call == "detector_get_extent":
+            return self.detected(step).result.extent.to_dict()
+        elif call == "detector_labels":
+            return {"labels": detector.labels}
+        elif call == "detector_indices":
+            return {"indices": detector.indices(step["index"])}
+        elif call == "detector_make_fitter":
+            fitter = detector.fitter(step["index"])
+            self.fitter.close()
+            self.fitter = fitter
+        else:
             raise ValueError(f"unknown call {call}")
         return {}
+
+    def detected(self, step: dict[str, Any]) -> cylfuse.Detection:
+        # The list knows no such error as the library.
+        self.detector.indices(step["index"])
+        return self.detector.detections[step["index"]]
+
+    @staticmethod
+    def detections(found: list[cylfuse.Detection]) -> dict[str, Any]:
+        fields = {name: [getattr(one, name) for one in found] for name in ("score", "pixels")}
+        for part in ("point", "direction", "radius"):
+            fields[f"model.{part}"] = [getattr(one.cylinder, part) for one in found]
+        return fields
+
+    def cloud(self, points: dict[str, Any]) -> tuple[Any, ...]:
+        weights, normals = self.columns(points.get("weights"), 1), self.columns(points.get("normals"), 3)
+        return self.columns(points, 3), weights, normals
 
     def set_frame(self, what: str, step: dict[str, Any]) -> None:
         frame = self.frame
@@ -191,6 +244,12 @@ class Runner:
                 fields["lambda" if name == "damping" else name] = value
         return fields
 
+    @classmethod
+    def part(cls, result: cylfuse.Result, of_result: bool) -> dict[str, Any]:
+        """One of the two structs of C that a result is made of."""
+        names = {"lambda", *(name for name, _ in _structs.Result._fields_)}
+        return {name: value for name, value in cls.result(result).items() if (name in names) == of_result}
+
 
 def bits(value: float) -> str:
     return "nan" if math.isnan(value) else struct.pack(">d", value).hex()
@@ -212,6 +271,7 @@ def lines() -> Iterator[str]:
             for name, value in fields.items():
                 yield f"{start}\t{name}\t{' '.join(bits(float(x)) for x in np.ravel(value))}"
         runner.fitter.close()
+        runner.detector.close()
 
 
 if __name__ == "__main__":

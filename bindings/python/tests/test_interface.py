@@ -81,6 +81,8 @@ def test_every_status_that_a_call_can_return_has_its_exception() -> None:
 def test_defaults_are_those_of_the_library() -> None:
     with cylfuse.Fitter() as fitter:
         assert fitter.options == cylfuse.Options()
+    with cylfuse.Detector() as detector:
+        assert detector.options == cylfuse.DetectorOptions() and detector.fit_options == cylfuse.Options()
 
 
 def test_version() -> None:
@@ -153,7 +155,8 @@ def test_everything_public_is_documented() -> None:
 
 def test_results_have_the_fields_of_their_structs() -> None:
     kinds = {cylfuse.Result: [_structs.Result, _structs.CylinderEstimate]}
-    for kind in (cylfuse.Counts, cylfuse.Extent, cylfuse.CylinderDiagnosis, cylfuse.Completion, cylfuse.Progress):
+    for kind in (cylfuse.Counts, cylfuse.Extent, cylfuse.CylinderDiagnosis, cylfuse.Completion, cylfuse.Progress,
+                 cylfuse.DetectionProgress):  # fmt: skip
         kinds[kind] = [getattr(_structs, kind.__name__)]
     for kind, structs in kinds.items():
         fields = [name for struct in structs for name, *_ in struct._fields_ if name != "struct_size"]

@@ -44,6 +44,13 @@ with cylfuse.Fitter(cylfuse.Intrinsics.from_matrix(np.eye(3), 640, 480), options
 with cylfuse.Frame(cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5), cylfuse.Pose()) as frame:
     frame.set_image(np.zeros((480, 640, 3), np.uint8), bgr=True)
     cylfuse.Fitter().use_frame(frame, np.ones((480, 640), np.uint8), label=1)
+with cylfuse.Detector(cylfuse.DetectorOptions(image_use="ignore", max_count=3), cylfuse.Options(seed=1)) as detector:
+    detector.on_progress(lambda state: state.phase == cylfuse.DetectionPhase.SEARCH or state.fits_done < state.fits)
+    found: list[cylfuse.Detection] = detector.detect(frame) + detector.detect_points([[0.0, 0.0, 1.0]])
+    labels: npt.NDArray[np.uint16] = detector.labels
+    ends: list[npt.NDArray[np.float64]] = [one.extent.end for one in found if one.extent is not None]
+    rows: npt.NDArray[np.float64] = points[detector.indices(0)] * found[0].score
+    again: cylfuse.Result = detector.fitter(0).fit()
 for outcome in cylfuse.fit_many([functools.partial(load, pathlib.Path("frame.npy"))], threads=4, progress=True):
     if isinstance(outcome, cylfuse.CylfuseError):
         print(outcome.name, outcome.status, outcome.message)

@@ -6,22 +6,26 @@ forward; pixel centres are at integer coordinates, as in OpenCV.
 
 from . import enums, errors
 from ._native import build_info, version, version_number
+from .detector import Detector
 from .enums import *  # noqa: F403
 from .errors import *  # noqa: F403
 from .fit import fit, fit_many, fit_points
 from .fitter import Fitter
 from .frame import Frame
 from .geometry import Comparison, Cylinder, Intrinsics, Pose
-from .options import Options
+from .options import DetectorOptions, Options
 from .questions import EndSamples, Limb, LimbSamples, PointWeights
-from .result import Completion, Counts, CylinderDiagnosis, Extent, Progress, Result, View
+from .result import (
+    Completion, Counts, CylinderDiagnosis, Detection, DetectionProgress, Extent, Progress, Result, View,
+)  # fmt: skip
 
 __version__ = version()
 
 __all__ = [
-    "Comparison", "Completion", "Counts", "Cylinder", "CylinderDiagnosis", "EndSamples", "Extent", "Fitter", "Frame",
-    "Intrinsics", "Limb", "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info",
-    "fit", "fit_many", "fit_points", "version", "version_number",
+    "Comparison", "Completion", "Counts", "Cylinder", "CylinderDiagnosis", "Detection", "DetectionProgress", "Detector",
+    "DetectorOptions", "EndSamples", "Extent", "Fitter", "Frame", "Intrinsics", "Limb", "LimbSamples", "Options",
+    "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "fit", "fit_many", "fit_points", "version",
+    "version_number",
 ]  # fmt: skip
 __all__ += enums.__all__
 __all__ += errors.__all__

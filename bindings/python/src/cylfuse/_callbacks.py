@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import sys
 import threading
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Optional, Type, Union
 
 import numpy as np
 
 from . import _structs
 from .enums import LogLevel
-from .result import Progress
+from .result import DetectionProgress, Progress
 
 
 class _Raised(threading.local):
@@ -20,9 +20,9 @@ class _Raised(threading.local):
 
 
 class Callbacks:
-    """The callbacks of one fitter. What they raise comes out of the call in which they ran.
+    """The callbacks of one fitter or detector. What they raise comes out of the call in which they ran.
 
-    It does not know its fitter, which would make a cycle that only the garbage collector ends.
+    It does not know its owner, which would make a cycle that only the garbage collector ends.
     """
 
     def __init__(self) -> None:
@@ -30,23 +30,28 @@ class Callbacks:
         self._functions: list[Any] = []
         self._raised = _Raised()
 
-    def progress(self, callback: Optional[Callable[[Progress], Any]]) -> Any:
+    def progress(
+        self,
+        callback: Optional[Callable[[Any], Any]],
+        kind: Union[Type[Progress], Type[DetectionProgress]] = Progress,
+    ) -> Any:
         """The C function for a callback of progress, NULL for None."""
+        function_type = _structs.ProgressFunction if kind is Progress else _structs.DetectionProgressFunction
         if callback is None:
-            return _structs.ProgressFunction()
+            return function_type()
         function = _callable(callback)
 
         def forward(progress: Any, _: object) -> int:
             try:
                 if self._raised.error is not None:
                     return 1
-                answer = function(Progress(progress.contents))
+                answer = function(kind(progress.contents))
                 return int(isinstance(answer, (bool, np.bool_)) and not answer)
             except BaseException as error:
                 self._raised.error = error
                 return 1
 
-        return _structs.ProgressFunction(forward)
+        return function_type(forward)
 
     def log(self, callback: Optional[Callable[[LogLevel, str], Any]]) -> Any:
         """The C function for a callback of log lines, NULL for None."""

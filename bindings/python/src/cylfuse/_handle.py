@@ -1,4 +1,4 @@
-"""What a fitter and a frame have in common: an object of the library that calls are made on."""
+"""What a fitter, a frame and a detector have in common: an object of the library that calls are made on."""
 
 from __future__ import annotations
 

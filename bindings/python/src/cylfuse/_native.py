@@ -46,7 +46,7 @@ def _load() -> Any:
             f"{path} has version {found} of the binary interface but this package needs {ABI_VERSION}; install package "
             "and library of one release"
         )
-    fitter, frame, status, size = c_void_p, c_void_p, c_int32, c_size_t
+    fitter, frame, detector, status, size = c_void_p, c_void_p, c_void_p, c_int32, c_size_t
     cylinder = POINTER(structs.Cylinder)
     mask = POINTER(structs.MaskView)
     points = POINTER(structs.PointsView)
@@ -55,9 +55,11 @@ def _load() -> Any:
     segments = POINTER(structs.SegmentsView)
     intrinsics = POINTER(structs.Intrinsics)
     options = POINTER(structs.Options)
+    detector_options = POINTER(structs.DetectorOptions)
     result = POINTER(structs.Result)
     estimate = POINTER(structs.CylinderEstimate)
     completion = POINTER(structs.Completion)
+    extent = POINTER(structs.Extent)
     number = POINTER(c_double)
     count = POINTER(c_size_t)
     # An array of structs: where it goes, the size of an element, how many there is room for, how many there are.
@@ -69,6 +71,7 @@ def _load() -> Any:
         "cylfuse_build_info": (c_char_p, []),
         "cylfuse_status_string": (c_char_p, [status]),
         "cylfuse_options_init": (status, [options, size]),
+        "cylfuse_detector_options_init": (status, [detector_options, size]),
         "cylfuse_intrinsics_init": (status, [intrinsics, size]),
         "cylfuse_points_view_init": (status, [points, size]),
         "cylfuse_depth_view_init": (status, [depth, size]),
@@ -82,7 +85,7 @@ def _load() -> Any:
         "cylfuse_cylinder_estimate_init": (status, [estimate, size]),
         "cylfuse_cylinder_diagnosis_init": (status, [POINTER(structs.CylinderDiagnosis), size]),
         "cylfuse_completion_init": (status, [completion, size]),
-        "cylfuse_extent_init": (status, [POINTER(structs.Extent), size]),
+        "cylfuse_extent_init": (status, [extent, size]),
         "cylfuse_fitter_create": (status, [c_uint32, POINTER(fitter)]),
         "cylfuse_fitter_destroy": (status, [fitter]),
         "cylfuse_fitter_reserve": (status, [fitter, size, size]),
@@ -130,8 +133,27 @@ def _load() -> Any:
             [fitter, cylinder, mask, c_int32, POINTER(structs.PointsOut), completion],
         ),
         "cylfuse_fitter_complete_depth": (status, [fitter, cylinder, mask, POINTER(structs.DepthOut), completion]),
-        "cylfuse_fitter_extent": (status, [fitter, cylinder, mask, POINTER(structs.Extent)]),
+        "cylfuse_fitter_extent": (status, [fitter, cylinder, mask, extent]),
         "cylfuse_fitter_select_edges": (status, [fitter, cylinder, segments, c_double, c_void_p, size]),
+        "cylfuse_detector_create": (status, [c_uint32, POINTER(detector)]),
+        "cylfuse_detector_destroy": (status, [detector]),
+        "cylfuse_detector_last_error": (c_char_p, [detector]),
+        "cylfuse_detector_cancel": (status, [detector]),
+        "cylfuse_detector_set_options": (status, [detector, detector_options]),
+        "cylfuse_detector_get_options": (status, [detector, detector_options]),
+        "cylfuse_detector_set_fit_options": (status, [detector, options]),
+        "cylfuse_detector_get_fit_options": (status, [detector, options]),
+        "cylfuse_detector_set_progress": (status, [detector, structs.DetectionProgressFunction, c_void_p]),
+        "cylfuse_detector_detect": (status, [detector, frame]),
+        "cylfuse_detector_detect_points": (status, [detector, points]),
+        "cylfuse_detector_count": (status, [detector, count]),
+        "cylfuse_detector_detections": (status, [detector, *array]),
+        "cylfuse_detector_get_result": (status, [detector, size, result]),
+        "cylfuse_detector_get_cylinder": (status, [detector, size, estimate]),
+        "cylfuse_detector_get_extent": (status, [detector, size, extent]),
+        "cylfuse_detector_labels": (status, [detector, c_void_p, size, count]),
+        "cylfuse_detector_indices": (status, [detector, size, c_void_p, size, count]),
+        "cylfuse_detector_make_fitter": (status, [detector, size, POINTER(fitter)]),
         "cylfuse_cylinder_distances": (status, [cylinder, points, c_void_p, size]),
         "cylfuse_cylinder_project": (status, [cylinder, intrinsics, c_void_p]),
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
@@ -168,6 +190,7 @@ _FIRST: dict[Any, Any] = {
     kind: _defaults(kind, init)
     for kind, init in [
         (structs.Options, lib.cylfuse_options_init),
+        (structs.DetectorOptions, lib.cylfuse_detector_options_init),
         (structs.Intrinsics, lib.cylfuse_intrinsics_init),
         (structs.PointsView, lib.cylfuse_points_view_init),
         (structs.DepthView, lib.cylfuse_depth_view_init),

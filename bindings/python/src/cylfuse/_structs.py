@@ -66,6 +66,21 @@ class Options(Structure):
     ]
 
 
+class DetectorOptions(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("image_use", c_int32),
+        ("max_threads", c_uint32),
+        ("max_count", c_uint32),
+        ("min_pixels", c_uint64),
+        ("min_score", c_double),
+        ("radius_min", c_double),
+        ("radius_max", c_double),
+        ("axis", c_double * 3),
+        ("axis_max_angle", c_double),
+    ]
+
+
 class Intrinsics(Structure):
     _fields_ = [
         ("struct_size", c_uint32),
@@ -299,6 +314,23 @@ class Progress(Structure):
     ]
 
 
+class DetectionProgress(Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("phase", c_int32),
+        ("fits_done", c_uint32),
+        ("fits", c_uint32),
+    ]
+
+
+class Detection(Structure):
+    _fields_ = [
+        ("score", c_double),
+        ("pixels", c_uint64),
+        ("model", Cylinder),
+    ]
+
+
 class Limb(Structure):
     _fields_ = [
         ("view", c_uint32),
@@ -331,4 +363,5 @@ class EndSample(Structure):
 
 
 ProgressFunction = CFUNCTYPE(c_int32, POINTER(Progress), c_void_p)
+DetectionProgressFunction = CFUNCTYPE(c_int32, POINTER(DetectionProgress), c_void_p)
 LogFunction = CFUNCTYPE(None, c_int32, c_char_p, c_void_p)

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
 __all__ = [
     "Chart",
+    "DetectionPhase",
     "Distortion",
     "EdgeUse",
     "EndSource",
     "EndState",
     "ExtentRule",
+    "ImageUse",
     "Input",
     "Layout",
     "LimbStatus",
@@ -243,6 +245,24 @@ class Phase(_Choice):
     START = 1
     #: It iterates.
     SOLVE = 2
+
+
+class ImageUse(_Choice):
+    """Whether a detector looks at the image of a frame."""
+
+    #: Where there is one.
+    AUTO = 0
+    #: Never: by depth alone.
+    IGNORE = 1
+
+
+class DetectionPhase(_Choice):
+    """What a detector is doing."""
+
+    #: It is about to look for cylinders.
+    SEARCH = 1
+    #: It fits those that were found.
+    FIT = 2
 
 
 class LogLevel(_Choice):

@@ -59,8 +59,8 @@ class StateError(CylfuseError):
 
 
 class BusyError(CylfuseError):
-    """Another call on the same fitter or frame is running, and one of the two may change it; take one fitter for each
-    thread."""
+    """Another call on the same fitter, frame or detector is running, and one of the two may change it; take one of them
+    for each thread."""
 
     status = -6
 
@@ -142,7 +142,7 @@ class NumericalError(DataError, ArithmeticError):
 
 
 class CancelledError(CylfuseError):
-    """The progress callback or :meth:`Fitter.cancel` asked to stop."""
+    """The progress callback, :meth:`Fitter.cancel` or :meth:`Detector.cancel` asked to stop."""
 
     status = -40
 
@@ -171,6 +171,11 @@ def from_status(status: int, message: str) -> CylfuseError:
 def fail(status: int, fitter: object = None) -> NoReturn:
     """Raises what the last call on a fitter failed with, or without one the last call of this thread."""
     raise from_status(status, lib.cylfuse_fitter_last_error(fitter).decode("ascii", "replace"))
+
+
+def fail_on_detector(status: int, detector: object) -> NoReturn:
+    """Raises what the last call on a detector failed with."""
+    raise from_status(status, lib.cylfuse_detector_last_error(detector).decode("ascii", "replace"))
 
 
 def fail_on_frame(status: int, frame: object) -> NoReturn:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import time
-import weakref
 from ctypes import byref, c_size_t
 from typing import Any, Callable, Optional
 
@@ -12,10 +9,10 @@ import numpy.typing as npt
 
 from . import _arrays, _check, _structs
 from ._arrays import Array
-from ._callbacks import Callbacks
+from ._calling import Calling
 from ._native import lib, make
 from .enums import Input, LogLevel
-from .errors import fail, from_status
+from .errors import fail
 from .frame import Frame, depth_camera
 from .geometry import Cylinder, Intrinsics, Pose
 from .options import Options
@@ -23,7 +20,7 @@ from .questions import Questions, _cylinder, _optional
 from .result import Progress, Result, View
 
 
-class Fitter(Questions):
+class Fitter(Questions, Calling):
     """Estimates one cylinder. For the next frame: :meth:`clear`, push, :meth:`fit`.
 
     There is one view at first, at the identity; :meth:`select_view` adds others and says which one is meant by what is
@@ -33,20 +30,31 @@ class Fitter(Questions):
     """
 
     _what = "fitter"
+    _cancel_function = lib.cylfuse_fitter_cancel
 
     def __init__(self, intrinsics: Optional[Intrinsics] = None, options: Optional[Options] = None) -> None:
         super().__init__(lib.cylfuse_fitter_create, lib.cylfuse_fitter_destroy)
-        #: Counts what changes the answers about the last result.
-        self._revision = 0
-        self._views = [View(None, Pose())]
-        self._selected = 0
-        #: The views that have a mask, in which ends can be found.
-        self._masked: set[int] = set()
-        self._callbacks = Callbacks()
+        self._begin(View(None, Pose()), False)
         if options is not None:
             self.options = options
         if intrinsics is not None:
             self.intrinsics = intrinsics
+
+    @classmethod
+    def _made(cls, create: Any, view: View, masked: bool) -> Fitter:
+        """The fitter that a detector makes, with its view."""
+        fitter = cls.__new__(cls)
+        super(Fitter, fitter).__init__(create, lib.cylfuse_fitter_destroy)
+        fitter._begin(view, masked)
+        return fitter
+
+    def _begin(self, view: View, masked: bool) -> None:
+        #: Counts what changes the answers about the last result.
+        self._revision = 0
+        self._views = [view]
+        self._selected = 0
+        #: The views that have a mask, in which ends can be found.
+        self._masked: set[int] = {0} if masked else set()
 
     def _call(self, function: Any, *arguments: Any, changes: bool = False) -> None:
         handle = self._open()
@@ -86,12 +94,6 @@ class Fitter(Questions):
         """Sets what takes log lines up to a level, on the thread of the call; None for none. What it raises comes out
         of the call."""
         self._set_callback(self._callbacks.log(callback), lib.cylfuse_fitter_set_log, LogLevel(level))
-
-    def _set_callback(self, callback: Any, function: Any, *arguments: Any) -> None:
-        _WITH_CALLBACKS.add(self)
-        self._callbacks.keep(callback)
-        self._call(function, *arguments, callback, None)
-        self._callbacks.forget_others(callback)
 
     # Views
 
@@ -228,24 +230,16 @@ class Fitter(Questions):
         """Estimates the cylinder from everything that was pushed into all views, and its extent where a mask was."""
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
         self._call(lib.cylfuse_fitter_fit, byref(structs[0]), byref(structs[1]), changes=True)
-        result = self._made(structs)
+        result = self._result(structs)
         if self._selected in self._masked:
             # Now, for the next frame takes the data away.
             result._find_extent()
         return result
 
-    def _made(self, structs: tuple[Any, Any]) -> Result:
+    def _result(self, structs: tuple[Any, Any]) -> Result:
         result = Result(structs, self, self._revision)
         result.views = tuple(self._views)
         return result
-
-    def cancel(self) -> None:
-        """Asks the running fit to stop with CancelledError; when none is running it does nothing. May be called from
-        any thread and from callbacks."""
-        handle = self._open()
-        status = lib.cylfuse_fitter_cancel(handle.pointer)
-        if status:
-            raise from_status(status, "the fit could not be cancelled")
 
     def evaluate(self, model: Cylinder) -> Result:
         """What a fit would report for a given model, without iterating."""
@@ -260,26 +254,4 @@ class Fitter(Questions):
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
         self._call(lib.cylfuse_fitter_get_result, byref(structs[0]))
         self._call(lib.cylfuse_fitter_get_cylinder, byref(structs[1]))
-        return self._made(structs)
-
-
-#: The fitters that call back.
-_WITH_CALLBACKS: weakref.WeakSet[Fitter] = weakref.WeakSet()
-
-
-@atexit.register
-def _end_calls() -> None:
-    """Once the process ends, Python takes a daemon thread that enters it from a callback out of the midst of the
-    library, which aborts the process: running calls end before that, and no other begins."""
-    for fitter in list(_WITH_CALLBACKS):
-        handle = fitter._handle
-        if handle is None:
-            continue
-        # A call holds the handle; a callback that waits for ever must not keep the process.
-        reference, deadline = weakref.ref(handle), time.monotonic() + 2.0
-        fitter.close()
-        while handle is not None and time.monotonic() < deadline:
-            lib.cylfuse_fitter_cancel(handle.pointer)
-            del handle
-            time.sleep(0.001)
-            handle = reference()
+        return self._result(structs)

@@ -1,9 +1,9 @@
-"""The settings of a fit."""
+"""The settings of a fit and of a detector."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy.typing as npt
 
@@ -11,7 +11,7 @@ from . import _structs
 from ._arrays import c_vector, vector
 from ._check import real, whole
 from ._native import make
-from .enums import Chart, EdgeUse, ExtentRule, Method, NearWall, Objective, Start
+from .enums import Chart, EdgeUse, ExtentRule, ImageUse, Method, NearWall, Objective, Start
 
 _ENUMS: dict[str, Any] = {
     "method": Method,
@@ -21,6 +21,7 @@ _ENUMS: dict[str, Any] = {
     "chart": Chart,
     "edge_use": EdgeUse,
     "extent_rule": ExtentRule,
+    "image_use": ImageUse,
 }
 
 
@@ -91,23 +92,75 @@ class Options:
     axis_max_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in _NAMES:
-            object.__setattr__(self, name, _normal(name, getattr(self, name)))
+        _normalise(self)
 
     def _struct(self) -> _structs.Options:
-        struct = make(_structs.Options)
-        for name in _NAMES:
-            value = getattr(self, name)
-            setattr(struct, name, c_vector(value) if name == "axis" else value)
-        return struct
+        return _filled(make(_structs.Options), self)
 
     @classmethod
     def _from_struct(cls, struct: _structs.Options) -> Options:
-        return cls(**{name: getattr(struct, name) for name in _NAMES})
+        return cls(**{field.name: getattr(struct, field.name) for field in fields(cls)})
 
 
-_NAMES = [field.name for field in fields(Options)]
-_WHOLE = {"max_iterations": 2**32, "max_threads": 2**32, "ransac_max_iterations": 2**64, "seed": 2**64}
+@dataclass(frozen=True)
+class DetectorOptions:
+    """The settings of a detector. The limits of radius and axis hold for the search and for the fits."""
+
+    #: Whether the image of a frame is looked at.
+    image_use: ImageUse | str = ImageUse.AUTO
+    #: Most threads, on which cylinders are fitted side by side; 1 starts none. The result has the same bits for any
+    #: number.
+    max_threads: int = 1
+    #: Most cylinders, those with the highest scores; 0 = no limit.
+    max_count: int = 0
+    #: Fewest pixels of a cylinder; points for a cloud.
+    min_pixels: int = 100
+    #: The least score, in [0, 1]: the probability that there is a cylinder.
+    min_score: float = 0.5
+    #: The smallest radius that the cylinders keep.
+    radius_min: float = 0.0
+    #: The largest radius, equal to the smallest for a known one; 0 = no limit.
+    radius_max: float = 0.0
+    #: The middle of the cone of directions that the axes keep, in the reference frame; (0, 0, 0) = all directions.
+    axis: npt.ArrayLike = (0.0, 0.0, 0.0)
+    #: The largest angle from ``axis`` in radians; 0 for a known direction.
+    axis_max_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        _normalise(self)
+
+    def _struct(self) -> _structs.DetectorOptions:
+        return _filled(make(_structs.DetectorOptions), self)
+
+    @classmethod
+    def _from_struct(cls, struct: _structs.DetectorOptions) -> DetectorOptions:
+        return cls(**{field.name: getattr(struct, field.name) for field in fields(cls)})
+
+
+_WHOLE = {
+    "max_count": 2**32,
+    "max_iterations": 2**32,
+    "max_threads": 2**32,
+    "min_pixels": 2**64,
+    "ransac_max_iterations": 2**64,
+    "seed": 2**64,
+}
+
+_S = TypeVar("_S", _structs.Options, _structs.DetectorOptions)
+
+
+def _normalise(options: Options | DetectorOptions) -> None:
+    """Gives every option the one type that it has."""
+    for field in fields(options):
+        object.__setattr__(options, field.name, _normal(field.name, getattr(options, field.name)))
+
+
+def _filled(struct: _S, options: Options | DetectorOptions) -> _S:
+    """The struct with the options."""
+    for field in fields(options):
+        value = getattr(options, field.name)
+        setattr(struct, field.name, c_vector(value) if field.name == "axis" else value)
+    return struct
 
 
 def _normal(name: str, value: Any) -> Any:

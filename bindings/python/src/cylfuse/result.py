@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import html
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, Floats, numbers
-from .enums import EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
+from .enums import DetectionPhase, EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
 from .errors import CylfuseError, StateError
 from .geometry import Cylinder, Intrinsics, Pose
 
@@ -205,6 +206,23 @@ class Progress(_Record):
     cylinder: Optional[Cylinder]
 
 
+class DetectionProgress(_Record):
+    """How far a detector is: before the search, after it, and after each fit."""
+
+    _convert = {"phase": DetectionPhase}
+
+    def __init__(self, struct: Any) -> None:
+        # A copy: the memory is the library's.
+        super().__init__(type(struct).from_buffer_copy(struct))
+
+    #: What the detector is doing.
+    phase: DetectionPhase
+    #: Cylinders that are fitted.
+    fits_done: int
+    #: Cylinders to fit; 0 before the search.
+    fits: int
+
+
 class View(NamedTuple):
     """The camera of a view and where it is."""
 
@@ -327,7 +345,8 @@ class Result(_Record):
     def _source(self) -> Fitter:
         if self._fitter is None:
             raise StateError(
-                "this result has no fitter, being that of a given model or of fit_many, or a copy; ask a fitter itself"
+                "this result has no fitter, being that of a given model, of a detector or of fit_many, or a copy; ask a "
+                "fitter itself"
             )
         if self._fitter._revision != self._revision:
             raise StateError("the fitter of this result was given something else since; ask before that")
@@ -446,3 +465,29 @@ class Result(_Record):
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr><th>{name}</th><td>{html.escape(text)}</td></tr>" for name, text in self._summary())
         return f"<table>{rows}</table>"
+
+
+@dataclass(frozen=True)
+class Detection:
+    """A cylinder of a scene. It stays as it is whatever its detector searches next."""
+
+    #: The probability that there is a cylinder.
+    score: float
+    #: Pixels of its region; points for a cloud.
+    pixels: int
+    #: The outcome of its fit. Residuals, completion and so on are asked of :meth:`Detector.fitter`.
+    result: Result
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """The cylinder."""
+        return self.result.cylinder
+
+    @property
+    def extent(self) -> Optional[Extent]:
+        """The visible piece; None where there is none: the cylinders of a cloud have no ends. ``result.extent`` raises
+        what says why."""
+        try:
+            return self.result.extent
+        except CylfuseError:
+            return None

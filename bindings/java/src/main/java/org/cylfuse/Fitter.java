@@ -1,9 +1,11 @@
 package org.cylfuse;
 
 import com.sun.jna.ptr.LongByReference;
+import com.sun.jna.ptr.PointerByReference;
 import java.lang.ref.Cleaner;
 import java.util.List;
 import java.util.Objects;
+import java.util.function.ToIntBiFunction;
 
 /**
  * Estimates one cylinder: holds options, views with their data, and the last result.
@@ -31,7 +33,14 @@ public final class Fitter extends FitterData implements AutoCloseable {
      *
      * @throws UnsatisfiedLinkError when the native library was not found or is not that of this package
      */
-    public Fitter() {}
+    public Fitter() {
+        this(NativeFunctions::cylfuse_fitter_create, null);
+    }
+
+    /** A fitter that another function creates, with the camera of its first view. */
+    Fitter(ToIntBiFunction<Integer, PointerByReference> create, Intrinsics camera) {
+        super(new FitterCalls(create, camera));
+    }
 
     /** Destroys the fitter and frees what it holds. May be called more than once. */
     @Override
@@ -208,7 +217,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
      * @throws CylfuseException BAD_STATE without a result
      */
     public List<LimbLine> limbs() {
-        return NativeList.read(calls, NativeFunctions::cylfuse_fitter_limbs, NativeStructs.Limb::new, LimbLine::of);
+        return NativeList.read(calls.handle, NativeFunctions::cylfuse_fitter_limbs, NativeStructs.Limb::new, LimbLine::of);
     }
 
     /**
@@ -220,7 +229,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
      */
     public List<LimbSample> limbSamples() {
         return NativeList.read(
-                calls, NativeFunctions::cylfuse_fitter_limb_samples, NativeStructs.LimbSample::new, LimbSample::of);
+                calls.handle, NativeFunctions::cylfuse_fitter_limb_samples, NativeStructs.LimbSample::new, LimbSample::of);
     }
 
     /**
@@ -238,7 +247,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
             NativeStructs.Cylinder n = Cylinder.toNative(model);
             NativeStructs.MaskView region = Mask.toNative(mask, copies);
             return NativeList.read(
-                    calls,
+                    calls.handle,
                     (fitter, out, size, capacity, count) ->
                             NativeFunctions.cylfuse_fitter_end_samples(fitter, n, region, out, size, capacity, count),
                     NativeStructs.EndSample::new,
@@ -420,7 +429,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /** The two structs of an outcome. */
-    private static final class Outcome {
+    static final class Outcome {
         final NativeStructs.Result result =
                 NativeFunctions.initialised(new NativeStructs.Result(), NativeFunctions::cylfuse_result_init);
         final NativeStructs.CylinderEstimate estimate = NativeFunctions.initialised(

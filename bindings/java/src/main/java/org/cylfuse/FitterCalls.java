@@ -1,17 +1,15 @@
 package org.cylfuse;
 
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.PointerByReference;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.function.ToIntBiFunction;
 import java.util.function.ToIntFunction;
 
 /** The native fitter with its callbacks, and the cameras of its views, which the library does not give back. */
 final class FitterCalls {
-    final NativeHandle handle = new NativeHandle(
-            "fitter",
-            NativeFunctions::cylfuse_fitter_create,
-            NativeFunctions::cylfuse_fitter_destroy,
-            NativeFunctions::cylfuse_fitter_last_error);
+    final NativeHandle handle;
     // Fields, because the library keeps these functions and the garbage collector does not know that.
     private final NativeFunctions.ProgressCallback nativeProgress = this::onProgress;
     private final NativeFunctions.LogCallback nativeLog = this::onLine;
@@ -20,8 +18,14 @@ final class FitterCalls {
     private final List<Intrinsics> cameras = new ArrayList<>();
     private int selected;
 
-    FitterCalls() {
-        cameras.add(null);
+    /**
+     * @param create makes the native fitter
+     * @param camera that of the first view; null when there is none
+     */
+    FitterCalls(ToIntBiFunction<Integer, PointerByReference> create, Intrinsics camera) {
+        handle = new NativeHandle(
+                "fitter", create, NativeFunctions::cylfuse_fitter_destroy, NativeFunctions::cylfuse_fitter_last_error);
+        cameras.add(camera);
     }
 
     /** Runs one call. */

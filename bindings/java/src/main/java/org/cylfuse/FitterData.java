@@ -5,7 +5,11 @@ import java.util.Objects;
 
 /** What a {@link Fitter} is given: its views and their data. */
 abstract class FitterData {
-    final FitterCalls calls = new FitterCalls();
+    final FitterCalls calls;
+
+    FitterData(FitterCalls calls) {
+        this.calls = calls;
+    }
 
     /**
      * Selects a view, so that what is set and pushed, and what follows a fit in one view, concerns that view. There is

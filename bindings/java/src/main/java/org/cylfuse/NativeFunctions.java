@@ -73,6 +73,11 @@ final class NativeFunctions {
         int invoke(Pointer progress, Pointer userData);
     }
 
+    /** Hears how far a detector is. */
+    interface DetectionProgressCallback extends Callback {
+        int invoke(Pointer progress, Pointer userData);
+    }
+
     /** Takes a log line. */
     interface LogCallback extends Callback {
         void invoke(int level, String message, Pointer userData);
@@ -89,6 +94,8 @@ final class NativeFunctions {
     static native String cylfuse_status_string(int status);
 
     static native int cylfuse_options_init(NativeStructs.Options options, long structSize);
+
+    static native int cylfuse_detector_options_init(NativeStructs.DetectorOptions options, long structSize);
 
     static native int cylfuse_intrinsics_init(NativeStructs.Intrinsics intrinsics, long structSize);
 
@@ -245,6 +252,45 @@ final class NativeFunctions {
     static native int cylfuse_frame_set_depth(Pointer frame, NativeStructs.DepthView depth);
 
     static native int cylfuse_frame_set_image(Pointer frame, NativeStructs.ImageView image);
+
+    static native int cylfuse_detector_create(int abiVersion, PointerByReference detector);
+
+    static native int cylfuse_detector_destroy(Pointer detector);
+
+    static native String cylfuse_detector_last_error(Pointer detector);
+
+    static native int cylfuse_detector_cancel(Pointer detector);
+
+    static native int cylfuse_detector_set_options(Pointer detector, NativeStructs.DetectorOptions options);
+
+    static native int cylfuse_detector_get_options(Pointer detector, NativeStructs.DetectorOptions options);
+
+    static native int cylfuse_detector_set_fit_options(Pointer detector, NativeStructs.Options options);
+
+    static native int cylfuse_detector_get_fit_options(Pointer detector, NativeStructs.Options options);
+
+    static native int cylfuse_detector_set_progress(Pointer detector, DetectionProgressCallback callback, Pointer userData);
+
+    static native int cylfuse_detector_detect(Pointer detector, Pointer frame);
+
+    static native int cylfuse_detector_detect_points(Pointer detector, NativeStructs.PointsView points);
+
+    static native int cylfuse_detector_count(Pointer detector, LongByReference count);
+
+    static native int cylfuse_detector_detections(
+            Pointer detector, Pointer out, long elementSize, long capacity, LongByReference count);
+
+    static native int cylfuse_detector_get_result(Pointer detector, long index, NativeStructs.Result result);
+
+    static native int cylfuse_detector_get_cylinder(Pointer detector, long index, NativeStructs.CylinderEstimate estimate);
+
+    static native int cylfuse_detector_get_extent(Pointer detector, long index, NativeStructs.Extent extent);
+
+    static native int cylfuse_detector_labels(Pointer detector, short[] out, long capacity, LongByReference count);
+
+    static native int cylfuse_detector_indices(Pointer detector, long index, int[] out, long capacity, LongByReference count);
+
+    static native int cylfuse_detector_make_fitter(Pointer detector, long index, PointerByReference fitter);
 
     static native int cylfuse_intrinsics_project(
             NativeStructs.Intrinsics intrinsics, NativeStructs.PointsView points, double[] pixels, long capacity);

@@ -7,7 +7,7 @@ import java.util.function.ToIntBiFunction;
 import java.util.function.ToIntFunction;
 
 /**
- * Owns a native fitter or frame, runs its calls and turns failures into exceptions. Destroys it when it is closed and
+ * Owns a native fitter, frame or detector, runs its calls and turns failures into exceptions. Destroys it when it is closed and
  * no call on it is running. Has no way back to its owner. Calls may run side by side; the library says which exclude
  * each other.
  */

@@ -14,22 +14,22 @@ final class NativeList {
 
     /** A call that writes an array. */
     interface Call {
-        int apply(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
+        int apply(Pointer object, Pointer out, long elementSize, long capacity, LongByReference count);
     }
 
     /** Asks for the number of elements and then for the elements. */
     static <S extends Structure, T> List<T> read(
-            FitterCalls calls, Call call, Function<Pointer, S> struct, Function<S, T> convert) {
+            NativeHandle handle, Call call, Function<Pointer, S> struct, Function<S, T> convert) {
         long size = struct.apply(Pointer.NULL).size();
         List<T> elements = new ArrayList<>();
-        calls.run(fitter -> {
+        handle.run(object -> {
             LongByReference count = new LongByReference();
-            int status = call.apply(fitter, Pointer.NULL, size, 0, count);
+            int status = call.apply(object, Pointer.NULL, size, 0, count);
             if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
                 return status;
             }
             try (Memory memory = new Memory(Math.max(size * count.getValue(), 1))) {
-                status = call.apply(fitter, memory, size, count.getValue(), count);
+                status = call.apply(object, memory, size, count.getValue(), count);
                 for (long k = 0; k < count.getValue() && status == Status.OK.value(); k++) {
                     S element = struct.apply(memory.share(size * k));
                     element.read();

@@ -50,6 +50,21 @@ final class NativeStructs {
         public double axis_max_angle;
     }
 
+    @FieldOrder({"struct_size", "image_use", "max_threads", "max_count", "min_pixels", "min_score", "radius_min",
+        "radius_max", "axis", "axis_max_angle"})
+    public static class DetectorOptions extends Structure {
+        public int struct_size;
+        public int image_use;
+        public int max_threads;
+        public int max_count;
+        public long min_pixels;
+        public double min_score;
+        public double radius_min;
+        public double radius_max;
+        public double[] axis = new double[3];
+        public double axis_max_angle;
+    }
+
     @FieldOrder({"struct_size", "distortion_model", "width", "height", "fx", "fy", "cx", "cy", "distortion"})
     public static class Intrinsics extends Structure {
         public int struct_size;
@@ -296,6 +311,33 @@ final class NativeStructs {
         public Progress() {}
 
         Progress(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"struct_size", "phase", "fits_done", "fits"})
+    public static class DetectionProgress extends Structure {
+        public int struct_size;
+        public int phase;
+        public int fits_done;
+        public int fits;
+
+        public DetectionProgress() {}
+
+        DetectionProgress(Pointer address) {
+            super(address);
+        }
+    }
+
+    @FieldOrder({"score", "pixels", "model"})
+    public static class Detection extends Structure {
+        public double score;
+        public long pixels;
+        public Cylinder model;
+
+        public Detection() {}
+
+        Detection(Pointer address) {
             super(address);
         }
     }

@@ -27,6 +27,7 @@ final class ConformanceRunner implements AutoCloseable {
     private final JsonObject file;
     private Fitter fitter = new Fitter();
     private Frame frame = new Frame();
+    private Detector detector = new Detector();
 
     ConformanceRunner(JsonObject file) {
         this.file = file;
@@ -36,6 +37,7 @@ final class ConformanceRunner implements AutoCloseable {
     public void close() {
         fitter.close();
         frame.close();
+        detector.close();
     }
 
     /** What a step gives: numbers under the names of the C fields. */
@@ -64,8 +66,36 @@ final class ConformanceRunner implements AutoCloseable {
             case "clear_input" -> fitter.clearInput(step.getAsJsonArray("inputs").asList().stream()
                     .map(input -> Input.valueOf(input.getAsString()))
                     .toArray(Input[]::new));
-            case "set_options" -> fitter.setOptions(options(step.getAsJsonObject("options")));
-            case "get_options" -> describe(fitter.options(), outputs);
+            case "set_options" -> fitter.setOptions(options(new FitOptions(), step));
+            case "get_options" -> describeOptions(fitter.options(), outputs);
+            case "detector_set_options" -> detector.setOptions(options(new DetectorOptions(), step));
+            case "detector_get_options" -> describeOptions(detector.options(), outputs);
+            case "detector_set_fit_options" -> detector.setFitOptions(options(new FitOptions(), step));
+            case "detector_get_fit_options" -> describeOptions(detector.fitOptions(), outputs);
+            case "detector_cancel" -> detector.cancel();
+            case "new_detector" -> {
+                detector.close();
+                detector = new Detector();
+            }
+            case "detect" -> detector.detect(frame);
+            case "detect_points" -> detector.detectPoints(cloud(step.getAsJsonObject("points")));
+            case "detector_count" -> outputs.put("count", new double[] {detector.detections().size()});
+            case "detector_detections" -> describeDetections(detector.detections(), outputs);
+            case "detector_get_result" -> describeResult(detected(step).result(), false, outputs);
+            case "detector_get_cylinder" -> describeResult(detected(step).result(), true, outputs);
+            case "detector_get_extent" -> {
+                Extent extent = detected(step).extent();
+                // The fitter says why there is none.
+                describe(extent != null ? extent : detector.makeFitter(step.get("index").getAsInt()).extent(), "", outputs);
+            }
+            case "detector_labels" -> outputs.put("labels", Arrays.stream(detector.labels().numbers()).asDoubleStream().toArray());
+            case "detector_indices" -> outputs.put(
+                    "indices", Arrays.stream(detector.indices(step.get("index").getAsInt())).asDoubleStream().toArray());
+            case "detector_make_fitter" -> {
+                Fitter made = detector.makeFitter(step.get("index").getAsInt());
+                fitter.close();
+                fitter = made;
+            }
             case "set_intrinsics" -> fitter.setIntrinsics(camera(step));
             case "set_start_model" -> fitter.setStartModel(model);
             case "reserve" -> fitter.reserve(step.get("points").getAsLong(), step.get("segments").getAsLong());
@@ -82,8 +112,8 @@ final class ConformanceRunner implements AutoCloseable {
             }
             case "counts" -> describe(fitter.counts(), "", outputs);
             case "fit" -> describe(fitter.fit(), "", outputs);
-            case "get_result" -> describeResult(false, outputs);
-            case "get_cylinder" -> describeResult(true, outputs);
+            case "get_result" -> describeResult(fitter.result(), false, outputs);
+            case "get_cylinder" -> describeResult(fitter.result(), true, outputs);
             case "evaluate" -> describe(fitter.evaluate(model), "", outputs);
             case "residuals" ->
                 outputs.put("residuals", fitter.residuals(ResidualKind.valueOf(text(step, "kind")), model));
@@ -197,11 +227,12 @@ final class ConformanceRunner implements AutoCloseable {
                 numbers(camera.get("distortion")));
     }
 
-    private static FitOptions options(JsonObject given) throws ReflectiveOperationException {
-        FitOptions options = new FitOptions();
+    /** Options with those of a step in them. */
+    private static <T> T options(T options, JsonObject step) throws ReflectiveOperationException {
+        JsonObject given = step.getAsJsonObject("options");
         for (String key : given.keySet()) {
             String name = camel(key);
-            Class<?> type = FitOptions.class.getMethod(name).getReturnType();
+            Class<?> type = options.getClass().getMethod(name).getReturnType();
             JsonElement value = given.get(key);
             Object argument;
             if (type == Vector.class) {
@@ -215,7 +246,7 @@ final class ConformanceRunner implements AutoCloseable {
             } else {
                 argument = type.getMethod("valueOf", String.class).invoke(null, value.getAsString());
             }
-            FitOptions.class.getMethod(name, type).invoke(options, argument);
+            options.getClass().getMethod(name, type).invoke(options, argument);
         }
         return options;
     }
@@ -336,10 +367,27 @@ final class ConformanceRunner implements AutoCloseable {
         }
     }
 
+    private Detection detected(JsonObject step) {
+        // The list knows no such error as the library.
+        detector.indices(step.get("index").getAsInt());
+        return detector.detections().get(step.get("index").getAsInt());
+    }
+
+    /** What a search has found. */
+    private static void describeDetections(List<Detection> found, Map<String, double[]> outputs) {
+        outputs.put("score", found.stream().mapToDouble(Detection::score).toArray());
+        outputs.put("pixels", found.stream().mapToDouble(Detection::pixels).toArray());
+        List<Cylinder> models = found.stream().map(one -> one.result().model()).toList();
+        outputs.put("model.point", models.stream().flatMapToDouble(m -> Arrays.stream(m.point().toArray())).toArray());
+        outputs.put("model.direction", models.stream().flatMapToDouble(m -> Arrays.stream(m.direction().toArray())).toArray());
+        outputs.put("model.radius", models.stream().mapToDouble(Cylinder::radius).toArray());
+    }
+
     /** One of the two parts of a result, which come from two functions of C. */
-    private void describeResult(boolean ofCylinder, Map<String, double[]> outputs) throws ReflectiveOperationException {
+    private static void describeResult(FitResult result, boolean ofCylinder, Map<String, double[]> outputs)
+            throws ReflectiveOperationException {
         Map<String, double[]> all = new LinkedHashMap<>();
-        describe(fitter.result(), "", all);
+        describe(result, "", all);
         Set<String> cylinder = Arrays.stream(NativeStructs.CylinderEstimate.class.getFields())
                 .map(Field::getName)
                 .collect(Collectors.toSet());
@@ -364,9 +412,9 @@ final class ConformanceRunner implements AutoCloseable {
         }
     }
 
-    private static void describe(FitOptions options, Map<String, double[]> outputs) throws ReflectiveOperationException {
-        for (java.lang.reflect.Method getter : FitOptions.class.getMethods()) {
-            if (getter.getDeclaringClass() == FitOptions.class && getter.getParameterCount() == 0) {
+    private static void describeOptions(Object options, Map<String, double[]> outputs) throws ReflectiveOperationException {
+        for (java.lang.reflect.Method getter : options.getClass().getMethods()) {
+            if (getter.getDeclaringClass() == options.getClass() && getter.getParameterCount() == 0) {
                 describe(getter.invoke(options), snake(getter.getName()), outputs);
             }
         }

@@ -143,7 +143,7 @@ public class LifetimeTest {
         }
     }
 
-    private static long residentKilobytes() throws IOException {
+    static long residentKilobytes() throws IOException {
         return Files.readAllLines(Path.of("/proc/self/status")).stream()
                 .filter(line -> line.startsWith("VmRSS:"))
                 .mapToLong(line -> Long.parseLong(line.split("\\s+")[1]))

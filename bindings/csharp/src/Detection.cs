@@ -1,0 +1,27 @@
+namespace Cylfuse
+{
+    /// <summary>A cylinder of a scene.</summary>
+    public sealed class Detection
+    {
+        /// <summary>The probability that there is a cylinder.</summary>
+        public double Score { get; }
+
+        /// <summary>Pixels of its region; points for a cloud.</summary>
+        public long Pixels { get; }
+
+        /// <summary>The outcome of its fit. Residuals, completion and so on are asked of <see
+        /// cref="Detector.MakeFitter"/>.</summary>
+        public FitResult Result { get; }
+
+        /// <summary>Its visible piece; null where there is none: the cylinders of a cloud have no ends.</summary>
+        public Extent Extent { get; }
+
+        internal Detection(NativeDetection native, FitResult result, Extent extent)
+        {
+            Score = native.score;
+            Pixels = (long)native.pixels;
+            Result = result;
+            Extent = extent;
+        }
+    }
+}
