@@ -69,10 +69,11 @@ impl<'a> Fits<'a> {
         let covered = |cylinder: &Cylinder| self.seen.covered(detection, cylinder).iter().sum::<f64>();
         let before = covered(seen);
         let held = before >= COVERED;
-        let radii = match fitter.image() {
-            None => &[],
-            Some(_) if held => &RADII[..1],
-            Some(_) => &RADII[..],
+        let radii = match (fitter.image(), fitter.depth()) {
+            // Depth images are drawn out next to limbs, and clouds may be anything: a fit tells.
+            (None, Some(_)) => &[],
+            (Some(_), _) if !held => &RADII[..],
+            _ => &RADII[..1],
         };
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
@@ -93,6 +94,9 @@ impl<'a> Fits<'a> {
                 && change.angle < 0.3
                 && change.axis_distance < found.radius;
             let after = covered(&pose.inverse().cylinder(&result.cylinder));
+            if fitter.image().is_none() && same {
+                return Ok(result);
+            }
             if !same || result.limbs_located == 0 || after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
             }
