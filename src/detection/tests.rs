@@ -202,7 +202,8 @@ fn options_limit_what_is_found() {
         Body::Can(can(0.12, 0.1, 0.7, Vector3::x(), 0.025), 0.06),
     ];
     let depth = render(&bodies, 1.0);
-    let count = |options: DetectionOptions| detect(&camera(), &depth, None, &options).unwrap().cylinders.len();
+    let count =
+        |options: DetectionOptions| detect(&camera(), &depth, None, &options).unwrap().cylinders.len();
     let defaults = DetectionOptions::default();
     let limits = CylinderLimits::default();
     assert_eq!(count(defaults), 2);
