@@ -4,10 +4,10 @@ use super::grid::{Cell, Grid};
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::{Side, outline};
+use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::statistics::median;
-use nalgebra::Vector2;
 
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
@@ -26,7 +26,7 @@ pub(super) struct Scene<'a> {
     /// The image, where there is one.
     pub image: Option<&'a ImageEdges>,
     /// The column and the row of pixels at a place on the plane z = 1.
-    pub pixel_of: &'a dyn Fn(&Vector2<f64>) -> Option<(usize, usize)>,
+    pub pixel_of: &'a PixelOf<'a>,
 }
 
 /// What holds the sides of a cylinder that grows.

@@ -139,7 +139,7 @@ fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<us
         next += 1;
         // Gradients are zero along the border, so that every neighbour exists.
         for row in [k - gradient.width, k, k + gradient.width] {
-            for neighbour in row - 1..=row + 1 {
+            for neighbour in [row - 1, row, row + 1] {
                 if free[neighbour] && unit(neighbour).dot(&sum) > ALIKE as f32 * sum.norm() {
                     free[neighbour] = false;
                     region.push(neighbour);

@@ -36,6 +36,9 @@ const LEAST_SAY: f64 = 0.25;
 /// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
 const ALIKE: f64 = 0.08;
 
+/// Most pairs of edges that are looked at closely, the longest first: a bound on the time.
+const MOST_PAIRS: usize = 200;
+
 /// The part of both limbs together that edges next to a pair must cover.
 const COVERED: f64 = 0.6;
 
@@ -76,9 +79,43 @@ pub(super) fn search(
     let by_depth = candidates(&scene, options, &mut explained, &mut marks);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
+    let mut found = distinct(found);
     parts::join(&scene, &mut found, options, &mut marks);
     parts::divide(&scene, &mut found, options, &mut marks);
     select(&scene, &mut found, options, &mut marks)
+}
+
+/// The best of candidates that are alike.
+fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
+    found.sort_by(|a, b| b.say().total_cmp(&a.say()));
+    let mut kept: Vec<Judged> = Vec::new();
+    for judged in found {
+        let alike = |other: &Judged| {
+            let (Surface::Cylinder(a, _), Surface::Cylinder(b, _)) =
+                (&judged.candidate.surface, &other.candidate.surface)
+            else {
+                return false;
+            };
+            let change = b.compare(a);
+            // A cell of its own makes a candidate another part of the same cylinder, which is for joining.
+            change.angle < ALIKE
+                && change.radius_relative.abs() < ALIKE
+                && change.axis_distance < ALIKE * b.radius
+                && other.candidate.cells.contains(&judged.candidate.cells[judged.candidate.cells.len() / 2])
+                && judged.candidate.cells.len() <= other.candidate.cells.len()
+        };
+        if !kept.iter().any(alike) {
+            kept.push(judged);
+        }
+    }
+    kept
+}
+
+impl Judged {
+    /// What a candidate has to say where others explain the same cells.
+    fn say(&self) -> f64 {
+        self.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * self.score)
+    }
 }
 
 /// Candidates by patches of the depth, among cells that are not explained yet.
@@ -167,7 +204,11 @@ fn by_pairs(
     let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
     let mut tried: Vec<Cylinder> = Vec::new();
+    let mut grown = 0;
     for pair in scene.pairs() {
+        if grown == MOST_PAIRS {
+            break;
+        }
         // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
         let same = |other: &Cylinder| {
             let change = other.compare(&pair.cylinder);
@@ -185,6 +226,7 @@ fn by_pairs(
         if support.covered.iter().sum::<f64>() < COVERED {
             continue;
         }
+        grown += 1;
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
         let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
@@ -230,8 +272,7 @@ fn select(
 ) -> Vec<Judged> {
     let mut chosen: Vec<Judged> = Vec::new();
     let mut taken = vec![false; scene.grid.cells.len()];
-    let key = |judged: &Judged| judged.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * judged.score);
-    found.sort_by(|a, b| key(b).total_cmp(&key(a)));
+    found.sort_by(|a, b| b.say().total_cmp(&a.say()));
     for mut judged in found.drain(..) {
         let all = judged.candidate.cells.len();
         judged.candidate.cells.retain(|&k| !taken[k]);
