@@ -31,7 +31,7 @@ cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a
 step "demo"
 demo=$(mktemp -d)
 cargo run --locked --release --features cli -- demo --out "$demo"
-for file in result.json overlay.png completed.ply completed.pcd scene/overlay.png scene/labels.png; do test -s "$demo/$file"; done
+for file in result.json overlay.png completed.ply completed.pcd scene/overlay.png scene/labels.png scene/completed.ply; do test -s "$demo/$file"; done
 rm -rf "$demo"
 
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"

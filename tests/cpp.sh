@@ -174,9 +174,13 @@ check "the reference is there" test -s "$work/doxygen/html/index.html"
 block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
 block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
 block docs/from-pcl.md cpp 3 > "$work/with_image.cpp"
+block docs/segment-a-scene.md cpp 1 > "$work/scene.cpp"
+block docs/segment-a-scene.md cpp 2 > "$work/scene_with_pcl.cpp"
 check "the page from PCL, PCL" compiles g++ c++14 "$work/with_pcl.cpp"
 check "the page from PCL, cylfuse" compiles g++ c++14 "$work/with_cylfuse.cpp"
 check "the page from PCL, image" compiles g++ c++14 "$work/with_image.cpp"
+check "the page on scenes, C++" compiles g++ c++14 "$work/scene.cpp"
+check "the page on scenes, PCL" compiles g++ c++14 "$work/scene_with_pcl.cpp"
 
 printf '\ncpp: %s passed, %s failed\n' $passed $failed
 [ $failed = 0 ]

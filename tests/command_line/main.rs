@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod clouds;
+mod detect;
 mod formats;
 mod options;
 mod output;

@@ -288,7 +288,7 @@ fn the_demo_leaves_its_files_where_it_says() {
     for name in ["result.json", "overlay.png", "completed.ply", "completed.pcd"] {
         assert!(demo.stdout.contains(name) && out.join(name).is_file(), "{name}");
     }
-    let scene = ["frame.json", "image.png", "depth.png", "overlay.png", "labels.png"];
+    let scene = ["frame.json", "image.png", "depth.png", "overlay.png", "labels.png", "completed.ply"];
     assert!(
         demo.stdout.contains("scene/") && scene.iter().all(|name| out.join("scene").join(name).is_file())
     );

@@ -12,6 +12,23 @@ use tiny_skia::{
 /// Red, green, blue, opacity.
 pub type Color = [u8; 4];
 
+/// Colours that neighbours in a list can be told by.
+const OF_CYLINDERS: [[u8; 3]; 8] = [
+    [230, 60, 60],
+    [60, 180, 75],
+    [70, 110, 255],
+    [255, 200, 30],
+    [200, 80, 230],
+    [40, 210, 220],
+    [245, 130, 48],
+    [190, 240, 90],
+];
+
+/// The colour of a cylinder of a scene, counted from 0. They come again after the last.
+pub fn color_of(index: usize) -> [u8; 3] {
+    OF_CYLINDERS[index % OF_CYLINDERS.len()]
+}
+
 /// Behind every line, so that it shows on bright ground too.
 const HALO: Color = [0, 0, 0, 110];
 

@@ -38,7 +38,8 @@ pub const CONTENTS: &str = "  frame/          the input: camera, image, depth, m
   completed.ply   the points on the fitted surface, for any viewer of point clouds
   completed.pcd   the same for the Point Cloud Library
   scene/          another input, with camera, image and depth of several things on a table; overlay.png there shows
-                  all cylinders that were found, labels.png the cylinder of each pixel";
+                  all cylinders that were found, labels.png the cylinder of each pixel, completed.ply their surfaces
+                  among the other points";
 
 /// Unpacks frame and scene into a folder, fits the one and searches the other there.
 pub fn run(folder: &Path) -> Result<(Report, SceneReport), Failure> {

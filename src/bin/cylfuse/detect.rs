@@ -1,16 +1,19 @@
 //! `cylfuse detect`: all cylinders of a frame, each fitted by the full method.
 
-use crate::cloud::Cloud;
+use crate::cloud::{Cloud, write_numbered_ply};
 use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
+use cylfuse::camera::Camera;
 use cylfuse::detection::DetectionOptions;
 use cylfuse::geometry::RigidMotion;
+use cylfuse::observations::DepthImage;
 use cylfuse::scene::{self, Detector, DetectorOptions, Observer, Progress};
 use image::{ImageBuffer, ImageFormat, Luma};
+use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -89,7 +92,7 @@ pub struct SceneSeconds {
 pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> SceneReport {
     let search = || match input {
         Input::Frame(path) => search_frame(path, settings, folder),
-        Input::Cloud(path) => search_cloud(path, settings),
+        Input::Cloud(path) => search_cloud(path, settings, folder),
         Input::Nothing(_, failure) => Err(failure.clone()),
     };
     // One bad frame of a thousand must not lose the others, whatever it met.
@@ -123,12 +126,14 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         let picture = ScenePicture { view: &view, depth, labels: &scene.labels, cylinders: &cylinders };
         picture.write(&folder.join("overlay.png"))?;
         write_labels(&folder.join("labels.png"), view.size(), &scene.labels)?;
+        let (points, numbers) = completed(&scene, &view.camera, depth)?;
+        write_points(folder, &points, &numbers)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
     Ok(Scene { cylinders, out, seconds: SceneSeconds { read, total, ..seconds } })
 }
 
-fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
+fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
     let cloud = Cloud::read(path)?;
     let read = clock.elapsed().as_secs_f64();
@@ -136,7 +141,48 @@ fn search_cloud(path: &Path, settings: &Settings) -> Result<Scene, Failure> {
         timed(settings, |detector, observer| detector.detect_points_with(&cloud.view(), observer))?;
     let cylinders = scene.cylinders.iter().map(of_cloud).collect();
     let seconds = SceneSeconds { read, total: clock.elapsed().as_secs_f64(), ..seconds };
-    Ok(Scene { cylinders, out: None, seconds })
+    if let Some(folder) = folder {
+        create_folder(folder)?;
+        write_points(folder, &cloud, &scene.labels)?;
+    }
+    let out = folder.map(|folder| folder.display().to_string());
+    Ok(Scene { cylinders, out, seconds })
+}
+
+/// The points of a frame in the frame of its camera, and the number of the cylinder of each: what the pixels of the
+/// cylinders see of their surfaces, and what all other pixels measured.
+fn completed(
+    scene: &scene::Scene,
+    camera: &Camera,
+    depth: &DepthImage,
+) -> cylfuse::error::Result<(Cloud, Vec<u16>)> {
+    let (mut points, mut numbers) = (Vec::new(), Vec::new());
+    let mut push = |point: Vector3<f64>, number| {
+        points.push([point.x as f32, point.y as f32, point.z as f32]);
+        numbers.push(number);
+    };
+    for row in 0..depth.height() {
+        for column in 0..depth.width() {
+            let none = scene.labels[row * depth.width() + column] == 0;
+            let z = depth.depth(column, row).filter(|_| none);
+            let ray = z.and_then(|_| camera.unproject(&Vector2::new(column as f64, row as f64)));
+            if let (Some(z), Some(ray)) = (z, ray) {
+                push(ray * z, 0);
+            }
+        }
+    }
+    for number in 1..=scene.cylinders.len() as u16 {
+        scene.fitter(usize::from(number) - 1)?.complete(None, None, &mut |_, _, point| {
+            if let Some(point) = point {
+                push(point, number);
+            }
+        })?;
+    }
+    Ok((Cloud::F32(points), numbers))
+}
+
+fn write_points(folder: &Path, points: &Cloud, numbers: &[u16]) -> Result<(), Failure> {
+    write_file(&folder.join("completed.ply"), |to| write_numbered_ply(points, numbers, to))
 }
 
 /// Searches with the settings of a run, and says how long search and fits take.

@@ -26,8 +26,10 @@ pub struct DetectArguments {
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 
-    /// Write overlay.png and labels.png (16 bit: 0 none, k the k-th cylinder) to this folder; with several frames to
-    /// a subfolder for each.
+    /// Write overlay.png, labels.png (16 bit: 0 none, k the k-th cylinder) and completed.ply to this folder; with several
+    /// frames to a subfolder for each. completed.ply has what the pixels of each cylinder see of its surface, and the
+    /// measured points of all others; of a cloud it has the points as they are. Its property cylinder is the number, as
+    /// in labels.png. A cloud gives completed.ply alone.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
 

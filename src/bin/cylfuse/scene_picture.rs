@@ -1,6 +1,6 @@
 //! The picture of a scene: every cylinder in its colour, with its number.
 
-use crate::canvas::{Canvas, Color, LINE_HEIGHT};
+use crate::canvas::{Canvas, LINE_HEIGHT, color_of};
 use crate::detect::Found;
 use crate::failure::Failure;
 use crate::fit::write_file;
@@ -11,17 +11,8 @@ use image::{DynamicImage, ImageFormat, RgbaImage};
 use nalgebra::Vector2;
 use std::path::Path;
 
-/// Colours that neighbours in the list can be told by; they come again after the last.
-const COLORS: [Color; 8] = [
-    [230, 60, 60, 130],
-    [60, 180, 75, 130],
-    [70, 110, 255, 130],
-    [255, 200, 30, 130],
-    [200, 80, 230, 130],
-    [40, 210, 220, 130],
-    [245, 130, 48, 130],
-    [190, 240, 90, 130],
-];
+/// How much of the image a cylinder covers, of 255.
+const OPACITY: u8 = 130;
 
 /// What is drawn.
 pub struct ScenePicture<'a> {
@@ -50,7 +41,8 @@ impl ScenePicture<'_> {
         for (k, &label) in self.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
             let (x, y) = (k as u32 % width, k as u32 / width);
             let index = usize::from(label) - 1;
-            tint(image.get_pixel_mut(x, y), COLORS[index % COLORS.len()]);
+            let [r, g, b] = color_of(index);
+            tint(image.get_pixel_mut(x, y), [r, g, b, OPACITY]);
             let sum = &mut sums[index];
             *sum = [sum[0] + f64::from(x), sum[1] + f64::from(y), sum[2] + 1.0];
         }
@@ -59,7 +51,6 @@ impl ScenePicture<'_> {
         let top = canvas.image_height() + LINE_HEIGHT / 2;
         for (index, (found, sum)) in self.cylinders.iter().zip(sums).enumerate() {
             let number = (index + 1).to_string();
-            let [r, g, b, _] = COLORS[index % COLORS.len()];
             if sum[2] > 0.0 {
                 let (x, y) = canvas.place(&Vector2::new(sum[0] / sum[2], sum[1] / sum[2]));
                 canvas.bar((x - 2.0, y - 10.0), (12.0 * number.len() as f32, 20.0), [0, 0, 0, 170]);
@@ -71,7 +62,7 @@ impl ScenePicture<'_> {
                 found.score,
                 found.pixels
             );
-            canvas.text((16, top + index as u32 * LINE_HEIGHT), &text, [r, g, b], false);
+            canvas.text((16, top + index as u32 * LINE_HEIGHT), &text, color_of(index), false);
         }
         canvas.into_rgb()
     }

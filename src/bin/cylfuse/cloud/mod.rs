@@ -5,7 +5,7 @@ mod ply;
 mod text;
 
 pub use pcd::write as write_pcd;
-pub use ply::write as write_ply;
+pub use ply::{write as write_ply, write_numbered as write_numbered_ply};
 
 use crate::failure::Failure;
 use cylfuse::observations::PointsView;

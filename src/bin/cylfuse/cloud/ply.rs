@@ -2,6 +2,7 @@
 //! vertices), written as binary floats, which need four lines.
 
 use super::{Cloud, little_endian};
+use crate::canvas::color_of;
 use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
@@ -113,6 +114,36 @@ pub fn write(points: &[[f32; 3]], to: &mut impl Write) -> std::io::Result<()> {
     to.write_all(&little_endian(points))
 }
 
+/// Writes points with the number of the cylinder of each, 0 for none, as a property and as a colour. Coordinates stay as wide
+/// as they are.
+pub fn write_numbered(points: &Cloud, numbers: &[u16], to: &mut impl Write) -> std::io::Result<()> {
+    let (count, scalar) = match points {
+        Cloud::F32(points) => (points.len(), "float"),
+        Cloud::F64(points) => (points.len(), "double"),
+    };
+    write!(
+        to,
+        "ply\nformat binary_little_endian 1.0\ncomment written by cylfuse; cylinder 0: none, k: the k-th\n\
+         element vertex {count}\nproperty {scalar} x\nproperty {scalar} y\nproperty {scalar} z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nproperty ushort cylinder\nend_header\n"
+    )?;
+    for (index, &number) in numbers.iter().take(count).enumerate() {
+        match points {
+            Cloud::F32(points) => to.write_all(&little_endian(&points[index..=index]))?,
+            Cloud::F64(points) => {
+                points[index].iter().try_for_each(|coordinate| to.write_all(&coordinate.to_le_bytes()))?;
+            }
+        }
+        let [red, green, blue] = usize::from(number).checked_sub(1).map_or(REST, color_of);
+        to.write_all(&[red, green, blue])?;
+        to.write_all(&number.to_le_bytes())?;
+    }
+    Ok(())
+}
+
+/// The colour of what is no cylinder.
+const REST: [u8; 3] = [128; 3];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,6 +157,17 @@ mod tests {
         assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()));
         file.truncate(file.len() - 1);
         assert!(parse(&file).unwrap_err().contains("vertex"));
+    }
+
+    #[test]
+    fn numbered_points_are_read_back_as_wide_as_they_were() {
+        let wide = vec![[4.0e6, 0.1, -7.0], [1.0 / 3.0, 2.0, 3.0]];
+        for cloud in [Cloud::F32(POINTS.to_vec()), Cloud::F64(wide)] {
+            let mut file = Vec::new();
+            write_numbered(&cloud, &[0, 258], &mut file).unwrap();
+            assert_eq!(parse(&file).unwrap(), cloud);
+            assert!(file.ends_with(&[2, 1]), "the number of the last point");
+        }
     }
 
     #[test]
