@@ -112,7 +112,8 @@ impl Detections {
     }
 }
 
-/// Finds all cylinders in a depth image, and in the image that belongs to it where there is one.
+/// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. With an image those stay
+/// as well whose score a fit that locates their limbs may raise to the least one, see [`Detections::score_of_fit`].
 ///
 /// # Errors
 /// `InvalidArgument`.
