@@ -4,7 +4,7 @@ use super::DetectionOptions;
 use super::candidate::{Marks, Scene};
 use super::grid::{Grid, side_of_cells};
 use super::noise::Noise;
-use super::search::candidates;
+use super::search::{candidates, distinct};
 use super::surface::{Optics, Surface};
 use super::{parts, planes};
 use crate::camera::Camera;
@@ -65,7 +65,7 @@ pub(crate) fn detect_in_mask(
         DetectionOptions { limits: *limits, min_pixels: 0, min_score: 0.0, ..DetectionOptions::default() };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
-    let mut found = candidates(&scene, &options, &mut explained, &mut marks);
+    let mut found = distinct(candidates(&scene, &options, &mut explained, &mut marks));
     parts::join(&scene, &mut found, &options, &mut marks);
     let worth = |k: usize| found[k].score * found[k].candidate.gain;
     let best = (0..found.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;

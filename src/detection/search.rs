@@ -33,6 +33,9 @@ pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 
 /// better explanation wins, unless it is no cylinder.
 const LEAST_SAY: f64 = 0.25;
 
+/// A cell that so many candidates hold starts none: a bound on the time.
+const MOST_VISITS: u8 = 4;
+
 /// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
 const ALIKE: f64 = 0.08;
 
@@ -86,7 +89,7 @@ pub(super) fn search(
 }
 
 /// The best of candidates that are alike.
-fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
+pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
     found.sort_by(|a, b| b.say().total_cmp(&a.say()));
     let mut kept: Vec<Judged> = Vec::new();
     for judged in found {
@@ -129,12 +132,17 @@ pub(super) fn candidates(
     let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
     let mut cells = Vec::new();
+    let mut visits = vec![0_u8; grid.cells.len()];
     for half in SIZES {
         let stride = half.max(2);
         for row in (stride / 2..grid.rows).step_by(stride) {
             for column in (stride / 2..grid.columns).step_by(stride) {
                 let seed = row * grid.columns + column;
-                if !grid.cells[seed].measured() || !free(seed) || explained[seed] {
+                if !grid.cells[seed].measured()
+                    || !free(seed)
+                    || explained[seed]
+                    || visits[seed] >= MOST_VISITS
+                {
                     continue;
                 }
                 patch::collect(grid, seed, half, &free, marks, &mut cells);
@@ -151,6 +159,7 @@ pub(super) fn candidates(
                 else {
                     continue;
                 };
+                candidate.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
                 if !plausible(scene, &candidate, options) {
                     continue;
                 }
