@@ -76,7 +76,9 @@ public class DetectorTest {
         return new Vector(0.8 * x.x() + 0.6 * x.z(), x.y(), -0.6 * x.x() + 0.8 * x.z());
     }
 
+    // The frame is closed early: a detector keeps what it found without it.
     @Test
+    @SuppressWarnings("try")
     public void theCylindersOfAFrame() {
         try (Detector detector = new Detector(); Frame frame = Pair.frame(true); Frame without = Pair.frame(false)) {
             List<Detection> found = detector.detect(frame);
