@@ -86,9 +86,7 @@ impl Scene<'_> {
                 .filter(|side| side.sign == sign)
                 .filter_map(Side::limb)
                 .map(|ray| {
-                    let d = &cylinder.axis.direction;
-                    let flat = ray - d * ray.dot(d);
-                    let t = flat.dot(&cylinder.axis.point) / flat.norm_squared();
+                    let t = cylinder.axis.nearest_on_ray(&ray);
                     (cylinder.radius - cylinder.axis.distance(&(ray * t))) / (t * self.optics.pixel)
                 })
                 .collect();

@@ -2,7 +2,7 @@
 
 use super::DetectionOptions;
 use super::candidate::{Candidate, Marks, Scene};
-use super::search::{Judged, plausible};
+use super::search::Judged;
 use super::surface::{REACH, Surface};
 use nalgebra::Vector3;
 
@@ -84,11 +84,7 @@ fn joined(
         return None;
     }
     let candidate = Candidate { surface, cells, gain, sides: a.candidate.sides };
-    if !plausible(scene, &candidate, options) {
-        return None;
-    }
-    let evidence = scene.judge(&candidate, marks)?;
-    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: evidence.score() })
+    Judged::new(scene, candidate, options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
 }
 
 /// Divides candidates that are two cylinders one after the other: stacked cans, a bottle and its neck.
@@ -154,9 +150,8 @@ fn divided(
         let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, &free, marks) else {
             continue;
         };
-        if candidate.cells.len() < judged.candidate.cells.len() && plausible(scene, &candidate, options) {
-            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-            found.push(Judged { candidate, evidence, score: evidence.score() });
+        if candidate.cells.len() < judged.candidate.cells.len() {
+            found.extend(Judged::new(scene, candidate, options, marks));
         }
     }
     let good = found.iter().filter(|part| part.score > 0.5).count();

@@ -45,6 +45,9 @@ const MOST_PAIRS: usize = 200;
 /// The part of both limbs together that edges next to a pair must cover.
 const COVERED: f64 = 0.6;
 
+/// Candidates with less are forgotten.
+const LEAST_SCORE: f64 = 0.01;
+
 /// With this score what is explained is not explained again.
 const CERTAIN: f64 = 0.9;
 
@@ -88,6 +91,12 @@ pub(super) fn search(
     select(&scene, &mut found, options, &mut marks)
 }
 
+/// Whether two cylinders are nearly one.
+fn same(a: &Cylinder, b: &Cylinder) -> bool {
+    let change = a.compare(b);
+    change.angle < ALIKE && change.radius_relative.abs() < ALIKE && change.axis_distance < ALIKE * a.radius
+}
+
 /// The best of candidates that are alike.
 pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
     found.sort_by(|a, b| b.say().total_cmp(&a.say()));
@@ -99,11 +108,8 @@ pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
             else {
                 return false;
             };
-            let change = b.compare(a);
             // A cell of its own makes a candidate another part of the same cylinder, which is for joining.
-            change.angle < ALIKE
-                && change.radius_relative.abs() < ALIKE
-                && change.axis_distance < ALIKE * b.radius
+            same(b, a)
                 && other.candidate.cells.contains(&judged.candidate.cells[judged.candidate.cells.len() / 2])
                 && judged.candidate.cells.len() <= other.candidate.cells.len()
         };
@@ -115,6 +121,20 @@ pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
 }
 
 impl Judged {
+    /// A candidate with its evidence, if it is worth a closer look.
+    pub fn new(
+        scene: &Scene<'_>,
+        candidate: Candidate,
+        options: &DetectionOptions,
+        marks: &mut Marks,
+    ) -> Option<Self> {
+        if !plausible(scene, &candidate, options) {
+            return None;
+        }
+        let evidence = scene.judge(&candidate, marks)?;
+        Some(Self { candidate, evidence, score: evidence.score() })
+    }
+
     /// What a candidate has to say where others explain the same cells.
     fn say(&self) -> f64 {
         self.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * self.score)
@@ -160,16 +180,12 @@ pub(super) fn candidates(
                     continue;
                 };
                 candidate.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                if !plausible(scene, &candidate, options) {
-                    continue;
+                let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+                if judged.score > 0.5 {
+                    judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
-                let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-                let score = evidence.score();
-                if score > 0.5 {
-                    candidate.cells.iter().for_each(|&k| explained[k] = true);
-                }
-                if score > 0.01 {
-                    found.push(Judged { candidate, evidence, score });
+                if judged.score > LEAST_SCORE {
+                    found.push(judged);
                 }
             }
         }
@@ -193,10 +209,8 @@ fn by_edges(
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
         let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
-        if candidate.gain > *gain && plausible(scene, &candidate, options) {
-            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-            let score = evidence.score();
-            moved.push(Judged { candidate, evidence, score });
+        if candidate.gain > *gain {
+            moved.extend(Judged::new(scene, candidate, options, marks));
         }
     }
     moved
@@ -218,15 +232,9 @@ fn by_pairs(
         if grown == MOST_PAIRS {
             break;
         }
-        // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
-        let same = |other: &Cylinder| {
-            let change = other.compare(&pair.cylinder);
-            change.angle < ALIKE
-                && change.radius_relative.abs() < ALIKE
-                && change.axis_distance < ALIKE * other.radius
-        };
         let known = pair.cells.iter().filter(|&&k| explained[k]).count();
-        if tried.iter().any(same) || known * 5 > pair.cells.len() * 4 {
+        // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
+        if tried.iter().any(|other| same(other, &pair.cylinder)) || known * 5 > pair.cells.len() * 4 {
             continue;
         }
         tried.push(pair.cylinder);
@@ -239,25 +247,22 @@ fn by_pairs(
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
         let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
-        if !plausible(scene, &candidate, options) {
-            continue;
+        let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+        if let Surface::Cylinder(cylinder, _) = judged.candidate.surface {
+            tried.push(cylinder);
         }
-        let Surface::Cylinder(cylinder, _) = candidate.surface else { continue };
-        tried.push(cylinder);
-        let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-        let score = evidence.score();
-        if score > CERTAIN {
-            candidate.cells.iter().for_each(|&k| explained[k] = true);
+        if judged.score > CERTAIN {
+            judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
         }
-        if score > 0.01 {
-            found.push(Judged { candidate, evidence, score });
+        if judged.score > LEAST_SCORE {
+            found.push(judged);
         }
     }
     found
 }
 
 /// Whether a candidate is worth a closer look.
-pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
+fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
     let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
     let depth = scene.grid.cells[candidate.cells[0]].point.z;
     let allowed = options.limits.axis.is_none_or(|cone| {
