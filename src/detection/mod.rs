@@ -16,6 +16,7 @@ mod search;
 mod surface;
 
 pub use cloud::detect_points;
+pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
 pub(crate) use evidence::least_before_fit;
 pub(crate) use region::detect_in_mask;
@@ -121,6 +122,20 @@ pub fn detect(
     image: Option<&GreyImage>,
     options: &DetectionOptions,
 ) -> Result<Detections> {
+    detect_until(camera, depth, image, options, &|| false)
+}
+
+/// The same, until `stopped` says so.
+///
+/// # Errors
+/// Those of [`detect`], and `Cancelled`.
+pub(crate) fn detect_until(
+    camera: &Camera,
+    depth: &DepthImage,
+    image: Option<&GreyImage>,
+    options: &DetectionOptions,
+    stopped: &dyn Fn() -> bool,
+) -> Result<Detections> {
     options.check()?;
     let (width, height) = camera.size();
     let intrinsics = camera.intrinsics();
@@ -145,7 +160,7 @@ pub fn detect(
         (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
     };
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
-    let found = search::search(&mut grid, pixel, searched, options);
+    let found = search::search(&mut grid, pixel, searched, options, stopped)?;
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
     let found = search::label(&grid, &found, (width, height), pixel, &point, &ray);
     Ok(Detections { image: edges, ..found })

@@ -8,6 +8,7 @@ use super::noise::Noise;
 use super::outline::passes;
 use super::surface::{Optics, REACH, Surface};
 use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
+use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use nalgebra::{Vector2, Vector3};
 
@@ -28,6 +29,9 @@ const FEWEST: usize = 12;
 
 /// The column and the row of pixels at a place on the plane z = 1.
 pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
+
+/// Asked before each candidate.
+pub(super) type Stopped<'a> = dyn Fn() -> bool + 'a;
 
 /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
 /// better explanation wins, unless it is no cylinder.
@@ -68,9 +72,12 @@ pub(super) fn search(
     pixel: f64,
     image: Option<(&ImageEdges, &PixelOf<'_>)>,
     options: &DetectionOptions,
-) -> Vec<Judged> {
-    let Some(noise) = Noise::estimate(grid) else { return Vec::new() };
+    stopped: &Stopped<'_>,
+) -> Result<Vec<Judged>> {
+    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
     let planes = planes::find_planes(grid, &noise);
+    cancelled()?;
     let scene = Scene {
         grid,
         noise,
@@ -78,6 +85,7 @@ pub(super) fn search(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
+        stopped,
     };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
@@ -85,10 +93,13 @@ pub(super) fn search(
     let by_depth = candidates(&scene, options, &mut explained, &mut marks);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
+    cancelled()?;
     let mut found = distinct(found);
     parts::join(&scene, &mut found, options, &mut marks);
     parts::divide(&scene, &mut found, options, &mut marks);
-    select(&scene, &mut found, options, &mut marks)
+    let chosen = select(&scene, &mut found, options, &mut marks);
+    cancelled()?;
+    Ok(chosen)
 }
 
 /// Whether two cylinders are nearly one.
@@ -169,6 +180,9 @@ pub(super) fn candidates(
                 if cells.len() < FEWEST {
                     continue;
                 }
+                if (scene.stopped)() {
+                    return found;
+                }
                 let Some(start) =
                     patch::hypothesis(grid, &cells, scene.noise.deviation, scene.noise.cells_per_sample)
                 else {
@@ -205,7 +219,7 @@ fn by_edges(
         return moved;
     }
     let free = |k: usize| scene.planes[k] == 0;
-    for judged in found {
+    for judged in found.iter().take_while(|_| !(scene.stopped)()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
         let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
@@ -229,7 +243,7 @@ fn by_pairs(
     let mut tried: Vec<Cylinder> = Vec::new();
     let mut grown = 0;
     for pair in scene.pairs() {
-        if grown == MOST_PAIRS {
+        if grown == MOST_PAIRS || (scene.stopped)() {
             break;
         }
         let known = pair.cells.iter().filter(|&&k| explained[k]).count();

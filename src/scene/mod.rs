@@ -5,8 +5,9 @@
 
 mod fits;
 
-use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_points, least_before_fit};
-
+use crate::detection::{
+    Detection, DetectionOptions, Detections, detect_points_until, detect_until, least_before_fit,
+};
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
@@ -94,7 +95,7 @@ pub enum Progress {
 pub struct Observer<'a> {
     /// Called on the thread that searches; `Break` stops.
     pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    /// Asked on any thread, before each linear solve.
+    /// Asked on any thread, before each candidate of the search and each linear solve of the fits.
     pub stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -263,7 +264,8 @@ impl Detector {
             frame.clear_image();
         }
         let search = self.search_options(&frame.pose().inverse());
-        let found = self.search(observer, || detect(camera, depth, frame.image(), &search))?;
+        let found =
+            self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
         let fits = Fits::new(&self.options, found, size);
         self.fit_all(fits, observer, |fits, index, detection, poll| {
             fits.of_frame(&frame, index, detection, poll)
@@ -294,10 +296,10 @@ impl Detector {
         check_memory("the search", count)?;
         check_weights(points)?;
         let search = self.search_options(&RigidMotion::identity());
-        let found = self.search(observer, || match count {
+        let found = self.search(observer, |stopped| match count {
             // Rows of no points are as many as the caller likes.
             0 => Ok(Detections::default()),
-            _ => detect_points(points, &search),
+            _ => detect_points_until(points, &search, stopped),
         })?;
         let fits = Fits::new(&self.options, found, size);
         self.fit_all(fits, observer, |fits, index, detection, poll| {
@@ -323,7 +325,7 @@ impl Detector {
     fn search(
         &self,
         observer: &mut Observer<'_>,
-        find: impl FnOnce() -> Result<Detections>,
+        find: impl FnOnce(&dyn Fn() -> bool) -> Result<Detections>,
     ) -> Result<Detections> {
         let stop = |observer: &mut Observer<'_>| {
             (observer.progress)(Progress::Search).is_break() || (observer.stopped)()
@@ -332,7 +334,7 @@ impl Detector {
         if stop(observer) {
             return cancelled;
         }
-        let found = find()?;
+        let found = find(&observer.stopped)?;
         if (observer.stopped)() { cancelled } else { Ok(found) }
     }
 
