@@ -3,6 +3,7 @@
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
 use crate::detect_arguments::DetectArguments;
+use crate::plan_arguments::PlanArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
 use clap::builder::PossibleValue;
@@ -32,6 +33,7 @@ const EXAMPLES: &str = "Examples:
   cylfuse fit --out results frames/         the same with pictures and completed points
   cylfuse fit --points part.ply             fit a bare point cloud
   cylfuse detect --out results frames/      find all cylinders of whole scenes
+  cylfuse plan --vary distance=0.5..3       how well a camera will measure from how far away
 
 Exit status: 0 all fitted, 1 some frame failed, 2 the command line is wrong.";
 
@@ -44,6 +46,8 @@ pub enum Command {
     Detect(Box<DetectArguments>),
     /// Fit the built-in frame and leave pictures and files in a folder.
     Demo(DemoArguments),
+    /// Say beforehand how well a camera will measure a cylinder.
+    Plan(Box<PlanArguments>),
     /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
     #[cfg(feature = "twin")]
     Twin(TwinArguments),

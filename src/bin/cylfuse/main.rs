@@ -12,6 +12,8 @@ mod frame;
 mod images;
 mod inputs;
 mod overlay;
+mod plan;
+mod plan_arguments;
 mod report;
 mod scene_picture;
 mod table;
@@ -29,6 +31,7 @@ use failure::Failure;
 use fit::Settings;
 use indicatif::{ProgressBar, ProgressStyle};
 use inputs::Input;
+use plan_arguments::PlanArguments;
 use report::{Outcome, Report};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
         Command::Fit(arguments) => fit_all(&arguments),
         Command::Detect(arguments) => detect_all(&arguments),
         Command::Demo(arguments) => run_demo(&arguments),
+        Command::Plan(arguments) => print_plan(&arguments),
         #[cfg(feature = "twin")]
         Command::Twin(arguments) => make_frames(&arguments),
     };
@@ -159,6 +163,42 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
             Ok(true)
         }
     }
+}
+
+/// Prints what a camera will measure; tells whether some row failed.
+fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
+    let (base, rows) = match arguments.plan().and_then(|base| Ok((base, plan::rows(arguments)?))) {
+        Ok(found) => found,
+        Err(Failure { status, message }) => {
+            complain(&format!("{status}: {message}"));
+            return Ok(true);
+        }
+    };
+    #[cfg(feature = "twin")]
+    let rows = with_captures(rows, arguments)?;
+    let failed = rows.iter().any(|row| row.expected.is_err());
+    if arguments.json {
+        for row in &rows {
+            print_json(&plan::RowJson::from(row))?;
+        }
+        return Ok(failed);
+    }
+    write!(io::stdout(), "{}", plan::render(&rows, arguments.vary.as_ref()))?;
+    if let (Some(percent), Some(vary)) = (arguments.within, &arguments.vary) {
+        writeln!(io::stdout(), "{}", plan::within(&rows, &base, vary, percent))?;
+    }
+    Ok(failed)
+}
+
+#[cfg(feature = "twin")]
+fn with_captures(mut rows: Vec<plan::Row>, arguments: &PlanArguments) -> io::Result<Vec<plan::Row>> {
+    let Some(count) = arguments.simulate else { return Ok(rows) };
+    let progress = progress_bar(rows.len().saturating_mul(count as usize));
+    for row in rows.iter_mut().filter(|row| row.expected.is_ok()) {
+        plan::simulate(row, arguments, count, &|| progress.inc(1)).map_err(io::Error::other)?;
+    }
+    progress.finish_and_clear();
+    Ok(rows)
 }
 
 /// Makes all frames; tells whether something failed.

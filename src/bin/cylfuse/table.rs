@@ -67,14 +67,20 @@ const POINTS: Column = Column::number("points", |m| m.result.points_used.to_stri
 const ITERATIONS: Column = Column::number("its", |m| m.result.iterations.to_string());
 const TIME: Column = Column::number("ms", |m| format!("{:.1}", m.seconds.fit * 1000.0));
 
+/// A table with two rules.
+pub fn plain() -> Table {
+    let mut table = Table::new();
+    let rule = LineStyle::none().fill('─').junction('─');
+    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    table
+}
+
 /// The table, and below it what has to be said about single frames.
 pub fn render(reports: &[Report]) -> String {
     let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.view.fitted == Fitted::Cloud);
     let (name, columns) =
         if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
-    let mut table = Table::new();
-    let rule = LineStyle::none().fill('─').junction('─');
-    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    let mut table = plain();
     let titles = std::iter::once(name).chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
     for report in reports {
@@ -103,9 +109,7 @@ pub fn render(reports: &[Report]) -> String {
 /// The cylinders of one frame, a line each.
 pub fn render_scene(frame: &str, scene: &Scene) -> String {
     let columns = FRAME_COLUMNS;
-    let mut table = Table::new();
-    let rule = LineStyle::none().fill('─').junction('─');
-    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    let mut table = plain();
     let titles = ["", "score"].into_iter().chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
     for (index, found) in scene.cylinders.iter().enumerate() {
