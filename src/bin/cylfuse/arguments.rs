@@ -3,6 +3,7 @@
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
 use crate::detect_arguments::DetectArguments;
+use crate::page::Tolerance;
 use crate::plan_arguments::PlanArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
@@ -74,6 +75,16 @@ pub struct FitArguments {
     /// overlay-1.png and so on too; with several frames to a subfolder for each.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
+
+    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
+    /// needs no other file and no network.
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    pub report: Option<PathBuf>,
+
+    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
+    /// by the uncertainty.
+    #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
+    pub tolerance: Vec<Tolerance>,
 
     /// How to estimate the cylinder.
     #[arg(long, value_enum, default_value_t = MethodName::Fused, help_heading = "Estimation")]

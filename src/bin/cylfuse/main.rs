@@ -12,6 +12,7 @@ mod frame;
 mod images;
 mod inputs;
 mod overlay;
+mod page;
 mod plan;
 mod plan_arguments;
 mod report;
@@ -83,7 +84,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         if arguments.json && written.is_ok() {
             written = progress.suspend(|| print_json(&report));
         }
-        if !arguments.json {
+        if !arguments.json || arguments.report.is_some() {
             reports.push(report);
         }
         progress.inc(1);
@@ -94,6 +95,10 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     written?;
     if !arguments.json {
         print_table(&reports)?;
+    }
+    if let Some(path) = &arguments.report {
+        let metres = arguments.points.is_empty();
+        failed |= complained(page::write_fits(path, &reports, &arguments.tolerance, metres));
     }
     Ok(failed)
 }
@@ -106,7 +111,8 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
             usage_error("detect", ErrorKind::ValueValidation, &format!("{error} ({})", error.name()))
         }
     };
-    let settings = detect::Settings { detection, image: !arguments.no_image };
+    let illustrate = arguments.report.is_some();
+    let settings = detect::Settings { detection, image: !arguments.no_image, illustrate };
     let inputs = if arguments.points.is_empty() {
         inputs::find_frames(&arguments.frames)
     } else {
@@ -115,12 +121,16 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
     let progress = progress_bar(inputs.len());
     let mut failed = false;
+    let mut reports = Vec::new();
     let mut written = Ok(());
     let mut take = |report: SceneReport| {
         failed |= matches!(report.outcome, SceneOutcome::Failed { .. });
         if written.is_ok() {
             written =
                 progress.suspend(|| if arguments.json { print_json(&report) } else { print_scene(&report) });
+        }
+        if illustrate {
+            reports.push(report);
         }
         progress.inc(1);
     };
@@ -130,6 +140,10 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     fit::in_order(&inputs, arguments.threads, &search, &mut take).map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
+    if let Some(path) = &arguments.report {
+        let metres = arguments.points.is_empty();
+        failed |= complained(page::write_scenes(path, &reports, &arguments.tolerance, metres));
+    }
     Ok(failed)
 }
 
@@ -236,7 +250,7 @@ fn print_table(reports: &[Report]) -> io::Result<()> {
     for report in reports {
         if let Outcome::Failed { error: Failure { status, message } } = &report.outcome {
             // Most messages start with the path of a file of the frame.
-            let name = table::short_name(report);
+            let name = table::short_name(&report.frame);
             let whose = if message.starts_with(name) { String::new() } else { format!("{name}: ") };
             complain(&format!("{whose}{status}: {message}"));
         }
@@ -261,6 +275,15 @@ fn usage_error(name: &str, kind: ErrorKind, message: &str) -> ! {
         Some(subcommand) => subcommand.error(kind, message).exit(),
         None => command.error(kind, message).exit(),
     }
+}
+
+/// Tells on stderr of a failure; whether there was one.
+fn complained(outcome: Result<(), Failure>) -> bool {
+    let failure = outcome.err();
+    if let Some(Failure { status, message }) = &failure {
+        complain(&format!("{status}: {message}"));
+    }
+    failure.is_some()
 }
 
 /// A line on stderr. When even that is gone, nobody is left to be told.

@@ -88,7 +88,8 @@ pub fn render(reports: &[Report]) -> String {
             Outcome::Measured(measurement) => columns.iter().map(|c| (c.cell)(measurement)).collect(),
             Outcome::Failed { .. } => vec!["failed".into()],
         };
-        table.add_row(std::iter::once(short_name(report).to_string()).chain(cells).collect::<Vec<_>>());
+        table
+            .add_row(std::iter::once(short_name(&report.frame).to_string()).chain(cells).collect::<Vec<_>>());
     }
     for (drawn, column) in table.column_iter_mut().skip(1).zip(columns) {
         if column.number {
@@ -99,7 +100,7 @@ pub fn render(reports: &[Report]) -> String {
     for report in reports {
         if let Outcome::Measured(measurement) = &report.outcome {
             for note in &measurement.notes {
-                text.push_str(&format!("{}: {note}\n", short_name(report)));
+                text.push_str(&format!("{}: {note}\n", short_name(&report.frame)));
             }
         }
     }
@@ -126,8 +127,7 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
 }
 
 /// The folder of a frame.json says which frame it is.
-pub fn short_name(report: &Report) -> &str {
-    let path = report.frame.as_str();
+pub fn short_name(path: &str) -> &str {
     path.strip_suffix("frame.json").and_then(|p| p.strip_suffix(['/', '\\'])).unwrap_or(path)
 }
 
