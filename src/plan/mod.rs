@@ -1,8 +1,8 @@
 //! What a camera will measure of a cylinder that nobody has put before it yet.
 //!
 //! A [`Plan`] says where the cylinder stands and how noisy depth and image are. [`Plan::expected`] gives the standard
-//! deviations of radius, direction, position and length by the covariance of the robust objective at the exact view, in
-//! milliseconds. With the feature `twin`, `Plan::trial` takes captures of the twin of an RGB-D camera instead and fits them.
+//! deviations of radius, direction, position and length by the covariance of the robust objective at the exact view. With the
+//! feature `twin`, `Plan::trial` takes captures of the twin of an RGB-D camera instead and fits them.
 //!
 //! ```
 //! use cylfuse::camera::{Camera, Distortion, Intrinsics};

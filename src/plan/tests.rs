@@ -32,7 +32,7 @@ fn less_noise_and_less_distance_are_better() {
     }
 }
 
-/// The same in millimetres of image and world: everything but the shared errors and the pixels scales.
+/// With half the noise at twice the depth a pixel sees twice as much of everything.
 #[test]
 fn a_scene_twice_as_large_has_twice_the_deviations() {
     let base = plan();

@@ -9,6 +9,9 @@ use serde::Serialize;
 
 const MILLIMETRES: f64 = 1000.0;
 
+/// So many expected deviations are no noise: the fit took something else.
+const FAR_OFF: f64 = 5.0;
+
 /// Halvings of an interval in search of a limit: to a ten-thousandth of it.
 const HALVINGS: usize = 14;
 
@@ -27,11 +30,14 @@ pub struct Row {
 
 /// What captures of the twin did.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(not(feature = "twin"), allow(dead_code, reason = "only the twin takes captures"))]
 pub struct Captures {
     /// How many were fitted.
     pub count: usize,
     /// How many could not be.
     pub failed: usize,
+    /// How many of the fitted have a radius that is off by more than `FAR_OFF` expected deviations.
+    pub far_off: usize,
     /// Scatter and bias, of two or more.
     pub of: Option<[Deviations; 2]>,
 }
@@ -65,7 +71,9 @@ pub fn simulate(
         done();
     })?;
     let of = cylfuse::plan::Scatter::new(&trials).ok().map(|scatter| [scatter.deviation, scatter.bias]);
-    row.captures = Some(Captures { count: trials.len(), failed: seeds.len() - trials.len(), of });
+    let most = row.expected.as_ref().map_or(f64::INFINITY, |expected| FAR_OFF * expected.total.radius);
+    let far_off = trials.iter().filter(|trial| trial.radius.abs() > most).count();
+    row.captures = Some(Captures { count: trials.len(), failed: seeds.len() - trials.len(), far_off, of });
     Ok(())
 }
 
@@ -101,9 +109,14 @@ pub fn render(rows: &[Row], vary: Option<&Vary>) -> String {
             }
             Err(_) => lines.push(("not measured".into(), None)),
         }
-        if let Some(Captures { count, failed, of }) = row.captures {
-            let failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
-            lines.push((format!("{count} captures{failed}"), of.map(|[scatter, _]| scatter)));
+        if let Some(Captures { count, failed, far_off, of }) = row.captures {
+            let mut what = format!("{count} captures");
+            for (count, word) in [(failed, "failed"), (far_off, "far off")] {
+                if count > 0 {
+                    what.push_str(&format!(", {count} {word}"));
+                }
+            }
+            lines.push((what, of.map(|[scatter, _]| scatter)));
             lines.push(("their bias".into(), of.map(|[_, bias]| bias)));
         }
         let value = row
@@ -217,6 +230,7 @@ struct ExpectedJson {
 struct CapturesJson {
     count: usize,
     failed: usize,
+    far_off: usize,
     scatter: Option<DeviationsJson>,
     bias: Option<DeviationsJson>,
 }
@@ -247,6 +261,7 @@ impl From<&Row> for RowJson {
         let captures = row.captures.map(|captures| CapturesJson {
             count: captures.count,
             failed: captures.failed,
+            far_off: captures.far_off,
             scatter: captures.of.map(|[scatter, _]| scatter.into()),
             bias: captures.of.map(|[_, bias]| bias.into()),
         });

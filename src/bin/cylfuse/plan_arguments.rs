@@ -120,7 +120,8 @@ pub struct PlanArguments {
 
 const EXAMPLES: &str =
     "Scatter is what captures of one scene differ by, total what a measurement is off by, both as standard
-deviations; the total has the errors that all points share in it, 0.1 % of the distance.
+deviations; the total has the errors that all points share in it, 0.1 % of the distance. A capture is far off when its
+radius is off by more than five times the total.
 
 How far away may a 20 mm pipe be for 0.5 %?
   cylfuse plan --radius 0.01 --length 0.3 --vary distance=0.4..3 --within 0.5";

@@ -7,6 +7,7 @@ mod tolerance;
 
 pub use tolerance::{Tolerance, Verdict};
 
+use crate::canvas::color_of;
 use crate::detect::{SceneOutcome, SceneReport};
 use crate::failure::Failure;
 use crate::fit::write_file;
@@ -103,6 +104,8 @@ struct FrameContent {
 struct CylinderContent {
     /// Of a cylinder among several.
     number: Option<usize>,
+    /// Red, green and blue, as in the picture.
+    color: [u8; 3],
     score: Option<f64>,
     point: [f64; 3],
     direction: [f64; 3],
@@ -124,6 +127,7 @@ impl CylinderContent {
         let length_deviation = extent.as_ref().and_then(|extent| extent.length_deviation);
         Self {
             number: None,
+            color: color_of(0),
             score: None,
             point: cylinder.point,
             direction: cylinder.direction,
@@ -178,13 +182,11 @@ impl FrameContent {
             SceneOutcome::Searched(scene) => {
                 let cylinders = scene.cylinders.iter().enumerate().map(|(index, found)| CylinderContent {
                     number: Some(index + 1),
+                    color: color_of(index),
                     score: Some(found.score),
                     ..CylinderContent::new(&found.measurement, tolerances)
                 });
-                Self {
-                    cylinders: cylinders.collect(),
-                    ..Self::new(&report.frame, scene.illustration.as_ref())
-                }
+                Self { cylinders: cylinders.collect(), ..Self::new(name, scene.illustration.as_ref()) }
             }
         }
     }

@@ -201,7 +201,6 @@
 
   // Points and cylinders in 3D.
   const canvas = document.querySelector('#view canvas');
-  const COLOURS = [0xd1495b, 0x2e86ab, 0x3b8b57, 0xe58a1f, 0x7b4fa3, 0x2a9d8f, 0x8d6e3a, 0xc2418d];
   let world = null;
   function start3d() {
     // Asked first: the library would complain in the console where there is no WebGL.
@@ -251,7 +250,7 @@
     return [low, high].map((along) => point.clone().addScaledVector(direction, along));
   }
 
-  function surface(cylinder, [start, end], colour) {
+  function surface(cylinder, [start, end], color) {
     const SIDES = 64;
     const axis = end.clone().sub(start).normalize();
     const helper = Math.abs(axis.x) < 0.7 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
@@ -268,11 +267,11 @@
       if (k % 8 === 0) lines.push(a, c);
     }
     const geometry = (list) => new THREE.BufferGeometry().setFromPoints(list);
-    const skin = new THREE.MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.28, side: THREE.DoubleSide, depthWrite: false });
+    const skin = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: 0.28, side: THREE.DoubleSide, depthWrite: false });
     return [
       new THREE.Mesh(geometry(triangles), skin),
-      new THREE.LineSegments(geometry(lines), new THREE.LineBasicMaterial({ color: colour })),
-      new THREE.LineSegments(geometry([start, end]), new THREE.LineBasicMaterial({ color: colour })),
+      new THREE.LineSegments(geometry(lines), new THREE.LineBasicMaterial({ color })),
+      new THREE.LineSegments(geometry([start, end]), new THREE.LineBasicMaterial({ color })),
     ];
   }
 
@@ -285,10 +284,10 @@
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(cloud, 3));
     world.scene.add(new THREE.Points(geometry, new THREE.PointsMaterial({ color: 0x33414f, size: 2.5, sizeAttenuation: false })));
-    frame.cylinders.forEach((each, k) => {
-      const colour = COLOURS[k % COLOURS.length];
-      world.scene.add(...surface(each, endsOf(each, cloud, frame.origin), colour));
-    });
+    for (const each of frame.cylinders) {
+      const color = new THREE.Color(`rgb(${each.color})`);
+      world.scene.add(...surface(each, endsOf(each, cloud, frame.origin), color));
+    }
     const target = new THREE.Vector3();
     let size = 1;
     if (cylinder) {
