@@ -68,9 +68,17 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let surface = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks)?;
-    cells.retain(|&k| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH);
-    let gain = scene.worth(&surface, &cells, marks);
+    let mut best: Option<(f64, Surface, Vec<usize>)> = None;
+    let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
+    for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
+        let on = |&k: &usize| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH;
+        let on: Vec<usize> = cells.iter().copied().filter(on).collect();
+        let worth = scene.worth(&surface, &on, marks);
+        if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
+            best = Some((worth, surface, on));
+        }
+    }
+    let (gain, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
     if gain < a.candidate.gain + b.candidate.gain - 3.0 {
         return None;

@@ -294,11 +294,7 @@ fn select(
             judged.evidence = evidence;
             judged.score = evidence.score();
         }
-        // A fit that locates its limbs may raise the score.
-        let located = judged.evidence.limbs.map(|_| 2);
-        if (Evidence { limbs: located.map(|_| [1.0; 2]), located, ..judged.evidence }).score()
-            < options.min_score
-        {
+        if judged.score < options.min_score {
             continue;
         }
         judged.candidate.cells.iter().for_each(|&k| taken[k] = true);

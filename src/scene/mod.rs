@@ -5,7 +5,7 @@
 
 mod fits;
 
-use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_points};
+use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_points, least_before_fit};
 
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
@@ -308,7 +308,8 @@ impl Detector {
     /// The options of the search, for all that may be left when every cylinder is fitted.
     fn search_options(&self, into_camera: &RigidMotion) -> DetectionOptions {
         let limits = of_search(&self.options.search.limits, into_camera);
-        DetectionOptions { limits, max_count: usize::MAX, ..self.options.search }
+        let min_score = least_before_fit(self.options.search.min_score);
+        DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
     }
 
     /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
