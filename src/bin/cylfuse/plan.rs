@@ -10,6 +10,7 @@ use serde::Serialize;
 const MILLIMETRES: f64 = 1000.0;
 
 /// So many expected deviations are no noise: the fit took something else.
+#[cfg(feature = "twin")]
 const FAR_OFF: f64 = 5.0;
 
 /// Halvings of an interval in search of a limit: to a ten-thousandth of it.
