@@ -13,7 +13,7 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
-const SAMPLE: usize = 500;
+pub(super) const SAMPLE: usize = 500;
 
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
@@ -51,7 +51,7 @@ impl Data<'_> {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
             StartKind::Ransac => {
-                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }])
+                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(None, run)?.cylinder }])
             }
             StartKind::Auto => self.choose(given, run),
         }
@@ -59,17 +59,26 @@ impl Data<'_> {
 
     /// Eberly's algebraic fit with a direction that is allowed, its radius moved into the limits.
     pub fn moments_start(&self) -> Option<Cylinder> {
-        let fit = Moments::new(self.weighted_points())?.best(self.options.cylinder_limits.cone())?;
+        self.moments_start_of(self.weighted_points())
+    }
+
+    fn moments_start_of(
+        &self,
+        points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone,
+    ) -> Option<Cylinder> {
+        let fit = Moments::new(points)?.best(self.options.cylinder_limits.cone())?;
         Some(self.within_limits(&fit.cylinder))
     }
 
-    /// The best of random samples. The points of several views have no common observer.
-    pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
+    /// The best of random samples, or a known cylinder improved where it explains the points. The points of several views
+    /// have no common observer.
+    pub fn ransac(&self, known: Option<Cylinder>, run: &mut Run<'_>) -> Result<RansacFit> {
         let points: Vec<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
+            known,
             limits: self.limits_of_iteration(),
             ..RansacOptions::default()
         };
@@ -105,7 +114,8 @@ impl Data<'_> {
         let mut candidates = Vec::new();
         candidates.extend(given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder }));
         candidates.extend(&from_limbs);
-        let moments = self.moments_start();
+        // Of some points: as good for a start.
+        let moments = self.moments_start_of(sample.iter().map(|p| (*p, 1.0)));
         candidates.extend(moments.map(|cylinder| Candidate { kind: StartKind::Moments, cylinder }));
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
         // Random samples take longer than all the rest: only where the limbs do not explain the points.
@@ -113,7 +123,8 @@ impl Data<'_> {
             median_distance(&start.cylinder, &sample) <= EXPLAINED * start.cylinder.radius
         };
         if !from_limbs.iter().any(explained) {
-            match self.ransac(run) {
+            let found = |view: &ViewData<'_>| Some(view.into_view.inverse().cylinder(&view.found?));
+            match self.ransac(self.views.iter().find_map(found), run) {
                 Ok(fit) => candidates.push(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = error.to_string(),
@@ -169,7 +180,7 @@ impl ViewData<'_> {
 }
 
 /// Median distance of points from a surface, 0 for no points.
-fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
+pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
     let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
     median(&mut distances)
 }
