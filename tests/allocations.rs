@@ -58,14 +58,18 @@ fn asked_by(mut fitter: Fitter) -> usize {
 #[test]
 fn repeated_fits_ask_for_memory_no_more_often_than_before_and_keep_none() {
     let cases = [
-        ("paper, 5,000 points, from a model", fits::noisy(5_000, true, fits::paper(StartKind::Model)), 0),
-        ("robust, 5,000 points and edges", fits::noisy(5_000, true, Options::default()), 0),
-        ("robust, image and edges", fits::framed(true, true), 0),
-        ("robust, image and mask", fits::framed(true, false), 0),
+        ("paper, 5,000 points, from a model", fits::noisy(5_000, true, fits::paper(StartKind::Model)), 60),
+        ("robust, 5,000 points and edges", fits::noisy(5_000, true, Options::default()), 330),
+        ("robust, image and edges", fits::framed(true, true), 6200),
+        ("robust, image and mask", fits::framed(true, false), 8200),
     ];
+    let mut rises = String::new();
     for (name, fitter, most) in cases {
         let asked = asked_by(fitter);
         println!("{asked:6}  {name}");
-        assert!(asked <= most, "{name}: {asked}, more than {most}");
+        if asked > most {
+            rises += &format!("{name}: {most} -> {asked}\n");
+        }
     }
+    assert!(rises.is_empty(), "memory is asked for more often:\n{rises}");
 }

@@ -7,7 +7,6 @@ use super::view::View;
 use crate::camera::Camera;
 use crate::detection::detect_in_mask;
 use crate::geometry::Cylinder;
-use crate::observations::Mask;
 use crate::start::limbs::from_limbs;
 
 /// Fewest points of a body, as a part of those in the mask: with less the cylinder that was found is hardly the one that
@@ -18,39 +17,17 @@ const LEAST_PART: f64 = 0.1;
 /// as near as the surface is looked for where the parts of a mask are told.
 const KNOWN: f64 = 0.05;
 
-/// What is fitted of a view.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Body {
-    /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
-    pub view: Option<View>,
-    /// The cylinder that was found in the mask, in the coordinates of the view.
-    pub found: Option<Cylinder>,
-}
-
-/// What in the mask of a view is the body.
-pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>) -> Body {
-    let (Some(camera), Some(depth), Some(mask)) = (view.camera(), view.depth(), &view.mask) else {
-        return Body::default();
-    };
+/// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
+pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>) -> Option<View> {
+    let (camera, depth, mask) = (view.camera()?, view.depth()?, view.mask.as_ref()?);
     // Most masks with edges hold the body alone, and that takes no search.
     let known = known(view, camera, options, start);
     if known.and_then(|cylinder| view.parts(&cylinder, &options.noise)).is_some_and(|parts| parts.all_body())
     {
-        return Body::default();
+        return None;
     }
-    let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits);
-    Body { view: found.and_then(|cylinder| body_of(view, camera, mask, &cylinder, options)), found }
-}
-
-/// The view with what belongs to the body of a cylinder; `None` where that is all.
-fn body_of(
-    view: &View,
-    camera: &Camera,
-    mask: &Mask,
-    cylinder: &Cylinder,
-    options: &Options,
-) -> Option<View> {
-    let parts = view.parts(cylinder, &options.noise)?;
+    let cylinder = detect_in_mask(camera, depth, mask, &options.cylinder_limits)?;
+    let parts = view.parts(&cylinder, &options.noise)?;
     if parts.all_body() {
         return None;
     }

@@ -64,8 +64,6 @@ pub(super) struct ViewData<'a> {
     pub lattice: Option<Lattice>,
     /// The given segments that can be limbs.
     pub edges: UsableEdges,
-    /// The cylinder that was found in the mask, in the coordinates of the view.
-    pub found: Option<Cylinder>,
     /// Whether the origin of the view is an observer that sees the points.
     pub observed: bool,
     /// The noise model in pixels of the image.
@@ -372,7 +370,6 @@ impl<'a> ViewData<'a> {
             points: PointTerm::new(&view.cloud, Some(workers)),
             lattice: Lattice::of_cloud(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
-            found: None,
             observed,
             noise,
         }

@@ -383,7 +383,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
         let mut starts = candidates.to_vec();
         if self.data.options.start == StartKind::Auto {
-            match self.data.ransac(None, self.run) {
+            match self.data.ransac(self.run) {
                 Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => {}

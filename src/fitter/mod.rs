@@ -41,7 +41,6 @@ use crate::geometry::LimbFrame;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
 use crate::workers::Workers;
-use body::Body;
 use data::Data;
 use edges::UsableEdges;
 use held::Held;
@@ -81,8 +80,8 @@ pub struct Fitter {
 struct MadeWith {
     /// What it held the cylinder to.
     held: Held,
-    /// By view: what was fitted of it.
-    bodies: Vec<Body>,
+    /// By view: what was fitted of it, where its mask holds more than the body.
+    bodies: Vec<Option<View>>,
 }
 
 impl Default for Fitter {
@@ -313,8 +312,8 @@ impl Fitter {
         asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
-    /// By view: what is fitted of it. The other objectives take the mask as it is.
-    fn bodies(&self) -> Vec<Body> {
+    /// By view: the part of it that is the body, where its mask holds more. The other objectives take the mask as it is.
+    fn bodies(&self) -> Vec<Option<View>> {
         if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
             return Vec::new();
         }
@@ -327,14 +326,10 @@ impl Fitter {
     }
 
     /// The data of all views, of some only the body.
-    fn data_of<'a>(&'a self, bodies: &'a [Body]) -> Result<Data<'a>> {
-        let body = |index: usize| bodies.get(index).and_then(|body| body.view.as_ref());
+    fn data_of<'a>(&'a self, bodies: &'a [Option<View>]) -> Result<Data<'a>> {
+        let body = |index: usize| bodies.get(index).and_then(Option::as_ref);
         let views = self.views.iter().enumerate().map(|(index, view)| body(index).unwrap_or(view));
-        let mut data = Data::new(&self.options, views, self.start.as_ref(), &self.workers)?;
-        for view in &mut data.views {
-            view.found = bodies.get(view.index).and_then(|body| body.found);
-        }
-        Ok(data)
+        Data::new(&self.options, views, self.start.as_ref(), &self.workers)
     }
 
     /// What the last fit held the cylinder to, or the given segments.

@@ -30,9 +30,9 @@ const INFORMATION_TOLERANCE: f64 = 0.1;
 const SCALE_ROUNDS: usize = 20;
 
 /// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
-/// flat, take half as many; without the limit a hundred guides that contradict the points would each be followed to
+/// flat, take two thirds as many; without the limit a hundred guides that contradict the points would each be followed to
 /// the end.
-const MANY_SOLVES: usize = 2000;
+const MANY_SOLVES: usize = 1500;
 const ORDINARY_SOLVES: usize = 40;
 
 /// The part of the distance over which what shifts all points changes by its own size: a lens has the errors of its
@@ -142,7 +142,7 @@ impl Data<'_> {
     ) -> Result<Minimum> {
         match self.is_paper() {
             true => self.minimise_paper(held, start, run),
-            false => self.minimise_robust(held, start, self.scales(start), false, precision, run),
+            false => self.minimise_robust(held, start, self.scales(start), precision, run),
         }
     }
 
@@ -155,7 +155,7 @@ impl Data<'_> {
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
         let scales = before.scales.clone();
-        let mut after = self.minimise_robust(held, before.cylinder(), scales, true, precision, run)?;
+        let mut after = self.minimise_robust(held, before.cylinder(), scales, precision, run)?;
         self.check_radius(after.cylinder())?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
@@ -186,14 +186,12 @@ impl Data<'_> {
     }
 
     /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change a
-    /// rough minimum is enough. `counted`: whether the numbers of independent points are those of a minimum, which others
-    /// on the way keep.
+    /// rough minimum is enough.
     fn minimise_robust(
         &self,
         held: &Held,
         start: &Cylinder,
         mut scales: Scales,
-        counted: bool,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
@@ -215,9 +213,6 @@ impl Data<'_> {
             let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
             scales = next;
             if ended {
-                break;
-            }
-            if settled && counted && precision == Precision::Rough {
                 break;
             }
             if settled {

@@ -51,7 +51,7 @@ impl Data<'_> {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
             StartKind::Ransac => {
-                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(None, run)?.cylinder }])
+                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }])
             }
             StartKind::Auto => self.choose(given, run),
         }
@@ -70,15 +70,13 @@ impl Data<'_> {
         Some(self.within_limits(&fit.cylinder))
     }
 
-    /// The best of random samples, or a known cylinder improved where it explains the points. The points of several views
-    /// have no common observer.
-    pub fn ransac(&self, known: Option<Cylinder>, run: &mut Run<'_>) -> Result<RansacFit> {
+    /// The best of random samples. The points of several views have no common observer.
+    pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
         let points: Vec<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
-            known,
             limits: self.limits_of_iteration(),
             ..RansacOptions::default()
         };
@@ -123,8 +121,7 @@ impl Data<'_> {
             median_distance(&start.cylinder, &sample) <= EXPLAINED * start.cylinder.radius
         };
         if !from_limbs.iter().any(explained) {
-            let found = |view: &ViewData<'_>| Some(view.into_view.inverse().cylinder(&view.found?));
-            match self.ransac(self.views.iter().find_map(found), run) {
+            match self.ransac(run) {
                 Ok(fit) => candidates.push(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = error.to_string(),

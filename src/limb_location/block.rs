@@ -130,6 +130,7 @@ impl ShadedSums {
     }
 
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
     fn add(&mut self, row: &ShadedRow, value: f64) {
         for i in 0..4 {
             for k in 0..8 {

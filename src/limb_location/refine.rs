@@ -32,7 +32,7 @@ constants! {
     FIRST_STEPS = 4.0, "";
 
     /// The iteration ends when no line moves by more, in pixels.
-    SETTLED = 3e-3, "px";
+    SETTLED = 1e-3, "px";
 
     /// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
     LONGEST_STEP = 0.5, "px";

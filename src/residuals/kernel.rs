@@ -120,6 +120,7 @@ pub(super) struct Influences<'a, L> {
 impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
     /// Weights, slopes of the influence, their squares, and the upper half of influence times influence.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
     fn add<S: Simd>(
         &self,
         simd: S,

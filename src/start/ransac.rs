@@ -57,9 +57,6 @@ const FEWEST_ORIENTED_ITERATIONS: usize = 200;
 /// distribution is outside.
 const THRESHOLD_DEVIATIONS: f64 = 2.5;
 
-/// The part of the points within the narrowed threshold of a known cylinder from which on nothing else is searched for.
-const LEAST_EXPLAINED: f64 = 0.5;
-
 /// The smallest threshold that comes from the data, in units of the size of the cloud: above the rounding of
 /// a fit to points without noise.
 const SMALLEST_THRESHOLD: f64 = 1e-7;
@@ -79,9 +76,6 @@ pub struct RansacOptions {
     pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// A cylinder that was found by other means. Where half of the points or more lie on it, without a given threshold,
-    /// it is improved like the best sample and no sample is drawn.
-    pub known: Option<Cylinder>,
     /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
     pub limits: CylinderLimits,
 }
@@ -93,7 +87,6 @@ impl Default for RansacOptions {
             threshold: 0.0,
             confidence: 0.99,
             seed: 0,
-            known: None,
             limits: CylinderLimits::default(),
         }
     }
@@ -164,11 +157,10 @@ pub fn ransac(
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
-    let known = options.threshold == 0.0 && search.take_known()?;
-    if options.threshold == 0.0 && !known {
+    if options.threshold == 0.0 {
         search.choose_threshold(&mut rng)?;
     }
-    let iterations = if known { 0 } else { search.run(&mut rng)? };
+    let iterations = search.run(&mut rng)?;
     search.best = search.best.or(search.flat);
     if options.threshold == 0.0 {
         search.narrow_threshold()?;
@@ -301,25 +293,6 @@ impl Search<'_> {
         let needed = (1.0 - self.options.confidence).ln() / (-inliers.powi(size)).ln_1p();
         // Without inliers this is infinite, with no outliers 0: the cast saturates.
         (needed.ceil() as usize).max(fewest).min(most)
-    }
-
-    /// Takes the known cylinder, improved, with a threshold of its own; `false` where it doesn't explain the points.
-    fn take_known(&mut self) -> Result<bool> {
-        let known = self.options.known.and_then(|known| self.scorer.within_limits(&known));
-        let Some(cylinder) = known else { return Ok(false) };
-        let median = self.scorer.median_distance(&cylinder);
-        if !median.is_finite() {
-            return Ok(false);
-        }
-        let least = SMALLEST_THRESHOLD * self.scorer.size;
-        self.scorer.threshold = (THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median).max(least);
-        self.best = Some(self.improve(&cylinder)?);
-        self.narrow_threshold()?;
-        self.best = self.best.filter(|best| {
-            let explained = self.scorer.inlier_fraction(&best.cylinder) >= LEAST_EXPLAINED;
-            explained && !self.scorer.is_flat(&best.cylinder)
-        });
-        Ok(self.best.is_some())
     }
 
     /// Sets the threshold from the hypothesis with the least median distance.
