@@ -150,3 +150,20 @@ fn a_mask_of_the_body_is_left_as_it_is() {
     let body = scene.parts().iter().filter(|part| **part == Part::Body).count();
     assert!(fit.points_used.abs_diff(body) * 50 < body, "{} of {body}", fit.points_used);
 }
+
+#[test]
+fn a_start_that_is_near_hides_nothing_in_the_mask() {
+    for top in [Top::Closed, Top::Open] {
+        let scene = Scene::new(top);
+        let body = scene.parts().iter().filter(|part| **part == Part::Body).count();
+        for (aside, tilt, scale) in [(0.0, 0.0, 1.0), (0.001, 0.02, 1.03), (-0.001, -0.02, 0.97)] {
+            let Cylinder { axis, radius } = scene.cylinder;
+            let (point, direction) =
+                (axis.point + Vector3::x() * aside, axis.direction + Vector3::x() * tilt);
+            let mut whole = scene.fitter(|_| true);
+            whole.set_start(Some(Cylinder::new(point, direction, radius * scale).unwrap()));
+            let fit = whole.fit().unwrap();
+            assert!(fit.points_used.abs_diff(body) * 50 < body, "{} of {body}", fit.points_used);
+        }
+    }
+}

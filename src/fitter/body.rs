@@ -1,16 +1,31 @@
 //! Before a fit: what in the mask of each view is the body of the cylinder. The rest is left out of the fit.
 
+use super::edges::UsableEdges;
 use super::options::Options;
+use super::start::{SAMPLE, median_distance};
 use super::view::View;
+use crate::camera::Camera;
 use crate::detection::detect_in_mask;
+use crate::geometry::Cylinder;
+use crate::start::limbs::from_limbs;
 
 /// Fewest points of a body, as a part of those in the mask: with less the cylinder that was found is hardly the one that
 /// was meant.
 const LEAST_PART: f64 = 0.1;
 
+/// A cylinder is known before it is searched where the points are within this part of its radius of it in the median:
+/// as near as the surface is looked for where the parts of a mask are told.
+const KNOWN: f64 = 0.05;
+
 /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
-pub(super) fn separate(view: &View, options: &Options) -> Option<View> {
+pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>) -> Option<View> {
     let (camera, depth, mask) = (view.camera()?, view.depth()?, view.mask.as_ref()?);
+    // Most masks with edges hold the body alone, and that takes no search.
+    let known = known(view, camera, options, start);
+    if known.and_then(|cylinder| view.parts(&cylinder, &options.noise)).is_some_and(|parts| parts.all_body())
+    {
+        return None;
+    }
     let cylinder = detect_in_mask(camera, depth, mask, &options.cylinder_limits)?;
     let parts = view.parts(&cylinder, &options.noise)?;
     if parts.all_body() {
@@ -27,5 +42,18 @@ pub(super) fn separate(view: &View, options: &Options) -> Option<View> {
         body: Some(body),
         cloud,
         segments: view.segments.clone(),
+    })
+}
+
+/// The start model or the cylinder of two segments, where the points lie on it.
+fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Option<Cylinder> {
+    let sample = view.cloud.sample(SAMPLE);
+    let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
+    let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
+    given.or_else(|| {
+        let noise = options.noise.in_image(camera.size());
+        let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
+        let [first, second] = &edges.rays[..] else { return None };
+        from_limbs(first, second, &sample).filter(explains)
     })
 }

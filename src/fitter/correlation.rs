@@ -8,6 +8,7 @@
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::observations::PointCloud;
 use nalgebra::Vector2;
+use pulp::Arch;
 
 /// A correlation below this is taken as the end of the correlated range, and one below so many of its own
 /// standard deviations, 1/√n when there is none: what chance gives few points must not count as correlation.
@@ -96,27 +97,24 @@ impl Lattice {
         // Points in one row, to rounding, have no more cells than there are points either.
         let shortest = size[0].max(size[1]) / count as f64;
         let coarse = (2.0 * area.sqrt()).max(shortest);
-        let occupied = Self::new(cells(coarse))?.shares.iter().filter(|&&share| share > 0.0).count();
+        let grid = Grid::around(cells(coarse), 0)?;
+        let mut taken = Vec::new();
+        taken.try_reserve_exact(grid.size).ok()?;
+        taken.resize(grid.size, false);
+        cells(coarse).flatten().for_each(|cell| taken[grid.index(cell)] = true);
+        let occupied = taken.iter().filter(|&&taken| taken).count();
         let step = coarse * (occupied as f64 / count as f64).sqrt();
         Self::new(cells(step.max((area / MOST_CELLS).sqrt()).max(shortest)))
     }
 
     fn new(cells: impl Iterator<Item = Option<[usize; 2]>> + Clone) -> Option<Self> {
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        for cell in cells.clone().flatten() {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(cell[axis]);
-                high[axis] = high[axis].max(cell[axis]);
-            }
-        }
-        let columns = (high[0] + 1).checked_sub(low[0])?;
-        let stride = columns + LONGEST_CORRELATION;
-        let size = stride * (high[1] - low[1] + 1);
+        let grid = Grid::around(cells.clone(), LONGEST_CORRELATION)?;
+        let stride = grid.stride;
         let mut shares = Vec::new();
-        shares.try_reserve_exact(size).ok()?;
-        shares.resize(size, 0.0_f32);
-        let index = |cell: [usize; 2]| ((cell[1] - low[1]) * stride + cell[0] - low[0]) as u32;
-        let cells: Vec<u32> = cells.map(|cell| cell.map_or(OUTSIDE, index)).collect();
+        shares.try_reserve_exact(grid.size).ok()?;
+        shares.resize(grid.size, 0.0_f32);
+        let cells: Vec<u32> =
+            cells.map(|cell| cell.map_or(OUTSIDE, |cell| grid.index(cell) as u32)).collect();
         cells.iter().filter(|&&cell| cell != OUTSIDE).for_each(|&cell| shares[cell as usize] += 1.0);
         let occupied: Vec<f64> = shares.iter().map(|&count| f64::from(count.min(1.0))).collect();
         let pairs = [1, stride].map(|step| {
@@ -157,6 +155,32 @@ impl Lattice {
     }
 }
 
+/// A rectangle of cells that holds some.
+struct Grid {
+    low: [usize; 2],
+    stride: usize,
+    size: usize,
+}
+
+impl Grid {
+    /// With so many empty cells after each row; `None` for no cells.
+    fn around(cells: impl Iterator<Item = Option<[usize; 2]>>, gap: usize) -> Option<Self> {
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for cell in cells.flatten() {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(cell[axis]);
+                high[axis] = high[axis].max(cell[axis]);
+            }
+        }
+        let stride = (high[0] + 1).checked_sub(low[0])? + gap;
+        Some(Self { low, stride, size: stride * (high[1] - low[1] + 1) })
+    }
+
+    fn index(&self, [column, row]: [usize; 2]) -> usize {
+        (row - self.low[1]) * self.stride + column - self.low[0]
+    }
+}
+
 /// The sum of the products of two sequences as far as both go, in partial sums side by side, so that one addition need
 /// not wait for another.
 fn dot(first: &[f64], second: &[f64]) -> f64 {
@@ -164,12 +188,16 @@ fn dot(first: &[f64], second: &[f64]) -> f64 {
     let count = first.len().min(second.len());
     let ((first, first_rest), (second, second_rest)) =
         (first[..count].as_chunks::<LANES>(), second[..count].as_chunks::<LANES>());
-    let mut lanes = [0.0; LANES];
-    for (a, b) in first.iter().zip(second) {
-        for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
-            *lane += a * b;
+    // The widest instructions of the machine; they all round alike.
+    let lanes = Arch::new().dispatch(|| {
+        let mut lanes = [0.0; LANES];
+        for (a, b) in first.iter().zip(second) {
+            for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+                *lane += a * b;
+            }
         }
-    }
+        lanes
+    });
     let rest = first_rest.iter().zip(second_rest).map(|(a, b)| a * b);
     lanes.into_iter().chain(rest).sum()
 }

@@ -6,6 +6,7 @@ use super::result::{FitResult, Flags, Seconds};
 use super::start::Candidate;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::residuals::Objective;
 use crate::solver::{Convergence, LeastSquares, Rank, Termination};
 use nalgebra::Vector3;
 
@@ -61,9 +62,10 @@ pub(super) fn describe(
     cylinder: &Cylinder,
 ) -> Result<FitResult> {
     let scales = data.scales(cylinder);
-    let equations = data.linearise(held, cylinder, &scales).ok_or_else(infinite_cost)?;
-    let squared = data.unit * data.unit;
     let frame = data.frame(cylinder);
+    let objective = data.objective(held, cylinder, &scales);
+    let equations = objective.linearise(&frame).ok_or_else(infinite_cost)?;
+    let squared = data.unit * data.unit;
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
     let count = data.count();
     let weak = {
@@ -79,7 +81,7 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii) = data.uncertainty(held, cylinder, &scales);
+    let (uncertainty, radii) = data.uncertainty(held, cylinder, &scales, &objective);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held);

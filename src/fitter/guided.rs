@@ -400,11 +400,17 @@ impl<'a> View<'_, 'a, '_, '_> {
             Ok(alone) => alone,
         };
         let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
+        if fit.scale() > CONTRADICTION * alone.scale() {
+            return Ok(true);
+        }
+        if a.max(b) <= RADIUS_CONTRADICTION * a.min(b) {
+            return Ok(false);
+        }
         let held = hold(self.data, std::iter::once(&alone.guides), Flags::empty());
-        let (uncertainty, _) = self.data.uncertainty(&held, alone.cylinder(), &alone.minimum.scales);
-        let surely = uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius());
-        let far = a.max(b) > RADIUS_CONTRADICTION * a.min(b);
-        Ok(fit.scale() > CONTRADICTION * alone.scale() || surely && far)
+        let (cylinder, scales) = (alone.cylinder(), &alone.minimum.scales);
+        let objective = self.data.objective(&held, cylinder, scales);
+        let (uncertainty, _) = self.data.uncertainty(&held, cylinder, scales, &objective);
+        Ok(uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius()))
     }
 }
 

@@ -317,7 +317,7 @@ impl Fitter {
         if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
             return Vec::new();
         }
-        self.views.iter().map(|view| body::separate(view, &self.options)).collect()
+        self.views.iter().map(|view| body::separate(view, &self.options, self.start.as_ref())).collect()
     }
 
     /// The data of the last fit, or of everything that was pushed.

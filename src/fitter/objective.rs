@@ -7,8 +7,8 @@ use super::options::ChartChoice;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    LossInFrame, NormalEquations, Objective, PixelResiduals, PointRows, Robust, RobustScales, RobustView,
-    Sandwich, SharedErrors, Squared, Sum, TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
+    NormalEquations, PixelResiduals, PointRows, RobustScales, RobustView, SharedErrors, Squared, Sum,
+    TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
@@ -30,9 +30,9 @@ const INFORMATION_TOLERANCE: f64 = 0.1;
 const SCALE_ROUNDS: usize = 20;
 
 /// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
-/// flat, take half as many; without the limit a hundred guides that contradict the points would each be followed to
+/// flat, take two thirds as many; without the limit a hundred guides that contradict the points would each be followed to
 /// the end.
-const MANY_SOLVES: usize = 2000;
+const MANY_SOLVES: usize = 1500;
 const ORDINARY_SOLVES: usize = 40;
 
 /// The part of the distance over which what shifts all points changes by its own size: a lens has the errors of its
@@ -50,6 +50,15 @@ pub(super) enum Precision {
     Rough,
     /// To the tolerances of the options.
     Full,
+}
+
+/// What an objective is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// Errors that points share count where limbs contest what the points say.
+    Minimum,
+    /// They always count.
+    Covariance,
 }
 
 /// A fit under way: who hears of every linear solve and may stop it, and how many there were.
@@ -190,7 +199,7 @@ impl Data<'_> {
         let mut total: Option<Convergence> = None;
         let mut current = Precision::Rough;
         for _ in 0..SCALE_ROUNDS {
-            let objective = self.robust_objective(held, &cylinder, &scales.views);
+            let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum);
             // The rounds share the solves: where the scale alternates each could take all of them.
             let before = total.as_ref().map_or(0, |before| before.iterations);
             let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
@@ -248,78 +257,62 @@ impl Data<'_> {
         held: &'a Held,
         cylinder: &Cylinder,
         scales: &[RobustScales],
+        purpose: Purpose,
     ) -> Sum<'a> {
+        let contested = held.settled && held.has_limbs();
+        let shared_matter = contested || purpose == Purpose::Covariance;
+        let frame = self.frame(cylinder);
         let views: Vec<RobustView<'a>> = self
             .views
             .iter()
             .zip(&held.views)
             .zip(scales)
-            .map(|((view, held), scales)| RobustView {
-                into_view: view.into_view,
-                points: view.points,
-                observed: view.observed,
-                shared: self.shared_errors(view, cylinder, scales),
-                scales: *scales,
-                lines: held.lines.as_ref(),
-                arcs: &held.arcs,
-                endpoint: view.noise.endpoint,
+            .map(|((view, held), scales)| {
+                let near = frame.moved(&view.into_view);
+                let shared = shared_matter.then(|| self.shared_errors(view, &near, scales)).flatten();
+                RobustView {
+                    into_view: view.into_view,
+                    points: view.points,
+                    observed: view.observed,
+                    shared,
+                    near,
+                    scales: *scales,
+                    lines: held.lines.as_ref(),
+                    arcs: &held.arcs,
+                    endpoint: view.noise.endpoint,
+                }
             })
             .collect();
-        robust_objective(&views, held.settled && held.has_limbs())
+        robust_objective(&views, contested)
     }
 
     /// The errors that the points of a view share; `None` where they are not what an observer outside sees.
     fn shared_errors(
         &self,
         view: &ViewData<'_>,
-        cylinder: &Cylinder,
+        near: &LocalFrame,
         scales: &RobustScales,
     ) -> Option<SharedErrors> {
         let part = self.options.noise.depth_shared;
-        let frame = self.frame(cylinder).moved(&view.into_view);
-        if !view.observed || frame.cylinder.contains_origin() || part == 0.0 {
+        if !view.observed || near.cylinder.contains_origin() || part == 0.0 {
             return None;
         }
-        let loss = Robust { scale: scales.point, observed: true }.at(&frame);
-        let matrix = view.points.linearise(&frame, loss).hessian;
-        let shift = -matrix.fixed_view::<2, 2>(0, 0).try_inverse()? * matrix.fixed_view::<2, 1>(0, 4);
-        let axis_shift = frame.u * shift[0] + frame.v * shift[1];
         let distance = view.into_view.point(&self.center).norm();
         let size = (part * distance).min(MOST_SHARED * scales.point);
-        Some(SharedErrors { bend: size, axis_shift, offset: size, tilt: size / (SHARED_RANGE * distance) })
+        Some(SharedErrors { bend: size, offset: size, tilt: size / (SHARED_RANGE * distance) })
     }
 
-    /// The objective at the scales of a cylinder.
-    fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
+    /// The objective at a cylinder and its scales, with all that its covariance takes.
+    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
         match self.is_paper() {
             true => self.paper_objective(held, cylinder, Some(scales)),
-            false => self.robust_objective(held, cylinder, &scales.views),
+            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance),
         }
-    }
-
-    /// The linearisation at a cylinder in the frame of the data; `None` where the cost is infinite.
-    pub fn linearise(&self, held: &Held, cylinder: &Cylinder, scales: &Scales) -> Option<NormalEquations> {
-        self.objective(held, cylinder, scales).linearise(&self.frame(cylinder))
     }
 
     /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
     pub fn rows(&self, held: &Held, cylinder: &Cylinder) -> Option<Vec<(f64, Tangent)>> {
         self.objective(held, cylinder, &self.scales(cylinder)).rows(&self.frame(cylinder))
-    }
-
-    /// What the covariance of a minimum at a cylinder follows from, in the tangent of a frame there; `None` where there
-    /// is none.
-    pub fn sandwich(
-        &self,
-        held: &Held,
-        cylinder: &Cylinder,
-        scales: &Scales,
-        frame: &LocalFrame,
-    ) -> Option<Sandwich> {
-        if self.count() == 0 || !self.options.method.minimises() {
-            return None;
-        }
-        self.objective(held, cylinder, scales).sandwich(frame)
     }
 
     /// Whether the edges have a finite cost at a cylinder. The points always have.

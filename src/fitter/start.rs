@@ -13,7 +13,7 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
-const SAMPLE: usize = 500;
+pub(super) const SAMPLE: usize = 500;
 
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
@@ -59,7 +59,14 @@ impl Data<'_> {
 
     /// Eberly's algebraic fit with a direction that is allowed, its radius moved into the limits.
     pub fn moments_start(&self) -> Option<Cylinder> {
-        let fit = Moments::new(self.weighted_points())?.best(self.options.cylinder_limits.cone())?;
+        self.moments_start_of(self.weighted_points())
+    }
+
+    fn moments_start_of(
+        &self,
+        points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone,
+    ) -> Option<Cylinder> {
+        let fit = Moments::new(points)?.best(self.options.cylinder_limits.cone())?;
         Some(self.within_limits(&fit.cylinder))
     }
 
@@ -105,7 +112,8 @@ impl Data<'_> {
         let mut candidates = Vec::new();
         candidates.extend(given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder }));
         candidates.extend(&from_limbs);
-        let moments = self.moments_start();
+        // Of some points: as good for a start.
+        let moments = self.moments_start_of(sample.iter().map(|p| (*p, 1.0)));
         candidates.extend(moments.map(|cylinder| Candidate { kind: StartKind::Moments, cylinder }));
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
         // Random samples take longer than all the rest: only where the limbs do not explain the points.
@@ -169,7 +177,7 @@ impl ViewData<'_> {
 }
 
 /// Median distance of points from a surface, 0 for no points.
-fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
+pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
     let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
     median(&mut distances)
 }

@@ -4,7 +4,7 @@ use super::data::Data;
 use super::held::Held;
 use super::objective::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
-use crate::residuals::{Sandwich, root};
+use crate::residuals::{Sandwich, Sum, root};
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// The step of central differences in standard deviations: small against any curvature, large against rounding.
@@ -37,12 +37,14 @@ impl Data<'_> {
         held: &Held,
         cylinder: &Cylinder,
         scales: &Scales,
+        objective: &Sum<'_>,
     ) -> (Option<Uncertainty>, Option<RadiusComparison>) {
         let frame = self.frame(&self.canonical(cylinder));
-        if self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
+        let minimises = self.count() > 0 && self.options.method.minimises();
+        if !minimises || self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
             return (None, None);
         }
-        let Some(sandwich) = self.sandwich(held, cylinder, scales, &frame) else { return (None, None) };
+        let Some(sandwich) = objective.sandwich(&frame) else { return (None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich

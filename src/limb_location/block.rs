@@ -3,7 +3,8 @@
 use super::consensus::BLOCK_RUNS;
 use super::profile::{Functions, ShadedRow, Table};
 use super::strip::{Strip, StripPixel};
-use nalgebra::{Matrix2, Matrix4, Matrix4x2, SMatrix, Vector2, Vector4};
+use nalgebra::{Matrix2, Matrix4, Matrix4x2, SMatrix, SVector, Vector2, Vector4};
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 constants! {
@@ -78,8 +79,8 @@ pub(super) fn fit_blocks(
     profile: &Table<ShadedRow>,
     line: &StripLine,
 ) -> Vec<Block> {
-    let pixels = blocks(strip).filter_map(|runs| BlockPixels::new(strip, profile, line, runs));
-    pixels.map(|pixels| pixels.fit(noise)).collect()
+    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs));
+    sums.filter_map(|sums| sums.fit(noise)).collect()
 }
 
 /// What the blocks say about levels and shading with a given line, from the pixels between `OUTSIDE` and `INSIDE` of
@@ -109,71 +110,102 @@ fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> impl Iterator<It
     about.iter().filter(|pixel| !pixel.saturated)
 }
 
-/// The pixels of a block, and its two levels.
-struct BlockPixels {
-    /// What the profile says at each pixel, and the value of the pixel.
-    rows: Vec<(ShadedRow, f64)>,
-    /// Mean position along the strip.
+/// Sums over the pixels of a block of the products of what the profile says there, and of that with the values: they
+/// tell everything about levels, line, blur and shading.
+struct ShadedSums {
+    count: f64,
+    /// Of the positions along the strip.
     s: f64,
-    /// Inverse of the normal matrix of the levels.
-    inverse: Matrix2<f64>,
-    /// Brightness outside and inside.
-    levels: Vector2<f64>,
+    /// The products; each stands once, in the upper right half.
+    products: [ShadedRow; 8],
+    right: ShadedRow,
+    squares: f64,
 }
 
-impl BlockPixels {
+impl ShadedSums {
     fn new(strip: &Strip, profile: &Table<ShadedRow>, line: &StripLine, runs: Range<usize>) -> Option<Self> {
-        let mut rows = Vec::with_capacity(128);
-        let mut sum_s = 0.0;
-        let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        for run in runs.map(|k| strip.run(k)) {
-            for pixel in pixels_about(run, line) {
-                let row = profile.at(pixel.u - line.at(pixel.s))?;
-                let f = Vector2::new(row.functions[0], row.inside);
-                normal += f * f.transpose();
-                right += f * pixel.value;
-                rows.push((row, pixel.value));
-                sum_s += pixel.s;
-            }
-        }
-        if rows.len() < LEAST_PIXELS.count() {
-            return None;
-        }
-        let inverse = normal.try_inverse()?;
-        Some(Self { s: sum_s / rows.len() as f64, rows, inverse, levels: inverse * right })
+        let mut sums = Self { count: 0.0, s: 0.0, products: [[0.0; 8]; 8], right: [0.0; 8], squares: 0.0 };
+        Arch::new().dispatch(Gather { sums: &mut sums, strip, profile, line, runs })?;
+        (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
     }
 
-    fn fit(&self, noise: f64) -> Block {
-        let Self { rows, inverse, levels, .. } = self;
-        let count = rows.len() as f64;
-        let mut cross = SMatrix::<f64, 2, 4>::zeros();
-        let (mut square, mut gradient, mut squares) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-        for (row, value) in rows {
-            let f = Vector2::new(row.functions[0], row.inside);
-            let residual = value - f.dot(levels);
-            let j = Vector4::new(
-                -row.slopes.dot(levels),
-                row.blur_slopes.dot(levels),
-                levels[1] * row.functions[2],
-                levels[1] * row.functions[3],
-            );
-            cross += f * j.transpose();
-            square += j * j.transpose();
-            gradient += j * residual;
-            squares += residual * residual;
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
+    fn add(&mut self, row: &ShadedRow, value: f64) {
+        for i in 0..4 {
+            for k in 0..8 {
+                self.products[i][k] += row[i] * row[k];
+            }
         }
-        let variance = (squares / (count - 4.0)).max(noise * noise);
-        let information = (square - cross.transpose() * inverse * cross) / variance;
+        for i in 4..8 {
+            for k in 4..8 {
+                self.products[i][k] += row[i] * row[k];
+            }
+        }
+        for k in 0..8 {
+            self.right[k] += row[k] * value;
+        }
+        self.squares += value * value;
+        self.count += 1.0;
+    }
+
+    /// `None` where the levels are not determined.
+    fn fit(&self, noise: f64) -> Option<Block> {
+        let products = SMatrix::<f64, 8, 8>::from_fn(|i, k| self.products[i.min(k)][i.max(k)]);
+        let right = SVector::<f64, 8>::from(self.right);
+        let of_levels = right.fixed_rows::<2>(0);
+        let inverse = products.fixed_view::<2, 2>(0, 0).try_inverse()?;
+        let levels: Vector2<f64> = inverse * of_levels;
+        let [outside, inside] = [levels[0], levels[1]];
+        // The derivatives of the brightness in (line, blur, shading) as combinations of what the profile says.
+        let mut parts = SMatrix::<f64, 8, 4>::zeros();
+        (parts[(2, 0)], parts[(3, 0)]) = (-outside, -inside);
+        (parts[(4, 1)], parts[(5, 1)]) = (outside, inside);
+        (parts[(6, 2)], parts[(7, 3)]) = (inside, inside);
+        let by_parts = products * parts;
+        let cross = by_parts.fixed_rows::<2>(0);
+        let square: Matrix4<f64> = parts.tr_mul(&by_parts);
+        let gradient: Vector4<f64> = parts.tr_mul(&right) - cross.tr_mul(&levels);
+        let squares = (self.squares - of_levels.dot(&levels)).max(0.0);
+        let variance = (squares / (self.count - 4.0)).max(noise * noise);
+        let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
         let gradient = gradient / variance;
         let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
-        Block {
-            s: self.s,
+        Some(Block {
+            s: self.s / self.count,
             shift: gradient[0] / of_line,
             sigma: (1.0 / of_line).sqrt(),
             weight: 1.0,
             information,
             gradient,
+        })
+    }
+}
+
+/// Adds the pixels of a block to its sums with the widest instructions of the machine; they all round alike. No closure:
+/// what is not inlined here does without them.
+struct Gather<'a> {
+    sums: &'a mut ShadedSums,
+    strip: &'a Strip,
+    profile: &'a Table<ShadedRow>,
+    line: &'a StripLine,
+    runs: Range<usize>,
+}
+
+impl WithSimd for Gather<'_> {
+    type Output = Option<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Option<()> {
+        let Self { sums, strip, profile, line, runs } = self;
+        for run in runs {
+            for pixel in pixels_about(strip.run(run), line) {
+                let row = profile.at(pixel.u - line.at(pixel.s))?;
+                sums.add(&row, pixel.value);
+                sums.s += pixel.s;
+            }
         }
+        Some(())
     }
 }
 

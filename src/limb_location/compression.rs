@@ -43,22 +43,32 @@ pub(super) fn noise_of_compression(image: &GreyImage) -> f64 {
 /// By how much the differences at borders exceed those within, along one line of pixels a block; `None` where that may be
 /// chance.
 fn excess(length: usize, lines: usize, value: impl Fn(usize, usize) -> f64) -> Option<f64> {
-    let differences = || {
-        (BLOCK / 2..lines).step_by(BLOCK).flat_map(|line| (1..length).map(move |k| (k, line))).map(
-            |(k, line)| {
-                let difference = (value(k, line) - value(k - 1, line)).abs();
-                ((k - 1) % BLOCK, difference)
-            },
-        )
-    };
-    let (count, sum) = differences().fold((0.0, 0.0), |(count, sum), (_, d)| (count + 1.0, sum + d));
-    let most = LARGEST * sum / count;
-    // Number, sum and sum of squares by place in a block.
-    let mut places = [[0.0; 3]; BLOCK];
-    for (place, difference) in differences() {
-        let d = difference.min(most);
-        places[place].iter_mut().zip([1.0, d, d * d]).for_each(|(sum, x)| *sum += x);
+    if length < 2 {
+        return None;
     }
+    let lines = || (BLOCK / 2..lines).step_by(BLOCK);
+    let mut differences = Vec::with_capacity(lines().count() * (length - 1));
+    for line in lines() {
+        let mut before = value(0, line);
+        differences.extend((1..length).map(|k| {
+            let here = value(k, line);
+            (here - std::mem::replace(&mut before, here)).abs()
+        }));
+    }
+    let most = LARGEST * differences.iter().sum::<f64>() / differences.len() as f64;
+    // Number, sum and sum of squares by place in a block.
+    let mut places = [[0.0; BLOCK]; 3];
+    for line in differences.chunks_exact(length - 1) {
+        for block in line.chunks(BLOCK) {
+            for (k, difference) in block.iter().enumerate() {
+                let d = difference.min(most);
+                places[0][k] += 1.0;
+                places[1][k] += d;
+                places[2][k] += d * d;
+            }
+        }
+    }
+    let places: [[f64; 3]; BLOCK] = std::array::from_fn(|k| places.map(|sums| sums[k]));
     let mean_and_variance = |[count, sum, squares]: [f64; 3]| {
         let mean = sum / count;
         (mean, (squares / count - mean * mean) / count)

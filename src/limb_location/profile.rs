@@ -11,6 +11,7 @@ use super::block::{INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
 use nalgebra::{Vector2, Vector4};
+use pulp::Arch;
 
 constants! {
     /// Spacing of the tables in pixels.
@@ -23,17 +24,9 @@ constants! {
 /// The functions of a profile at one u: 1 outside; the expected brightness, sin θ and 1 − cos θ inside.
 pub(super) type Functions = Vector4<f64>;
 
-/// The profile of a given shading at one u.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ShadedRow {
-    pub functions: Functions,
-    /// The brightness inside, with the shading.
-    pub inside: f64,
-    /// Derivatives in u of the parts outside and inside.
-    pub slopes: Vector2<f64>,
-    /// The same in the blur.
-    pub blur_slopes: Vector2<f64>,
-}
+/// The profile of a given shading at one u: 1 outside and the brightness inside, with the shading; their derivatives in u;
+/// their derivatives in the blur; sin θ and 1 − cos θ inside.
+pub(super) type ShadedRow = [f64; 8];
 
 /// What a profile is made of, tabulated over u.
 #[derive(Debug, Clone)]
@@ -68,11 +61,9 @@ impl SharpProfile {
     /// The profile over the window, for a blur and a shading.
     pub fn shaded(&self, blur: f64, shading: &Vector2<f64>) -> Table<ShadedRow> {
         let mix = |sums: &Vector4<f64>| sums[1] + shading[0] * sums[2] + shading[1] * sums[3];
-        self.table(&kernel(blur), 0.0, |[values, slopes, blur_slopes]| ShadedRow {
-            functions: Vector4::new(1.0 - values[0], values[1], values[2], values[3]),
-            inside: mix(&values),
-            slopes: Vector2::new(-slopes[0], mix(&slopes)),
-            blur_slopes: Vector2::new(-blur_slopes[0], mix(&blur_slopes)),
+        self.table(&kernel(blur), 0.0, |[values, slopes, blur_slopes]| {
+            let (inside, slope, blur_slope) = (mix(&values), mix(&slopes), mix(&blur_slopes));
+            [1.0 - values[0], inside, -slopes[0], slope, -blur_slopes[0], blur_slope, values[2], values[3]]
         })
     }
 
@@ -112,13 +103,19 @@ fn kernel(blur: f64) -> Vec<[f64; 3]> {
 }
 
 fn weighted_sums<const N: usize>(weights: &[[f64; N]], cells: &[Vector4<f64>]) -> [Vector4<f64>; N] {
-    let mut sums = [Vector4::zeros(); N];
-    for (weights, cell) in weights.iter().zip(cells) {
-        for (sum, weight) in sums.iter_mut().zip(weights) {
-            *sum += cell * *weight;
+    // The widest instructions of the machine; they all round alike.
+    Arch::new().dispatch(|| {
+        let mut sums = [[0.0; 4]; N];
+        for (weights, cell) in weights.iter().zip(cells) {
+            let cell: &[f64; 4] = cell.as_ref();
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                for (sum, x) in sum.iter_mut().zip(cell) {
+                    *sum += x * weight;
+                }
+            }
         }
-    }
-    sums
+        sums.map(Vector4::from)
+    })
 }
 
 /// First and last cell of the window.
@@ -152,15 +149,14 @@ impl Table<Functions> {
 
 impl Table<ShadedRow> {
     /// The profile at u; `None` outside the table.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, u: f64) -> Option<ShadedRow> {
         let (below, above, part) = self.beside(u)?;
-        Some(ShadedRow {
-            functions: below.functions + (above.functions - below.functions) * part,
-            inside: below.inside + (above.inside - below.inside) * part,
-            slopes: below.slopes + (above.slopes - below.slopes) * part,
-            blur_slopes: below.blur_slopes + (above.blur_slopes - below.blur_slopes) * part,
-        })
+        let mut row = *below;
+        for (value, above) in row.iter_mut().zip(above) {
+            *value += (above - *value) * part;
+        }
+        Some(row)
     }
 }
 

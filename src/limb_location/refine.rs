@@ -27,6 +27,10 @@ constants! {
     /// Gauss–Newton steps at most; five to eight are usual.
     STEPS = 15.0, "";
 
+    /// Steps after which places of the limbs are compared, and those dropped that are worse than the best by more than
+    /// `AMBIGUOUS`.
+    FIRST_STEPS = 4.0, "";
+
     /// The iteration ends when no line moves by more, in pixels.
     SETTLED = 1e-3, "px";
 
@@ -281,24 +285,32 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
         for (limb, scan) in limbs.iter_mut().zip(&scans) {
             limb.state = scan[0];
         }
-        return iterate(limbs, &blur);
+        return iterate(limbs, &blur, blur.value, STEPS.count());
     }
     let windows: Vec<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
-    let mut modes: Vec<Mode<'_>> = Vec::new();
-    for start in &starts {
-        for (limb, state) in limbs.iter_mut().zip(start) {
-            limb.state = *state;
-        }
-        let blur = iterate(limbs, &blur);
-        if modes.iter().any(|mode| mode.is_at(limbs)) {
-            continue;
-        }
+    let cost = |limbs: &[Limb<'_>], blur: f64| -> f64 {
         let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
             let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
             limb.cost(&sums_of_blocks(limb.strip, &profile, &limb.state.line, window), &limb.state)
         };
-        let cost = limbs.iter().zip(&windows).map(cost).sum();
-        modes.push(Mode { cost, limbs: limbs.to_vec(), blur });
+        limbs.iter().zip(&windows).map(cost).sum()
+    };
+    let mut begun: Vec<Mode<'_>> = Vec::new();
+    for start in &starts {
+        for (limb, state) in limbs.iter_mut().zip(start) {
+            limb.state = *state;
+        }
+        let blur = iterate(limbs, &blur, blur.value, FIRST_STEPS.count());
+        begun.push(Mode { cost: cost(limbs, blur), limbs: limbs.to_vec(), blur });
+    }
+    let least = begun.iter().map(|mode| mode.cost).fold(f64::INFINITY, f64::min);
+    begun.retain(|mode| mode.cost <= least + AMBIGUOUS.get());
+    let mut modes: Vec<Mode<'_>> = Vec::new();
+    for Mode { limbs: mut places, blur: begun, .. } in begun {
+        let blur = iterate(&mut places, &blur, begun, STEPS.count().saturating_sub(FIRST_STEPS.count()));
+        if !modes.iter().any(|mode| mode.is_at(&places)) {
+            modes.push(Mode { cost: cost(&places, blur), limbs: places, blur });
+        }
     }
     modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     limbs.clone_from_slice(&modes[0].limbs);
@@ -349,10 +361,9 @@ impl Mode<'_> {
     }
 }
 
-/// Gauss–Newton steps on lines, shading and blur from where the limbs are; returns the blur.
-fn iterate(limbs: &mut [Limb<'_>], expected: &ExpectedBlur) -> f64 {
-    let mut blur = expected.value;
-    for _ in 0..STEPS.count() {
+/// Gauss–Newton steps on lines, shading and blur from where they are; returns the blur.
+fn iterate(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, mut blur: f64, steps: usize) -> f64 {
+    for _ in 0..steps {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
         let mut right = SVector::<f64, 9>::zeros();
         // What is expected keeps the blur where no limb tells, and a missing limb harmless.

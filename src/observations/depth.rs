@@ -63,9 +63,7 @@ impl DepthImage {
         let mut image = Self::empty(view.width(), view.height(), view.scale)?;
         if !image.values.is_empty() {
             for (row, values) in image.values.chunks_exact_mut(view.width()).enumerate() {
-                for (column, value) in values.iter_mut().enumerate() {
-                    *value = view.value(column, row).unwrap_or(0.0);
-                }
+                view.read_row(row, values);
             }
         }
         Ok(image)
@@ -186,31 +184,42 @@ impl PointCloud {
             Some(own) => (&own.camera, own.to_color),
             None => (camera, RigidMotion::identity()),
         };
-        for row in 0..height {
-            for column in 0..width {
-                let index = row * width + column;
-                let selected = match (mask, frame.registration()) {
-                    (None, _) => Sight::Seen,
-                    (Some(mask), None) if mask.contains(column, row) => Sight::Seen,
-                    (Some(_), None) => Sight::Outside,
-                    (Some(mask), Some(registration)) => registration.sight(index, mask),
-                };
-                if selected == Sight::Outside {
-                    batch.dropped.outside_mask += 1;
-                    continue;
+        let take = |batch: &mut Batch, column: usize, row: usize, sight: Sight| -> Result<()> {
+            let index = row * width + column;
+            let Some(depth) = depth.depth_at(index) else {
+                batch.dropped.no_depth += 1;
+                return Ok(());
+            };
+            if !(range.min <= depth && depth <= range.max) {
+                batch.dropped.out_of_range += 1;
+            } else if sight == Sight::Hidden {
+                batch.dropped.hidden += 1;
+            } else if let Some(ray) = sensor.unproject(&Vector2::new(column as f64, row as f64)) {
+                batch.push(to_color.point(&(ray * depth)), 1.0, index)?;
+            } else {
+                batch.dropped.outside_camera += 1;
+            }
+            Ok(())
+        };
+        let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        match (mask, frame.registration()) {
+            (None, _) => {
+                for (column, row) in pixels {
+                    take(&mut batch, column, row, Sight::Seen)?;
                 }
-                let Some(depth) = depth.depth_at(index) else {
-                    batch.dropped.no_depth += 1;
-                    continue;
-                };
-                if !(range.min <= depth && depth <= range.max) {
-                    batch.dropped.out_of_range += 1;
-                } else if selected == Sight::Hidden {
-                    batch.dropped.hidden += 1;
-                } else if let Some(ray) = sensor.unproject(&Vector2::new(column as f64, row as f64)) {
-                    batch.push(to_color.point(&(ray * depth)), 1.0, index)?;
-                } else {
-                    batch.dropped.outside_camera += 1;
+            }
+            (Some(mask), None) => {
+                batch.dropped.outside_mask = batch.given - mask.count();
+                for (column, row) in mask.set_pixels() {
+                    take(&mut batch, column, row, Sight::Seen)?;
+                }
+            }
+            (Some(mask), Some(registration)) => {
+                for (column, row) in pixels {
+                    match registration.sight(row * width + column, mask) {
+                        Sight::Outside => batch.dropped.outside_mask += 1,
+                        sight => take(&mut batch, column, row, sight)?,
+                    }
                 }
             }
         }

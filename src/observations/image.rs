@@ -51,7 +51,7 @@ impl GreyImage {
             return Ok(Self { width, height, values, saturation: Saturation::Marked(marked) });
         }
         for row in 0..rows {
-            values.extend((0..width).map(|column| view.value(column, row)));
+            view.read_row(row, &mut values);
         }
         let coded = view.gamma() != 1.0;
         let bad = |value: &f32| !value.is_finite() || coded && *value < 0.0;

@@ -31,10 +31,14 @@ impl Mask {
         let bytes = width * height;
         pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
         for row in 0..height {
-            pixels.extend((0..width).map(|column| view.contains(column, row)));
+            view.read_row(row, &mut pixels);
         }
         let (mut columns, mut rows) = (width..0, height..0);
         for (row, pixels) in pixels.chunks_exact(width).enumerate() {
+            // Most rows of most masks are empty: looked through many pixels at a time.
+            if !pixels.iter().fold(false, |any, &set| any | set) {
+                continue;
+            }
             let Some(first) = pixels.iter().position(|&set| set) else { continue };
             let last = pixels.iter().rposition(|&set| set).unwrap_or(first);
             columns = columns.start.min(first)..columns.end.max(last + 1);

@@ -120,6 +120,15 @@ impl<'a> Strided<'a> {
         value
     }
 
+    /// The elements of a row of N bytes each, where one follows the other: so they can be read many at a time.
+    pub(super) fn packed_row<const N: usize>(&self, row: usize) -> Option<&'a [[u8; N]]> {
+        if self.element_stride != N as isize || self.width == 0 {
+            return None;
+        }
+        let start = (self.first as isize + row as isize * self.row_stride) as usize;
+        Some(self.bytes[start..start + self.width * N].as_chunks().0)
+    }
+
     /// A coordinate, widened to f64.
     #[inline]
     pub(crate) fn scalar(&self, scalar: Scalar, column: usize, row: usize, component: usize) -> f64 {

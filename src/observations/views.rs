@@ -151,13 +151,42 @@ impl<'a> DepthView<'a> {
 
     /// The stored value of a pixel; `None` where nothing was measured.
     #[inline]
-    pub(super) fn value(&self, column: usize, row: usize) -> Option<f32> {
+    fn value(&self, column: usize, row: usize) -> Option<f32> {
         let value = match self.format {
             Pixels::U16 => f32::from(self.pixels.u16(column, row)),
             Pixels::F32 => f32::from_ne_bytes(self.pixels.read(column, row, 0)),
         };
-        (value > 0.0 && value.is_finite()).then_some(value)
+        is_measured(value).then_some(value)
     }
+
+    /// Writes the stored values of a row, 0 where nothing was measured.
+    pub(super) fn read_row(&self, row: usize, values: &mut [f32]) {
+        let packed = match self.format {
+            Pixels::U16 => self.pixels.packed_row(row).map(|stored| {
+                for (value, stored) in values.iter_mut().zip(stored) {
+                    *value = f32::from(u16::from_ne_bytes(*stored));
+                }
+            }),
+            Pixels::F32 => self.pixels.packed_row(row).map(|stored| {
+                for (value, stored) in values.iter_mut().zip(stored) {
+                    let stored = f32::from_ne_bytes(*stored);
+                    *value = if is_measured(stored) { stored } else { 0.0 };
+                }
+            }),
+        };
+        if packed.is_none() {
+            for (column, value) in values.iter_mut().enumerate() {
+                *value = self.value(column, row).unwrap_or(0.0);
+            }
+        }
+    }
+}
+
+/// Whether a stored depth is one.
+#[inline(always)]
+fn is_measured(value: f32) -> bool {
+    // One after the other they would branch.
+    (value > 0.0) & (value < f32::INFINITY)
 }
 
 /// How a pixel of an image is stored.
@@ -291,11 +320,30 @@ impl<'a> ImageView<'a> {
 
     /// One value of a grey image.
     #[inline]
-    pub(super) fn value(&self, column: usize, row: usize) -> f32 {
+    fn value(&self, column: usize, row: usize) -> f32 {
         match self.format {
             ImageFormat::U16 => f32::from(self.pixels.u16(column, row)),
             ImageFormat::F32 => f32::from_ne_bytes(self.pixels.read(column, row, 0)),
             _ => f32::from(self.pixels.u8(column, row)),
+        }
+    }
+
+    /// Appends the values of a row of a grey image.
+    pub(super) fn read_row(&self, row: usize, values: &mut Vec<f32>) {
+        let bytes = || self.pixels.packed_row::<1>(row);
+        let pairs = || self.pixels.packed_row::<2>(row);
+        let quadruples = || self.pixels.packed_row::<4>(row);
+        let packed = match self.format {
+            ImageFormat::U16 => {
+                pairs().map(|stored| values.extend(stored.iter().map(|x| f32::from(u16::from_ne_bytes(*x)))))
+            }
+            ImageFormat::F32 => {
+                quadruples().map(|stored| values.extend(stored.iter().map(|x| f32::from_ne_bytes(*x))))
+            }
+            _ => bytes().map(|stored| values.extend(stored.iter().map(|[x]| f32::from(*x)))),
+        };
+        if packed.is_none() {
+            values.extend((0..self.width()).map(|column| self.value(column, row)));
         }
     }
 
@@ -360,6 +408,15 @@ impl<'a> MaskView<'a> {
     pub fn contains(&self, column: usize, row: usize) -> bool {
         let value = self.pixels.u8(column, row);
         self.label.map_or(value != 0, |label| value == label)
+    }
+
+    /// Appends to `pixels` whether those of a row belong to the cylinder.
+    pub(super) fn read_row(&self, row: usize, pixels: &mut Vec<bool>) {
+        match (self.pixels.packed_row::<1>(row), self.label) {
+            (Some(values), None) => pixels.extend(values.iter().map(|[value]| *value != 0)),
+            (Some(values), Some(label)) => pixels.extend(values.iter().map(|[value]| *value == label)),
+            (None, _) => pixels.extend((0..self.width()).map(|column| self.contains(column, row))),
+        }
     }
 }
 

@@ -2,15 +2,23 @@
 //! reweighted fits.
 
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use pulp::{Scalar, Simd};
 
 /// How a residual counts.
 pub trait Loss: Copy + Sync {
-    /// The loss ρ of a residual and the weight ρ′(e) / (2 e) of its square in the normal equations. `facing` is
+    /// The loss ρ of residuals and the weights ρ′(e) / (2 e) of their squares in the normal equations. `facing` is
     /// negative where the outward normal of the surface points towards the observer at the origin.
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64);
+    fn losses_and_weights<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s)
+    -> (S::f64s, S::f64s);
 
-    /// The derivative of the influence ψ(e) = ρ′(e) / 2 of a residual.
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64;
+    /// The same of one residual.
+    #[inline]
+    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
+        self.losses_and_weights(Scalar::new(), residual, facing)
+    }
+
+    /// The derivatives of the influence ψ(e) = ρ′(e) / 2 of residuals.
+    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s;
 }
 
 /// The plain square.
@@ -57,11 +65,15 @@ impl Wall {
         ((self == Wall::Facing) & (facing > 0.0)) | ((self == Wall::Averted) & (facing < 0.0))
     }
 
-    /// 0 where a point cannot be where it is, else 1: a factor, because a branch would keep the sums over points from
-    /// vector instructions.
+    /// Where points cannot be where they are: a mask, because a branch would keep sums from vector instructions.
     #[inline(always)]
-    fn visible(self, facing: f64) -> f64 {
-        if self.hides(facing) { 0.0 } else { 1.0 }
+    fn hidden<S: Simd>(self, simd: S, facing: S::f64s) -> S::m64s {
+        let sign = match self {
+            Wall::Either => 0.0,
+            Wall::Facing => 1.0,
+            Wall::Averted => -1.0,
+        };
+        simd.greater_than_f64s(simd.mul_f64s(simd.splat_f64s(sign), facing), simd.splat_f64s(0.0))
     }
 }
 
@@ -70,43 +82,71 @@ pub const TUKEY_EFFICIENT: f64 = 4.685;
 
 impl Loss for Squared {
     #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, _facing: f64) -> (f64, f64) {
-        (residual * residual, 1.0)
+    fn losses_and_weights<S: Simd>(
+        &self,
+        simd: S,
+        residuals: S::f64s,
+        _facing: S::f64s,
+    ) -> (S::f64s, S::f64s) {
+        (simd.mul_f64s(residuals, residuals), simd.splat_f64s(1.0))
     }
 
-    fn influence_slope(&self, _residual: f64, _facing: f64) -> f64 {
-        1.0
+    #[inline(always)]
+    fn influence_slopes<S: Simd>(&self, simd: S, _residuals: S::f64s, _facing: S::f64s) -> S::f64s {
+        simd.splat_f64s(1.0)
     }
 }
 
 impl Loss for Tukey {
     #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
-        let ratio = residual / self.cutoff;
-        let rest = self.wall.visible(facing) * (1.0 - ratio * ratio).max(0.0);
-        let weight = rest * rest;
-        (self.cutoff * self.cutoff / 3.0 * (1.0 - weight * rest), weight)
+    fn losses_and_weights<S: Simd>(
+        &self,
+        simd: S,
+        residuals: S::f64s,
+        facing: S::f64s,
+    ) -> (S::f64s, S::f64s) {
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        // Finite for the smallest cutoff, too.
+        let ratio = simd.mul_f64s(residuals, simd.splat_f64s(self.cutoff.recip().min(f64::MAX)));
+        let rest = simd.max_f64s(simd.sub_f64s(one, simd.mul_f64s(ratio, ratio)), zero);
+        let rest = simd.select_f64s(self.wall.hidden(simd, facing), zero, rest);
+        let weight = simd.mul_f64s(rest, rest);
+        let most = simd.splat_f64s(self.cutoff * self.cutoff / 3.0);
+        (simd.mul_f64s(most, simd.sub_f64s(one, simd.mul_f64s(weight, rest))), weight)
     }
 
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64 {
+    #[inline(always)]
+    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s {
         // ψ = e (1 − (e/c)²)².
-        let square = (residual / self.cutoff).powi(2);
-        let without = self.wall.hides(facing) || square >= 1.0;
-        if without { 0.0 } else { (1.0 - square) * (1.0 - 5.0 * square) }
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let ratio = simd.mul_f64s(residuals, simd.splat_f64s(self.cutoff.recip().min(f64::MAX)));
+        let square = simd.mul_f64s(ratio, ratio);
+        let rest = simd.max_f64s(simd.sub_f64s(one, square), zero);
+        let rest = simd.select_f64s(self.wall.hidden(simd, facing), zero, rest);
+        // Where nothing is left the other factor is bounded, too: it could be infinite.
+        let square = simd.min_f64s(square, one);
+        simd.mul_f64s(rest, simd.sub_f64s(one, simd.mul_f64s(simd.splat_f64s(5.0), square)))
     }
 }
 
 impl Loss for Truncated {
     #[inline(always)]
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
-        let (square, most) = (residual * residual, self.threshold * self.threshold);
-        let visible = self.wall.visible(facing);
-        let inlier = if square < most { visible } else { 0.0 };
-        (visible * square.min(most) + (1.0 - visible) * most, inlier)
+    fn losses_and_weights<S: Simd>(
+        &self,
+        simd: S,
+        residuals: S::f64s,
+        facing: S::f64s,
+    ) -> (S::f64s, S::f64s) {
+        let most = simd.splat_f64s(self.threshold * self.threshold);
+        let square = simd.mul_f64s(residuals, residuals);
+        let square = simd.select_f64s(self.wall.hidden(simd, facing), most, square);
+        let inlier = simd.less_than_f64s(square, most);
+        (simd.min_f64s(square, most), simd.select_f64s(inlier, simd.splat_f64s(1.0), simd.splat_f64s(0.0)))
     }
 
-    fn influence_slope(&self, residual: f64, facing: f64) -> f64 {
-        self.loss_and_weight(residual, facing).1
+    #[inline(always)]
+    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s {
+        self.losses_and_weights(simd, residuals, facing).1
     }
 }
 
@@ -232,13 +272,13 @@ mod tests {
             assert!((slope - 2.0 * e * at(e).1).abs() < 1e-8, "{e}");
             let influence = |e: f64| e * at(e).1;
             let of_influence = (influence(e + h) - influence(e - h)) / (2.0 * h);
-            assert!((of_influence - tukey.influence_slope(e, -1.0)).abs() < 1e-8, "{e}");
+            assert!((of_influence - tukey.influence_slopes(Scalar::new(), e, -1.0)).abs() < 1e-8, "{e}");
         }
         assert_eq!(at(3.0), (4.0 / 3.0, 0.0));
         assert!((at(1e-4).0 - 1e-8).abs() < 1e-15);
         // A point on the hidden wall counts as one far away.
         assert_eq!(tukey.loss_and_weight(0.1, 1.0), at(3.0));
-        assert_eq!(tukey.influence_slope(0.1, 1.0), 0.0);
+        assert_eq!(tukey.influence_slopes(Scalar::new(), 0.1, 1.0), 0.0);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! equations and a solver adds the parts up. An objective is a choice of terms and weights.
 
 mod arcs;
+mod kernel;
 mod limbs;
 mod loss;
 mod paper;

@@ -13,7 +13,7 @@ use super::point_terms::{Points, Robust};
 use super::points::PointTerm;
 use super::shared::{SharedErrors, SharingPoints};
 use super::terms::{Sum, Summand, Term};
-use crate::geometry::RigidMotion;
+use crate::geometry::{LocalFrame, RigidMotion};
 
 /// The scales that weigh the terms of one view against each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +35,8 @@ pub struct RobustView<'a> {
     pub observed: bool,
     /// The errors that they share, as the observer sees them; `None` where nothing is known of an observer.
     pub shared: Option<SharedErrors>,
+    /// The frame at a cylinder near those at which the objective is asked for, in the coordinates of the view.
+    pub near: LocalFrame,
     /// Its scales.
     pub scales: RobustScales,
     /// The lines that the limbs are held to.
@@ -56,7 +58,7 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
     let total: f64 = views.iter().map(information).sum();
     let mut summands = Vec::new();
     for view in views {
-        let RobustView { into_view, points, observed, shared, scales, lines, arcs, endpoint } = *view;
+        let RobustView { into_view, points, observed, shared, near, scales, lines, arcs, endpoint } = *view;
         let scale = PixelScale { deviation: endpoint, length: total.sqrt().recip() };
         let mut add = |factor: f64, term: Box<dyn Term + 'a>| {
             summands.push(Summand { factor, into_view, term });
@@ -67,8 +69,10 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
             let RobustScales { independent_points, .. } = scales;
             let points = Points { points, loss, independent_points };
             let variance = information(view).recip();
-            let term: Box<dyn Term> = match shared {
-                Some(shared) => Box::new(SharingPoints { points, shared, variance, contested }),
+            let sharing =
+                shared.and_then(|shared| SharingPoints::new(points, shared, variance, contested, &near));
+            let term: Box<dyn Term> = match sharing {
+                Some(sharing) => Box::new(sharing),
                 None => Box::new(points),
             };
             add(information(view) / total, term);

@@ -20,8 +20,6 @@ use nalgebra::Vector3;
 pub struct SharedErrors {
     /// τ, of the radius of the cylinder that the points lie on.
     pub bend: f64,
-    /// s, in the coordinates of the view: how the axis moves with that radius.
-    pub axis_shift: Vector3<f64>,
     /// Of the distance from the observer.
     pub offset: f64,
     /// Of the tilt of all points together, in radians.
@@ -39,18 +37,32 @@ pub struct SharingPoints<'a, L> {
     pub variance: f64,
     /// Whether limbs tell of the radius. Where none do the minimum is that of the points as they are.
     pub contested: bool,
+    /// s, in the coordinates of the view: how the axis moves with the radius of the cylinder that the points lie on.
+    axis_shift: Vector3<f64>,
+    expected: Expected,
 }
 
-/// Most steps to the best b: two or three are usual.
+/// The best b to first order about a cylinder, so that one pass over the points is enough near it.
+#[derive(Debug, Clone, Copy)]
+struct Expected {
+    frame: LocalFrame,
+    b: f64,
+    slope: Tangent,
+    /// What points far off leave of the curvature of squares.
+    curvature: f64,
+}
+
+/// Most steps to the best b: none or one is usual where it is expected.
 const STEPS: usize = 12;
 
-/// The part of the cost by which a last step may still lower it: rounding.
-const SETTLED: f64 = 1e-15;
+/// The part of the cost by which one more step would lower it. That step is taken by the linearisation alone, so what
+/// is left is far less.
+const SETTLED: f64 = 1e-9;
 
 /// The part of the curvature of squares that is left where many points are nearly out.
 const LEAST_CURVATURE: f64 = 0.2;
 
-/// The best b at a cylinder.
+/// Next to the best b at a cylinder.
 struct Bent {
     b: f64,
     /// The direction of b in the tangent.
@@ -58,46 +70,100 @@ struct Bent {
     /// The frame at the cylinder that the points lie on, and their normal equations there.
     frame: LocalFrame,
     equations: NormalEquations,
-    /// Half the second derivative of the cost by b.
+    /// Half the first and the second derivative of the cost by b.
+    slope: f64,
     square: f64,
 }
 
-impl<L: LossInFrame> SharingPoints<'_, L> {
+impl Bent {
+    /// The step to the best b.
+    fn step(&self) -> f64 {
+        -self.slope / self.square
+    }
+}
+
+impl<'a, L: LossInFrame> SharingPoints<'a, L> {
+    /// `near` is the frame of a cylinder near those at which the term is asked for; `None` where the points there do not
+    /// determine the axis.
+    pub fn new(
+        points: Points<'a, L>,
+        shared: SharedErrors,
+        variance: f64,
+        contested: bool,
+        near: &LocalFrame,
+    ) -> Option<Self> {
+        let NormalEquations { gradient, hessian, .. } = points.points.linearise(near, points.loss.at(near));
+        let shift = -hessian.fixed_view::<2, 2>(0, 0).try_inverse()? * hessian.fixed_view::<2, 1>(0, 4);
+        let axis_shift = near.u * shift[0] + near.v * shift[1];
+        let expected = Expected { frame: *near, b: 0.0, slope: Tangent::zeros(), curvature: 1.0 };
+        let mut term = Self { points, shared, variance, contested, axis_shift, expected };
+        if contested {
+            let direction = term.direction(near);
+            let square = direction.dot(&(hessian * direction)) + term.stiffness();
+            let slope = gradient.dot(&direction);
+            let first = term.at(near, -slope / square);
+            let curvature = (first.slope - slope) / (first.b * first.square);
+            if (LEAST_CURVATURE..=1.0).contains(&curvature) {
+                term.expected.curvature = curvature;
+            }
+            let bent = term.settled(near, first);
+            term.expected.slope = -(bent.equations.hessian * direction) / bent.square;
+            term.expected.b = bent.b + bent.step();
+        }
+        Some(term)
+    }
+
     /// κ: a number, as b and residuals are in the same unit.
     fn stiffness(&self) -> f64 {
         self.variance / (self.shared.bend * self.shared.bend)
     }
 
+    fn direction(&self, frame: &LocalFrame) -> Tangent {
+        Tangent::new(self.axis_shift.dot(&frame.u), self.axis_shift.dot(&frame.v), 0.0, 0.0, 1.0)
+    }
+
+    fn at(&self, frame: &LocalFrame, b: f64) -> Bent {
+        let direction = self.direction(frame);
+        let mut bent = *frame;
+        bent.cylinder.axis.point += self.axis_shift * (b * frame.unit);
+        bent.cylinder.radius += b * frame.unit;
+        let equations = self.points.points.linearise(&bent, self.points.loss.at(&bent));
+        let square = direction.dot(&(equations.hessian * direction)) + self.stiffness();
+        let slope = equations.gradient.dot(&direction) + self.stiffness() * b;
+        Bent { b, direction, frame: bent, equations, slope, square }
+    }
+
     fn bent(&self, frame: &LocalFrame) -> Bent {
-        let stiffness = self.stiffness();
-        let shift = self.shared.axis_shift;
-        let direction = Tangent::new(shift.dot(&frame.u), shift.dot(&frame.v), 0.0, 0.0, 1.0);
-        let at = |b: f64| {
-            let mut bent = *frame;
-            bent.cylinder.axis.point += shift * (b * frame.unit);
-            bent.cylinder.radius += b * frame.unit;
-            let equations = self.points.points.linearise(&bent, self.points.loss.at(&bent));
-            let square = direction.dot(&(equations.hessian * direction)) + stiffness;
-            (
-                Bent { b, direction, frame: bent, equations, square },
-                equations.gradient.dot(&direction) + stiffness * b,
-            )
-        };
-        let (mut bent, mut slope) = at(0.0);
+        if !self.contested {
+            return self.at(frame, 0.0);
+        }
+        let Expected { frame: near, b, slope, .. } = &self.expected;
+        let expected = b + slope.dot(&near.difference(&frame.cylinder));
+        self.settled(frame, self.at(frame, expected))
+    }
+
+    /// From some b to next to the best one.
+    fn settled(&self, frame: &LocalFrame, mut bent: Bent) -> Bent {
         let mut before: Option<(f64, f64)> = None;
-        for _ in 0..if self.contested { STEPS } else { 0 } {
-            // Points far off make the curvature of the cost less than that of squares: the last two slopes tell it.
-            let secant = before.map(|(b, slope_before)| (slope - slope_before) / (bent.b - b));
+        for _ in 0..STEPS {
+            // The last two slopes tell the curvature.
+            let secant = before.map(|(b, slope)| (bent.slope - slope) / (bent.b - b));
             let usual = LEAST_CURVATURE * bent.square..=bent.square;
-            let curvature = secant.filter(|curvature| usual.contains(curvature)).unwrap_or(bent.square);
-            let step = -slope / curvature;
+            let curvature = secant.filter(|curvature| usual.contains(curvature));
+            let curvature = curvature.unwrap_or(self.expected.curvature * bent.square);
+            let step = -bent.slope / curvature;
             if !(step * step * curvature > SETTLED * bent.equations.cost) {
                 break;
             }
-            before = Some((bent.b, slope));
-            (bent, slope) = at(bent.b + step);
+            before = Some((bent.b, bent.slope));
+            bent = self.at(frame, bent.b + step);
         }
         bent
+    }
+
+    /// The cost of a cylinder, with the step to the best b.
+    fn least(&self, bent: &Bent) -> f64 {
+        bent.equations.cost + self.stiffness() * bent.b * bent.b + bent.slope * bent.step()
     }
 }
 
@@ -110,8 +176,7 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
         if !self.contested {
             return self.points.cost(frame);
         }
-        let bent = self.bent(frame);
-        Some(bent.equations.cost + self.stiffness() * bent.b * bent.b)
+        Some(self.least(&self.bent(frame)))
     }
 
     /// The gradient is that at the best b, on which the cost does not depend to first order; the matrix is what is left
@@ -120,16 +185,19 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
         if !self.contested {
             return self.points.linearise(frame);
         }
-        let Bent { b, direction, equations, square, .. } = self.bent(frame);
-        let NormalEquations { cost, gradient, hessian } = equations;
-        let column = hessian * direction;
-        let hessian = hessian - column * column.transpose() / square;
-        Some(NormalEquations { cost: cost + self.stiffness() * b * b, gradient, hessian })
+        let bent = self.bent(frame);
+        let NormalEquations { gradient, hessian, .. } = bent.equations;
+        let column = hessian * bent.direction;
+        Some(NormalEquations {
+            cost: self.least(&bent),
+            gradient: gradient + column * bent.step(),
+            hessian: hessian - column * column.transpose() / bent.square,
+        })
     }
 
     /// Orthogonal to the column of b, with the row of what is known of it.
     fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
-        let Bent { b, direction, frame: bent, equations, square } = self.bent(frame);
+        let Bent { b, direction, frame: bent, equations, square, .. } = self.bent(frame);
         let column = equations.hessian * direction / square;
         let root = self.stiffness().sqrt();
         let rows = self.points.rows(&bent)?.into_iter();

@@ -223,6 +223,15 @@ pub fn minimise(
         if !promises(ROUNDING) {
             break if disappointed { Termination::Stalled } else { Termination::Cost };
         }
+        // In the local chart the last step is taken without a look: its decrease would not count as progress.
+        if let (Chart::Local, Some(step), false, false) =
+            (chart, step, promises(limits.cost_tolerance), disappointed)
+        {
+            frame = LocalFrame::new(&step.cylinder, &data_center, unit);
+            equations.cost -= step.decrease;
+            step_norm = step.tangent.norm();
+            break Termination::Cost;
+        }
         let small = step.is_some_and(|step| {
             moved_by(&frame, &step.cylinder, data_unit) <= limits.step_tolerance * extent
         });

@@ -94,3 +94,40 @@ fn weights_count_as_repeated_points() {
     assert!((a.cost - b.cost).abs() < 1e-14 * b.cost);
     assert!((a.hessian - b.hessian).norm() < 1e-13 * b.hessian.norm());
 }
+
+#[test]
+fn the_covariance_is_that_of_single_points() {
+    let (points, frame) = scene(4_999);
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+    let term = PointTerm::new(&cloud, None);
+    let independent = 800.0;
+    for wall in [Wall::Either, Wall::Facing] {
+        let loss = Tukey { cutoff: 0.5, wall };
+        let NormalEquations { gradient, hessian, .. } = term.linearise(&frame, loss);
+        let factor = hessian.cholesky().unwrap();
+        let (to_minimum, copies) = (-factor.solve(&gradient), points.len() as f64 / independent);
+        let leverages = factor.inverse() * copies;
+        let mut covariance = TangentMap::zeros();
+        let (mut weights, mut slopes, mut squares) = (0.0, 0.0, 0.0);
+        let part = 1.0 / points.len() as f64;
+        for point in &points {
+            let (residual, jacobian, facing) = PointRows::new(&frame).row(&Vector3::from(*point));
+            let weight = part * loss.loss_and_weight(residual, facing).1;
+            let slope = loss.influence_slopes(pulp::Scalar::new(), residual, facing);
+            let leverage = weight * jacobian.dot(&(leverages * jacobian));
+            let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
+            covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
+            weights += weight;
+            slopes += part * slope;
+            squares += part * slope * slope;
+        }
+        let correction = 1.0 + 5.0 / independent * (squares / (slopes * slopes) - 1.0);
+        let student = (independent - 5.0) / (independent - 7.0);
+        let expected = covariance * (copies * correction * correction * student);
+        let found = term.sandwich(&frame, loss, independent);
+        assert!((found.covariance - expected).norm() < 1e-10 * expected.norm());
+        let derivative = hessian * (slopes / weights);
+        assert!((found.derivative - derivative).norm() < 1e-10 * derivative.norm());
+    }
+}

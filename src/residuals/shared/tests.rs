@@ -34,9 +34,9 @@ fn term(cloud: &PointCloud, bend: f64) -> SharingPoints<'_, Robust> {
         loss: Robust { scale: 5e-4, observed: true },
         independent_points: 200.0,
     };
-    let axis_shift = can().axis.nearest_to_origin().normalize();
-    let shared = SharedErrors { bend, axis_shift, offset: 7e-4, tilt: 0.003 };
-    SharingPoints { points, shared, variance: 5e-4_f64.powi(2) / 200.0, contested: true }
+    let shared = SharedErrors { bend, offset: 7e-4, tilt: 0.003 };
+    let near = LocalFrame::new(&can(), &can().axis.point, 0.05);
+    SharingPoints::new(points, shared, 5e-4_f64.powi(2) / 200.0, true, &near).unwrap()
 }
 
 fn frame_beside(cylinder: &Cylinder) -> LocalFrame {
@@ -84,7 +84,7 @@ fn the_cost_is_that_of_the_best_bend() {
     let least = term.cost(&frame).unwrap();
     let at = |b: f64| {
         let mut bent = frame;
-        bent.cylinder.axis.point += term.shared.axis_shift * (b * frame.unit);
+        bent.cylinder.axis.point += term.axis_shift * (b * frame.unit);
         bent.cylinder.radius += b * frame.unit;
         term.points.cost(&bent).unwrap() + term.stiffness() * b * b
     };

@@ -1,0 +1,352 @@
+//! Sums over points with the widest vector instructions of the machine.
+//!
+//! A sum runs in [`LANES`] partial sums, whose number does not depend on the width of the instructions, and
+//! multiplications and additions are never fused: every machine gets the same bits. The mathematics stands here once,
+//! for one point ([`Scalar`](pulp::Scalar)) and for as many as an instruction takes.
+
+use super::loss::Loss;
+use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Partial sums that run side by side.
+const LANES: usize = 8;
+
+/// Groups of points that are converted to f64 in one go.
+const GROUPS: usize = 16;
+
+/// Distinct sums: loss, weights, residual times Jacobian, Jacobian times Jacobian.
+pub(super) const SUMS: usize = 20;
+
+/// What is summed over the points.
+pub(super) trait Terms<const N: usize>: Copy + Sync {
+    /// Adds the terms of points with their residuals and weights.
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        place: &Place<S::f64s>,
+        residual: S::f64s,
+        weight: S::f64s,
+        sums: &mut [S::f64s; N],
+    );
+}
+
+/// Everything that the normal equations need.
+#[derive(Clone, Copy)]
+pub(super) struct Whole<L>(pub L);
+
+/// The loss alone, the first of these sums.
+#[derive(Clone, Copy)]
+pub(super) struct CostAlone<L>(pub L);
+
+impl<L: Loss> Terms<SUMS> for Whole<L> {
+    #[inline(always)]
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        place: &Place<S::f64s>,
+        e: S::f64s,
+        weight: S::f64s,
+        sums: &mut [S::f64s; SUMS],
+    ) {
+        let Place { a, b, h, facing, .. } = *place;
+        let (value, factor) = self.0.losses_and_weights(simd, e, facing);
+        let w = simd.mul_f64s(weight, factor);
+        let (wa, wb, we) = (simd.mul_f64s(w, a), simd.mul_f64s(w, b), simd.mul_f64s(w, e));
+        let (ea, eb) = (simd.mul_f64s(we, a), simd.mul_f64s(we, b));
+        let (aa, ab, bb) = (simd.mul_f64s(wa, a), simd.mul_f64s(wa, b), simd.mul_f64s(wb, b));
+        let (aah, abh, bbh) = (simd.mul_f64s(aa, h), simd.mul_f64s(ab, h), simd.mul_f64s(bb, h));
+        let terms = [
+            simd.mul_f64s(weight, value),
+            w,
+            we,
+            ea,
+            eb,
+            simd.mul_f64s(ea, h),
+            simd.mul_f64s(eb, h),
+            wa,
+            wb,
+            simd.mul_f64s(wa, h),
+            simd.mul_f64s(wb, h),
+            aa,
+            ab,
+            bb,
+            aah,
+            abh,
+            bbh,
+            simd.mul_f64s(aah, h),
+            simd.mul_f64s(abh, h),
+            simd.mul_f64s(bbh, h),
+        ];
+        for (sum, term) in sums.iter_mut().zip(terms) {
+            *sum = simd.add_f64s(*sum, term);
+        }
+    }
+}
+
+impl<L: Loss> Terms<1> for CostAlone<L> {
+    #[inline(always)]
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        place: &Place<S::f64s>,
+        e: S::f64s,
+        weight: S::f64s,
+        [sum]: &mut [S::f64s; 1],
+    ) {
+        let (value, _) = self.0.losses_and_weights(simd, e, place.facing);
+        *sum = simd.add_f64s(*sum, simd.mul_f64s(weight, value));
+    }
+}
+
+/// Distinct sums of [`Influences`].
+pub(super) const INFLUENCES: usize = 18;
+
+/// What the covariance of a minimum needs of every point with its Jacobian J and weight w.
+#[derive(Clone, Copy)]
+pub(super) struct Influences<'a, L> {
+    pub loss: L,
+    /// What the weights of the points are multiplied by.
+    pub part: f64,
+    /// The step to the minimum of the points, which takes a part of the residuals away.
+    pub to_minimum: &'a Tangent,
+    /// The leverage of a point is w Jᵀ L J with this matrix L, at most
+    pub leverages: &'a TangentMap,
+    /// this.
+    pub largest_leverage: f64,
+}
+
+impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
+    /// Weights, slopes of the influence, their squares, and the upper half of influence times influence.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        place: &Place<S::f64s>,
+        e: S::f64s,
+        weight: S::f64s,
+        sums: &mut [S::f64s; INFLUENCES],
+    ) {
+        let Place { a, b, h, facing, .. } = *place;
+        let jacobian = [a, b, simd.mul_f64s(h, a), simd.mul_f64s(h, b), simd.splat_f64s(1.0)];
+        let part = simd.mul_f64s(weight, simd.splat_f64s(self.part));
+        let w = simd.mul_f64s(part, self.loss.losses_and_weights(simd, e, facing).1);
+        let slope = self.loss.influence_slopes(simd, e, facing);
+        let part_slope = simd.mul_f64s(part, slope);
+        // J is the negative of these five: that matters for the noise alone.
+        let (mut leverage, mut noise) = (simd.splat_f64s(0.0), e);
+        for i in 0..5 {
+            let mut row = simd.mul_f64s(simd.splat_f64s(self.leverages[(i, i)]), jacobian[i]);
+            for k in i + 1..5 {
+                let twice = simd.splat_f64s(2.0 * self.leverages[(i, k)]);
+                row = simd.add_f64s(row, simd.mul_f64s(twice, jacobian[k]));
+            }
+            leverage = simd.add_f64s(leverage, simd.mul_f64s(row, jacobian[i]));
+            noise = simd.sub_f64s(noise, simd.mul_f64s(simd.splat_f64s(self.to_minimum[i]), jacobian[i]));
+        }
+        let leverage = simd.min_f64s(simd.mul_f64s(w, leverage), simd.splat_f64s(self.largest_leverage));
+        let noise = simd.div_f64s(noise, simd.sub_f64s(simd.splat_f64s(1.0), leverage));
+        let factor = simd.mul_f64s(w, noise);
+        let terms = [w, part_slope, simd.mul_f64s(part_slope, slope)];
+        for k in 0..3 {
+            sums[k] = simd.add_f64s(sums[k], terms[k]);
+        }
+        let mut next = 3;
+        for i in 0..5 {
+            let influence = simd.mul_f64s(simd.mul_f64s(factor, factor), jacobian[i]);
+            for k in i..5 {
+                sums[next] = simd.add_f64s(sums[next], simd.mul_f64s(influence, jacobian[k]));
+                next += 1;
+            }
+        }
+    }
+}
+
+/// Where points lie in relation to a cylinder, in the frame and its unit.
+pub(super) struct Place<T> {
+    /// Distance from the axis.
+    pub rho: T,
+    /// The direction from the axis to the point, (a, b) across the axis; 0 on it.
+    pub a: T,
+    pub b: T,
+    /// The coordinate along the axis.
+    pub h: T,
+    /// Negative where the outward normal points towards the observer at the origin.
+    pub facing: T,
+}
+
+/// What all points share: the motion into the local frame.
+pub(super) struct Kernel {
+    rotation: Matrix3<f64>,
+    shift: Vector3<f64>,
+    pub radius: f64,
+    /// The observer across the axis.
+    observer: Vector2<f64>,
+}
+
+impl Kernel {
+    /// For points given by their offset from an origin.
+    pub fn new(origin: &Vector3<f64>, frame: &LocalFrame) -> Self {
+        let rotation = frame.rotation() / frame.unit;
+        // The difference of two nearby points first: both may be far from the origin of coordinates.
+        let shift = rotation * (origin - frame.cylinder.axis.point);
+        let observer = -(rotation * frame.cylinder.axis.point).xy();
+        Self { rotation, shift, radius: frame.cylinder.radius / frame.unit, observer }
+    }
+
+    /// The mathematics of points: everything about them that a residual, its Jacobian or its loss needs.
+    #[inline(always)]
+    pub fn place<S: Simd>(&self, simd: S, [px, py, pz]: [S::f64s; 3]) -> Place<S::f64s> {
+        let (x, y) = (self.coordinate(simd, 0, [px, py, pz]), self.coordinate(simd, 1, [px, py, pz]));
+        let h = self.coordinate(simd, 2, [px, py, pz]);
+        let rho = simd.sqrt_f64s(simd.add_f64s(simd.mul_f64s(x, x), simd.mul_f64s(y, y)));
+        // On the axis the direction of the gradient is undefined; 0 is the mean over all of them.
+        let least = simd.max_f64s(rho, simd.splat_f64s(f64::MIN_POSITIVE));
+        let inverse = simd.div_f64s(simd.splat_f64s(1.0), least);
+        let away_x = simd.sub_f64s(x, simd.splat_f64s(self.observer.x));
+        let away_y = simd.sub_f64s(y, simd.splat_f64s(self.observer.y));
+        Place {
+            rho,
+            a: simd.mul_f64s(x, inverse),
+            b: simd.mul_f64s(y, inverse),
+            h,
+            facing: simd.add_f64s(simd.mul_f64s(x, away_x), simd.mul_f64s(y, away_y)),
+        }
+    }
+
+    /// A coordinate of points in the local frame.
+    #[inline(always)]
+    fn coordinate<S: Simd>(&self, simd: S, k: usize, [px, py, pz]: [S::f64s; 3]) -> S::f64s {
+        let x = simd.mul_f64s(simd.splat_f64s(self.rotation[(k, 0)]), px);
+        let y = simd.mul_f64s(simd.splat_f64s(self.rotation[(k, 1)]), py);
+        let z = simd.mul_f64s(simd.splat_f64s(self.rotation[(k, 2)]), pz);
+        simd.add_f64s(simd.add_f64s(simd.add_f64s(x, y), z), simd.splat_f64s(self.shift[k]))
+    }
+
+    /// The sums over some points.
+    pub fn chunk<T: Copy + Into<f64>, X: Terms<N>, const N: usize>(
+        &self,
+        axes: &[Vec<T>; 3],
+        weights: Option<&[f32]>,
+        range: Range<usize>,
+        terms: X,
+    ) -> [f64; N] {
+        Arch::new().dispatch(Chunk { kernel: self, axes, weights, range, terms })
+    }
+
+    /// Signed distances of points from the surface.
+    pub fn distances<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
+        let mut distances = vec![0.0; axes[0].len()];
+        Arch::new().dispatch(Distances { kernel: self, axes, distances: &mut distances });
+        distances
+    }
+}
+
+/// Points side by side.
+type Block = [[f64; LANES]; GROUPS];
+
+/// The next points, as many as a block holds at most; the rest is filled up with zeros.
+#[inline(always)]
+fn load<T: Copy + Into<f64>>(block: &mut Block, values: &[T]) {
+    let flat = block.as_flattened_mut();
+    for (value, x) in flat.iter_mut().zip(values) {
+        *value = (*x).into();
+    }
+    flat[values.len()..].fill(0.0);
+}
+
+/// As many of a group as an instruction takes.
+#[inline(always)]
+fn lanes<S: Simd>(_simd: S, group: &[f64; LANES], part: usize) -> S::f64s {
+    S::as_simd_f64s(group).0[part]
+}
+
+/// The sums over a range of points.
+struct Chunk<'a, T, X, const N: usize> {
+    kernel: &'a Kernel,
+    axes: &'a [Vec<T>; 3],
+    weights: Option<&'a [f32]>,
+    range: Range<usize>,
+    terms: X,
+}
+
+impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T, X, N> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
+        let Self { kernel, axes, weights, range, terms } = self;
+        let mut sums = [[0.0; LANES]; N];
+        let mut block = [[[0.0; LANES]; GROUPS]; 3];
+        let mut weight = [[0.0; LANES]; GROUPS];
+        for start in range.clone().step_by(LANES * GROUPS) {
+            let end = range.end.min(start + LANES * GROUPS);
+            for (values, axis) in block.iter_mut().zip(axes) {
+                load(values, &axis[start..end]);
+            }
+            if let Some(weights) = weights {
+                load(&mut weight, &weights[start..end]);
+            } else {
+                let flat = weight.as_flattened_mut();
+                flat[..end - start].fill(1.0);
+                flat[end - start..].fill(0.0);
+            }
+            let groups = (end - start).div_ceil(LANES);
+            let [x, y, z] = block.each_ref();
+            for part in 0..LANES / S::F64_LANES {
+                let mut own = [simd.splat_f64s(0.0); N];
+                for (own, sum) in own.iter_mut().zip(&sums) {
+                    *own = lanes(simd, sum, part);
+                }
+                for (((x, y), z), weight) in x.iter().zip(y).zip(z).zip(&weight).take(groups) {
+                    let point = [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)];
+                    let place = kernel.place(simd, point);
+                    let residual = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
+                    terms.add(simd, &place, residual, lanes(simd, weight, part), &mut own);
+                }
+                for (sum, own) in sums.iter_mut().zip(own) {
+                    S::as_mut_simd_f64s(sum).0[part] = own;
+                }
+            }
+        }
+        sums.map(|sums| sums.iter().sum())
+    }
+}
+
+/// The distances of all points.
+struct Distances<'a, T> {
+    kernel: &'a Kernel,
+    axes: &'a [Vec<T>; 3],
+    distances: &'a mut [f64],
+}
+
+impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { kernel, axes, distances } = self;
+        let mut block = [[[0.0; LANES]; GROUPS]; 3];
+        let mut rho = [[0.0; LANES]; GROUPS];
+        for (index, distances) in distances.chunks_mut(LANES * GROUPS).enumerate() {
+            let start = index * LANES * GROUPS;
+            for (values, axis) in block.iter_mut().zip(axes) {
+                load(values, &axis[start..start + distances.len()]);
+            }
+            let [x, y, z] = block.each_ref();
+            let (x, y, z) = (x.as_flattened(), y.as_flattened(), z.as_flattened());
+            let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
+            let rho = rho.as_flattened_mut();
+            for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {
+                let place = kernel.place(simd, [*x, *y, *z]);
+                *rho = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
+            }
+            distances.copy_from_slice(&rho[..distances.len()]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

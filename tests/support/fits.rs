@@ -1,0 +1,71 @@
+//! Fits whose time and instructions are measured.
+#![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
+
+use crate::frames::Inputs;
+use crate::support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
+use cylfuse::fitter::{Fitter, ObjectiveKind, Options, StartKind};
+use cylfuse::geometry::Cylinder;
+use nalgebra::Vector3;
+
+/// The options of a fit on one core.
+pub fn on_one_core(options: Options) -> Options {
+    Options { threads: 1, ..options }
+}
+
+/// A noisy can: 1 mm along the ray, half a pixel on the edges.
+pub fn noisy(points: usize, edges: bool, options: Options) -> Fitter {
+    let truth = can();
+    let mut noise = Noise::new(1);
+    let mut cloud = visible_points(&truth, &Vector3::zeros(), points);
+    for point in &mut cloud {
+        let stretch = 1.0 + 0.0015 * noise.normal();
+        point.iter_mut().for_each(|x| *x *= stretch);
+    }
+    let mut segments = limb_segments(&truth, &camera());
+    for q in segments.iter_mut().flat_map(|segment| &mut segment.endpoints) {
+        *q += noise.vector().xy() * 0.5;
+    }
+    let mut fitter = fitter_with(&cloud);
+    fitter.set_intrinsics(intrinsics()).unwrap();
+    if edges {
+        fitter.push_edges(&segments).unwrap();
+    }
+    fitter.set_start(Some(
+        Cylinder::new(truth.axis.point * 1.01, Vector3::new(0.25, 0.9, 0.25), truth.radius * 1.1).unwrap(),
+    ));
+    fitter.set_options(on_one_core(options)).unwrap();
+    fitter
+}
+
+/// A frame of 4,211 points on a cylinder.
+pub fn frame() -> Inputs {
+    Inputs::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames/r40_a20_f0"))
+}
+
+/// A fitter with that frame, with or without its image and edges.
+pub fn framed(image: bool, edges: bool) -> Fitter {
+    let inputs = frame();
+    let mut fitter = inputs.fitter();
+    if edges {
+        fitter.push_edges(&inputs.edges).unwrap();
+    }
+    if image {
+        inputs.push_image(&mut fitter);
+    }
+    fitter.set_options(on_one_core(Options::default())).unwrap();
+    fitter
+}
+
+/// The same from the result of the last fit.
+pub fn followed() -> Fitter {
+    let mut fitter = framed(true, true);
+    let last = fitter.fit().unwrap().cylinder;
+    fitter.set_start(Some(last));
+    fitter.set_options(on_one_core(Options { start: StartKind::Model, ..Options::default() })).unwrap();
+    fitter
+}
+
+/// The options of the paper's objective.
+pub fn paper(start: StartKind) -> Options {
+    Options { objective: ObjectiveKind::Paper, start, ..Options::default() }
+}
