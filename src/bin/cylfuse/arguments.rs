@@ -2,6 +2,8 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
+#[cfg(feature = "bench")]
+use crate::bench::BenchArguments;
 use crate::detect_arguments::DetectArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
@@ -47,6 +49,9 @@ pub enum Command {
     /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
     #[cfg(feature = "twin")]
     Twin(TwinArguments),
+    /// Run the experiments of the paper, and others, on frames of the twin, and write a report.
+    #[cfg(feature = "bench")]
+    Bench(BenchArguments),
 }
 
 /// `cylfuse fit`.
