@@ -131,7 +131,7 @@ fn sets() -> [(&'static str, Kind, DepthSensor); 4] {
 }
 
 fn jobs(bench: &Bench) -> Vec<(usize, usize)> {
-    let count = |set: usize| bench.scale.of([30, 20, 12, 12][set], 1, usize::from(set == 1));
+    let count = |set: usize| bench.scale.of([20, 12, 8, 8][set], 1, usize::from(set == 1));
     (0..sets().len()).flat_map(|set| (0..count(set)).map(move |k| (set, k))).collect()
 }
 

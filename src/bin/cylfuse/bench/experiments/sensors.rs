@@ -19,7 +19,7 @@ fn sensors() -> [(&'static str, DepthSensor); 3] {
 }
 
 fn frames(bench: &Bench) -> usize {
-    bench.scale.of(40, 3, 1)
+    bench.scale.of(24, 3, 1)
 }
 
 pub fn count(bench: &Bench) -> usize {

@@ -111,7 +111,7 @@ impl Sweep {
     }
 
     fn jobs(&self, bench: &Bench) -> Vec<(usize, f64, usize)> {
-        let captures = bench.scale.of(8, 1, 1);
+        let captures = bench.scale.of(5, 1, 1);
         let mut jobs = Vec::new();
         for radius in 0..self.radii(bench).len() {
             for value in self.values(bench) {
@@ -139,7 +139,7 @@ impl Sweep {
             let own = rows.iter().filter(|(r, v, _)| *r == radius && *v == value);
             own.map(|(_, _, errors)| errors[method]).collect()
         };
-        let captures = bench.scale.of(8, 1, 1);
+        let captures = bench.scale.of(5, 1, 1);
         let mut body = paragraph(self.intro);
         body.push_str(&paragraph(&format!(
             "{captures} captures at each place, each with light, paint, placement, dots, mask and edges of its own; mean \
