@@ -68,6 +68,7 @@ pub mod opencv;
 mod parts;
 #[cfg(feature = "sensitivity")]
 pub mod parts;
+pub mod plan;
 mod residuals;
 pub mod scene;
 mod solver;

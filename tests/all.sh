@@ -34,6 +34,9 @@ cargo run --locked --release --features cli -- demo --out "$demo"
 for file in result.json overlay.png completed.ply completed.pcd scene/overlay.png scene/labels.png scene/completed.ply; do test -s "$demo/$file"; done
 rm -rf "$demo"
 
+step "report: pages in a browser at desktop and phone width"
+tests/report.sh 2>&1 | tee -a "$log"
+
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
 tests/cpp.sh 2>&1 | tee -a "$log"
 
@@ -41,5 +44,5 @@ step "bindings"
 bindings/test.sh 2>&1 | tee -a "$log"
 
 # Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed" and so on.
-sum() { awk -v word="$1" '/^(test result|cpp|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
+sum() { awk -v word="$1" '/^(test result|report|cpp|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
 printf '\n%s passed, %s failed\n' "$(sum passed)" "$(sum failed)"

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The layers, lowest first. Modules of one layer do not import each other.
-const LAYERS: [&[&str]; 15] = [
+const LAYERS: [&[&str]; 16] = [
     &["constant", "error", "statistics", "workers"],
     &["noise"],
     &["geometry"],
@@ -20,6 +20,7 @@ const LAYERS: [&[&str]; 15] = [
     &["completion"],
     &["extent"],
     &["scene"],
+    &["plan"],
     &["ffi", "opencv"],
     &["bin"],
 ];

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::detection::{DetectionOptions, Detections, detect};
-use cylfuse::observations::{DepthImage, DepthView};
+use cylfuse::observations::{DepthRange, DepthView, Frame};
+use cylfuse::scene::{Detector, Found, Scene};
 use cylfuse::twin::{
     CaptureOptions, DEPTH_UNIT, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight, capture,
     random_scene,
@@ -18,17 +18,20 @@ fn camera() -> Camera {
     Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion }).unwrap()
 }
 
-fn found(depth: &[u16]) -> Detections {
-    let depth = DepthImage::copy(&DepthView::from_u16(depth, SIZE, DEPTH_UNIT).unwrap()).unwrap();
-    detect(&camera(), &depth, None, &DetectionOptions::default()).unwrap()
+fn found(depth: &[u16]) -> Scene {
+    let mut frame = Frame::new(camera());
+    let depth = DepthView::from_u16(depth, SIZE, DEPTH_UNIT).unwrap();
+    frame.set_depth(&depth, &DepthRange::default()).unwrap();
+    Detector::new().detect(&frame).unwrap()
 }
 
 /// Says what was found where nothing should be.
 fn complaint(name: &str, depth: &[u16]) -> Option<String> {
     let found = found(depth);
     assert!(found.cylinders.is_empty() == found.labels.iter().all(|label| *label == 0), "{name}");
-    let one = |d: &cylfuse::detection::Detection| {
-        format!("radius {:.1} mm, score {:.2}, {} pixels", 1e3 * d.cylinder.radius, d.score, d.pixels)
+    let one = |found: &Found| {
+        let radius = 1e3 * found.result.cylinder.radius;
+        format!("radius {radius:.1} mm, score {:.2}, {} pixels", found.score, found.pixels)
     };
     let all: Vec<String> = found.cylinders.iter().map(one).collect();
     (!all.is_empty()).then(|| format!("{name}: {}", all.join("; ")))

@@ -236,6 +236,9 @@ fn wherever_it_is_stopped_it_says_so() {
             assert!(matches!(outcome, Err(Error::Cancelled { .. })), "{stop} of {all}: {outcome:?}");
         }
         assert_same(&right.unwrap(), &run(all).0.unwrap());
+        // The search itself is stopped, and not only the fits after it.
+        let (_, told) = run(10);
+        assert_eq!(told, [Progress::Search]);
     }
 }
 

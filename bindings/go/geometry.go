@@ -204,6 +204,42 @@ func (cylinder Cylinder) Compare(other Cylinder) (Comparison, error) {
 	return Comparison{float64(angle), float64(distance), float64(radius)}, err
 }
 
+// Plan is a cylinder with the middle of its axis on the optical axis, of which a camera will take measurements. Lengths are
+// in metres, angles in radians.
+type Plan struct {
+	// Distance from the camera to the middle of the axis.
+	Distance float64
+	// Radius and Length of the cylinder.
+	Radius, Length float64
+	// Tilt of the axis out of the plane of the image, and Turn of the axis in the image from the vertical.
+	Tilt, Turn float64
+	// Noise has a, b, c of the noise of depth a + b z + c z² at the depth z; the side of the squares of pixels that share
+	// it, at least 1; the noise of a pixel of the image as a part of the step of brightness at limbs and ends; the blur of
+	// the image in pixels. Nil for that of structured light and an ordinary image.
+	Noise *[6]float64
+}
+
+// Deviations are standard deviations: of radius, position of the axis and length in metres, of the direction in radians.
+// The length is NaN where an end lies outside the image.
+type Deviations struct {
+	Radius, Direction, Position, Length float64
+}
+
+// Expect gives the standard deviations to be expected: what captures of one scene scatter by, and the total, which a fit
+// states.
+func (plan Plan) Expect(intrinsics Intrinsics) (scatter, total Deviations, err error) {
+	camera, err := intrinsics.toC()
+	if err != nil {
+		return scatter, total, err
+	}
+	cylinder := [5]float64{plan.Distance, plan.Radius, plan.Length, plan.Tilt, plan.Turn}
+	err = withoutHandle(func() C.cylfuse_status {
+		return C.cylfuse_plan(&camera, (*C.double)(unsafe.Pointer(&cylinder)), (*C.double)(unsafe.Pointer(plan.Noise)),
+			(*C.double)(unsafe.Pointer(&scatter)), (*C.double)(unsafe.Pointer(&total)))
+	})
+	return scatter, total, err
+}
+
 func (cylinder *Cylinder) toC() C.cylfuse_cylinder {
 	return C.cylfuse_cylinder{
 		point:     vectorToC(cylinder.Point),

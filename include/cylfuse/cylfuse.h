@@ -3139,6 +3139,30 @@ cylfuse_status cylfuse_cylinder_compare(const struct cylfuse_cylinder *a,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * What to expect of measurements of a cylinder with a camera: standard deviations by the covariance at the exact view. The
+ * middle of the axis lies on the optical axis. Lengths are in metres, angles in radians.
+ *
+ * @param intrinsics the camera of the image, on whose pixels the depth is
+ * @param cylinder 5 doubles: the distance from the camera to the middle of the axis; radius; length; the tilt of the axis
+ *   out of the plane of the image, from -1.4 to 1.4; its angle in the image from the vertical
+ * @param noise 6 doubles, or NULL for those of the structured light of the twin and an ordinary image: a, b, c of the noise of
+ *   depth a + b z + c z^2 at the depth z; the side of the squares of pixels that share it, at least 1; the noise of a pixel
+ *   of the image as a part of the step of brightness at limbs and ends; the blur of the image in pixels
+ * @param out_scatter room for 4 doubles: the standard deviations of captures of one scene about each other, of radius,
+ *   direction (radians), position of the axis and length; NaN for the length where an end lies outside the image
+ * @param out_total room for 4 doubles: the same of a measurement about the truth, which is what a fit states
+ * @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, STRUCT_SIZE; nothing is
+ *   written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_plan(const struct cylfuse_intrinsics *intrinsics,
+                            const double *cylinder,
+                            const double *noise,
+                            double *out_scatter,
+                            double *out_total)
+CYLFUSE_NOEXCEPT;
+
+/**
  * The pixels of the (distorted) image at which a camera sees points.
  *
  * @param intrinsics the camera

@@ -452,6 +452,23 @@ inline Returned<std::vector<std::array<double, 3>>> unproject(const cylfuse_intr
     return detail::finish_call(status, std::move(rays));
 }
 
+/** What to expect of measurements of a cylinder with a camera; see cylfuse_plan for the numbers of cylinder and noise. */
+inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder)
+{
+    Expectation expected{};
+    const cylfuse_status status =
+        cylfuse_plan(&intrinsics, cylinder.data(), nullptr, expected.scatter.data(), expected.total.data());
+    return detail::finish_call(status, expected);
+}
+inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder,
+                                  const std::array<double, 6> &noise)
+{
+    Expectation expected{};
+    const cylfuse_status status =
+        cylfuse_plan(&intrinsics, cylinder.data(), noise.data(), expected.scatter.data(), expected.total.data());
+    return detail::finish_call(status, expected);
+}
+
 /** How the second cylinder differs from the first. */
 inline Returned<Difference> compare(const Cylinder &first, const Cylinder &second)
 {

@@ -224,6 +224,12 @@ struct Difference {
 /** The two limb lines in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels. */
 using LimbLines = std::array<std::array<double, 3>, 2>;
 
+/** What a plan expects: standard deviations of radius, direction, position and length, as of cylfuse_plan. */
+struct Expectation {
+    std::array<double, 4> scatter;
+    std::array<double, 4> total;
+};
+
 } // namespace cylfuse
 
 #endif

@@ -4,7 +4,7 @@ use super::grid::{Cell, Grid};
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::{Side, outline};
-use super::search::PixelOf;
+use super::search::{PixelOf, Stopped};
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::statistics::median;
@@ -27,6 +27,8 @@ pub(super) struct Scene<'a> {
     pub image: Option<&'a ImageEdges>,
     /// The column and the row of pixels at a place on the plane z = 1.
     pub pixel_of: &'a PixelOf<'a>,
+    /// Whether the search shall end: what it has found by then is of no use.
+    pub stopped: &'a Stopped<'a>,
 }
 
 /// What holds the sides of a cylinder that grows.
@@ -86,9 +88,7 @@ impl Scene<'_> {
                 .filter(|side| side.sign == sign)
                 .filter_map(Side::limb)
                 .map(|ray| {
-                    let d = &cylinder.axis.direction;
-                    let flat = ray - d * ray.dot(d);
-                    let t = flat.dot(&cylinder.axis.point) / flat.norm_squared();
+                    let t = cylinder.axis.nearest_on_ray(&ray);
                     (cylinder.radius - cylinder.axis.distance(&(ray * t))) / (t * self.optics.pixel)
                 })
                 .collect();

@@ -32,6 +32,18 @@ struct Viewpoint {
 /// # Errors
 /// `InvalidArgument`, `OutOfMemory`.
 pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Result<Detections> {
+    detect_points_until(view, options, &|| false)
+}
+
+/// The same, until `stopped` says so.
+///
+/// # Errors
+/// Those of [`detect_points`], and `Cancelled`.
+pub(crate) fn detect_points_until(
+    view: &PointsView<'_>,
+    options: &DetectionOptions,
+    stopped: &dyn Fn() -> bool,
+) -> Result<Detections> {
     options.check()?;
     let count = view.width() * view.height();
     let mut points: Vec<Vector3<f64>> = Vec::new();
@@ -67,7 +79,7 @@ pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Resul
     };
     let side = side_of_cells(size).max(LEAST_SIDE);
     let mut grid = Grid::new(size, image.spacing, side, &point);
-    let found = search(&mut grid, image.spacing, None, &turned);
+    let found = search(&mut grid, image.spacing, None, &turned, stopped)?;
     let ray = |x: usize, y: usize| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))

@@ -23,6 +23,9 @@ const SHORTEST: f64 = 8.0;
 /// The standard deviation across an edge in pixels: a step blurred by up to this much.
 const WIDEST: f64 = 2.0;
 
+/// How far from an edge its blur reaches, in pixels.
+const BESIDE: i32 = 3;
+
 /// A straight edge by its ends on the plane z = 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
@@ -50,17 +53,34 @@ struct Gradient {
     magnitudes: Vec<f32>,
 }
 
+impl Gradient {
+    /// Whether a gradient is at least half as strong as any next to it across the edge: the shading beside a limb has its
+    /// direction, but is weaker, and would make a broad region of the edge.
+    fn stands_out(&self, k: usize) -> bool {
+        let (x, y) = ((k % self.width) as f32, (k / self.width) as f32);
+        let height = self.magnitudes.len() / self.width;
+        let unit = self.vectors[k] / self.magnitudes[k];
+        (-BESIDE..=BESIDE).all(|step| {
+            let place =
+                [x + unit.x * step as f32, y + unit.y * step as f32].map(|t| t.round().max(0.0) as usize);
+            let other = place[1].min(height - 1) * self.width + place[0].min(self.width - 1);
+            2.0 * self.magnitudes[k] >= self.magnitudes[other]
+        })
+    }
+}
+
 /// The straight edges of an image.
 pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
     let factor = (image.width().max(image.height()) as f64 / PIXELS_ACROSS).round().max(1.0) as usize;
     let gradient = gradient(&reduced(image, factor), image.width() / factor, image.height() / factor);
     let mut found = Vec::new();
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
-    let mut order: Vec<usize> =
-        (0..gradient.magnitudes.len()).filter(|&k| gradient.magnitudes[k] > threshold).collect();
+    let mut free: Vec<bool> = (0..gradient.magnitudes.len())
+        .map(|k| gradient.magnitudes[k] > threshold && gradient.stands_out(k))
+        .collect();
+    let mut order: Vec<usize> = (0..free.len()).filter(|&k| free[k]).collect();
     order
         .sort_unstable_by(|&a, &b| gradient.magnitudes[b].total_cmp(&gradient.magnitudes[a]).then(a.cmp(&b)));
-    let mut free: Vec<bool> = gradient.magnitudes.iter().map(|&m| m > threshold).collect();
     let mut region = Vec::new();
     for seed in order {
         if !free[seed] {
@@ -177,3 +197,6 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
         .then(|| [middle + direction * low, middle + direction * high])
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,6 +31,15 @@ const SIDE_BY_SIDE: f64 = 0.35;
 /// Curvature of the depth between two limbs by that of a cylinder: matching windows flatten it by up to 3.
 const CURVATURES: [f64; 2] = [0.3, 2.0];
 
+/// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
+const INNER: f64 = 0.7;
+
+/// The shortest stretch in pixels over which two edges stand side by side.
+const SHORTEST_OVERLAP: f64 = 8.0;
+
+/// Fewest cells between two edges.
+const FEWEST: usize = 8;
+
 /// A ray on the plane z = 1.
 fn image(p: &Vector3<f64>) -> Option<Vector2<f64>> {
     (p.z > 0.0).then(|| p.xy() / p.z)
@@ -53,6 +62,16 @@ pub(super) struct Support {
     pub length: f64,
     /// Rays along them.
     pub tangents: Vec<Tangent>,
+}
+
+/// A cylinder by two edges.
+#[derive(Debug, Clone)]
+pub(super) struct Pair {
+    pub cylinder: Cylinder,
+    /// Cells between the edges.
+    pub cells: Vec<usize>,
+    /// How long the edges stand side by side, in pixels.
+    pub length: f64,
 }
 
 impl ImageEdges {
@@ -240,23 +259,4 @@ impl Scene<'_> {
         (ratio + uncertain >= CURVATURES[0] && ratio - uncertain <= CURVATURES[1] && ratio > 0.0)
             .then_some((solution, cells))
     }
-}
-
-/// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
-const INNER: f64 = 0.7;
-
-/// The shortest stretch in pixels over which two edges stand side by side.
-const SHORTEST_OVERLAP: f64 = 8.0;
-
-/// Fewest cells between two edges.
-const FEWEST: usize = 8;
-
-/// A cylinder by two edges.
-#[derive(Debug, Clone)]
-pub(super) struct Pair {
-    pub cylinder: Cylinder,
-    /// Cells between the edges.
-    pub cells: Vec<usize>,
-    /// How long the edges stand side by side, in pixels.
-    pub length: f64,
 }

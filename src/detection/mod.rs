@@ -16,7 +16,9 @@ mod search;
 mod surface;
 
 pub use cloud::detect_points;
+pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
+pub(crate) use evidence::least_before_fit;
 pub(crate) use region::detect_in_mask;
 
 use crate::camera::Camera;
@@ -65,7 +67,7 @@ impl DetectionOptions {
 pub struct Detection {
     /// The cylinder.
     pub cylinder: Cylinder,
-    /// The probability that there is a cylinder.
+    /// The probability that there is a cylinder, before a fit to its region.
     pub score: f64,
     /// Pixels of its region.
     pub pixels: usize,
@@ -87,15 +89,12 @@ pub struct Detections {
 }
 
 impl Detections {
-    /// The score of a detection after a fit to its region that located so many limbs in the image; without an image that
-    /// of the detection. The cylinder is in the coordinates of the camera.
+    /// The score of a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
+    /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
     #[must_use]
-    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, limbs_located: usize) -> f64 {
-        if self.image.is_none() {
-            return detection.score;
-        }
-        let limbs = Some(self.covered(detection, fitted));
-        Evidence { limbs, located: Some(limbs_located), ..detection.evidence }.score()
+    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, radius_deviation: f64) -> f64 {
+        let limbs = self.image.as_ref().map(|_| self.covered(detection, fitted));
+        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }.score()
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
@@ -112,8 +111,8 @@ impl Detections {
     }
 }
 
-/// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. With an image those stay
-/// as well whose score a fit that locates their limbs may raise to the least one, see [`Detections::score_of_fit`].
+/// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. A fit to its region tells
+/// more of each: see [`Detections::score_of_fit`].
 ///
 /// # Errors
 /// `InvalidArgument`.
@@ -122,6 +121,20 @@ pub fn detect(
     depth: &DepthImage,
     image: Option<&GreyImage>,
     options: &DetectionOptions,
+) -> Result<Detections> {
+    detect_until(camera, depth, image, options, &|| false)
+}
+
+/// The same, until `stopped` says so.
+///
+/// # Errors
+/// Those of [`detect`], and `Cancelled`.
+pub(crate) fn detect_until(
+    camera: &Camera,
+    depth: &DepthImage,
+    image: Option<&GreyImage>,
+    options: &DetectionOptions,
+    stopped: &dyn Fn() -> bool,
 ) -> Result<Detections> {
     options.check()?;
     let (width, height) = camera.size();
@@ -147,7 +160,7 @@ pub fn detect(
         (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
     };
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
-    let found = search::search(&mut grid, pixel, searched, options);
+    let found = search::search(&mut grid, pixel, searched, options, stopped)?;
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
     let found = search::label(&grid, &found, (width, height), pixel, &point, &ray);
     Ok(Detections { image: edges, ..found })

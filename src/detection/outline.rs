@@ -19,12 +19,8 @@ pub(super) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<(f64, f64)> 
     let across = normal.dot(&axis.point) / (norm * cylinder.radius);
     let along = match cylinder.first_hit(&ray) {
         Some(hit) => (hit - axis.point).dot(&axis.direction),
-        None => {
-            // The foot of the common perpendicular on the axis.
-            let flat = ray - axis.direction * ray.dot(&axis.direction);
-            let t = flat.dot(&axis.point) / flat.norm_squared();
-            (ray * t - axis.point).dot(&axis.direction)
-        }
+        // The foot of the common perpendicular on the axis.
+        None => (ray * axis.nearest_on_ray(&ray) - axis.point).dot(&axis.direction),
     };
     Some((across, along))
 }

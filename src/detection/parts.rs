@@ -2,7 +2,7 @@
 
 use super::DetectionOptions;
 use super::candidate::{Candidate, Marks, Scene};
-use super::search::{Judged, plausible};
+use super::search::Judged;
 use super::surface::{REACH, Surface};
 use nalgebra::Vector3;
 
@@ -18,7 +18,7 @@ pub(super) fn join(
 ) {
     found.sort_by(|a, b| b.candidate.gain.total_cmp(&a.candidate.gain));
     let mut first = 0;
-    while first < found.len() {
+    while first < found.len() && !(scene.stopped)() {
         let mut second = first + 1;
         while second < found.len() {
             if let Some(joint) = joined(scene, &found[first], &found[second], options, marks) {
@@ -68,19 +68,23 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let surface = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks)?;
-    cells.retain(|&k| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH);
-    let gain = scene.worth(&surface, &cells, marks);
+    let mut best: Option<(f64, Surface, Vec<usize>)> = None;
+    let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
+    for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
+        let on = |&k: &usize| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH;
+        let on: Vec<usize> = cells.iter().copied().filter(on).collect();
+        let worth = scene.worth(&surface, &on, marks);
+        if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
+            best = Some((worth, surface, on));
+        }
+    }
+    let (gain, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
     if gain < a.candidate.gain + b.candidate.gain - 3.0 {
         return None;
     }
     let candidate = Candidate { surface, cells, gain, sides: a.candidate.sides };
-    if !plausible(scene, &candidate, options) {
-        return None;
-    }
-    let evidence = scene.judge(&candidate, marks)?;
-    (evidence.seen_through < 0.3).then(|| Judged { candidate, evidence, score: evidence.score() })
+    Judged::new(scene, candidate, options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
 }
 
 /// Divides candidates that are two cylinders one after the other: stacked cans, a bottle and its neck.
@@ -91,7 +95,7 @@ pub(super) fn divide(
     marks: &mut Marks,
 ) {
     let mut index = 0;
-    while index < found.len() {
+    while index < found.len() && !(scene.stopped)() {
         match divided(scene, &found[index], options, marks) {
             // The parts come last, and may be divided again.
             Some(parts) => {
@@ -146,9 +150,8 @@ fn divided(
         let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, &free, marks) else {
             continue;
         };
-        if candidate.cells.len() < judged.candidate.cells.len() && plausible(scene, &candidate, options) {
-            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-            found.push(Judged { candidate, evidence, score: evidence.score() });
+        if candidate.cells.len() < judged.candidate.cells.len() {
+            found.extend(Judged::new(scene, candidate, options, marks));
         }
     }
     let good = found.iter().filter(|part| part.score > 0.5).count();

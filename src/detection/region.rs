@@ -60,6 +60,7 @@ pub(crate) fn detect_in_mask(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: None,
         pixel_of: &|_| None,
+        stopped: &|| false,
     };
     let options =
         DetectionOptions { limits: *limits, min_pixels: 0, min_score: 0.0, ..DetectionOptions::default() };

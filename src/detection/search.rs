@@ -8,6 +8,7 @@ use super::noise::Noise;
 use super::outline::passes;
 use super::surface::{Optics, REACH, Surface};
 use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
+use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use nalgebra::{Vector2, Vector3};
 
@@ -29,6 +30,9 @@ const FEWEST: usize = 12;
 /// The column and the row of pixels at a place on the plane z = 1.
 pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
 
+/// Asked before each candidate.
+pub(super) type Stopped<'a> = dyn Fn() -> bool + 'a;
+
 /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
 /// better explanation wins, unless it is no cylinder.
 const LEAST_SAY: f64 = 0.25;
@@ -44,6 +48,9 @@ const MOST_PAIRS: usize = 200;
 
 /// The part of both limbs together that edges next to a pair must cover.
 const COVERED: f64 = 0.6;
+
+/// Candidates with less are forgotten.
+const LEAST_SCORE: f64 = 0.01;
 
 /// With this score what is explained is not explained again.
 const CERTAIN: f64 = 0.9;
@@ -65,9 +72,12 @@ pub(super) fn search(
     pixel: f64,
     image: Option<(&ImageEdges, &PixelOf<'_>)>,
     options: &DetectionOptions,
-) -> Vec<Judged> {
-    let Some(noise) = Noise::estimate(grid) else { return Vec::new() };
+    stopped: &Stopped<'_>,
+) -> Result<Vec<Judged>> {
+    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
     let planes = planes::find_planes(grid, &noise);
+    cancelled()?;
     let scene = Scene {
         grid,
         noise,
@@ -75,6 +85,7 @@ pub(super) fn search(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
+        stopped,
     };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
@@ -82,10 +93,19 @@ pub(super) fn search(
     let by_depth = candidates(&scene, options, &mut explained, &mut marks);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
+    cancelled()?;
     let mut found = distinct(found);
     parts::join(&scene, &mut found, options, &mut marks);
     parts::divide(&scene, &mut found, options, &mut marks);
-    select(&scene, &mut found, options, &mut marks)
+    let chosen = select(&scene, &mut found, options, &mut marks);
+    cancelled()?;
+    Ok(chosen)
+}
+
+/// Whether two cylinders are nearly one.
+fn same(a: &Cylinder, b: &Cylinder) -> bool {
+    let change = a.compare(b);
+    change.angle < ALIKE && change.radius_relative.abs() < ALIKE && change.axis_distance < ALIKE * a.radius
 }
 
 /// The best of candidates that are alike.
@@ -99,11 +119,8 @@ pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
             else {
                 return false;
             };
-            let change = b.compare(a);
             // A cell of its own makes a candidate another part of the same cylinder, which is for joining.
-            change.angle < ALIKE
-                && change.radius_relative.abs() < ALIKE
-                && change.axis_distance < ALIKE * b.radius
+            same(b, a)
                 && other.candidate.cells.contains(&judged.candidate.cells[judged.candidate.cells.len() / 2])
                 && judged.candidate.cells.len() <= other.candidate.cells.len()
         };
@@ -115,6 +132,20 @@ pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
 }
 
 impl Judged {
+    /// A candidate with its evidence, if it is worth a closer look.
+    pub fn new(
+        scene: &Scene<'_>,
+        candidate: Candidate,
+        options: &DetectionOptions,
+        marks: &mut Marks,
+    ) -> Option<Self> {
+        if !plausible(scene, &candidate, options) {
+            return None;
+        }
+        let evidence = scene.judge(&candidate, marks)?;
+        Some(Self { candidate, evidence, score: evidence.score() })
+    }
+
     /// What a candidate has to say where others explain the same cells.
     fn say(&self) -> f64 {
         self.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * self.score)
@@ -149,6 +180,9 @@ pub(super) fn candidates(
                 if cells.len() < FEWEST {
                     continue;
                 }
+                if (scene.stopped)() {
+                    return found;
+                }
                 let Some(start) =
                     patch::hypothesis(grid, &cells, scene.noise.deviation, scene.noise.cells_per_sample)
                 else {
@@ -160,16 +194,12 @@ pub(super) fn candidates(
                     continue;
                 };
                 candidate.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                if !plausible(scene, &candidate, options) {
-                    continue;
+                let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+                if judged.score > 0.5 {
+                    judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
-                let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-                let score = evidence.score();
-                if score > 0.5 {
-                    candidate.cells.iter().for_each(|&k| explained[k] = true);
-                }
-                if score > 0.01 {
-                    found.push(Judged { candidate, evidence, score });
+                if judged.score > LEAST_SCORE {
+                    found.push(judged);
                 }
             }
         }
@@ -189,14 +219,12 @@ fn by_edges(
         return moved;
     }
     let free = |k: usize| scene.planes[k] == 0;
-    for judged in found {
+    for judged in found.iter().take_while(|_| !(scene.stopped)()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
         let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
-        if candidate.gain > *gain && plausible(scene, &candidate, options) {
-            let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-            let score = evidence.score();
-            moved.push(Judged { candidate, evidence, score });
+        if candidate.gain > *gain {
+            moved.extend(Judged::new(scene, candidate, options, marks));
         }
     }
     moved
@@ -215,18 +243,12 @@ fn by_pairs(
     let mut tried: Vec<Cylinder> = Vec::new();
     let mut grown = 0;
     for pair in scene.pairs() {
-        if grown == MOST_PAIRS {
+        if grown == MOST_PAIRS || (scene.stopped)() {
             break;
         }
-        // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
-        let same = |other: &Cylinder| {
-            let change = other.compare(&pair.cylinder);
-            change.angle < ALIKE
-                && change.radius_relative.abs() < ALIKE
-                && change.axis_distance < ALIKE * other.radius
-        };
         let known = pair.cells.iter().filter(|&&k| explained[k]).count();
-        if tried.iter().any(same) || known * 5 > pair.cells.len() * 4 {
+        // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
+        if tried.iter().any(|other| same(other, &pair.cylinder)) || known * 5 > pair.cells.len() * 4 {
             continue;
         }
         tried.push(pair.cylinder);
@@ -239,25 +261,22 @@ fn by_pairs(
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
         let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
-        if !plausible(scene, &candidate, options) {
-            continue;
+        let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+        if let Surface::Cylinder(cylinder, _) = judged.candidate.surface {
+            tried.push(cylinder);
         }
-        let Surface::Cylinder(cylinder, _) = candidate.surface else { continue };
-        tried.push(cylinder);
-        let Some(evidence) = scene.judge(&candidate, marks) else { continue };
-        let score = evidence.score();
-        if score > CERTAIN {
-            candidate.cells.iter().for_each(|&k| explained[k] = true);
+        if judged.score > CERTAIN {
+            judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
         }
-        if score > 0.01 {
-            found.push(Judged { candidate, evidence, score });
+        if judged.score > LEAST_SCORE {
+            found.push(judged);
         }
     }
     found
 }
 
 /// Whether a candidate is worth a closer look.
-pub(super) fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
+fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
     let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
     let depth = scene.grid.cells[candidate.cells[0]].point.z;
     let allowed = options.limits.axis.is_none_or(|cone| {
@@ -294,11 +313,7 @@ fn select(
             judged.evidence = evidence;
             judged.score = evidence.score();
         }
-        // A fit that locates its limbs may raise the score.
-        let located = judged.evidence.limbs.map(|_| 2);
-        if (Evidence { limbs: located.map(|_| [1.0; 2]), located, ..judged.evidence }).score()
-            < options.min_score
-        {
+        if judged.score < options.min_score {
             continue;
         }
         judged.candidate.cells.iter().for_each(|&k| taken[k] = true);

@@ -256,10 +256,7 @@ pub(super) fn fit(
         let mut parameters = surface.parameters() as usize;
         if let Surface::Cylinder(cylinder, bias) = surface {
             for Tangent { ray, inset, deviation, weight } in tangents {
-                let d = &cylinder.axis.direction;
-                let flat = ray - d * ray.dot(d);
-                let t = flat.dot(&cylinder.axis.point) / flat.norm_squared();
-                let place = surface.place(&(ray * t));
+                let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
                 let distance = place.distance + inset * optics.pixel * center.z;
                 let sigma = deviation * optics.pixel * center.z;
                 let ratio = distance / sigma;

@@ -1,4 +1,4 @@
-//! Geometry without a fitter: `cylfuse_fitter_last_error(NULL)` tells the thread what was wrong.
+//! Geometry and plans without a fitter: `cylfuse_fitter_last_error(NULL)` tells the thread what was wrong.
 
 use super::handle::stateless;
 use super::sized::read;
@@ -6,6 +6,7 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_points_view};
 use super::views::{self, Slot, cylinder};
 use crate::camera::Camera;
+use crate::plan::{DepthNoise, Deviations, Plan, StepNoise};
 
 /// Signed distances of points from the surface, negative inside.
 ///
@@ -103,6 +104,58 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
             angle.write(difference.angle);
             axis_distance.write(difference.axis_distance);
             radius_relative.write(difference.radius_relative);
+            Ok(())
+        })
+    }
+}
+
+/// What to expect of measurements of a cylinder with a camera: standard deviations by the covariance at the exact view. The
+/// middle of the axis lies on the optical axis. Lengths are in metres, angles in radians.
+///
+/// @param intrinsics the camera of the image, on whose pixels the depth is
+/// @param cylinder 5 doubles: the distance from the camera to the middle of the axis; radius; length; the tilt of the axis
+///   out of the plane of the image, from -1.4 to 1.4; its angle in the image from the vertical
+/// @param noise 6 doubles, or NULL for those of the structured light of the twin and an ordinary image: a, b, c of the noise of
+///   depth a + b z + c z^2 at the depth z; the side of the squares of pixels that share it, at least 1; the noise of a pixel
+///   of the image as a part of the step of brightness at limbs and ends; the blur of the image in pixels
+/// @param out_scatter room for 4 doubles: the standard deviations of captures of one scene about each other, of radius,
+///   direction (radians), position of the axis and length; NaN for the length where an end lies outside the image
+/// @param out_total room for 4 doubles: the same of a measurement about the truth, which is what a fit states
+/// @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, STRUCT_SIZE; nothing is
+///   written then
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_plan(
+    intrinsics: *const cylfuse_intrinsics,
+    cylinder: *const f64,
+    noise: *const f64,
+    out_scatter: *mut f64,
+    out_total: *mut f64,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        stateless(|| {
+            let scatter = Slot::new(out_scatter.cast::<[f64; 4]>(), "out_scatter")?;
+            let total = Slot::new(out_total.cast::<[f64; 4]>(), "out_total")?;
+            if cylinder.is_null() {
+                return Err(Failure::NullPointer { name: "cylinder" });
+            }
+            let [distance, radius, length, tilt, turn] = cylinder.cast::<[f64; 5]>().read_unaligned();
+            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
+            let depth = DepthNoise::structured_light(&camera);
+            let mut plan = Plan { distance, radius, length, tilt, turn, ..Plan::new(camera, depth) };
+            if !noise.is_null() {
+                let [constant, linear, quadratic, correlation, noise, blur] =
+                    noise.cast::<[f64; 6]>().read_unaligned();
+                plan.depth = DepthNoise { constant, linear, quadratic, correlation };
+                plan.step = StepNoise { noise, blur };
+            }
+            let expected = plan.expected()?;
+            let numbers = |deviations: &Deviations| {
+                let Deviations { radius, direction, position, length } = *deviations;
+                [radius, direction, position, length.unwrap_or(f64::NAN)]
+            };
+            scatter.write(numbers(&expected.scatter));
+            total.write(numbers(&expected.total));
             Ok(())
         })
     }

@@ -36,6 +36,13 @@ impl Line {
         c - self.direction * c.dot(&self.direction)
     }
 
+    /// Where the ray `t · ray` from the origin passes nearest to the line: t, not finite for a ray along the line.
+    #[must_use]
+    pub fn nearest_on_ray(&self, ray: &Vector3<f64>) -> f64 {
+        let across = ray - self.direction * ray.dot(&self.direction);
+        across.dot(&self.point) / across.norm_squared()
+    }
+
     /// Distance of `p` from the line, ‖(p − point) × direction‖.
     #[must_use]
     pub fn distance(&self, p: &Vector3<f64>) -> f64 {
@@ -173,6 +180,18 @@ mod tests {
                 assert!(line.angle(&back) < 1e-14);
                 assert!((back.point - line.nearest_to_origin()).norm() < 1e-12 * scale * scale);
             }
+        }
+    }
+
+    #[test]
+    fn no_other_point_of_a_ray_is_nearer_to_a_line() {
+        let ray = Vector3::new(0.2, -0.1, 1.0);
+        for line in lines() {
+            let t = line.nearest_on_ray(&ray);
+            let nearest = line.distance(&(ray * t));
+            let scale = 1.0 + t.abs();
+            assert!(line.distance(&(ray * (t + 0.01 * scale))) > nearest);
+            assert!(line.distance(&(ray * (t - 0.01 * scale))) > nearest);
         }
     }
 

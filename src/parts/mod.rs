@@ -210,10 +210,7 @@ impl Parts {
     #[must_use]
     pub fn within(&self, ray: &Vector3<f64>) -> bool {
         let axis = &self.cylinder.axis;
-        let point = self.cylinder.first_hit(ray).unwrap_or_else(|| {
-            let across = ray - axis.direction * ray.dot(&axis.direction);
-            ray * (axis.nearest_to_origin().dot(&across) / across.norm_squared())
-        });
+        let point = self.cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
         let position = (point - axis.point).dot(&axis.direction);
         let [first, last] = self.ends;
         first.is_none_or(|end| position >= end.position) && last.is_none_or(|end| position <= end.position)

@@ -3,7 +3,7 @@
 use super::{DetectorOptions, Found, mask_of};
 use crate::detection::{Detection, Detections};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Options, StartKind};
+use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
 use std::ops::ControlFlow;
@@ -36,7 +36,7 @@ impl<'a> Fits<'a> {
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
         let result = self.fit_or_keep(&mut fitter, detection, frame.pose(), poll)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let score = self.seen.score_of_fit(detection, &fitted, result.limbs_located);
+        let score = self.seen.score_of_fit(detection, &fitted, radius_deviation(&result));
         Ok(found(fitter, score, detection, result))
     }
 
@@ -52,7 +52,8 @@ impl<'a> Fits<'a> {
         let mask = mask_of(&self.seen.labels, index);
         fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))?;
         let result = self.fit_or_keep(&mut fitter, detection, &RigidMotion::identity(), poll)?;
-        Ok(found(fitter, detection.score, detection, result))
+        let score = self.seen.score_of_fit(detection, &result.cylinder, radius_deviation(&result));
+        Ok(found(fitter, score, detection, result))
     }
 
     /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is
@@ -125,6 +126,12 @@ impl<'a> Fits<'a> {
         fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
         Ok(fitter)
     }
+}
+
+/// Standard deviation of the radius as a part of it, infinite where it is not known.
+fn radius_deviation(result: &FitResult) -> f64 {
+    let deviation = result.uncertainty.as_ref().map_or(f64::INFINITY, Uncertainty::radius);
+    deviation / result.cylinder.radius
 }
 
 fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResult) -> Found {

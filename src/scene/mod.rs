@@ -5,8 +5,9 @@
 
 mod fits;
 
-use crate::detection::{Detection, DetectionOptions, Detections, detect, detect_points};
-
+use crate::detection::{
+    Detection, DetectionOptions, Detections, detect_points_until, detect_until, least_before_fit,
+};
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
@@ -94,7 +95,7 @@ pub enum Progress {
 pub struct Observer<'a> {
     /// Called on the thread that searches; `Break` stops.
     pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    /// Asked on any thread, before each linear solve.
+    /// Asked on any thread, before each candidate of the search and each linear solve of the fits.
     pub stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -263,7 +264,8 @@ impl Detector {
             frame.clear_image();
         }
         let search = self.search_options(&frame.pose().inverse());
-        let found = self.search(observer, || detect(camera, depth, frame.image(), &search))?;
+        let found =
+            self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
         let fits = Fits::new(&self.options, found, size);
         self.fit_all(fits, observer, |fits, index, detection, poll| {
             fits.of_frame(&frame, index, detection, poll)
@@ -294,10 +296,10 @@ impl Detector {
         check_memory("the search", count)?;
         check_weights(points)?;
         let search = self.search_options(&RigidMotion::identity());
-        let found = self.search(observer, || match count {
+        let found = self.search(observer, |stopped| match count {
             // Rows of no points are as many as the caller likes.
             0 => Ok(Detections::default()),
-            _ => detect_points(points, &search),
+            _ => detect_points_until(points, &search, stopped),
         })?;
         let fits = Fits::new(&self.options, found, size);
         self.fit_all(fits, observer, |fits, index, detection, poll| {
@@ -308,7 +310,8 @@ impl Detector {
     /// The options of the search, for all that may be left when every cylinder is fitted.
     fn search_options(&self, into_camera: &RigidMotion) -> DetectionOptions {
         let limits = of_search(&self.options.search.limits, into_camera);
-        DetectionOptions { limits, max_count: usize::MAX, ..self.options.search }
+        let min_score = least_before_fit(self.options.search.min_score);
+        DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
     }
 
     /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
@@ -322,7 +325,7 @@ impl Detector {
     fn search(
         &self,
         observer: &mut Observer<'_>,
-        find: impl FnOnce() -> Result<Detections>,
+        find: impl FnOnce(&dyn Fn() -> bool) -> Result<Detections>,
     ) -> Result<Detections> {
         let stop = |observer: &mut Observer<'_>| {
             (observer.progress)(Progress::Search).is_break() || (observer.stopped)()
@@ -331,7 +334,7 @@ impl Detector {
         if stop(observer) {
             return cancelled;
         }
-        let found = find()?;
+        let found = find(&observer.stopped)?;
         if (observer.stopped)() { cancelled } else { Ok(found) }
     }
 

@@ -97,6 +97,7 @@ void test_completion(void);
 void test_extent(void);
 void test_edge_selection(void);
 void test_cylinder(void);
+void test_plan(void);
 void test_memory(void);
 void test_views(void);
 void test_readers(void);

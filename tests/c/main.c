@@ -155,6 +155,7 @@ int main(void)
     test_extent();
     test_edge_selection();
     test_cylinder();
+    test_plan();
     test_memory();
     test_views();
     test_readers();

@@ -316,6 +316,34 @@ void test_cylinder(void)
     CHECK(cylfuse_fitter_last_error(NULL)[0] == '\0');
 }
 
+void test_plan(void)
+{
+    cylfuse_intrinsics camera;
+    cylfuse_intrinsics_init(&camera, sizeof camera);
+    camera.width = 640;
+    camera.height = 480;
+    camera.fx = camera.fy = 570.0;
+    camera.cx = 319.5;
+    camera.cy = 239.5;
+    const double can[5] = {0.7, 0.03, 0.1, 0.35, 0.42};
+    const double far_pipe[5] = {1.4, 0.03, 2.0, 0.0, 0.42};
+    const double noise[6] = {0.0, 0.0, 0.039 / (575.0 * 0.075), 9.0 * 570.0 / 575.0, 0.014, 0.7};
+    double scatter[4], total[4], same[4], again[4];
+    CHECK_OK(cylfuse_plan(&camera, can, NULL, scatter, total));
+    for (int k = 0; k < 4; k++) CHECK(scatter[k] > 0.0 && scatter[k] < total[k]);
+    CHECK_OK(cylfuse_plan(&camera, can, noise, same, again));
+    for (int k = 0; k < 4; k++) CHECK_NEAR(same[k], scatter[k], 1e-12);
+    CHECK_OK(cylfuse_plan(&camera, far_pipe, NULL, same, again));
+    CHECK(isnan(again[3]) && again[0] > total[0]);
+    double bad[5] = {0.7, NAN, 0.1, 0.35, 0.42};
+    scatter[0] = 7.0;
+    CHECK_STATUS(cylfuse_plan(&camera, bad, NULL, scatter, total), INVALID_ARGUMENT);
+    CHECK(scatter[0] == 7.0 && strstr(cylfuse_fitter_last_error(NULL), "radius is NaN") != NULL);
+    bad[0] = 9.0;
+    bad[1] = 0.03;
+    CHECK_STATUS(cylfuse_plan(&camera, bad, NULL, scatter, total), TOO_FEW_POINTS);
+}
+
 void test_memory(void)
 {
     cylfuse_fitter *fitter = new_fitter();

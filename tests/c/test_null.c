@@ -148,6 +148,10 @@ static void without_a_struct_or_number(void)
     CHECK_STATUS(cylfuse_cylinder_project(NULL, &the_scene.intrinsics, values), NULL_POINTER);
     CHECK_STATUS(cylfuse_cylinder_project(truth, NULL, values), NULL_POINTER);
     CHECK_STATUS(cylfuse_cylinder_project(truth, &the_scene.intrinsics, NULL), NULL_POINTER);
+    CHECK_STATUS(cylfuse_plan(NULL, values, NULL, values, values), NULL_POINTER);
+    CHECK_STATUS(cylfuse_plan(&the_scene.intrinsics, NULL, NULL, values, values), NULL_POINTER);
+    CHECK_STATUS(cylfuse_plan(&the_scene.intrinsics, values, NULL, NULL, values), NULL_POINTER);
+    CHECK_STATUS(cylfuse_plan(&the_scene.intrinsics, values, NULL, values, NULL), NULL_POINTER);
     CHECK_STATUS(cylfuse_cylinder_compare(NULL, truth, &a, &b, &c), NULL_POINTER);
     CHECK_STATUS(cylfuse_cylinder_compare(truth, NULL, &a, &b, &c), NULL_POINTER);
     CHECK_STATUS(cylfuse_cylinder_compare(truth, truth, NULL, &b, &c), NULL_POINTER);

@@ -10,6 +10,8 @@ mod detect;
 mod formats;
 mod options;
 mod output;
+mod plan;
+mod report;
 #[path = "../support/scene.rs"]
 mod scene;
 mod support;

@@ -72,6 +72,8 @@ static void fits_and_applies()
 
     // The camera there and back.
     const std::vector<std::array<double, 2>> pixels = {{{0.0, 0.0}}, {{100.0, 30.5}}};
+    const cylfuse::Expectation expected = cylfuse::plan(scene.camera, {{0.7, 0.1, 0.3, 0.0, 0.4}});
+    CHECK(expected.scatter[0] > 0.0 && expected.scatter[0] < expected.total[0]);
     std::vector<std::array<double, 3>> rays = cylfuse::unproject(scene.camera, pixels);
     CHECK(rays.size() == 2 && rays[1][2] == 1.0);
     rays.push_back({{0.0, 0.0, -1.0}});

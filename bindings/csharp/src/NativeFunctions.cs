@@ -58,6 +58,7 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int EndSamplesFunction(IntPtr fitter, NativeCylinder* model, NativeMaskView* mask, NativeEndSample* samples, UIntPtr elementSize, UIntPtr capacity, out UIntPtr count);
         [UnmanagedFunctionPointer(C)] internal delegate int ProjectPointsFunction(NativeIntrinsics* intrinsics, NativePointsView* points, double* pixels, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int UnprojectFunction(NativeIntrinsics* intrinsics, double* pixels, UIntPtr count, double* rays);
+        [UnmanagedFunctionPointer(C)] internal delegate int PlanFunction(NativeIntrinsics* intrinsics, double* cylinder, double* noise, double* scatter, double* total);
         [UnmanagedFunctionPointer(C)] internal delegate int CompareFunction(NativeCylinder* a, NativeCylinder* b, out double angle, out double axisDistance, out double radiusRelative);
         [UnmanagedFunctionPointer(C)] internal delegate int DetectorOptionsFunction(IntPtr detector, NativeDetectorOptions* options);
         [UnmanagedFunctionPointer(C)] internal delegate int DetectionProgressCallback(NativeDetectionProgress* progress, IntPtr userData);
@@ -165,6 +166,7 @@ namespace Cylfuse
 
         internal readonly DistancesFunction CylinderDistances = Find<DistancesFunction>("cylfuse_cylinder_distances");
         internal readonly ProjectFunction CylinderProject = Find<ProjectFunction>("cylfuse_cylinder_project");
+        internal readonly PlanFunction Plan = Find<PlanFunction>("cylfuse_plan");
         internal readonly CompareFunction CylinderCompare = Find<CompareFunction>("cylfuse_cylinder_compare");
         internal readonly ProjectPointsFunction IntrinsicsProject = Find<ProjectPointsFunction>("cylfuse_intrinsics_project");
         internal readonly UnprojectFunction IntrinsicsUnproject = Find<UnprojectFunction>("cylfuse_intrinsics_unproject");

@@ -176,6 +176,21 @@ namespace Cylfuse.Tests
             }
         }
 
+        public static void PlansAreExpected()
+        {
+            var camera = new Intrinsics(640, 480, 570, 570, 319.5, 239.5);
+            var plan = new Plan { Distance = 0.7, Radius = 0.03, Length = 0.1, Tilt = 0.35, Turn = 0.42 };
+            Expectation near = plan.Expect(camera);
+            Check.That(near.Scatter.Radius > 0 && near.Scatter.Radius < near.Total.Radius, "radius");
+            Check.That(near.Scatter.Length > 0 && near.Scatter.Length < near.Total.Length, "length");
+            plan.Noise = new[] { 0.01, 0, 0, 9, 0.014, 0.7 };
+            Check.That(plan.Expect(camera).Scatter.Position > 2 * near.Scatter.Position, "noise");
+            plan.Noise = new double[1];
+            Check.Throws<ArgumentException>(() => plan.Expect(camera), "must have 6");
+            plan = new Plan { Distance = 0.7, Radius = 0.03, Length = 2 };
+            Check.That(double.IsNaN(plan.Expect(camera).Total.Length), "a cut pipe");
+        }
+
         public static void CamerasProjectAndUnproject()
         {
             var camera = new Intrinsics(640, 480, 500, 510, 320, 240, DistortionModel.BrownConrady, new[] { 0.1, -0.05 });

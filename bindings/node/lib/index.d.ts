@@ -208,6 +208,25 @@ export function unprojectPixels(intrinsics: Intrinsics, pixels: Float64Array): F
 /** How two cylinders differ: angle and distance of the axes, (radius of b - radius of a) / radius of a. */
 export function compare(a: Cylinder, b: Cylinder): { angle: number; axisDistance: number; radiusRelative: number };
 
+/**
+ * Standard deviations of radius (m), direction (rad), position of the axis (m) and length (m; NaN where an end lies outside
+ * the image).
+ */
+export interface Deviations { radius: number; direction: number; position: number; length: number }
+
+/**
+ * What to expect of measurements of a cylinder with the middle of its axis on the optical axis: `scatter` is what captures of
+ * one scene differ by, `total` what a fit states. Lengths are in metres; `tilt` is the angle of the axis out of the plane of
+ * the image, `turn` its angle in the image from the vertical. `noise` has six numbers: a, b, c of the noise of depth
+ * a + b z + c z^2; the side of the squares of pixels that share it; the noise of a pixel of the image as a part of the step
+ * of brightness at limbs and ends; the blur of the image. Without it, it is that of structured light.
+ */
+export function plan(
+  intrinsics: Intrinsics,
+  cylinder: { distance: number; radius: number; length: number; tilt?: number; turn?: number },
+  noise?: ArrayLike<number>,
+): { scatter: Deviations; total: Deviations };
+
 /** The version of the loaded library. */
 export const version: string;
 

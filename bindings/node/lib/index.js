@@ -40,6 +40,17 @@ function compare(a, b) {
   return { angle: angle[0], axisDistance: axisDistance[0], radiusRelative: radiusRelative[0] };
 }
 
+function plan(intrinsics, cylinder, noise) {
+  const { distance, radius, length, tilt = 0, turn = 0 } = cylinder;
+  const camera = convert.intrinsicsToC(intrinsics);
+  const numbers = Float64Array.of(distance, radius, length, tilt, turn);
+  if (noise !== undefined && noise.length !== 6) throw new RangeError(`noise has ${noise.length} numbers; it must have 6`);
+  const [scatter, total] = [new Float64Array(4), new Float64Array(4)];
+  check(functions.cylfuse_plan(camera, numbers, noise === undefined ? null : Float64Array.from(noise), scatter, total));
+  const named = ([ofRadius, direction, position, ofLength]) => ({ radius: ofRadius, direction, position, length: ofLength });
+  return { scatter: named(scatter), total: named(total) };
+}
+
 function projectPoints(intrinsics, points) {
   const c = convert.intrinsicsToC(intrinsics);
   const { view, count } = convert.pointsToC(points);
@@ -64,6 +75,7 @@ exports.fitPoints = fitPoints;
 exports.distances = distances;
 exports.project = project;
 exports.compare = compare;
+exports.plan = plan;
 exports.projectPoints = projectPoints;
 exports.unprojectPixels = unprojectPixels;
 exports.version = functions.cylfuse_version_string();

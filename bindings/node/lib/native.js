@@ -257,6 +257,7 @@ const signatures = {
   cylfuse_cylinder_compare: [
     'int32_t', [input(Cylinder), input(Cylinder), output('double'), output('double'), output('double')],
   ],
+  cylfuse_plan: ['int32_t', [input(Intrinsics), 'void *', 'void *', 'void *', 'void *']],
   cylfuse_intrinsics_project: ['int32_t', [input(Intrinsics), input(PointsView), 'void *', 'size_t']],
   cylfuse_intrinsics_unproject: ['int32_t', [input(Intrinsics), 'void *', 'size_t', 'void *']],
 };

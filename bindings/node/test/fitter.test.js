@@ -229,6 +229,18 @@ test('geometry', () => {
   assert.deepEqual(cylfuse.compare(cylinder, other), { angle: 0, axisDistance: 0.25, radiusRelative: -0.5 });
 });
 
+test('plan', () => {
+  const camera = { width: 640, height: 480, fx: 570, fy: 570, cx: 319.5, cy: 239.5 };
+  const can = { distance: 0.7, radius: 0.03, length: 0.1, tilt: 0.35, turn: 0.42 };
+  const { scatter, total } = cylfuse.plan(camera, can);
+  for (const name of ['radius', 'direction', 'position', 'length']) assert.ok(0 < scatter[name] && scatter[name] < total[name]);
+  const noisy = cylfuse.plan(camera, can, [0.01, 0, 0, 9, 0.014, 0.7]);
+  assert.ok(noisy.scatter.position > 2 * scatter.position);
+  assert.ok(Number.isNaN(cylfuse.plan(camera, { distance: 0.7, radius: 0.03, length: 2 }).total.length));
+  assert.throws(() => cylfuse.plan(camera, { ...can, radius: -1 }), coded('INVALID_ARGUMENT', /^radius is -1/));
+  assert.throws(() => cylfuse.plan(camera, can, [1]), RangeError);
+});
+
 for (const [name, run] of [['fit', (fitter) => fitter.fit()], ['fitSync', async (fitter) => fitter.fitSync()]]) {
   test(`callbacks of ${name}`, async () => {
     const fitter = new cylfuse.Fitter();

@@ -5,6 +5,8 @@
 #[cfg(feature = "bench")]
 use crate::bench::BenchArguments;
 use crate::detect_arguments::DetectArguments;
+use crate::page::Tolerance;
+use crate::plan_arguments::PlanArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
 use clap::builder::PossibleValue;
@@ -34,6 +36,7 @@ const EXAMPLES: &str = "Examples:
   cylfuse fit --out results frames/         the same with pictures and completed points
   cylfuse fit --points part.ply             fit a bare point cloud
   cylfuse detect --out results frames/      find all cylinders of whole scenes
+  cylfuse plan --vary distance=0.5..3       how well a camera will measure from how far away
 
 Exit status: 0 all fitted, 1 some frame failed, 2 the command line is wrong.";
 
@@ -46,6 +49,8 @@ pub enum Command {
     Detect(Box<DetectArguments>),
     /// Fit the built-in frame and leave pictures and files in a folder.
     Demo(DemoArguments),
+    /// Say beforehand how well a camera will measure a cylinder.
+    Plan(Box<PlanArguments>),
     /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
     #[cfg(feature = "twin")]
     Twin(TwinArguments),
@@ -75,6 +80,16 @@ pub struct FitArguments {
     /// overlay-1.png and so on too; with several frames to a subfolder for each.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
+
+    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
+    /// needs no other file and no network.
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    pub report: Option<PathBuf>,
+
+    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
+    /// by the uncertainty.
+    #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
+    pub tolerance: Vec<Tolerance>,
 
     /// How to estimate the cylinder.
     #[arg(long, value_enum, default_value_t = MethodName::Fused, help_heading = "Estimation")]

@@ -46,13 +46,20 @@ pub fn run(folder: &Path) -> Result<(Report, SceneReport), Failure> {
     let (frame, scene) = (folder.join("frame"), folder.join("scene"));
     unpack(&FRAME, &frame)?;
     unpack(&SCENE, &scene)?;
-    let settings =
-        Settings { options: Options::default(), start: None, edges: true, image: true, threads: 1 };
+    let settings = Settings {
+        options: Options::default(),
+        start: None,
+        edges: true,
+        image: true,
+        illustrate: false,
+        threads: 1,
+    };
     let report = fit::run(&Input::Frame(frame.join("frame.json")), &settings, Some(folder));
     if let Outcome::Failed { error } = report.outcome {
         return Err(error);
     }
-    let settings = detect::Settings { detection: DetectionOptions::default(), image: true };
+    let settings =
+        detect::Settings { detection: DetectionOptions::default(), image: true, illustrate: false };
     let found = detect::run(&Input::Frame(scene.join("frame.json")), &settings, Some(&scene));
     if let SceneOutcome::Failed { error } = found.outcome {
         return Err(error);

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
+use crate::page::{Illustration, POINTS_OF_SCENE};
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::camera::Camera;
@@ -27,6 +28,8 @@ pub struct Settings {
     pub detection: DetectionOptions,
     /// Whether the image file is opened.
     pub image: bool,
+    /// Whether a page will show the frames.
+    pub illustrate: bool,
 }
 
 /// One object of the JSON output.
@@ -59,6 +62,9 @@ pub struct Scene {
     pub cylinders: Vec<Found>,
     /// The folder of the files about it.
     pub out: Option<String>,
+    /// What a page shows of it.
+    #[serde(skip)]
+    pub illustration: Option<Illustration>,
     /// Time spent.
     pub seconds: SceneSeconds,
 }
@@ -121,16 +127,19 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     let depth = frame.depth_on_image().ok_or_else(|| Failure::bad_frame(path, "depth: there is none"))?;
     let cylinders: Vec<Found> = scene.cylinders.iter().map(of_frame).collect();
     let total = clock.elapsed().as_secs_f64();
+    let picture = ScenePicture { view: &view, depth, labels: &scene.labels, cylinders: &cylinders };
+    let illustration = settings.illustrate.then(|| {
+        Illustration::new(picture.draw(), view.size(), &measured(&view.camera, depth), POINTS_OF_SCENE)
+    });
     if let Some(folder) = folder {
         create_folder(folder)?;
-        let picture = ScenePicture { view: &view, depth, labels: &scene.labels, cylinders: &cylinders };
         picture.write(&folder.join("overlay.png"))?;
         write_labels(&folder.join("labels.png"), view.size(), &scene.labels)?;
         let (points, numbers) = completed(&scene, &view.camera, depth)?;
         write_points(folder, &points, &numbers)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, out, seconds: SceneSeconds { read, total, ..seconds } })
+    Ok(Scene { cylinders, out, illustration, seconds: SceneSeconds { read, total, ..seconds } })
 }
 
 fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
@@ -141,12 +150,26 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         timed(settings, |detector, observer| detector.detect_points_with(&cloud.view(), observer))?;
     let cylinders = scene.cylinders.iter().map(of_cloud).collect();
     let seconds = SceneSeconds { read, total: clock.elapsed().as_secs_f64(), ..seconds };
+    let illustration =
+        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.to_f64(), POINTS_OF_SCENE));
     if let Some(folder) = folder {
         create_folder(folder)?;
         write_points(folder, &cloud, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, out, seconds })
+    Ok(Scene { cylinders, out, illustration, seconds })
+}
+
+/// The measured points of a frame, of every other row and column.
+fn measured(camera: &Camera, depth: &DepthImage) -> Vec<[f64; 3]> {
+    let places =
+        (0..depth.height()).step_by(2).flat_map(|row| (0..depth.width()).step_by(2).map(move |x| (x, row)));
+    let point = |(column, row): (usize, usize)| {
+        let z = depth.depth(column, row)?;
+        let point = camera.unproject(&Vector2::new(column as f64, row as f64))? * z;
+        Some(point.into())
+    };
+    places.filter_map(point).collect()
 }
 
 /// The points of a frame in the frame of its camera, and the number of the cylinder of each: what the pixels of the

@@ -3,6 +3,7 @@
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
 use crate::arguments::parse_numbers;
+use crate::page::Tolerance;
 use clap::{ArgGroup, Args};
 use cylfuse::detection::DetectionOptions;
 use cylfuse::error::Result;
@@ -32,6 +33,16 @@ pub struct DetectArguments {
     /// in labels.png. A cloud gives completed.ply alone.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
+
+    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
+    /// needs no other file and no network.
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
+    pub report: Option<PathBuf>,
+
+    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
+    /// by the uncertainty.
+    #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
+    pub tolerance: Vec<Tolerance>,
 
     /// Ignore the image file and do not open it.
     #[arg(long, help_heading = "Search")]

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
+use crate::page::{Illustration, POINTS_OF_CYLINDER};
 use crate::report::{Fitted, Measurement, Report, ViewValues};
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{ArcSample, Extent};
@@ -32,6 +33,8 @@ pub struct Settings {
     pub edges: bool,
     /// Whether the image file is opened.
     pub image: bool,
+    /// Whether a page will show the inputs.
+    pub illustrate: bool,
     /// Most threads for inputs side by side; 0 = as many as the machine has.
     pub threads: usize,
 }
@@ -44,6 +47,7 @@ impl Settings {
             start: arguments.start_model()?,
             edges: !arguments.no_edges,
             image: !arguments.no_image,
+            illustrate: arguments.report.is_some(),
             threads: arguments.threads.unwrap_or(0),
         })
     }
@@ -141,6 +145,8 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
     let mut measurement = Measurement::new(&settings.options, &result);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
+    measurement.illustration =
+        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.to_f64(), POINTS_OF_CYLINDER));
     Ok(measurement)
 }
 
@@ -184,6 +190,9 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     measurement.set_views(values);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
+    if settings.illustrate {
+        measurement.illustration = Some(illustrate(&mut fitter, &views, &measurement, &arcs, &completed)?);
+    }
     if let Some(folder) = folder {
         create_folder(folder)?;
         write_overlays(folder, &mut fitter, &views, &measurement, &arcs, &completed)?;
@@ -222,6 +231,45 @@ fn find_extent(fitter: &mut Fitter, views: &[View]) -> Option<cylfuse::error::Re
 
 type Ends = (Extent, Vec<[Vec<ArcSample>; 2]>);
 
+/// The picture of the selected view, which has an index.
+fn picture(
+    fitter: &Fitter,
+    index: usize,
+    view: &View,
+    measurement: &Measurement,
+    arcs: &[[Vec<ArcSample>; 2]],
+    completed: &Completed,
+) -> Option<image::RgbImage> {
+    let overlay = Overlay {
+        fitter,
+        image: view.image.as_ref(),
+        camera: &view.camera,
+        measurement,
+        arcs: &arcs[index],
+        completed: &completed.pixels[index],
+    };
+    overlay.draw()
+}
+
+/// What a page shows: the picture of the first view, and the points of all.
+fn illustrate(
+    fitter: &mut Fitter,
+    views: &[View],
+    measurement: &Measurement,
+    arcs: &[[Vec<ArcSample>; 2]],
+    completed: &Completed,
+) -> Result<Illustration, Failure> {
+    let mut points = Vec::new();
+    for index in 0..views.len() {
+        fitter.select_view(index)?;
+        let pose = fitter.pose();
+        points.extend(fitter.cloud().points().map(|p| <[f64; 3]>::from(pose.point(&p))));
+    }
+    fitter.select_view(0)?;
+    let picture = picture(fitter, 0, &views[0], measurement, arcs, completed);
+    Ok(Illustration::new(picture, views[0].size(), &points, POINTS_OF_CYLINDER))
+}
+
 /// A picture of each view, and overlay.png, that of the first.
 fn write_overlays(
     folder: &Path,
@@ -233,15 +281,7 @@ fn write_overlays(
 ) -> Result<(), Failure> {
     for (index, view) in views.iter().enumerate() {
         fitter.select_view(index)?;
-        let overlay = Overlay {
-            fitter: &*fitter,
-            image: view.image.as_ref(),
-            camera: &view.camera,
-            measurement,
-            arcs: &arcs[index],
-            completed: &completed.pixels[index],
-        };
-        let picture = overlay.draw();
+        let picture = picture(fitter, index, view, measurement, arcs, completed);
         let write = |name: &str| {
             let path = folder.join(name);
             let picture =

@@ -14,6 +14,9 @@ mod frame;
 mod images;
 mod inputs;
 mod overlay;
+mod page;
+mod plan;
+mod plan_arguments;
 mod report;
 mod scene_picture;
 mod table;
@@ -31,6 +34,7 @@ use failure::Failure;
 use fit::Settings;
 use indicatif::{ProgressBar, ProgressStyle};
 use inputs::Input;
+use plan_arguments::PlanArguments;
 use report::{Outcome, Report};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -41,6 +45,7 @@ fn main() -> ExitCode {
         Command::Fit(arguments) => fit_all(&arguments),
         Command::Detect(arguments) => detect_all(&arguments),
         Command::Demo(arguments) => run_demo(&arguments),
+        Command::Plan(arguments) => print_plan(&arguments),
         #[cfg(feature = "twin")]
         Command::Twin(arguments) => make_frames(&arguments),
         #[cfg(feature = "bench")]
@@ -83,7 +88,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         if arguments.json && written.is_ok() {
             written = progress.suspend(|| print_json(&report));
         }
-        if !arguments.json {
+        if !arguments.json || arguments.report.is_some() {
             reports.push(report);
         }
         progress.inc(1);
@@ -94,6 +99,10 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     written?;
     if !arguments.json {
         print_table(&reports)?;
+    }
+    if let Some(path) = &arguments.report {
+        let metres = arguments.points.is_empty();
+        failed |= complained(page::write_fits(path, &reports, &arguments.tolerance, metres));
     }
     Ok(failed)
 }
@@ -106,7 +115,8 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
             usage_error("detect", ErrorKind::ValueValidation, &format!("{error} ({})", error.name()))
         }
     };
-    let settings = detect::Settings { detection, image: !arguments.no_image };
+    let illustrate = arguments.report.is_some();
+    let settings = detect::Settings { detection, image: !arguments.no_image, illustrate };
     let inputs = if arguments.points.is_empty() {
         inputs::find_frames(&arguments.frames)
     } else {
@@ -115,12 +125,16 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
     let progress = progress_bar(inputs.len());
     let mut failed = false;
+    let mut reports = Vec::new();
     let mut written = Ok(());
     let mut take = |report: SceneReport| {
         failed |= matches!(report.outcome, SceneOutcome::Failed { .. });
         if written.is_ok() {
             written =
                 progress.suspend(|| if arguments.json { print_json(&report) } else { print_scene(&report) });
+        }
+        if illustrate {
+            reports.push(report);
         }
         progress.inc(1);
     };
@@ -130,6 +144,10 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     fit::in_order(&inputs, arguments.threads, &search, &mut take).map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
+    if let Some(path) = &arguments.report {
+        let metres = arguments.points.is_empty();
+        failed |= complained(page::write_scenes(path, &reports, &arguments.tolerance, metres));
+    }
     Ok(failed)
 }
 
@@ -163,6 +181,42 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
             Ok(true)
         }
     }
+}
+
+/// Prints what a camera will measure; tells whether some row failed.
+fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
+    let (base, rows) = match arguments.plan().and_then(|base| Ok((base, plan::rows(arguments)?))) {
+        Ok(found) => found,
+        Err(Failure { status, message }) => {
+            complain(&format!("{status}: {message}"));
+            return Ok(true);
+        }
+    };
+    #[cfg(feature = "twin")]
+    let rows = with_captures(rows, arguments)?;
+    let failed = rows.iter().any(|row| row.expected.is_err());
+    if arguments.json {
+        for row in &rows {
+            print_json(&plan::RowJson::from(row))?;
+        }
+        return Ok(failed);
+    }
+    write!(io::stdout(), "{}", plan::render(&rows, arguments.vary.as_ref()))?;
+    if let (Some(percent), Some(vary)) = (arguments.within, &arguments.vary) {
+        writeln!(io::stdout(), "{}", plan::within(&rows, &base, vary, percent))?;
+    }
+    Ok(failed)
+}
+
+#[cfg(feature = "twin")]
+fn with_captures(mut rows: Vec<plan::Row>, arguments: &PlanArguments) -> io::Result<Vec<plan::Row>> {
+    let Some(count) = arguments.simulate else { return Ok(rows) };
+    let progress = progress_bar(rows.len().saturating_mul(count as usize));
+    for row in rows.iter_mut().filter(|row| row.expected.is_ok()) {
+        plan::simulate(row, arguments, count, &|| progress.inc(1)).map_err(io::Error::other)?;
+    }
+    progress.finish_and_clear();
+    Ok(rows)
 }
 
 /// Makes all frames; tells whether something failed.
@@ -212,7 +266,7 @@ fn print_table(reports: &[Report]) -> io::Result<()> {
     for report in reports {
         if let Outcome::Failed { error: Failure { status, message } } = &report.outcome {
             // Most messages start with the path of a file of the frame.
-            let name = table::short_name(report);
+            let name = table::short_name(&report.frame);
             let whose = if message.starts_with(name) { String::new() } else { format!("{name}: ") };
             complain(&format!("{whose}{status}: {message}"));
         }
@@ -237,6 +291,15 @@ fn usage_error(name: &str, kind: ErrorKind, message: &str) -> ! {
         Some(subcommand) => subcommand.error(kind, message).exit(),
         None => command.error(kind, message).exit(),
     }
+}
+
+/// Tells on stderr of a failure; whether there was one.
+fn complained(outcome: Result<(), Failure>) -> bool {
+    let failure = outcome.err();
+    if let Some(Failure { status, message }) = &failure {
+        complain(&format!("{status}: {message}"));
+    }
+    failure.is_some()
 }
 
 /// A line on stderr. When even that is gone, nobody is left to be told.

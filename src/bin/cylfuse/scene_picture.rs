@@ -33,7 +33,8 @@ impl ScenePicture<'_> {
         write_file(path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
     }
 
-    fn draw(&self) -> Option<image::RgbImage> {
+    /// The picture; `None` where it would be too large.
+    pub fn draw(&self) -> Option<image::RgbImage> {
         let mut image = self.background();
         let width = image.width();
         // The middle of each region, for its number.

@@ -67,14 +67,20 @@ const POINTS: Column = Column::number("points", |m| m.result.points_used.to_stri
 const ITERATIONS: Column = Column::number("its", |m| m.result.iterations.to_string());
 const TIME: Column = Column::number("ms", |m| format!("{:.1}", m.seconds.fit * 1000.0));
 
+/// A table with two rules.
+pub fn plain() -> Table {
+    let mut table = Table::new();
+    let rule = LineStyle::none().fill('─').junction('─');
+    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    table
+}
+
 /// The table, and below it what has to be said about single frames.
 pub fn render(reports: &[Report]) -> String {
     let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.view.fitted == Fitted::Cloud);
     let (name, columns) =
         if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
-    let mut table = Table::new();
-    let rule = LineStyle::none().fill('─').junction('─');
-    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    let mut table = plain();
     let titles = std::iter::once(name).chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
     for report in reports {
@@ -82,7 +88,8 @@ pub fn render(reports: &[Report]) -> String {
             Outcome::Measured(measurement) => columns.iter().map(|c| (c.cell)(measurement)).collect(),
             Outcome::Failed { .. } => vec!["failed".into()],
         };
-        table.add_row(std::iter::once(short_name(report).to_string()).chain(cells).collect::<Vec<_>>());
+        table
+            .add_row(std::iter::once(short_name(&report.frame).to_string()).chain(cells).collect::<Vec<_>>());
     }
     for (drawn, column) in table.column_iter_mut().skip(1).zip(columns) {
         if column.number {
@@ -93,7 +100,7 @@ pub fn render(reports: &[Report]) -> String {
     for report in reports {
         if let Outcome::Measured(measurement) = &report.outcome {
             for note in &measurement.notes {
-                text.push_str(&format!("{}: {note}\n", short_name(report)));
+                text.push_str(&format!("{}: {note}\n", short_name(&report.frame)));
             }
         }
     }
@@ -103,9 +110,7 @@ pub fn render(reports: &[Report]) -> String {
 /// The cylinders of one frame, a line each.
 pub fn render_scene(frame: &str, scene: &Scene) -> String {
     let columns = FRAME_COLUMNS;
-    let mut table = Table::new();
-    let rule = LineStyle::none().fill('─').junction('─');
-    table.load_style(TableStyle::new().header_separator(rule).bottom_border(rule));
+    let mut table = plain();
     let titles = ["", "score"].into_iter().chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
     for (index, found) in scene.cylinders.iter().enumerate() {
@@ -122,8 +127,7 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
 }
 
 /// The folder of a frame.json says which frame it is.
-pub fn short_name(report: &Report) -> &str {
-    let path = report.frame.as_str();
+pub fn short_name(path: &str) -> &str {
     path.strip_suffix("frame.json").and_then(|p| p.strip_suffix(['/', '\\'])).unwrap_or(path)
 }
 

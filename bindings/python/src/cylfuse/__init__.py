@@ -14,6 +14,7 @@ from .fitter import Fitter
 from .frame import Frame
 from .geometry import Comparison, Cylinder, Intrinsics, Pose
 from .options import DetectorOptions, Options
+from .planning import Deviations, Expectation, plan
 from .questions import EndSamples, Limb, LimbSamples, PointWeights
 from .result import (
     Completion, Counts, CylinderDiagnosis, Detection, DetectionProgress, Extent, Progress, Result, View,
@@ -23,9 +24,9 @@ __version__ = version()
 
 __all__ = [
     "Comparison", "Completion", "Counts", "Cylinder", "CylinderDiagnosis", "Detection", "DetectionProgress", "Detector",
-    "DetectorOptions", "EndSamples", "Extent", "Fitter", "Frame", "Intrinsics", "Limb", "LimbSamples", "Options",
-    "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "fit", "fit_many", "fit_points", "version",
-    "version_number",
+    "DetectorOptions", "Deviations", "EndSamples", "Expectation", "Extent", "Fitter", "Frame", "Intrinsics", "Limb",
+    "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "fit", "fit_many",
+    "fit_points", "plan", "version", "version_number",
 ]  # fmt: skip
 __all__ += enums.__all__
 __all__ += errors.__all__

@@ -157,6 +157,7 @@ def _load() -> Any:
         "cylfuse_cylinder_distances": (status, [cylinder, points, c_void_p, size]),
         "cylfuse_cylinder_project": (status, [cylinder, intrinsics, c_void_p]),
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
+        "cylfuse_plan": (status, [intrinsics, c_void_p, c_void_p, c_void_p, c_void_p]),
         "cylfuse_intrinsics_project": (status, [intrinsics, points, c_void_p, size]),
         "cylfuse_intrinsics_unproject": (status, [intrinsics, c_void_p, size, c_void_p]),
     }

@@ -44,6 +44,14 @@ impl Cloud {
             Cloud::F64(points) => PointsView::from_f64(points),
         }
     }
+
+    /// The coordinates as doubles.
+    pub fn to_f64(&self) -> Vec<[f64; 3]> {
+        match self {
+            Cloud::F32(points) => points.iter().map(|point| point.map(f64::from)).collect(),
+            Cloud::F64(points) => points.clone(),
+        }
+    }
 }
 
 /// Little-endian bytes of points, x y z each.

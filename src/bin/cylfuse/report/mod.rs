@@ -6,6 +6,7 @@ mod views;
 pub use views::{ExtentValues, Fitted, ViewValues};
 
 use crate::failure::Failure;
+use crate::page::Illustration;
 use cylfuse::extent::Extent;
 use cylfuse::fitter::{FitResult, Flags, Options, RadiusComparison, Uncertainty};
 use cylfuse::geometry::Cylinder;
@@ -67,6 +68,9 @@ pub struct Measurement {
     pub notes: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
+    /// What a page shows of it.
+    #[serde(skip)]
+    pub illustration: Option<Illustration>,
     /// Time spent.
     pub seconds: SecondsValues,
 }
@@ -143,6 +147,7 @@ impl Measurement {
             views: None,
             notes,
             out: None,
+            illustration: None,
             seconds: SecondsValues {
                 start: result.seconds.start,
                 solve: result.seconds.solve,

@@ -118,8 +118,10 @@ pub struct ExtentValues {
     center: [f64; 3],
     /// The distance of the ends.
     pub length: f64,
-    start: [f64; 3],
-    end: [f64; 3],
+    /// The end against the direction.
+    pub start: [f64; 3],
+    /// The end along the direction.
+    pub end: [f64; 3],
     /// What the start is.
     pub start_state: &'static str,
     /// What the end is.

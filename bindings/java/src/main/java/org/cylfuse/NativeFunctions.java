@@ -304,6 +304,9 @@ final class NativeFunctions {
     static native int cylfuse_cylinder_project(
             NativeStructs.Cylinder model, NativeStructs.Intrinsics intrinsics, double[] lines);
 
+    static native int cylfuse_plan(
+            NativeStructs.Intrinsics intrinsics, double[] cylinder, double[] noise, double[] scatter, double[] total);
+
     static native int cylfuse_cylinder_compare(
             NativeStructs.Cylinder a,
             NativeStructs.Cylinder b,

@@ -251,6 +251,7 @@ public class FitterTest {
             fails(Status.INVALID_ARGUMENT, () -> fitter.pushEdges(Segments.of(new double[] {Double.NaN, 0, 1, 1})), "NaN");
             Vector zero = new Vector(0, 0, 0);
             fails(Status.INVALID_ARGUMENT, () -> Scene.TRUTH.compare(new Cylinder(zero, zero, 1)), "");
+            fails(Status.INVALID_ARGUMENT, () -> new Plan(0.7, -1, 0.1, 0, 0).expect(Scene.CAMERA), "radius is -1");
             fitter.setIntrinsics(Scene.CAMERA);
             fails(Status.SIZE_MISMATCH, () -> fitter.pushDepth(DepthImage.of(new short[12], 4, 3, 1), null), "4");
             byte[] empty = new byte[Scene.WIDTH * Scene.HEIGHT];

@@ -1,0 +1,88 @@
+//! The page of `--report`: what stands in it. `tests/report.sh` opens it in a browser.
+
+use crate::support::run;
+use serde_json::Value;
+use std::path::Path;
+use tempfile::TempDir;
+
+const FRAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/frames/r40_a20_f0");
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scene");
+
+/// The data of a page, which needs nothing else.
+fn content(page: &Path) -> Value {
+    let text = std::fs::read_to_string(page).unwrap();
+    for other in ["src=\"http", "href=\"http", "@import", "<link rel=\"stylesheet"] {
+        assert!(!text.contains(other), "{other}");
+    }
+    let start = "<script type=\"application/json\" id=\"content\">";
+    let (_, rest) = text.split_once(start).unwrap();
+    serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+}
+
+#[test]
+fn a_page_about_fits_has_verdicts_pictures_and_points() {
+    let folder = TempDir::new().unwrap();
+    let page = folder.path().join("page.html");
+    let page_text = page.to_str().unwrap();
+    for (limits, verdict) in
+        [("radius=0.03..0.05", "pass"), ("radius=0.01..0.02", "fail"), ("radius=0.01..0.0377", "undecided")]
+    {
+        let run = run(["fit", FRAME, "--json", "--report", page_text, "--tolerance", limits]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let fitted = run.object();
+        let content = content(&page);
+        let frame = &content["frames"][0];
+        let cylinder = &frame["cylinders"][0];
+        assert_eq!(cylinder["verdict"], verdict);
+        assert_eq!(cylinder["radius"], fitted["cylinder"]["radius"]);
+        assert_eq!(cylinder["length_deviation"], fitted["extent"]["length_deviation"]);
+        assert_eq!(
+            (&content["millimetres"], &content["tolerances"][0]["quantity"]),
+            (&1000.0.into(), &"radius".into())
+        );
+        // 12 bytes a point are 16 letters.
+        let points = frame["points"].as_str().unwrap().len() / 16;
+        assert!((500..=1500).contains(&points), "{points}");
+        assert!(frame["picture"].as_str().unwrap().starts_with("/9j/"), "a JPEG");
+    }
+}
+
+#[test]
+fn a_page_about_scenes_has_a_row_a_cylinder() {
+    let folder = TempDir::new().unwrap();
+    let page = folder.path().join("page.html");
+    let run =
+        run(["detect", SCENE, "--json", "--report", page.to_str().unwrap(), "--tolerance", "length=0.1..1"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let found = run.object();
+    let content = content(&page);
+    let cylinders = content["frames"][0]["cylinders"].as_array().unwrap();
+    assert_eq!(cylinders.len(), found["cylinders"].as_array().unwrap().len());
+    assert_eq!(
+        (&cylinders[1]["number"], &cylinders[1]["radius"]),
+        (&2.into(), &found["cylinders"][1]["cylinder"]["radius"])
+    );
+    assert!(cylinders.iter().all(|cylinder| cylinder["verdict"].is_string()));
+}
+
+#[test]
+fn clouds_have_no_unit_and_a_page_that_cannot_be_written_is_told() {
+    let folder = TempDir::new().unwrap();
+    let cloud = folder.path().join("pipe.xyz");
+    let line = |k: u32| {
+        let angle = 0.01 * f64::from(k);
+        format!("{} {} {}\n", 5000.0 + 0.5 * angle.cos(), 0.1 * f64::from(k % 7), 0.5 * angle.sin())
+    };
+    std::fs::write(&cloud, (0..200).map(line).collect::<String>()).unwrap();
+    let cloud = cloud.to_str().unwrap();
+    let page = folder.path().join("page.html");
+    assert_eq!(run(["fit", "--points", cloud, "--report", page.to_str().unwrap()]).code, 0);
+    let content = content(&page);
+    assert!(content["millimetres"].is_null() && content["frames"][0]["picture"] == "");
+    assert!((content["frames"][0]["origin"][0].as_f64().unwrap() - 5000.5).abs() < 1e-9);
+    let refused = run(["fit", "--points", cloud, "--report", "no/such/folder/page.html"]);
+    assert_eq!(refused.code, 1);
+    assert!(refused.stderr.contains("FILE_NOT_WRITABLE"), "{}", refused.stderr);
+    let refused = run(["fit", FRAME, "--tolerance", "radius=1..2"]);
+    assert!(refused.code == 2 && refused.stderr.contains("--report"), "{}", refused.stderr);
+}
