@@ -1,4 +1,4 @@
-//! The soname of the shared library and the facts that `cylfuse_build_info` reports.
+//! The soname of the shared library, the facts that `cylfuse_build_info` reports, and the commit for `cylfuse bench`.
 
 use std::env;
 use std::process::Command;
@@ -6,6 +6,14 @@ use std::process::Command;
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-env=CYLFUSE_BUILD_INFO={}", build_info());
+    if env::var_os("CARGO_FEATURE_BENCH").is_some() {
+        // A commit moves the log of HEAD.
+        if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+            println!("cargo::rerun-if-changed={log}");
+        }
+        let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(|| "unknown".into());
+        println!("cargo::rustc-env=CYLFUSE_COMMIT={commit}");
+    }
     let variable = |name: &str| env::var(name).unwrap_or_default();
     // cargo-c turns the feature "capi" on and sets the soname itself.
     if variable("CARGO_CFG_TARGET_OS") == "linux" && env::var_os("CARGO_FEATURE_CAPI").is_none() {
@@ -33,4 +41,11 @@ fn build_info() -> String {
         variable("TARGET"),
         variable("PROFILE"),
     )
+}
+
+/// What git prints; `None` outside of a checkout.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output =
+        Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8_lossy(&output.stdout).trim().to_string())
 }

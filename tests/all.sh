@@ -23,7 +23,7 @@ RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
 step "tests: Rust, header, ABI, C with sanitizers and valgrind, command line"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-cargo test --locked --release --features cli,twin --no-fail-fast 2>&1 | tee "$log"
+cargo test --locked --release --features bench --no-fail-fast 2>&1 | tee "$log"
 
 step "tests: matrices of OpenCV"
 cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a "$log"

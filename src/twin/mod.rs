@@ -33,6 +33,7 @@ pub use annotation::{clipped, drawn_mask, hand_set, true_edges};
 pub use capture::{Capture, CaptureOptions, DEPTH_UNIT, SeenCylinder, capture};
 pub use layouts::{Kind, random_scene};
 pub use picture::{PictureOptions, picture};
+pub use random::{Purpose, Stream};
 pub use scene::{Body, Hit, Material, Patch, Scene, Style, Texture, TrueCylinder, Viewpoint};
 pub use sensors::{ActiveStereo, DepthSensor, StructuredLight, TimeOfFlight, exact_depth};
 pub use shape::{Part, Shape};

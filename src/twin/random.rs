@@ -25,6 +25,8 @@ pub enum Purpose {
     Sensor,
     /// Hand-set edges and masks.
     Annotation,
+    /// What an experiment disturbs on purpose.
+    Trial,
 }
 
 impl Stream {

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod bad_input;
+#[cfg(feature = "bench")]
+mod bench;
 mod clouds;
 mod detect;
 mod formats;

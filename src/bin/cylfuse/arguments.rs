@@ -2,6 +2,8 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
+#[cfg(feature = "bench")]
+use crate::bench::BenchArguments;
 use crate::detect_arguments::DetectArguments;
 use crate::page::Tolerance;
 use crate::plan_arguments::PlanArguments;
@@ -52,6 +54,9 @@ pub enum Command {
     /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
     #[cfg(feature = "twin")]
     Twin(TwinArguments),
+    /// Run the experiments of the paper, and others, on frames of the twin, and write a report.
+    #[cfg(feature = "bench")]
+    Bench(BenchArguments),
 }
 
 /// `cylfuse fit`.

@@ -1,6 +1,8 @@
 //! `cylfuse`: fits cylinders to RGB-D frames and point clouds from the command line.
 
 mod arguments;
+#[cfg(feature = "bench")]
+mod bench;
 mod canvas;
 mod cloud;
 mod demo;
@@ -46,6 +48,8 @@ fn main() -> ExitCode {
         Command::Plan(arguments) => print_plan(&arguments),
         #[cfg(feature = "twin")]
         Command::Twin(arguments) => make_frames(&arguments),
+        #[cfg(feature = "bench")]
+        Command::Bench(arguments) => run_bench(&arguments),
     };
     match failed {
         Ok(false) => ExitCode::SUCCESS,
@@ -238,6 +242,18 @@ fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
     let made = seeds.len() - failures.len();
     writeln!(io::stdout(), "{made} frames in {}", arguments.out.display())?;
     Ok(!failures.is_empty())
+}
+
+/// Runs the experiments and writes the report; tells whether that failed.
+#[cfg(feature = "bench")]
+fn run_bench(arguments: &bench::BenchArguments) -> io::Result<bool> {
+    match bench::run(arguments) {
+        Ok(said) => writeln!(io::stdout(), "{said}").map(|()| false),
+        Err(Failure { status, message }) => {
+            complain(&format!("{status}: {message}"));
+            Ok(true)
+        }
+    }
 }
 
 fn print_json(report: &impl serde::Serialize) -> io::Result<()> {

@@ -1,0 +1,61 @@
+//! Means and quantiles of errors.
+
+/// What a list of errors comes to. Values that are not finite are those of fits that failed, or that have no truth.
+#[derive(Debug, Clone, Copy)]
+pub struct Summary {
+    /// The finite values.
+    pub count: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Their standard deviation.
+    pub deviation: f64,
+    /// Their median.
+    pub median: f64,
+    /// The value that nine of ten do not exceed.
+    pub ninety: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+impl Summary {
+    /// The summary of values in any order; all NaN where none is finite.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let count = values.len();
+        let mean = values.iter().sum::<f64>() / count as f64;
+        let squares = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>();
+        let at = |share: f64| {
+            let index = ((share * count as f64).ceil() as usize).max(1) - 1;
+            values.get(index).copied().unwrap_or(f64::NAN)
+        };
+        let median = if count > 0 && count.is_multiple_of(2) {
+            0.5 * (values[count / 2 - 1] + values[count / 2])
+        } else {
+            at(0.5)
+        };
+        Self {
+            count,
+            mean,
+            // A single value shows no scatter.
+            deviation: if count > 1 { (squares / (count - 1) as f64).sqrt() } else { 0.0 },
+            median,
+            ninety: at(0.9),
+            worst: at(1.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summaries_leave_failures_out() {
+        let summary = Summary::of([4.0, f64::NAN, 1.0, 2.0, 3.0]);
+        assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
+        assert_eq!((summary.ninety, summary.worst), (4.0, 4.0));
+        assert!((summary.deviation - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert!(Summary::of([]).mean.is_nan() && Summary::of([]).worst.is_nan());
+    }
+}
