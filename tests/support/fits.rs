@@ -1,5 +1,6 @@
 //! Fits whose time and instructions are measured.
-#![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
+// Each test program uses a part. A measurement that can't run should stop.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use crate::frames::Inputs;
 use crate::support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
