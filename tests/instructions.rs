@@ -18,8 +18,12 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 
-/// A part by which a count may rise.
+/// A part by which all counts together may rise.
 const RISE: f64 = 0.03;
+
+/// A part by which one count may rise: what the compiler inlines depends on the folder of the sources and on the features,
+/// which made 7 % of the smallest count and 0.3 % of all others.
+const RISE_OF_ONE: f64 = 0.1;
 
 /// The variable with the name of the case that the test program runs below valgrind.
 const CASE: &str = "CYLFUSE_INSTRUCTIONS_OF";
@@ -126,19 +130,25 @@ fn fits_take_no_more_instructions_than_before() {
     }
     let mut text = format!("{place}\n");
     let mut rises = String::new();
+    let mut sums = [0.0; 2];
     for (name, _) in CASES {
         let count = instructions(name);
         println!("{:10.3} million  {name}", count as f64 / 1e6);
         text += &format!("{count}\t{name}\n");
         let before = lines.clone().find_map(|line| line.split_once('\t').filter(|row| row.1 == name));
         let before: Option<u64> = before.map(|row| row.0.parse().unwrap());
-        if before.is_none_or(|before| count as f64 > before as f64 * (1.0 + RISE)) {
+        if before.is_none_or(|before| count as f64 > before as f64 * (1.0 + RISE_OF_ONE)) {
             rises += &format!("{name}: {before:?} -> {count}\n");
         }
+        sums[0] += before.unwrap_or_default() as f64;
+        sums[1] += count as f64;
     }
     if write {
         std::fs::write(&path, text).unwrap();
         return;
+    }
+    if sums[1] > sums[0] * (1.0 + RISE) {
+        rises += &format!("all together: {} -> {}\n", sums[0], sums[1]);
     }
     assert!(rises.is_empty(), "more instructions than in tests/data/instructions.txt:\n{rises}");
 }
