@@ -460,6 +460,8 @@ inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const st
         cylfuse_plan(&intrinsics, cylinder.data(), nullptr, expected.scatter.data(), expected.total.data());
     return detail::finish_call(status, expected);
 }
+
+/** The same with what is known of the noise. */
 inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder,
                                   const std::array<double, 6> &noise)
 {

@@ -226,8 +226,8 @@ using LimbLines = std::array<std::array<double, 3>, 2>;
 
 /** What a plan expects: standard deviations of radius, direction, position and length, as of cylfuse_plan. */
 struct Expectation {
-    std::array<double, 4> scatter;
-    std::array<double, 4> total;
+    std::array<double, 4> scatter; ///< What captures of one scene differ by.
+    std::array<double, 4> total;   ///< What a measurement is off by, with what all points of a frame share.
 };
 
 } // namespace cylfuse
