@@ -6,7 +6,7 @@ import (
 )
 
 func TestAPlanExpectsMoreOfANearCylinder(t *testing.T) {
-	camera := Intrinsics{Width: 640, Height: 480, Fx: 570, Fy: 570, Cx: 319.5, Cy: 239.5}
+	camera := Intrinsics{Width: 640, Height: 480, FX: 570, FY: 570, CX: 319.5, CY: 239.5}
 	plan := Plan{Distance: 0.7, Radius: 0.03, Length: 0.1, Tilt: 0.35, Turn: 0.42}
 	scatter, near, err := plan.Expect(camera)
 	if err != nil || !(scatter.Radius > 0 && scatter.Radius < near.Radius && scatter.Length < near.Length) {
