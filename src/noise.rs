@@ -9,6 +9,10 @@ use crate::error::{Error, Result};
 /// were measured.
 const DRAWN_PIXELS: f64 = 640.0 * 480.0;
 
+/// The part of the distance over which what shifts all points changes by its own size: a lens has the errors of its
+/// field of view, twenty degrees and more.
+pub(crate) const SHARED_RANGE: f64 = 1.0 / 3.0;
+
 constants! {
     /// The default of [`NoiseModel::edge_endpoint`].
     EDGE_ENDPOINT = 0.5, "drawn px";

@@ -6,6 +6,7 @@ use super::held::Held;
 use super::options::ChartChoice;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
+use crate::noise::SHARED_RANGE;
 use crate::residuals::{
     NormalEquations, PixelResiduals, PointRows, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
@@ -34,10 +35,6 @@ const SCALE_ROUNDS: usize = 20;
 /// the end.
 const MANY_SOLVES: usize = 1500;
 const ORDINARY_SOLVES: usize = 40;
-
-/// The part of the distance over which what shifts all points changes by its own size: a lens has the errors of its
-/// field of view, twenty degrees and more.
-const SHARED_RANGE: f64 = 1.0 / 3.0;
 
 /// Most of what points share, in units of their noise: exact data share nothing, and depth that a filter has smoothed
 /// three times its noise.

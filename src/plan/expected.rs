@@ -8,7 +8,7 @@ use super::view::SeenPoint;
 use super::{Deviations, Plan};
 use crate::error::{Error, Result};
 use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
-use crate::noise::NoiseModel;
+use crate::noise::{NoiseModel, SHARED_RANGE};
 use crate::residuals::{ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, near_wall};
 use nalgebra::{Matrix2, SMatrix, SVector};
 
@@ -33,9 +33,6 @@ const PLACE_SCATTER: f64 = 1.7;
 
 /// Deviation of an end for reasons that its pixels do not show.
 const END_FLOOR: f64 = 0.1;
-
-/// The part of the distance over which what shifts all points changes by its own size, as in a fit.
-const SHARED_RANGE: f64 = 1.0 / 3.0;
 
 /// Fewer independent points tell no noise from residuals, as in a fit.
 const LEAST_INDEPENDENT: usize = 8;

@@ -1,7 +1,7 @@
 //! Whole scenes: finds all cylinders of a frame or a cloud and fits each by the full method.
 //!
-//! [`crate::detection`] finds the regions from depth alone; here each becomes the mask of a fit of its own, and what that
-//! sees of the limbs in the image joins the score.
+//! [`crate::detection`] finds the regions by depth and image; here each becomes the mask of a fit of its own, and how well that
+//! determines the radius joins the score.
 
 mod fits;
 
