@@ -30,7 +30,52 @@ fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
         return 0.0;
     }
     let place = sizes.len() / parts;
-    f64::from_bits(*sizes.select_nth_unstable(place).1)
+    f64::from_bits(nth(&mut sizes, place))
+}
+
+/// The numbers at some places of the ordered list, of which there must be as many.
+pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
+    const SIGN: u64 = 1 << 63;
+    // Bits in the order of the numbers: those of negative ones are turned round.
+    let mut ordered: Vec<u64> = numbers
+        .map(|number| number.to_bits())
+        .map(|bits| if bits & SIGN == 0 { bits | SIGN } else { !bits })
+        .collect();
+    places.map(|place| {
+        let bits = nth(&mut ordered, place);
+        f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
+    })
+}
+
+/// Numbers between which the one that is wanted lies almost surely: of a sample.
+const SAMPLE: usize = 256;
+
+/// How far from its own place in the sample they are, at least 3 standard deviations of that.
+const AROUND: usize = 25;
+
+/// The number at some place of the ordered list, which comes out in another order.
+fn nth(numbers: &mut [u64], place: usize) -> u64 {
+    let count = numbers.len();
+    if count < 8 * SAMPLE {
+        return *numbers.select_nth_unstable(place).1;
+    }
+    let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| numbers[k * count / SAMPLE]);
+    sample.sort_unstable();
+    let middle = place * SAMPLE / count;
+    let low = sample[middle.saturating_sub(AROUND)];
+    let high = sample[(middle + AROUND).min(SAMPLE - 1)];
+    // Those between them come first; without branches, which nobody could predict.
+    let (mut below, mut found) = (0, 0);
+    for k in 0..count {
+        let number = numbers[k];
+        numbers.swap(found, k);
+        found += usize::from((low <= number) & (number <= high));
+        below += usize::from(number < low);
+    }
+    match place.checked_sub(below).filter(|&place| place < found) {
+        Some(place) => *numbers[..found].select_nth_unstable(place).1,
+        None => *numbers.select_nth_unstable(place).1,
+    }
 }
 
 #[cfg(test)]
@@ -42,6 +87,34 @@ mod tests {
         assert_eq!(median(&mut [3.0, -1.0, 7.0]), 3.0);
         assert_eq!(median(&mut [3.0, -1.0, 7.0, 4.0]), 4.0);
         assert_eq!(median(&mut []), 0.0);
+    }
+
+    #[test]
+    fn many_numbers_have_the_same_place_as_few() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            state >> 40
+        };
+        let many: Vec<u64> = (0..5000).map(|_| random()).collect();
+        let equal = vec![7; 4000];
+        let rising: Vec<u64> = (0..3000).collect();
+        // The sample sees one of them alone.
+        let periodic: Vec<u64> =
+            (0..256 * 16).map(|k| if k % 16 == 0 { 1 << 50 } else { random() }).collect();
+        for numbers in [many, equal, rising, periodic] {
+            let mut ordered = numbers.clone();
+            ordered.sort_unstable();
+            for place in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
+                assert_eq!(nth(&mut numbers.clone(), place), ordered[place]);
+            }
+        }
+    }
+
+    #[test]
+    fn places_count_from_the_lowest_number() {
+        let numbers = [3.0, -1.0, 0.0, -7.5, 2.0];
+        assert_eq!(at_places(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::camera::Camera;
 use crate::detection::detect_in_mask;
 use crate::geometry::Cylinder;
 use crate::start::limbs::from_limbs;
+use crate::start::moments::Moments;
 
 /// Fewest points of a body, as a part of those in the mask: with less the cylinder that was found is hardly the one that
 /// was meant.
@@ -20,7 +21,7 @@ const KNOWN: f64 = 0.05;
 /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
 pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>) -> Option<View> {
     let (camera, depth, mask) = (view.camera()?, view.depth()?, view.mask.as_ref()?);
-    // Most masks with edges hold the body alone, and that takes no search.
+    // Most masks hold the body alone, and that takes no search.
     let known = known(view, camera, options, start);
     if known.and_then(|cylinder| view.parts(&cylinder, &options.noise)).is_some_and(|parts| parts.all_body())
     {
@@ -45,15 +46,21 @@ pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>)
     })
 }
 
-/// The start model or the cylinder of two segments, where the points lie on it.
+/// The start model, the cylinder of two segments or that of the moments of the points, where the points lie on it.
 fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Option<Cylinder> {
     let sample = view.cloud.sample(SAMPLE);
     let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
     let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
-    given.or_else(|| {
+    let of_limbs = || {
         let noise = options.noise.in_image(camera.size());
         let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
         let [first, second] = &edges.rays[..] else { return None };
         from_limbs(first, second, &sample).filter(explains)
-    })
+    };
+    let of_moments = || {
+        let points = sample.iter().map(|p| (*p, 1.0));
+        let fit = Moments::new(points)?.best(options.cylinder_limits.cone())?;
+        Some(fit.cylinder).filter(explains)
+    };
+    given.or_else(of_limbs).or_else(of_moments)
 }

@@ -7,6 +7,7 @@
 
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::observations::PointCloud;
+use crate::statistics::at_places;
 use nalgebra::Vector2;
 use pulp::Arch;
 
@@ -31,6 +32,10 @@ const MOST_CELLS: f64 = 64.0;
 /// A cell of the grid for a point that lies outside.
 const OUTSIDE: u32 = u32::MAX;
 
+/// A column and a row; none of a grid that lies outside.
+type Cell = [u32; 2];
+const NO_CELL: Cell = [u32::MAX; 2];
+
 /// Points on a rectangular grid.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
@@ -40,8 +45,10 @@ pub(super) struct Lattice {
     shares: Vec<f32>,
     /// Cells from one row to the next: the columns and, so that rows don't meet, the longest range.
     stride: usize,
-    /// By axis and distance: pairs of cells with points.
-    pairs: [[f64; LONGEST_CORRELATION]; 2],
+    /// 1 for each cell with points, 0 for the others.
+    occupied: Vec<f64>,
+    /// How many cells have points.
+    taken: f64,
 }
 
 impl Lattice {
@@ -49,7 +56,7 @@ impl Lattice {
     /// others, whose grid is that of a surface.
     pub fn of_cloud(cloud: &PointCloud, observed: bool) -> Option<Self> {
         if let Some(pixels) = cloud.pixels() {
-            return Self::new(pixels.iter().map(|[column, row]| Some([*column as usize, *row as usize])));
+            return Self::new(pixels);
         }
         let ahead = || cloud.points().map(|p| p.z > 0.0);
         if !observed || !ahead().all(|ahead| ahead) {
@@ -75,53 +82,53 @@ impl Lattice {
             return None;
         }
         let bounds = [0, 1].map(|axis| {
-            let mut values: Vec<f64> = positions.iter().map(|p| p[axis]).collect();
             let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;
-            let low = *values.select_nth_unstable_by(outer, f64::total_cmp).1;
-            let high = *values.select_nth_unstable_by(count - 1 - outer, f64::total_cmp).1;
+            let [low, high] = at_places(positions.iter().map(|p| p[axis]), [outer, count - 1 - outer]);
             (low, high)
         });
         let size = bounds.map(|(low, high)| high - low);
         if !(size[0] > 0.0 && size[1] > 0.0 && (size[0] * size[1]).is_finite()) {
             return None;
         }
-        let cells = |step: f64| {
-            positions.iter().map(move |p| {
-                let cell = [0, 1].map(|axis| (p[axis] - bounds[axis].0) / step);
-                let inside = (0..2).all(|axis| cell[axis] >= 0.0 && p[axis] <= bounds[axis].1);
-                inside.then(|| cell.map(|x| x as usize))
-            })
+        let cells = |step: f64| -> Vec<Cell> {
+            let per_step = step.recip();
+            let cell = |p: &Vector2<f64>| {
+                let inside = (0..2).all(|axis| p[axis] >= bounds[axis].0 && p[axis] <= bounds[axis].1);
+                let cell = [0, 1].map(|axis| ((p[axis] - bounds[axis].0) * per_step) as u32);
+                if inside { cell } else { NO_CELL }
+            };
+            positions.iter().map(cell).collect()
         };
         // Cells that surely hold several positions tell the area that these cover.
         let area = size[0] * size[1] / count as f64;
         // Points in one row, to rounding, have no more cells than there are points either.
         let shortest = size[0].max(size[1]) / count as f64;
         let coarse = (2.0 * area.sqrt()).max(shortest);
-        let grid = Grid::around(cells(coarse), 0)?;
+        let in_coarse = cells(coarse);
+        let grid = Grid::around(&in_coarse, 0)?;
         let mut taken = Vec::new();
         taken.try_reserve_exact(grid.size).ok()?;
         taken.resize(grid.size, false);
-        cells(coarse).flatten().for_each(|cell| taken[grid.index(cell)] = true);
+        let inside = in_coarse.iter().filter(|&&cell| cell != NO_CELL);
+        inside.for_each(|cell| taken[grid.index(cell)] = true);
         let occupied = taken.iter().filter(|&&taken| taken).count();
         let step = coarse * (occupied as f64 / count as f64).sqrt();
-        Self::new(cells(step.max((area / MOST_CELLS).sqrt()).max(shortest)))
+        Self::new(&cells(step.max((area / MOST_CELLS).sqrt()).max(shortest)))
     }
 
-    fn new(cells: impl Iterator<Item = Option<[usize; 2]>> + Clone) -> Option<Self> {
-        let grid = Grid::around(cells.clone(), LONGEST_CORRELATION)?;
+    fn new(cells: &[Cell]) -> Option<Self> {
+        let grid = Grid::around(cells, LONGEST_CORRELATION)?;
         let stride = grid.stride;
         let mut shares = Vec::new();
         shares.try_reserve_exact(grid.size).ok()?;
         shares.resize(grid.size, 0.0_f32);
-        let cells: Vec<u32> =
-            cells.map(|cell| cell.map_or(OUTSIDE, |cell| grid.index(cell) as u32)).collect();
+        let index = |cell: &Cell| if *cell == NO_CELL { OUTSIDE } else { grid.index(cell) as u32 };
+        let cells: Vec<u32> = cells.iter().map(index).collect();
         cells.iter().filter(|&&cell| cell != OUTSIDE).for_each(|&cell| shares[cell as usize] += 1.0);
         let occupied: Vec<f64> = shares.iter().map(|&count| f64::from(count.min(1.0))).collect();
-        let pairs = [1, stride].map(|step| {
-            std::array::from_fn(|k| occupied.get((k + 1) * step..).map_or(0.0, |ahead| dot(&occupied, ahead)))
-        });
-        shares.iter_mut().filter(|share| **share > 0.0).for_each(|share| *share = share.recip());
-        Some(Self { cells, shares, stride, pairs })
+        let taken = occupied.iter().sum();
+        shares.iter_mut().filter(|share| **share > 1.0).for_each(|share| *share = share.recip());
+        Some(Self { cells, shares, stride, occupied, taken })
     }
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
@@ -132,8 +139,7 @@ impl Lattice {
                 values[cell as usize] += residual * f64::from(self.shares[cell as usize]);
             }
         }
-        let occupied = self.shares.iter().filter(|&&share| share > 0.0).count() as f64;
-        let variance = dot(&values, &values) / occupied;
+        let variance = dot(&values, &values) / self.taken;
         if !(variance > 0.0) {
             return residuals.len() as f64;
         }
@@ -141,8 +147,12 @@ impl Lattice {
             let step = [1, self.stride][axis];
             let mut range = 1.0;
             for k in 1..=LONGEST_CORRELATION {
-                let pairs = self.pairs[axis][k - 1];
-                let Some(ahead) = values.get(k * step..).filter(|_| pairs >= LEAST_PAIRS) else { break };
+                let Some(ahead) = values.get(k * step..) else { break };
+                // Most noise is correlated over few neighbours: counted where it is asked for.
+                let pairs = dot(&self.occupied, &self.occupied[k * step..]);
+                if pairs < LEAST_PAIRS {
+                    break;
+                }
                 let correlation = dot(&values, ahead) / (pairs * variance);
                 if correlation < UNCORRELATED.max(UNCORRELATED_DEVIATIONS / pairs.sqrt()) {
                     break;
@@ -157,27 +167,28 @@ impl Lattice {
 
 /// A rectangle of cells that holds some.
 struct Grid {
-    low: [usize; 2],
+    low: [u32; 2],
     stride: usize,
     size: usize,
 }
 
 impl Grid {
     /// With so many empty cells after each row; `None` for no cells.
-    fn around(cells: impl Iterator<Item = Option<[usize; 2]>>, gap: usize) -> Option<Self> {
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        for cell in cells.flatten() {
+    fn around(cells: &[Cell], gap: usize) -> Option<Self> {
+        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
+        for cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
             for axis in 0..2 {
                 low[axis] = low[axis].min(cell[axis]);
                 high[axis] = high[axis].max(cell[axis]);
             }
         }
-        let stride = (high[0] + 1).checked_sub(low[0])? + gap;
-        Some(Self { low, stride, size: stride * (high[1] - low[1] + 1) })
+        let [columns, rows] = [0, 1].map(|axis| high[axis].checked_sub(low[axis]));
+        let stride = columns? as usize + 1 + gap;
+        Some(Self { low, stride, size: stride * (rows? as usize + 1) })
     }
 
-    fn index(&self, [column, row]: [usize; 2]) -> usize {
-        (row - self.low[1]) * self.stride + column - self.low[0]
+    fn index(&self, [column, row]: &Cell) -> usize {
+        (row - self.low[1]) as usize * self.stride + (column - self.low[0]) as usize
     }
 }
 
@@ -218,7 +229,7 @@ mod tests {
     }
 
     fn lattice(cells: &[[usize; 2]]) -> Lattice {
-        Lattice::new(cells.iter().map(|cell| Some(*cell))).unwrap()
+        Lattice::new(&cells.iter().map(|cell| cell.map(|x| x as u32)).collect::<Vec<_>>()).unwrap()
     }
 
     /// Means over windows of pixels by pixels.

@@ -219,13 +219,17 @@ impl<'a> Data<'a> {
     /// Mean and size of the points; refuses those that no cylinder is determined by.
     fn middle_and_size(&self) -> Result<(Vector3<f64>, f64)> {
         let count = self.count() as f64;
+        let views: Vec<(f64, Vector3<f64>, Matrix3<f64>)> = self.views.iter().filter_map(of_view).collect();
         // Differences of nearby points first: all may be far from the origin of coordinates.
-        let origin = self.points().next().unwrap_or_default();
-        let mean = self.points().fold(Vector3::zeros(), |sum, p| sum + (p - origin)) / count;
-        let covariance = self.points().fold(Matrix3::zeros(), |sum, p| {
-            let q = p - origin - mean;
-            sum + q * q.transpose()
-        }) / count;
+        let origin = views.first().map_or(Vector3::zeros(), |view| view.1);
+        let mean = views.iter().map(|(part, mean, _)| (mean - origin) * (part / count)).sum::<Vector3<f64>>();
+        let covariance: Matrix3<f64> = views
+            .iter()
+            .map(|(part, of_view, covariance)| {
+                let q = of_view - origin - mean;
+                (covariance + q * q.transpose()) * (part / count)
+            })
+            .sum();
         let mut spreads = covariance.symmetric_eigenvalues().map(|value| value.max(0.0).sqrt());
         spreads.as_mut_slice().sort_unstable_by(|a, b| b.total_cmp(a));
         let unit = covariance.trace().sqrt();
@@ -341,6 +345,19 @@ impl<'a> Data<'a> {
         }
         Ok(())
     }
+}
+
+/// The number of points of a view with their mean and covariance in the reference frame; `None` for none.
+fn of_view(view: &ViewData<'_>) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
+    let to_reference = view.into_view.inverse();
+    let (mean, covariance) = view.view.cloud.mean_and_covariance()?;
+    let axes = Matrix3::identity()
+        .column_iter()
+        .map(|axis| to_reference.direction(&axis.into()))
+        .collect::<Vec<_>>();
+    let rotation = Matrix3::from_columns(&axes);
+    let covariance = rotation * covariance * rotation.transpose();
+    Some((view.points.count() as f64, to_reference.point(&mean), covariance))
 }
 
 impl<'a> ViewData<'a> {

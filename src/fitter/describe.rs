@@ -2,6 +2,7 @@
 
 use super::data::{self, Data};
 use super::held::Held;
+use super::objective::Scales;
 use super::result::{FitResult, Flags, Seconds};
 use super::start::Candidate;
 use crate::error::{Error, Result};
@@ -54,16 +55,25 @@ pub(super) fn diagnose(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Res
     })
 }
 
-/// Everything about a cylinder, found by a fit or given, but how it was reached.
+/// Everything about a cylinder, found by a fit or given, but how it was reached. `scales` are those at the cylinder where
+/// they are known.
 pub(super) fn describe(
     data: &Data<'_>,
     held: &Held,
     start: &Candidate,
     cylinder: &Cylinder,
+    scales: Option<&Scales>,
 ) -> Result<FitResult> {
-    let scales = data.scales(cylinder);
+    let own;
+    let scales = match scales {
+        Some(scales) => scales,
+        None => {
+            own = data.scales(cylinder);
+            &own
+        }
+    };
     let frame = data.frame(cylinder);
-    let objective = data.objective(held, cylinder, &scales);
+    let objective = data.objective(held, cylinder, scales);
     let equations = objective.linearise(&frame).ok_or_else(infinite_cost)?;
     let squared = data.unit * data.unit;
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
@@ -81,7 +91,7 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii) = data.uncertainty(held, cylinder, &scales, &objective);
+    let (uncertainty, radii) = data.uncertainty(held, cylinder, scales, &objective);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held);

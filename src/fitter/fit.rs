@@ -11,7 +11,7 @@ use super::data::Data;
 use super::guided::{self, reason_without_limbs};
 use super::held::Held;
 use super::located::{self, Located};
-use super::objective::{Minimum, Precision, Run};
+use super::objective::{Minimum, Precision, Run, Scales};
 use super::options::{Method, StartKind};
 use super::start::Candidate;
 use crate::error::{Error, Result};
@@ -25,6 +25,8 @@ pub(super) struct Fit {
     /// `None` for the methods that do not iterate.
     pub convergence: Option<Convergence>,
     pub held: Held,
+    /// The scales at the cylinder, where they are known.
+    pub scales: Option<Scales>,
 }
 
 /// Fits by the method of the options. `started` is called when a start has been found.
@@ -51,7 +53,7 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, started: impl FnOnce()) ->
 fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Result<Fit> {
     data.check_radius(&cylinder)?;
     let start = Candidate { kind, cylinder };
-    Ok(Fit { cylinder, start, convergence: None, held: Held::as_given(data) })
+    Ok(Fit { cylinder, start, convergence: None, held: Held::as_given(data), scales: None })
 }
 
 /// The paper's objective, or its points alone.
@@ -61,21 +63,21 @@ fn paper(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result
         held = Held::without_edges(data, reason_without_limbs(data, candidates));
     }
     let (start, minimum) = data.best_minimum(&held, candidates, Precision::Full, run)?;
-    Ok(ended(start, &minimum, held))
+    Ok(Fit { scales: None, ..ended(start, minimum, held) })
 }
 
 /// The robust objective.
 fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let guided = guided::guide(data, candidates, run)?;
-    if !data.locates() {
-        return Ok(ended(guided.start, &guided.minimum, guided.held(data)));
-    }
-    let located = located::locate(data, &guided, run)?;
-    let Located { minimum, held } = arcs::bend(data, located, run)?;
+    let Located { minimum, held } = match data.locates() {
+        true => arcs::bend(data, located::locate(data, &guided, run)?, run)?,
+        false => Located { minimum: guided.minimum.clone(), held: guided.held(data) },
+    };
     let minimum = data.minimise_again(&held, &minimum, Precision::Full, run)?;
-    Ok(ended(guided.start, &minimum, held))
+    Ok(ended(guided.start, minimum, held))
 }
 
-fn ended(start: Candidate, minimum: &Minimum, held: Held) -> Fit {
-    Fit { cylinder: *minimum.cylinder(), start, convergence: Some(minimum.convergence), held }
+fn ended(start: Candidate, minimum: Minimum, held: Held) -> Fit {
+    let Minimum { convergence, scales } = minimum;
+    Fit { cylinder: convergence.cylinder, start, convergence: Some(convergence), held, scales: Some(scales) }
 }

@@ -67,7 +67,7 @@ pub(super) struct GuidedView {
 impl Guided {
     /// What the first fit was held to.
     pub fn held(&self, data: &Data<'_>) -> Held {
-        hold(data, self.views.iter().map(|view| &view.guides), self.flags)
+        Held { settled: true, ..hold(data, self.views.iter().map(|view| &view.guides), self.flags) }
     }
 }
 
@@ -79,7 +79,7 @@ fn hold<'a>(data: &Data<'_>, guides: impl Iterator<Item = &'a Guides>, flags: Fl
         views: data.views.iter().zip(guides).map(view).collect(),
         flags,
         edge_weight: data.edge_weight,
-        settled: !data.locates(),
+        settled: false,
     }
 }
 
@@ -131,14 +131,13 @@ fn join(
         })
         .collect();
     let held = hold(data, guides.iter(), flags);
-    let precision = if data.locates() { Precision::Rough } else { Precision::Full };
     // Every view starts from its own best; the lowest of the minima is that of all.
     let mut best: Option<(Candidate, Minimum)> = None;
     let mut failure = None;
     let onward = |guided: &Guided| Candidate { cylinder: *guided.minimum.cylinder(), ..guided.start };
     let starts = alone.iter().flatten().map(onward).chain(candidates.first().copied());
     for start in starts {
-        match data.best_minimum(&held, &[start], precision, run) {
+        match data.best_minimum(&held, &[start], Precision::Rough, run) {
             Ok(found) => {
                 let cost = |found: &(Candidate, Minimum)| found.1.scale();
                 if best.as_ref().is_none_or(|best| cost(&found) < cost(best)) {
@@ -269,14 +268,8 @@ impl<'a> View<'_, 'a, '_, '_> {
             && let Some(agreement) = sides.compare(given)
             && agreement.holds()
         {
-            // On the way to located limbs the sides matter only where one is not found.
-            let guides = sides.with_segments(given);
-            let start = fit.start;
-            let onward = fit.onward();
-            let fit = match first {
-                Ok(fit) if self.data.locates() => Attempt { guides, ..fit },
-                _ => Attempt { start, ..self.attempt(guides, &[onward])?? },
-            };
+            // They move the fit by little: the next one holds to them.
+            let fit = Attempt { guides: sides.with_segments(given), ..first? };
             let range = view.range_of_given(camera, fit.cylinder());
             return Ok(fit.guided(range, agreement.total.clamp(by_hand, noise.limb_of_points)));
         }
@@ -371,8 +364,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     /// Holds the limbs to guides and minimises from the first good candidate. The outer error is a cancelled fit.
     fn attempt(&mut self, guides: Guides, candidates: &[Candidate]) -> Result<Result<Attempt>> {
         let held = hold(self.data, std::iter::once(&guides), Flags::empty());
-        let precision = if self.data.locates() { Precision::Rough } else { Precision::Full };
-        match self.data.best_minimum(&held, candidates, precision, self.run) {
+        match self.data.best_minimum(&held, candidates, Precision::Rough, self.run) {
             Ok((start, minimum)) => Ok(Ok(Attempt { start, minimum, guides })),
             Err(error @ Error::Cancelled { .. }) => Err(error),
             Err(error) => Ok(Err(error)),

@@ -183,7 +183,8 @@ impl Fitter {
         let mut started = 0.0;
         let fit = fit::fit(&data, &mut run, || started = seconds())?;
         let ended = seconds();
-        let mut result = describe::describe(&data, &fit.held, &fit.start, &fit.cylinder)?;
+        let mut result =
+            describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
         if let Some(convergence) = &fit.convergence {
             result.add_convergence(convergence);
             result.seconds.start = started;
@@ -204,7 +205,7 @@ impl Fitter {
         self.check_memory(BYTES_OF_FIT)?;
         let data = self.data()?;
         let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
-        describe::describe(&data, &self.held(&data), &start, cylinder)
+        describe::describe(&data, &self.held(&data), &start, cylinder, None)
     }
 
     /// The same, kept as if a fit had given it.

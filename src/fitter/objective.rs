@@ -8,11 +8,12 @@ use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::noise::SHARED_RANGE;
 use crate::residuals::{
-    NormalEquations, PixelResiduals, PointRows, RobustScales, RobustView, SharedErrors, Squared, Sum,
+    Bend, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
@@ -50,10 +51,11 @@ pub(super) enum Precision {
 }
 
 /// What an objective is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Purpose {
-    /// Errors that points share count where limbs contest what the points say.
-    Minimum,
+#[derive(Clone, Copy)]
+enum Purpose<'a> {
+    /// Errors that points share count where limbs contest what the points say. What one objective finds out about them the
+    /// next one knows, by view.
+    Minimum(&'a [Cell<Option<Bend>>]),
     /// They always count.
     Covariance,
 }
@@ -128,6 +130,25 @@ impl Scales {
     }
 }
 
+/// The residuals of the points at a cylinder.
+struct Residuals {
+    /// By view.
+    views: Vec<Vec<f64>>,
+    /// Their scales, by view,
+    points: Vec<f64>,
+    /// and of all together.
+    all: f64,
+}
+
+impl Residuals {
+    /// The scales with the numbers of independent points of others.
+    fn scales_with_counts_of(&self, before: &Scales) -> Scales {
+        let pairs = self.points.iter().zip(&before.views);
+        let views = pairs.map(|(&point, before)| RobustScales { point, ..*before });
+        Scales { views: views.collect(), all: self.all }
+    }
+}
+
 impl Data<'_> {
     /// Iterates from a start. The near-wall rule is not applied.
     pub fn minimise(
@@ -195,8 +216,10 @@ impl Data<'_> {
         let mut cylinder = *start;
         let mut total: Option<Convergence> = None;
         let mut current = Precision::Rough;
+        let mut counted = None;
+        let memory = vec![Cell::new(None); self.views.len()];
         for _ in 0..SCALE_ROUNDS {
-            let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum);
+            let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum(&memory));
             // The rounds share the solves: where the scale alternates each could take all of them.
             let before = total.as_ref().map_or(0, |before| before.iterations);
             let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
@@ -206,24 +229,24 @@ impl Data<'_> {
             cylinder = round.cylinder;
             let ended = matches!(round.termination, Termination::RadiusRanAway | Termination::MaxIterations);
             total = Some(round);
-            let next = self.scales_again(&cylinder, &scales);
-            let settled = next.differ_by_less_than(current.scale_tolerance(), &scales);
+            let residuals = self.residuals(&cylinder);
+            let next = residuals.scales_with_counts_of(&scales);
+            let settled = next.differ_by_less_than(precision.scale_tolerance(), &scales);
             scales = next;
-            if ended {
-                break;
-            }
-            if settled {
+            if settled || ended {
                 // The correlation changes far less than the scale: it is looked at where that has settled.
-                let counted = self.scales(&cylinder);
-                let same = counted.same_information(&scales);
-                scales = counted;
-                if same && current == precision {
+                let all = self.scales_of(&cylinder, &residuals);
+                let same = all.same_information(&scales);
+                scales = all.clone();
+                counted = Some(all);
+                if ended || same && current == precision {
                     break;
                 }
                 current = precision;
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
+        let scales = counted.unwrap_or_else(|| self.scales(&cylinder));
         Ok(Minimum { convergence, scales })
     }
 
@@ -254,17 +277,18 @@ impl Data<'_> {
         held: &'a Held,
         cylinder: &Cylinder,
         scales: &[RobustScales],
-        purpose: Purpose,
+        purpose: Purpose<'a>,
     ) -> Sum<'a> {
         let contested = held.settled && held.has_limbs();
-        let shared_matter = contested || purpose == Purpose::Covariance;
+        let shared_matter = contested || matches!(purpose, Purpose::Covariance);
         let frame = self.frame(cylinder);
         let views: Vec<RobustView<'a>> = self
             .views
             .iter()
             .zip(&held.views)
             .zip(scales)
-            .map(|((view, held), scales)| {
+            .enumerate()
+            .map(|(k, ((view, held), scales))| {
                 let near = frame.moved(&view.into_view);
                 let shared = shared_matter.then(|| self.shared_errors(view, &near, scales)).flatten();
                 RobustView {
@@ -272,6 +296,10 @@ impl Data<'_> {
                     points: view.points,
                     observed: view.observed,
                     shared,
+                    memory: match purpose {
+                        Purpose::Minimum(memory) => memory.get(k),
+                        Purpose::Covariance => None,
+                    },
                     near,
                     scales: *scales,
                     lines: held.lines.as_ref(),
@@ -405,38 +433,32 @@ impl Data<'_> {
         self.views.iter().zip(&scales.views).map(of_view).sum()
     }
 
+    /// The scales of a cylinder.
     pub fn scales(&self, cylinder: &Cylinder) -> Scales {
-        self.scales_with(cylinder, |view, residuals, point| {
-            self.independent_points(view, cylinder, residuals, point)
-        })
+        self.scales_of(cylinder, &self.residuals(cylinder))
     }
 
-    /// New scales with the numbers of independent points of others.
-    fn scales_again(&self, cylinder: &Cylinder, before: &Scales) -> Scales {
-        let mut counts = before.views.iter().map(|scales| scales.independent_points);
-        self.scales_with(cylinder, |_, _, _| counts.next().unwrap_or(1.0))
+    /// The same where the residuals are known.
+    fn scales_of(&self, cylinder: &Cylinder, residuals: &Residuals) -> Scales {
+        let views = self.views.iter().zip(&residuals.views).zip(&residuals.points);
+        let views = views.map(|((view, residuals), &point)| {
+            let independent_points = self.independent_points(view, cylinder, residuals, point);
+            RobustScales { point, independent_points }
+        });
+        Scales { views: views.collect(), all: residuals.all }
     }
 
-    fn scales_with(
-        &self,
-        cylinder: &Cylinder,
-        mut independent_points: impl FnMut(&ViewData<'_>, &[f64], f64) -> f64,
-    ) -> Scales {
-        let mut all = Vec::new();
-        let mut views = Vec::with_capacity(self.views.len());
-        for view in &self.views {
-            let residuals = view.distances(cylinder, &self.center);
-            let told = self.options.noise.depth;
-            let point = if told > 0.0 { told } else { self.scale_of(residuals.iter().copied()) };
-            let independent_points = independent_points(view, &residuals, point);
-            views.push(RobustScales { point, independent_points });
-            all.push(residuals);
-        }
-        let all = match views[..] {
-            [one] if self.options.noise.depth == 0.0 => one.point,
-            _ => self.scale_of(all.into_iter().flatten()),
+    fn residuals(&self, cylinder: &Cylinder) -> Residuals {
+        let distances = |view: &ViewData<'_>| view.distances(cylinder, &self.center);
+        let views: Vec<Vec<f64>> = self.views.iter().map(distances).collect();
+        let told = self.options.noise.depth;
+        let scale = |view: &Vec<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
+        let points: Vec<f64> = views.iter().map(scale).collect();
+        let all = match points[..] {
+            [one] if told == 0.0 => one,
+            _ => self.scale_of(views.iter().flatten().copied()),
         };
-        Scales { views, all }
+        Residuals { views, points, all }
     }
 
     /// The number of independent points of a view whose residuals have some scale, unless the caller told it.
@@ -459,7 +481,7 @@ impl Data<'_> {
         let frame = self.frame(cylinder).moved(&view.into_view);
         // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
         // the minimum of the points would take away is no noise.
-        let freed = if self.is_paper() { without_misfit(view, &frame, residuals) } else { None };
+        let freed = if self.is_paper() { without_misfit(view, &frame) } else { None };
         let residuals = freed.as_deref().unwrap_or(residuals);
         let of_surface = match &view.lattice {
             Some(_) => None,
@@ -470,11 +492,9 @@ impl Data<'_> {
     }
 }
 
-/// Residuals less the part that a step to the minimum of the points would take away; `None` where that is not determined.
-fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame, residuals: &[f64]) -> Option<Vec<f64>> {
+/// Residuals after a step to the minimum of the points; `None` where that is not determined.
+fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<Vec<f64>> {
     let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
-    let step = -hessian.cholesky()?.solve(&gradient) * frame.unit;
-    let rows = PointRows::new(frame);
-    let changes = view.view.cloud.points().map(|point| rows.row(&point).1.dot(&step));
-    Some(residuals.iter().zip(changes).map(|(residual, change)| residual + change).collect())
+    let cylinder = frame.retract(&-hessian.cholesky()?.solve(&gradient));
+    Some(view.points.distances(&LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0)))
 }

@@ -5,7 +5,8 @@ use super::mask::Mask;
 use super::strided::Scalar;
 use super::views::PointsView;
 use crate::error::{Error, Result};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 
 /// How many points were left out, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -123,6 +124,44 @@ pub struct PointCloud {
     resolution: f64,
 }
 
+/// Mean and covariance of points, in partial sums side by side with the widest instructions of the machine; they all round
+/// alike.
+struct Moments<'a, T>(&'a [Vec<T>; 3]);
+
+impl<T: Copy + Into<f64>> WithSimd for Moments<'_, T> {
+    type Output = (Vector3<f64>, Matrix3<f64>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
+        const LANES: usize = 8;
+        let count = self.0[0].len() as f64;
+        let mean = self.0.each_ref().map(|axis| {
+            let mut sums = [0.0; LANES];
+            let (values, rest) = axis.as_chunks::<LANES>();
+            for values in values {
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += (*value).into();
+                }
+            }
+            let rest: f64 = rest.iter().map(|value| (*value).into()).sum();
+            (sums.iter().sum::<f64>() + rest) / count
+        });
+        let square = |i: usize, k: usize| {
+            let mut sums = [0.0; LANES];
+            let product = |a: T, b: T| (a.into() - mean[i]) * (b.into() - mean[k]);
+            let ((a, a_rest), (b, b_rest)) = (self.0[i].as_chunks::<LANES>(), self.0[k].as_chunks::<LANES>());
+            for (a, b) in a.iter().zip(b) {
+                for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                    *sum += product(*a, *b);
+                }
+            }
+            let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| product(*a, *b)).sum();
+            (sums.iter().sum::<f64>() + rest) / count
+        };
+        (Vector3::from(mean), Matrix3::from_fn(|i, k| square(i.min(k), i.max(k))))
+    }
+}
+
 impl Default for PointCloud {
     fn default() -> Self {
         Self {
@@ -232,6 +271,7 @@ impl PointCloud {
     }
 
     /// One point.
+    #[inline]
     #[must_use]
     pub fn point(&self, index: usize) -> Vector3<f64> {
         let offset = match &self.offsets {
@@ -250,6 +290,16 @@ impl PointCloud {
     /// All points.
     pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
         (0..self.len()).map(|index| self.point(index))
+    }
+
+    /// The mean of the points and their covariance about it; `None` for none.
+    #[must_use]
+    pub fn mean_and_covariance(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        let (mean, covariance) = match &self.offsets {
+            Offsets::F32(axes) => Arch::new().dispatch(Moments(axes)),
+            Offsets::F64(axes) => Arch::new().dispatch(Moments(axes)),
+        };
+        (!self.is_empty()).then(|| (self.origin + mean, covariance))
     }
 
     /// At most `count` points, evenly spread over the order in which they were pushed.

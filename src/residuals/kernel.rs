@@ -16,8 +16,8 @@ const LANES: usize = 8;
 /// Groups of points that are converted to f64 in one go.
 const GROUPS: usize = 16;
 
-/// Distinct sums: loss, weights, residual times Jacobian, Jacobian times Jacobian.
-pub(super) const SUMS: usize = 20;
+/// Distinct sums: loss, slopes of the influence, weights, residual times Jacobian, Jacobian times Jacobian.
+pub(super) const SUMS: usize = 21;
 
 /// What is summed over the points.
 pub(super) trait Terms<const N: usize>: Copy + Sync {
@@ -52,6 +52,7 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
     ) {
         let Place { a, b, h, facing, .. } = *place;
         let (value, factor) = self.0.losses_and_weights(simd, e, facing);
+        let slope = self.0.influence_slopes(simd, e, facing);
         let w = simd.mul_f64s(weight, factor);
         let (wa, wb, we) = (simd.mul_f64s(w, a), simd.mul_f64s(w, b), simd.mul_f64s(w, e));
         let (ea, eb) = (simd.mul_f64s(we, a), simd.mul_f64s(we, b));
@@ -59,6 +60,7 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
         let (aah, abh, bbh) = (simd.mul_f64s(aa, h), simd.mul_f64s(ab, h), simd.mul_f64s(bb, h));
         let terms = [
             simd.mul_f64s(weight, value),
+            simd.mul_f64s(weight, slope),
             w,
             we,
             ea,

@@ -32,7 +32,7 @@ pub use points::PointTerm;
 pub use robust::{RobustScales, RobustView, robust_objective};
 pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
-pub use shared::SharedErrors;
+pub use shared::{Bend, SharedErrors};
 pub use terms::{Sum, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
@@ -59,20 +59,31 @@ pub struct NormalEquations {
     pub gradient: Tangent,
     /// JᵀΩJ.
     pub hessian: TangentMap,
+    /// Half the second derivative of the cost without the bend of the residuals: JᵀΩJ where residuals count by their
+    /// squares. Of points with another loss it is JᵀΩJ times the mean slope of their influence over their mean weight, which
+    /// is what a step to the minimum takes: with JᵀΩJ itself, too large, steps fall short of it.
+    pub curvature: TangentMap,
 }
 
 impl NormalEquations {
     /// No residuals.
     #[must_use]
     pub fn zero() -> Self {
-        Self { cost: 0.0, gradient: Tangent::zeros(), hessian: TangentMap::zeros() }
+        Self {
+            cost: 0.0,
+            gradient: Tangent::zeros(),
+            hessian: TangentMap::zeros(),
+            curvature: TangentMap::zeros(),
+        }
     }
 
     /// Adds one residual.
     pub fn add_residual(&mut self, weight: f64, residual: f64, jacobian: &Tangent) {
         self.cost += weight * residual * residual;
         self.gradient += jacobian * (weight * residual);
-        self.hessian += jacobian * jacobian.transpose() * weight;
+        let square = jacobian * jacobian.transpose() * weight;
+        self.hessian += square;
+        self.curvature += square;
     }
 
     /// Adds the sums of a term times a factor.
@@ -80,5 +91,6 @@ impl NormalEquations {
         self.cost += factor * other.cost;
         self.gradient += other.gradient * factor;
         self.hessian += other.hessian * factor;
+        self.curvature += other.curvature * factor;
     }
 }

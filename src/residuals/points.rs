@@ -23,6 +23,9 @@ pub struct PointTerm<'a> {
 /// of their noise.
 const LARGEST_LEVERAGE: f64 = 0.5;
 
+/// The part of JᵀΩJ that is left of the second derivative where many points are nearly out.
+const LEAST_RELIEF: f64 = 0.2;
+
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
@@ -175,7 +178,8 @@ impl<'a> PointTerm<'a> {
 
 /// The sums as normal equations of the Jacobian (−a, −b, −h a, −h b, −1).
 pub(super) fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
-    let [loss, w, e, ea, eb, eah, ebh, a, b, ah, bh, aa, ab, bb, aah, abh, bbh, aahh, abhh, bbhh] = *sums;
+    let [loss, slopes, w, e, ea, eb, eah, ebh, a, b, ah, bh, aa, ab, bb, aah, abh, bbh, aahh, abhh, bbhh] =
+        *sums;
     let hessian = TangentMap::new(
         aa, ab, aah, abh, a, //
         ab, bb, abh, bbh, b, //
@@ -183,7 +187,9 @@ pub(super) fn unpack(sums: &[f64; SUMS]) -> NormalEquations {
         abh, bbh, abhh, bbhh, bh, //
         a, b, ah, bh, w,
     );
-    NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian }
+    let relief = slopes / w;
+    let curvature = if relief <= 1.0 { hessian * relief.max(LEAST_RELIEF) } else { hessian };
+    NormalEquations { cost: loss, gradient: -Tangent::new(ea, eb, eah, ebh, e), hessian, curvature }
 }
 
 /// Residuals and their Jacobians one by one, without the sums: for the covariance, the stacked system, and points that

@@ -14,6 +14,7 @@ use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use nalgebra::Vector3;
+use std::cell::Cell;
 
 /// Standard deviations of the errors that all points of a view share, in the caller's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +28,7 @@ pub struct SharedErrors {
 }
 
 /// Points with errors that they share, seen from the origin.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct SharingPoints<'a, L> {
     /// The points with their own errors.
     pub points: Points<'a, L>,
@@ -39,17 +40,21 @@ pub struct SharingPoints<'a, L> {
     pub contested: bool,
     /// s, in the coordinates of the view: how the axis moves with the radius of the cylinder that the points lie on.
     axis_shift: Vector3<f64>,
-    expected: Expected,
+    /// Where an iteration asked last.
+    last: Cell<Bend>,
+    /// The same across the terms of an iteration, which comes nearer with every step. Its cost is that at the b that is
+    /// expected.
+    memory: Option<&'a Cell<Option<Bend>>>,
 }
 
 /// The best b to first order about a cylinder, so that one pass over the points is enough near it.
 #[derive(Debug, Clone, Copy)]
-struct Expected {
+pub struct Bend {
     frame: LocalFrame,
     b: f64,
     slope: Tangent,
-    /// What points far off leave of the curvature of squares.
-    curvature: f64,
+    /// s, of the first cylinder that was asked for.
+    axis_shift: Vector3<f64>,
 }
 
 /// Most steps to the best b: none or one is usual where it is expected.
@@ -59,8 +64,12 @@ const STEPS: usize = 12;
 /// is left is far less.
 const SETTLED: f64 = 1e-9;
 
-/// The part of the curvature of squares that is left where many points are nearly out.
-const LEAST_CURVATURE: f64 = 0.2;
+/// The same for an iteration, which takes a step of b with every step of the cylinder: only where b is far off another
+/// pass is worth it.
+const SETTLED_BY_ITERATION: f64 = 1e-2;
+
+/// Between these parts of the curvature that the mean slope of the influence tells is that which two slopes tell.
+const USUAL_CURVATURE: std::ops::RangeInclusive<f64> = 0.2..=2.0;
 
 /// Next to the best b at a cylinder.
 struct Bent {
@@ -70,47 +79,55 @@ struct Bent {
     /// The frame at the cylinder that the points lie on, and their normal equations there.
     frame: LocalFrame,
     equations: NormalEquations,
-    /// Half the first and the second derivative of the cost by b.
+    /// Half the first derivative of the cost by b,
     slope: f64,
+    /// half the second,
+    curvature: f64,
+    /// and what JᵀΩJ makes of that.
     square: f64,
 }
 
 impl Bent {
     /// The step to the best b.
     fn step(&self) -> f64 {
-        -self.slope / self.square
+        -self.slope / self.curvature
     }
 }
 
+/// The direction of b in the tangent.
+fn direction(frame: &LocalFrame, axis_shift: &Vector3<f64>) -> Tangent {
+    Tangent::new(axis_shift.dot(&frame.u), axis_shift.dot(&frame.v), 0.0, 0.0, 1.0)
+}
+
 impl<'a, L: LossInFrame> SharingPoints<'a, L> {
-    /// `near` is the frame of a cylinder near those at which the term is asked for; `None` where the points there do not
-    /// determine the axis.
+    /// `memory` is what the terms of an iteration before this one left. Without any, `near` is the frame of a cylinder near
+    /// those at which the term is asked for; `None` where the points there do not determine the axis.
     pub fn new(
         points: Points<'a, L>,
         shared: SharedErrors,
         variance: f64,
         contested: bool,
+        memory: Option<&'a Cell<Option<Bend>>>,
         near: &LocalFrame,
     ) -> Option<Self> {
-        let NormalEquations { gradient, hessian, .. } = points.points.linearise(near, points.loss.at(near));
-        let shift = -hessian.fixed_view::<2, 2>(0, 0).try_inverse()? * hessian.fixed_view::<2, 1>(0, 4);
-        let axis_shift = near.u * shift[0] + near.v * shift[1];
-        let expected = Expected { frame: *near, b: 0.0, slope: Tangent::zeros(), curvature: 1.0 };
-        let mut term = Self { points, shared, variance, contested, axis_shift, expected };
-        if contested {
-            let direction = term.direction(near);
-            let square = direction.dot(&(hessian * direction)) + term.stiffness();
-            let slope = gradient.dot(&direction);
-            let first = term.at(near, -slope / square);
-            let curvature = (first.slope - slope) / (first.b * first.square);
-            if (LEAST_CURVATURE..=1.0).contains(&curvature) {
-                term.expected.curvature = curvature;
+        let last = match memory.and_then(Cell::get) {
+            Some(last) => last,
+            None => {
+                let equations = points.points.linearise(near, points.loss.at(near));
+                let hessian = &equations.hessian;
+                let shift =
+                    -hessian.fixed_view::<2, 2>(0, 0).try_inverse()? * hessian.fixed_view::<2, 1>(0, 4);
+                let axis_shift = near.u * shift[0] + near.v * shift[1];
+                let direction = direction(near, &axis_shift);
+                let column = equations.curvature * direction;
+                let square = direction.dot(&column) + variance / (shared.bend * shared.bend);
+                let b = -equations.gradient.dot(&direction) / square;
+                Bend { frame: *near, b, slope: -column / square, axis_shift }
             }
-            let bent = term.settled(near, first);
-            term.expected.slope = -(bent.equations.hessian * direction) / bent.square;
-            term.expected.b = bent.b + bent.step();
-        }
-        Some(term)
+        };
+        let axis_shift = last.axis_shift;
+        let last = Cell::new(last);
+        Some(Self { points, shared, variance, contested, axis_shift, last, memory })
     }
 
     /// κ: a number, as b and residuals are in the same unit.
@@ -118,28 +135,33 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         self.variance / (self.shared.bend * self.shared.bend)
     }
 
-    fn direction(&self, frame: &LocalFrame) -> Tangent {
-        Tangent::new(self.axis_shift.dot(&frame.u), self.axis_shift.dot(&frame.v), 0.0, 0.0, 1.0)
-    }
-
     fn at(&self, frame: &LocalFrame, b: f64) -> Bent {
-        let direction = self.direction(frame);
+        let direction = direction(frame, &self.axis_shift);
         let mut bent = *frame;
         bent.cylinder.axis.point += self.axis_shift * (b * frame.unit);
         bent.cylinder.radius += b * frame.unit;
         let equations = self.points.points.linearise(&bent, self.points.loss.at(&bent));
         let square = direction.dot(&(equations.hessian * direction)) + self.stiffness();
+        let curvature = direction.dot(&(equations.curvature * direction)) + self.stiffness();
         let slope = equations.gradient.dot(&direction) + self.stiffness() * b;
-        Bent { b, direction, frame: bent, equations, slope, square }
+        Bent { b, direction, frame: bent, equations, slope, curvature, square }
     }
 
     fn bent(&self, frame: &LocalFrame) -> Bent {
         if !self.contested {
             return self.at(frame, 0.0);
         }
-        let Expected { frame: near, b, slope, .. } = &self.expected;
+        let Bend { frame: near, b, slope, .. } = self.last.get();
         let expected = b + slope.dot(&near.difference(&frame.cylinder));
-        self.settled(frame, self.at(frame, expected))
+        let bent = self.settled(frame, self.at(frame, expected));
+        if let Some(memory) = self.memory {
+            let slope = -(bent.equations.curvature * bent.direction) / bent.curvature;
+            let b = bent.b + bent.step();
+            let last = Bend { frame: *frame, b, slope, axis_shift: self.axis_shift };
+            self.last.set(last);
+            memory.set(Some(last));
+        }
+        bent
     }
 
     /// From some b to next to the best one.
@@ -148,11 +170,11 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         for _ in 0..STEPS {
             // The last two slopes tell the curvature.
             let secant = before.map(|(b, slope)| (bent.slope - slope) / (bent.b - b));
-            let usual = LEAST_CURVATURE * bent.square..=bent.square;
-            let curvature = secant.filter(|curvature| usual.contains(curvature));
-            let curvature = curvature.unwrap_or(self.expected.curvature * bent.square);
+            let secant = secant.filter(|secant| USUAL_CURVATURE.contains(&(secant / bent.curvature)));
+            let curvature = secant.unwrap_or(bent.curvature);
             let step = -bent.slope / curvature;
-            if !(step * step * curvature > SETTLED * bent.equations.cost) {
+            let settled = if self.memory.is_some() { SETTLED_BY_ITERATION } else { SETTLED };
+            if !(step * step * curvature > settled * bent.equations.cost) {
                 break;
             }
             before = Some((bent.b, bent.slope));
@@ -163,7 +185,9 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
 
     /// The cost of a cylinder, with the step to the best b.
     fn least(&self, bent: &Bent) -> f64 {
-        bent.equations.cost + self.stiffness() * bent.b * bent.b + bent.slope * bent.step()
+        // An iteration compares its costs: they are all those of some b.
+        let step = if self.memory.is_some() { 0.0 } else { bent.slope * bent.step() };
+        bent.equations.cost + self.stiffness() * bent.b * bent.b + step
     }
 }
 
@@ -186,12 +210,13 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
             return self.points.linearise(frame);
         }
         let bent = self.bent(frame);
-        let NormalEquations { gradient, hessian, .. } = bent.equations;
-        let column = hessian * bent.direction;
+        let NormalEquations { gradient, hessian, curvature, .. } = bent.equations;
+        let (of_squares, column) = (hessian * bent.direction, curvature * bent.direction);
         Some(NormalEquations {
             cost: self.least(&bent),
-            gradient: gradient + column * bent.step(),
-            hessian: hessian - column * column.transpose() / bent.square,
+            gradient: gradient - of_squares * (bent.slope / bent.square),
+            hessian: hessian - of_squares * of_squares.transpose() / bent.square,
+            curvature: curvature - column * column.transpose() / bent.curvature,
         })
     }
 

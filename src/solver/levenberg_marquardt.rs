@@ -203,7 +203,7 @@ pub fn minimise(
         if creeping && second_derivative.is_none() {
             second_derivative = differentiate_gradient(&frame, &equations.gradient, linearise);
         }
-        let hessian = second_derivative.unwrap_or(equations.hessian);
+        let hessian = second_derivative.unwrap_or(equations.curvature);
         let step = match chart {
             Chart::Local => cylinder_limits
                 .step(&frame, &damped(&hessian, lambda), &equations.gradient)

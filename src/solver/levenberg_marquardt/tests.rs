@@ -38,6 +38,7 @@ impl<const N: usize, F: Fn(&Tangent) -> (SMatrix<f64, N, 1>, SMatrix<f64, N, 5>)
             cost: e.norm_squared(),
             gradient: jacobian.transpose() * e,
             hessian: jacobian.transpose() * jacobian,
+            curvature: jacobian.transpose() * jacobian,
         })
     }
 
