@@ -35,7 +35,7 @@ const SCALE_ROUNDS: usize = 20;
 /// flat, take two thirds as many; without the limit a hundred guides that contradict the points would each be followed to
 /// the end.
 const MANY_SOLVES: usize = 1500;
-const ORDINARY_SOLVES: usize = 40;
+const ORDINARY_SOLVES: usize = 30;
 
 /// Most of what points share, in units of their noise: exact data share nothing, and depth that a filter has smoothed
 /// three times its noise.
