@@ -37,10 +37,8 @@ fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
 pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
     const SIGN: u64 = 1 << 63;
     // Bits in the order of the numbers: those of negative ones are turned round.
-    let mut ordered: Vec<u64> = numbers
-        .map(|number| number.to_bits())
-        .map(|bits| if bits & SIGN == 0 { bits | SIGN } else { !bits })
-        .collect();
+    let mut ordered: Vec<u64> =
+        numbers.map(f64::to_bits).map(|bits| if bits & SIGN == 0 { bits | SIGN } else { !bits }).collect();
     places.map(|place| {
         let bits = nth(&mut ordered, place);
         f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
