@@ -227,3 +227,25 @@ impl Sides {
         Guides { given, sides: self.segments().collect() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::NoiseModel;
+
+    #[test]
+    fn lines_far_from_their_sides_are_others_unless_the_mask_is_too_large_all_round() {
+        let noise = NoiseModel::default().in_image((640, 480));
+        let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
+        let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
+        let guides = Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)] };
+        let beside =
+            |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
+        assert_eq!(beside(301.0, 338.0), [false, false]);
+        assert_eq!(beside(300.0, 345.0), [false, true]);
+        assert_eq!(beside(296.0, 340.0), [true, false]);
+        assert_eq!(beside(295.0, 345.5), [false, false], "a mask that is five pixels too small all round");
+        assert_eq!(guides.beside([None, Some(&line(345.0))], &noise), [false, true]);
+        assert_eq!(Guides::default().beside([Some(&line(1.0)), None], &noise), [false, false]);
+    }
+}
