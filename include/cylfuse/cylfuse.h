@@ -479,7 +479,7 @@ typedef struct cylfuse_options {
     double ransac_threshold;
     /**
      * How many points with independent noise the points of one view are worth, by which points and limbs are weighed
-     * against each other; 0 to 1e15. Default 0 = from the data.
+     * against each other; 0 or greater. Default 0 = from the data.
      */
     double independent_points;
     /**
@@ -1435,7 +1435,8 @@ typedef struct cylfuse_completion {
      */
     uint64_t outside_camera;
     /**
-     * Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
+     * Hits whose depth does not fit the pixel format: written as 0 and not in `count`. Hits whose point does not fit the
+     * scalar: as if there were none.
      */
     uint64_t out_of_range;
 } cylfuse_completion;

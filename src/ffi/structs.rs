@@ -269,7 +269,7 @@ pub struct cylfuse_options {
     /// = from the data.
     pub ransac_threshold: f64,
     /// How many points with independent noise the points of one view are worth, by which points and limbs are weighed
-    /// against each other; 0 to 1e15. Default 0 = from the data.
+    /// against each other; 0 or greater. Default 0 = from the data.
     pub independent_points: f64,
     /// Standard deviation of a point across the surface, in the unit of length, 0 or greater. Default 0 = from the data.
     pub depth_noise: f64,

@@ -11,7 +11,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::ptr::null_mut;
 
 /// Calls by default.
-const CALLS: u64 = 110_000;
+const CALLS: u64 = 101_000;
 
 /// A test ends after so many cases that failed.
 const MOST_FAILURES: u64 = 20;

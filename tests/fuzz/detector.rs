@@ -8,7 +8,7 @@ use std::ffi::c_void;
 use std::ptr::null_mut;
 
 /// Calls by default.
-const CALLS: u64 = 12_000;
+const CALLS: u64 = 6_000;
 
 impl Case<'_> {
     fn detector_options(&mut self) -> cylfuse_detector_options {

@@ -8,7 +8,7 @@ use crate::{setting, watch};
 use std::path::{Path, PathBuf};
 
 /// Files by default.
-const FILES: u64 = 102_000;
+const FILES: u64 = 101_000;
 
 /// The most memory that reading one of these files may take: they have less than 2 kilobytes, and so may images claim no more
 /// than the camera of the frame file, which may be damaged itself.

@@ -58,16 +58,22 @@ fn differences_that_no_number_holds_are_an_error() {
 }
 
 #[test]
-fn more_independent_points_than_there_can_be_are_refused() {
-    let mut options = std::mem::MaybeUninit::<cylfuse_options>::zeroed();
+fn models_whose_gradient_no_number_holds_are_an_error() {
+    let (mut dice, hostile) = (crate::random_views::Dice::new(3), [1e120, 1e150, 1e153, 1e154]);
+    let pushed: Vec<[f64; 3]> = (0..50).map(|_| [dice.unit(), dice.unit(), 1.0 + dice.unit()]).collect();
+    let view = points(&pushed);
     let mut fitter = null_mut();
     unsafe {
-        cylfuse_options_init(options.as_mut_ptr(), size_of::<cylfuse_options>());
-        let mut options = options.assume_init();
         cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &raw mut fitter);
-        for (count, status) in [(1e15, 0), (1e16, -1), (f64::MAX, -1)] {
-            options.independent_points = count;
-            assert_eq!(cylfuse_fitter_set_options(fitter, &raw const options).0, status, "{count:e}");
+        cylfuse_fitter_push_points(fitter, &raw const view, null());
+        for far in hostile {
+            let mut result = std::mem::MaybeUninit::<cylfuse_result>::zeroed();
+            cylfuse_result_init(result.as_mut_ptr(), size_of::<cylfuse_result>());
+            let model = cylinder(far, 0.1);
+            let status = cylfuse_fitter_evaluate(fitter, &raw const model, result.as_mut_ptr(), null_mut());
+            if status == cylfuse_status::OK {
+                crate::checks::result(&result.assume_init());
+            }
         }
         cylfuse_fitter_destroy(fitter);
     }
