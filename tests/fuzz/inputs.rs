@@ -18,7 +18,7 @@ pub struct Source<'a> {
 
 /// Whether a case sets options with more than one thread.
 pub fn may_use_threads(case: u64) -> bool {
-    case % 4 == 0
+    case.is_multiple_of(4)
 }
 
 /// A grid of elements in memory.

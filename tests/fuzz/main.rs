@@ -14,6 +14,7 @@
 #![allow(clippy::unwrap_used, reason = "a test program")]
 #![allow(
     clippy::undocumented_unsafe_blocks,
+    clippy::macro_metavars_in_unsafe,
     reason = "all are calls of the interface with memory that `memory` laid out"
 )]
 
