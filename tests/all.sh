@@ -20,7 +20,10 @@ cargo clippy --locked --release --all-targets --all-features -- -D warnings
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
 
-step "tests: Rust, header, ABI, C with sanitizers and valgrind, command line"
+step "dependencies: licences, sources, known vulnerabilities"
+tests/deny.sh
+
+step "tests: Rust, header, ABI, hostile calls and damaged files, C with sanitizers and valgrind, command line"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 cargo test --locked --release --features bench --no-fail-fast 2>&1 | tee "$log"

@@ -50,7 +50,7 @@
  * writes no output, unless its text says so, and cylfuse_fitter_last_error() names the value, the limit and the
  * remedy. After a call that succeeded that text is empty. A result that did not converge, or that needs care for
  * another reason, is not an error: the flags of the result are its warnings. The statuses after @return are those that
- * a call adds to NULL_POINTER, STRUCT_SIZE, BUSY and PANIC, which any call may return.
+ * a call adds to NULL_POINTER, STRUCT_SIZE, INVALID_ARGUMENT, BUSY and PANIC, which any call may return.
  *
  * Memory. The library copies what it is given during the call and keeps no pointer but the callbacks and their
  * user_data. All outputs go to memory of the caller: nothing needs to be freed but fitters, frames and detectors, each by
@@ -1435,7 +1435,8 @@ typedef struct cylfuse_completion {
      */
     uint64_t outside_camera;
     /**
-     * Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
+     * Hits whose depth does not fit the pixel format: written as 0 and not in `count`. Hits whose point does not fit the
+     * scalar: as if there were none.
      */
     uint64_t out_of_range;
 } cylfuse_completion;
@@ -2864,8 +2865,8 @@ CYLFUSE_NOEXCEPT;
  * @param fitter the fitter
  * @param model the model; NULL = that of the last fit
  * @param out_diagnosis where the diagnosis goes; `cylfuse_cylinder_diagnosis_init` comes before
- * @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite, TOO_FEW_POINTS,
- *   NUMERICAL
+ * @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite; else as
+ *   `cylfuse_fitter_fit`
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_diagnose(const struct cylfuse_fitter *fitter,
@@ -2883,7 +2884,7 @@ CYLFUSE_NOEXCEPT;
  * @param capacity `points_used` of `cylfuse_fitter_counts` is enough for POINTS, 2 a segment for EDGES
  * @param out_count how many there are; set after BUFFER_TOO_SMALL too
  * @return BAD_STATE without a model and a result, EDGE_GEOMETRY for EDGES when the camera is inside the
- *   cylinder, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+ *   cylinder, NUMERICAL where no number holds a residual, BUFFER_TOO_SMALL, OUT_OF_MEMORY
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_residuals(const struct cylfuse_fitter *fitter,
@@ -2904,7 +2905,7 @@ CYLFUSE_NOEXCEPT;
  * @param out_inliers room for `capacity` bytes: 1 for a point whose weight is above 0, else 0. NULL = not wanted.
  * @param capacity `points_used` of `cylfuse_fitter_counts` is enough
  * @param out_count how many there are; set after BUFFER_TOO_SMALL too
- * @return BAD_STATE without a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+ * @return BAD_STATE without a result, BUFFER_TOO_SMALL; else as `cylfuse_fitter_fit`, when data were cleared since
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_point_weights(const struct cylfuse_fitter *fitter,
@@ -3093,7 +3094,8 @@ CYLFUSE_NOEXCEPT;
  * @param model the cylinder
  * @param points the points; weights are ignored
  * @param out room for `capacity` doubles, row by row of the points; NaN for a point with a coordinate that is not
- *   finite. Of any alignment; must not overlap with the points. May be NULL when `capacity` is 0.
+ *   finite, or so far away that no number holds its distance. Of any alignment; must not overlap with the points. May be
+ *   NULL when `capacity` is 0.
  * @param capacity at least width * height of the points
  * @return INVALID_ARGUMENT, STRUCT_SIZE, BUFFER_TOO_SMALL; nothing is written then
  */
@@ -3128,7 +3130,7 @@ CYLFUSE_NOEXCEPT;
  * @param out_angle angle between the axes in radians, in [0, pi / 2], whatever the signs of the directions
  * @param out_axis_distance shortest distance between the two axes, in the unit of length
  * @param out_radius_relative (radius of b - radius of a) / radius of a
- * @return INVALID_ARGUMENT for a bad cylinder; nothing is written then
+ * @return INVALID_ARGUMENT for a bad cylinder, NUMERICAL where no number holds a difference; nothing is written then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_cylinder_compare(const struct cylfuse_cylinder *a,

@@ -12,6 +12,7 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_mask_view};
 use super::views::{Slot, optional_cylinder};
 use crate::camera::Camera;
+use crate::error::Error;
 use crate::extent::ArcSample;
 use crate::fitter::ResidualKind;
 use crate::limb_location::{LimbObservation, LimbSample};
@@ -25,7 +26,7 @@ use crate::limb_location::{LimbObservation, LimbSample};
 /// @param capacity `points_used` of `cylfuse_fitter_counts` is enough for POINTS, 2 a segment for EDGES
 /// @param out_count how many there are; set after BUFFER_TOO_SMALL too
 /// @return BAD_STATE without a model and a result, EDGE_GEOMETRY for EDGES when the camera is inside the
-///   cylinder, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+///   cylinder, NUMERICAL where no number holds a residual, BUFFER_TOO_SMALL, OUT_OF_MEMORY
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_residuals(
     fitter: *const cylfuse_fitter,
@@ -49,6 +50,9 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
             let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
             let seen = content.fitter.pose().inverse().cylinder(&cylinder);
             let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
+            if distances.clone().any(|distance| !distance.is_finite()) {
+                return Err(Error::Numerical { what: "the residuals" }.into());
+            }
             write_numbers(distances, out, capacity, &count)
         })
     }
@@ -88,7 +92,7 @@ pub(super) unsafe fn write_numbers<T: Copy>(
 /// @param out_inliers room for `capacity` bytes: 1 for a point whose weight is above 0, else 0. NULL = not wanted.
 /// @param capacity `points_used` of `cylfuse_fitter_counts` is enough
 /// @param out_count how many there are; set after BUFFER_TOO_SMALL too
-/// @return BAD_STATE without a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+/// @return BAD_STATE without a result, BUFFER_TOO_SMALL; else as `cylfuse_fitter_fit`, when data were cleared since
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     fitter: *const cylfuse_fitter,

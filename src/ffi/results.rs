@@ -185,7 +185,8 @@ pub struct cylfuse_completion {
     pub misses: u64,
     /// Pixels of the mask for which the camera model has no ray.
     pub outside_camera: u64,
-    /// Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
+    /// Hits whose depth does not fit the pixel format: written as 0 and not in `count`. Hits whose point does not fit the
+    /// scalar: as if there were none.
     pub out_of_range: u64,
 }
 

@@ -220,12 +220,13 @@ impl Fitter {
     /// Residuals of a model, or of the last fit, in the selected view.
     ///
     /// # Errors
-    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs.
+    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs; `Numerical` where no number
+    /// holds a residual.
     pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
         let view = self.view();
         let seen = view.pose().inverse().cylinder(&self.model_or_result("listing residuals", cylinder)?);
-        match kind {
-            ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p))),
+        let residuals = match kind {
+            ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p)))?,
             ResidualKind::Edges => {
                 let Some(camera) = view.camera() else { return Ok(Vec::new()) };
                 let noise = self.options.noise.in_image(camera.size());
@@ -233,9 +234,13 @@ impl Fitter {
                 edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
-                })
+                })?
             }
+        };
+        if residuals.iter().any(|residual| !residual.is_finite()) {
+            return Err(Error::Numerical { what: "the residuals" });
         }
+        Ok(residuals)
     }
 
     /// How much each used point of the selected view counts at a model, or at the last fit: from 1 on the surface down to
