@@ -1762,6 +1762,31 @@ typedef int32_t cylfuse_residual_kind;
 #define CYLFUSE_RESIDUAL_KIND_EDGES 2
 
 /**
+ * What a point in the mask belongs to.
+ */
+typedef uint8_t cylfuse_part;
+/**
+ * The lateral surface.
+ */
+#define CYLFUSE_PART_BODY 1
+/**
+ * A cap: it lies in the plane across the axis at an end.
+ */
+#define CYLFUSE_PART_CAP 2
+/**
+ * The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+ */
+#define CYLFUSE_PART_INNER_WALL 3
+/**
+ * Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+ */
+#define CYLFUSE_PART_OTHER 4
+/**
+ * Something farther away than the cylinder: the background.
+ */
+#define CYLFUSE_PART_BEHIND 5
+
+/**
  * Whether a limb was located in the image, or why not.
  */
 typedef int32_t cylfuse_limb_status;
@@ -2912,6 +2937,26 @@ cylfuse_status cylfuse_fitter_point_weights(const struct cylfuse_fitter *fitter,
                                             uint8_t *out_inliers,
                                             size_t capacity,
                                             size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
+ * cylinder, or what else a mask of a whole object holds. A depth image tells where within the mask the lateral surface
+ * ends; without one it goes on, and no point is of a cap.
+ *
+ * @param fitter the fitter
+ * @param model the model, in the reference frame; NULL = that of the last fit
+ * @param out room for `capacity` parts, of one byte each; may be NULL when `capacity` is 0
+ * @param capacity `points_used` of `cylfuse_fitter_counts` is enough
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a model and a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_point_parts(const struct cylfuse_fitter *fitter,
+                                          const struct cylfuse_cylinder *model,
+                                          cylfuse_part *out,
+                                          size_t capacity,
+                                          size_t *out_count)
 CYLFUSE_NOEXCEPT;
 
 /**

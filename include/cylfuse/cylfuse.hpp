@@ -290,6 +290,14 @@ public:
         }
         return finish(status, std::move(all));
     }
+    /** What each point of the selected view belongs to, in the order of residuals(). */
+    Returned<std::vector<Part>> point_parts(Optional<Cylinder> model = {}) const
+    {
+        return list<Part>([&](Part *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_point_parts(handle(), model.get(), reinterpret_cast<cylfuse_part *>(out), capacity,
+                                              count);
+        });
+    }
     /** The two limbs of the last fit in each view: where they were located in the image, or why they were not. */
     Returned<std::vector<Limb>> limbs() const
     {

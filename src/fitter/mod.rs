@@ -264,8 +264,8 @@ impl Fitter {
     }
 
     /// What each used point of the selected view belongs to, at a model or at the last fit: the lateral surface, a cap,
-    /// something in front, something behind. The depth image tells where within the mask the lateral surface ends;
-    /// without one it goes on.
+    /// the inner wall, something in front, something behind. The depth image tells where within the mask the lateral
+    /// surface ends; without one it goes on.
     ///
     /// # Errors
     /// `BadState` without a model and a result, `OutOfMemory`.

@@ -125,6 +125,9 @@ static void lists_come_whole()
     const cylfuse::PointWeights weights = fitter.point_weights();
     CHECK(weights.weights.size() == used && weights.inliers.size() == used);
     CHECK(weights.inliers[used / 2] == 1 && weights.weights[used / 2] > 0.0);
+    const std::vector<cylfuse::Part> parts = fitter.point_parts();
+    CHECK(parts.size() == used && parts[used / 2] == cylfuse::Part::Body);
+    CHECK(fitter.point_parts(PIPE).size() == used);
     const std::vector<cylfuse::Limb> limbs = fitter.limbs();
     CHECK(limbs.size() == 2 && limbs[1].limb == 1 && limbs[1].status() == cylfuse::LimbStatus::Located);
     const std::vector<cylfuse::LimbSample> samples = fitter.limb_samples();
@@ -220,6 +223,7 @@ static void images_of_each_type_pass()
     }
     CHECK_ERROR(fitter.limb_samples(), BAD_STATE, "fit first");
     CHECK_ERROR(fitter.point_weights(), BAD_STATE, "fit");
+    CHECK_ERROR(fitter.point_parts(), BAD_STATE, "fit");
 }
 
 static void keeps_its_settings_and_moves()

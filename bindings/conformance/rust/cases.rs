@@ -141,6 +141,16 @@ fn frames() -> Vec<Value> {
             ],
         ),
         case(
+            "point_parts",
+            "what the points of a scene without a mask belong to",
+            vec![
+                camera("pinhole"),
+                json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4}),
+                call("point_parts"),
+                json!({"call": "point_parts", "model": truth()}),
+            ],
+        ),
+        case(
             "depth_without_mask",
             "every measured pixel in range counts",
             vec![

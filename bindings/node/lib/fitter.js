@@ -2,7 +2,7 @@
 
 const { functions, initialised } = require('./native.js');
 const convert = require('./convert.js');
-const { numberOf } = require('./names.js');
+const { nameOf, numberOf } = require('./names.js');
 const { progressCallback, logCallback } = require('./callbacks.js');
 const { Calls, checkCallback } = require('./calls.js');
 const { inside } = require('./frame.js');
@@ -178,6 +178,13 @@ class Fitter {
       functions.cylfuse_fitter_point_weights(handle, weights, inliers, length, count);
     const { items: { weights, inliers }, count } = this.#calls.list(this.counts().pointsUsed, make, list);
     return { weights: weights.subarray(0, count), inliers: inliers.subarray(0, count) };
+  }
+
+  pointParts(model = null) {
+    const c = convert.optionalCylinder(model);
+    const list = (handle, out, length, count) => functions.cylfuse_fitter_point_parts(handle, c, out, length, count);
+    const { items, count } = this.#calls.list(this.counts().pointsUsed, (length) => new Uint8Array(length), list);
+    return Array.from(items.subarray(0, count), (part) => nameOf('part', part));
   }
 
   limbs() {

@@ -15,7 +15,7 @@ import type {
   Vector,
 } from './data.js';
 import type {
-  Completion, Counts, Diagnosis, EndSample, Extent, Limb, LimbSample, LogLevel, Progress, Result,
+  Completion, Counts, Diagnosis, EndSample, Extent, Limb, LimbSample, LogLevel, Part, Progress, Result,
 } from './results.js';
 
 export * from './data.js';
@@ -155,6 +155,11 @@ export class Fitter {
    * in the order of the residuals; an inlier (1, else 0) is a point whose weight is above 0.
    */
   pointWeights(): { weights: Float64Array; inliers: Uint8Array };
+  /**
+   * What each point of the selected view belongs to, in the order of the residuals; without a model at the cylinder of the
+   * last fit.
+   */
+  pointParts(model?: Cylinder | null): Part[];
   /** The two limbs of the last fit in each view, view after view; not searched once data or options have changed. */
   limbs(): Limb[];
   /** What the last fit saw of the limbs in the image of the selected view, used and refused. */

@@ -216,6 +216,7 @@ const signatures = {
   cylfuse_fitter_diagnose: ['int32_t', [Handle, input(Cylinder), filled(CylinderDiagnosis)]],
   cylfuse_fitter_residuals: ['int32_t', [Handle, input(Cylinder), 'int32_t', 'void *', 'size_t', output('size_t')]],
   cylfuse_fitter_point_weights: ['int32_t', [Handle, 'void *', 'void *', 'size_t', output('size_t')]],
+  cylfuse_fitter_point_parts: ['int32_t', [Handle, input(Cylinder), 'void *', 'size_t', output('size_t')]],
   cylfuse_fitter_limbs: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
   cylfuse_fitter_limb_samples: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
   cylfuse_fitter_end_samples: [

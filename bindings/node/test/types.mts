@@ -23,6 +23,7 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   fitter.useFrame(frame, { data: mask, width: 4, height: 2, label: 3 });
   fitter.clearInput('points', 'image');
   const located: boolean = fitter.limbs().every(({ status }) => status === 'located');
+  const body: boolean = fitter.pointParts(result.cylinder).every((part) => part === 'body');
   const inliers: Uint8Array = fitter.pointWeights().inliers;
   const pixels: Float64Array = projectPoints(intrinsics, unprojectPixels(intrinsics, new Float64Array(inliers.length)));
   const radius: number | undefined = located ? pixels[0] : fitter.endSamples()[0]?.deviation;

@@ -124,6 +124,7 @@ def _load() -> Any:
         "cylfuse_fitter_diagnose": (status, [fitter, cylinder, POINTER(structs.CylinderDiagnosis)]),
         "cylfuse_fitter_residuals": (status, [fitter, cylinder, c_int32, c_void_p, size, count]),
         "cylfuse_fitter_point_weights": (status, [fitter, c_void_p, c_void_p, size, count]),
+        "cylfuse_fitter_point_parts": (status, [fitter, cylinder, c_void_p, size, count]),
         "cylfuse_fitter_limbs": (status, [fitter, *array]),
         "cylfuse_fitter_limb_samples": (status, [fitter, *array]),
         "cylfuse_fitter_end_samples": (status, [fitter, cylinder, mask, *array]),

@@ -191,6 +191,9 @@ final class NativeFunctions {
     static native int cylfuse_fitter_point_weights(
             Pointer fitter, double[] weights, byte[] inliers, long capacity, LongByReference count);
 
+    static native int cylfuse_fitter_point_parts(
+            Pointer fitter, NativeStructs.Cylinder model, byte[] parts, long capacity, LongByReference count);
+
     static native int cylfuse_fitter_limbs(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
 
     static native int cylfuse_fitter_limb_samples(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
