@@ -530,6 +530,13 @@ typedef struct cylfuse_options {
      * that is known. Default 0; must be 0 without `axis`.
      */
     double axis_max_angle;
+    /**
+     * Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
+     * them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
+     * windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+     * none.
+     */
+    double depth_shared;
 } cylfuse_options;
 
 /**

@@ -65,7 +65,7 @@ const Options = koffi.struct({
   lambda_factor: 'double', max_lambda: 'double', edge_weight: 'double', seed: 'uint64_t',
   ransac_max_iterations: 'uint64_t', ransac_threshold: 'double', independent_points: 'double', depth_noise: 'double',
   image_noise: 'double', edge_noise: 'double', mask_noise: 'double', image_blur: 'double', drawn_pixel: 'double',
-  radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double',
+  radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double', depth_shared: 'double',
 });
 
 const DetectorOptions = koffi.struct({

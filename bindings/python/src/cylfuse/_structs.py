@@ -63,6 +63,7 @@ class Options(Structure):
         ("radius_max", c_double),
         ("axis", c_double * 3),
         ("axis_max_angle", c_double),
+        ("depth_shared", c_double),
     ]
 
 
