@@ -1755,6 +1755,19 @@ typedef struct cylfuse_detection {
 } cylfuse_detection;
 
 /**
+ * Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+ *
+ * It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
+ * `cylfuse_fitter_get_result` on this one; the others may be BUSY.
+ *
+ * @param index the place of the fitter
+ * @param status what `cylfuse_fitter_fit` would have returned for it
+ * @param user_data what was given with the callback
+ * @return 0 to go on; anything else stops the fits that run, and no other begins
+ */
+typedef int32_t (*cylfuse_fit_all_fn)(size_t index, cylfuse_status status, void *user_data);
+
+/**
  * Which residuals to list.
  */
 typedef int32_t cylfuse_residual_kind;
@@ -2903,6 +2916,35 @@ CYLFUSE_API
 cylfuse_status cylfuse_fitter_diagnose(const struct cylfuse_fitter *fitter,
                                        const struct cylfuse_cylinder *model,
                                        struct cylfuse_cylinder_diagnosis *out_diagnosis)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
+ * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
+ * its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
+ * this again on the same fitters, which keep their memory.
+ *
+ * The callbacks of the fitters are not called.
+ *
+ * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
+ * @param count how many there are
+ * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
+ *   The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
+ *   the default, 1, is right here.
+ * @param callback hears of each fit that ended, and may stop the rest; NULL for none
+ * @param user_data handed to the callback; may be NULL
+ * @param out_statuses where the statuses of the `count` fits go, in the order of the fitters
+ * @return OK when all fits ended, whatever their statuses; CANCELLED when the callback stopped them, where those that had
+ *   not ended have the status CANCELLED, too; INVALID_ARGUMENT for a fitter that is there twice, OUT_OF_MEMORY, and then
+ *   nothing was done
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fit_all(struct cylfuse_fitter *const *fitters,
+                               size_t count,
+                               uint32_t threads,
+                               cylfuse_fit_all_fn callback,
+                               void *user_data,
+                               cylfuse_status *out_statuses)
 CYLFUSE_NOEXCEPT;
 
 /**

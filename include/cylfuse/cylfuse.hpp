@@ -4,8 +4,8 @@
  * @file cylfuse.hpp
  * The C interface in C++14: header only, nothing but cylfuse.h and the standard library.
  *
- * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector a detector. Their methods have the names of the C
- * functions and do what is said there; units, frames of coordinates, missing values, views and threads are as at the
+ * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector (detector.hpp) a detector;
+ * cylfuse::fit_all() (batch.hpp) fits many. Their methods have the names of the C functions and do what is said there; units, frames of coordinates, missing values, views and threads are as at the
  * top of cylfuse.h. What is filled by the caller or by the library derives from the C struct of that name and sets its
  * size and defaults: numbers are its fields, as in `options.edge_noise = 0.5`, and enumerations are read and set by
  * functions of the name of the field, as in `options.method(cylfuse::Method::Ransac)`.

@@ -4,6 +4,7 @@
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod batch;
 mod body;
 mod correlation;
 mod data;
@@ -27,6 +28,8 @@ mod view;
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
 pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
+pub(crate) use batch::each;
+pub use batch::fit_all;
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};

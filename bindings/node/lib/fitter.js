@@ -2,11 +2,12 @@
 
 const { functions, initialised } = require('./native.js');
 const convert = require('./convert.js');
-const { nameOf, numberOf } = require('./names.js');
+const { kindOf, nameOf, numberOf } = require('./names.js');
 const { progressCallback, logCallback } = require('./callbacks.js');
 const { Calls, checkCallback } = require('./calls.js');
 const { inside } = require('./frame.js');
-const { fitOnPool } = require('./pool.js');
+const { statusError } = require('./errors.js');
+const { fitOnPool, fitAllOnPool } = require('./pool.js');
 
 // What `made` hands to the constructor.
 let making = null;
@@ -16,6 +17,32 @@ class Fitter {
   // The sizes of the cameras of the views.
   #cameras = [making?.size ?? [0, 0]];
   #selected = 0;
+
+  /** Fits many fitters, several at once. */
+  static async fitAll(fitters, options = {}) {
+    convert.object('options', options, ['threads', 'progress']);
+    const { threads = 0, progress = null } = options;
+    convert.size('threads', threads);
+    checkCallback('progress', progress);
+    const every = Array.from(fitters);
+    for (const fitter of every) {
+      if (!(fitter instanceof Fitter)) throw new TypeError(`a fitter must be a Fitter, not ${kindOf(fitter)}`);
+    }
+    const all = every.map((fitter) => fitter.#calls);
+    let thrown = null;
+    const ended = progress && ((index) => {
+      try {
+        return progress(index) === false ? 1 : 0;
+      } catch (error) {
+        thrown = { error };
+        return 1;
+      }
+    });
+    const { status, statuses } = await Calls.onAll(all, (handles) => fitAllOnPool(handles, threads, ended));
+    if (thrown) throw thrown.error;
+    if (status !== 0) throw statusError(status);
+    return all.map((calls, index) => calls.failure(statuses[index]) ?? every[index].result());
+  }
 
   /** A fitter that is created by another function, with the size of its camera. */
   static made(create, size) {
@@ -280,8 +307,9 @@ function regionToC(options) {
 }
 
 // For this package only.
-const { made } = Fitter;
+const { made, fitAll } = Fitter;
 delete Fitter.made;
+delete Fitter.fitAll;
 
 // `using fitter = new Fitter()` where the language has it.
 if (Symbol.dispose) Fitter.prototype[Symbol.dispose] = Fitter.prototype.close;
@@ -292,4 +320,4 @@ function typeCode(what, type, types) {
   throw new TypeError(`${what} must be ${[...types.keys()].map((known) => known.name).join(' or ')}`);
 }
 
-module.exports = { Fitter, made };
+module.exports = { Fitter, made, fitAll };

@@ -190,6 +190,20 @@ export class Fitter {
   selectEdges(edges: Scalars | Segments, options?: { model?: Cylinder | null; reach?: number }): Uint8Array;
 }
 
+/**
+ * Fits many fitters, several at once and off the main thread, each as `fit` does, and gives their outcomes in order. Their
+ * callbacks are not called.
+ */
+export function fitAll(
+  fitters: Iterable<Fitter>,
+  options?: {
+    /** How many fits run at the same time. Default 0 = as many as the machine has processors. */
+    threads?: number;
+    /** Hears of each fit that ended, by the place of its fitter; false stops the rest, and then all fail as cancelled. */
+    progress?: ((index: number) => unknown) | null;
+  },
+): Promise<(Result | CylfuseError)[]>;
+
 /** Fits a cylinder to a cloud by the default options. For anything else there is {@link Fitter}. */
 export function fitPoints(points: Scalars | Points): Promise<Result>;
 

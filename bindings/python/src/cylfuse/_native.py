@@ -118,6 +118,7 @@ def _load() -> Any:
         "cylfuse_frame_set_image": (status, [frame, image]),
         "cylfuse_fitter_use_frame": (status, [fitter, frame, mask]),
         "cylfuse_fitter_fit": (status, [fitter, result, estimate]),
+        "cylfuse_fit_all": (status, [c_void_p, size, c_uint32, structs.FitEndedFunction, c_void_p, c_void_p]),
         "cylfuse_fitter_evaluate": (status, [fitter, cylinder, result, estimate]),
         "cylfuse_fitter_get_result": (status, [fitter, result]),
         "cylfuse_fitter_get_cylinder": (status, [fitter, estimate]),

@@ -365,4 +365,5 @@ class EndSample(Structure):
 
 ProgressFunction = CFUNCTYPE(c_int32, POINTER(Progress), c_void_p)
 DetectionProgressFunction = CFUNCTYPE(c_int32, POINTER(DetectionProgress), c_void_p)
+FitEndedFunction = CFUNCTYPE(c_int32, c_size_t, c_int32, c_void_p)
 LogFunction = CFUNCTYPE(None, c_int32, c_char_p, c_void_p)
