@@ -1,8 +1,6 @@
 // The wrapper with exceptions.
 #include "check.hpp"
 
-#include <cylfuse/batch.hpp>
-
 #include <future>
 #include <memory>
 #include <stdexcept>
