@@ -227,6 +227,22 @@ const (
 	ResidualEdges ResidualKind = C.CYLFUSE_RESIDUAL_KIND_EDGES
 )
 
+// Part is what a point in the mask belongs to.
+type Part uint8
+
+const (
+	// PartBody: the lateral surface.
+	PartBody Part = C.CYLFUSE_PART_BODY
+	// PartCap: a cap, which lies in the plane across the axis at an end.
+	PartCap Part = C.CYLFUSE_PART_CAP
+	// PartInnerWall: the inside of the cylinder, seen through an open end: its inner wall or its bottom.
+	PartInnerWall Part = C.CYLFUSE_PART_INNER_WALL
+	// PartOther: something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+	PartOther Part = C.CYLFUSE_PART_OTHER
+	// PartBehind: something farther away than the cylinder, the background.
+	PartBehind Part = C.CYLFUSE_PART_BEHIND
+)
+
 // LimbStatus says whether a limb was located in the image, or why not.
 type LimbStatus int32
 

@@ -530,6 +530,13 @@ typedef struct cylfuse_options {
      * that is known. Default 0; must be 0 without `axis`.
      */
     double axis_max_angle;
+    /**
+     * Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
+     * them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
+     * windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+     * none.
+     */
+    double depth_shared;
 } cylfuse_options;
 
 /**
@@ -1749,6 +1756,19 @@ typedef struct cylfuse_detection {
 } cylfuse_detection;
 
 /**
+ * Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+ *
+ * It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
+ * `cylfuse_fitter_get_result` on this one; the others may be BUSY.
+ *
+ * @param index the place of the fitter
+ * @param status what `cylfuse_fitter_fit` would have returned for it
+ * @param user_data what was given with the callback
+ * @return 0 to go on; anything else stops the fits that run, and no other begins
+ */
+typedef int32_t (*cylfuse_fit_all_fn)(size_t index, cylfuse_status status, void *user_data);
+
+/**
  * Which residuals to list.
  */
 typedef int32_t cylfuse_residual_kind;
@@ -1761,6 +1781,31 @@ typedef int32_t cylfuse_residual_kind;
  * Signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
  */
 #define CYLFUSE_RESIDUAL_KIND_EDGES 2
+
+/**
+ * What a point in the mask belongs to.
+ */
+typedef uint8_t cylfuse_part;
+/**
+ * The lateral surface.
+ */
+#define CYLFUSE_PART_BODY 1
+/**
+ * A cap: it lies in the plane across the axis at an end.
+ */
+#define CYLFUSE_PART_CAP 2
+/**
+ * The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+ */
+#define CYLFUSE_PART_INNER_WALL 3
+/**
+ * Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+ */
+#define CYLFUSE_PART_OTHER 4
+/**
+ * Something farther away than the cylinder: the background.
+ */
+#define CYLFUSE_PART_BEHIND 5
 
 /**
  * Whether a limb was located in the image, or why not.
@@ -2875,6 +2920,35 @@ cylfuse_status cylfuse_fitter_diagnose(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
+ * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
+ * its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
+ * this again on the same fitters, which keep their memory.
+ *
+ * The callbacks of the fitters are not called.
+ *
+ * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
+ * @param count how many there are
+ * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
+ *   The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
+ *   the default, 1, is right here.
+ * @param callback hears of each fit that ended, and may stop the rest; NULL for none
+ * @param user_data handed to the callback; may be NULL
+ * @param out_statuses where the statuses of the `count` fits go, in the order of the fitters
+ * @return OK when all fits ended, whatever their statuses; CANCELLED when the callback stopped them, where those that had
+ *   not ended have the status CANCELLED, too; INVALID_ARGUMENT for a fitter that is there twice, OUT_OF_MEMORY, and then
+ *   nothing was done
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fit_all(struct cylfuse_fitter *const *fitters,
+                               size_t count,
+                               uint32_t threads,
+                               cylfuse_fit_all_fn callback,
+                               void *user_data,
+                               cylfuse_status *out_statuses)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Lists residuals of the selected view.
  *
  * @param fitter the fitter
@@ -2913,6 +2987,26 @@ cylfuse_status cylfuse_fitter_point_weights(const struct cylfuse_fitter *fitter,
                                             uint8_t *out_inliers,
                                             size_t capacity,
                                             size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
+ * cylinder, or what else a mask of a whole object holds. A depth image tells where within the mask the lateral surface
+ * ends; without one it goes on, and no point is of a cap.
+ *
+ * @param fitter the fitter
+ * @param model the model, in the reference frame; NULL = that of the last fit
+ * @param out room for `capacity` parts, of one byte each; may be NULL when `capacity` is 0
+ * @param capacity `points_used` of `cylfuse_fitter_counts` is enough
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a model and a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_point_parts(const struct cylfuse_fitter *fitter,
+                                          const struct cylfuse_cylinder *model,
+                                          cylfuse_part *out,
+                                          size_t capacity,
+                                          size_t *out_count)
 CYLFUSE_NOEXCEPT;
 
 /**

@@ -4,7 +4,7 @@ use super::constants::cylfuse_residual_kind;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
 use super::options::saturated;
-use super::outcomes::cylfuse_limb_status;
+use super::outcomes::{cylfuse_limb_status, cylfuse_part};
 use super::results::{cylfuse_end_sample, cylfuse_limb, cylfuse_limb_sample};
 use super::sized::OutputArray;
 use super::solve::last_result;
@@ -123,6 +123,34 @@ pub unsafe extern "C" fn cylfuse_fitter_point_weights(
                 }
             }
             Ok(())
+        })
+    }
+}
+
+/// Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
+/// cylinder, or what else a mask of a whole object holds. A depth image tells where within the mask the lateral surface
+/// ends; without one it goes on, and no point is of a cap.
+///
+/// @param fitter the fitter
+/// @param model the model, in the reference frame; NULL = that of the last fit
+/// @param out room for `capacity` parts, of one byte each; may be NULL when `capacity` is 0
+/// @param capacity `points_used` of `cylfuse_fitter_counts` is enough
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE without a model and a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_point_parts(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    out: *mut cylfuse_part,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(fitter, |content, _| {
+            let count = Slot::new(out_count, "out_count")?;
+            let parts = content.fitter.point_parts(optional_cylinder(model)?.as_ref())?;
+            write_numbers(parts.into_iter().map(cylfuse_part::from), out, capacity, &count)
         })
     }
 }

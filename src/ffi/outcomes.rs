@@ -1,6 +1,7 @@
 //! The constants of results: integers, as in `constants`.
 
 use crate::extent::{EndSource, EndState};
+use crate::fitter::Part;
 use crate::limb_location::NotVisible;
 use crate::solver::Termination;
 
@@ -130,6 +131,36 @@ impl From<NotVisible> for cylfuse_limb_status {
             NotVisible::Uncertain => Self::UNCERTAIN,
             NotVisible::Patchy => Self::PATCHY,
             NotVisible::SameLine => Self::SAME_LINE,
+        }
+    }
+}
+
+/// What a point in the mask belongs to.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_part(pub u8);
+
+impl cylfuse_part {
+    /// The lateral surface.
+    pub const BODY: cylfuse_part = cylfuse_part(1);
+    /// A cap: it lies in the plane across the axis at an end.
+    pub const CAP: cylfuse_part = cylfuse_part(2);
+    /// The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+    pub const INNER_WALL: cylfuse_part = cylfuse_part(3);
+    /// Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+    pub const OTHER: cylfuse_part = cylfuse_part(4);
+    /// Something farther away than the cylinder: the background.
+    pub const BEHIND: cylfuse_part = cylfuse_part(5);
+}
+
+impl From<Part> for cylfuse_part {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::Body => Self::BODY,
+            Part::Cap => Self::CAP,
+            Part::InnerWall => Self::INNER_WALL,
+            Part::Other => Self::OTHER,
+            Part::Behind => Self::BEHIND,
         }
     }
 }

@@ -299,6 +299,11 @@ pub struct cylfuse_options {
     /// The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
     /// that is known. Default 0; must be 0 without `axis`.
     pub axis_max_angle: f64,
+    /// Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
+    /// them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
+    /// windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+    /// none.
+    pub depth_shared: f64,
 }
 
 /// The settings of a detector. `cylfuse_detector_options_init` fills the defaults, which are named below.

@@ -4,6 +4,7 @@
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod batch;
 mod body;
 mod correlation;
 mod data;
@@ -27,6 +28,8 @@ mod view;
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
 pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
+pub(crate) use batch::each;
+pub use batch::fit_all;
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
@@ -269,8 +272,8 @@ impl Fitter {
     }
 
     /// What each used point of the selected view belongs to, at a model or at the last fit: the lateral surface, a cap,
-    /// something in front, something behind. The depth image tells where within the mask the lateral surface ends;
-    /// without one it goes on.
+    /// the inner wall, something in front, something behind. The depth image tells where within the mask the lateral
+    /// surface ends; without one it goes on.
     ///
     /// # Errors
     /// `BadState` without a model and a result, `OutOfMemory`.

@@ -356,6 +356,7 @@ impl Detector {
             false => ControlFlow::Continue(()),
         };
         let progress = &mut *observer.progress;
+        let mut done = 0;
         let mut tell = |done| {
             if progress(Progress::Fit { done, count }).is_break() {
                 stop.store(true, Ordering::Relaxed);
@@ -363,11 +364,18 @@ impl Detector {
         };
         tell(0);
         let mut outcomes: Vec<Option<Result<Found>>> = detections.iter().map(|_| None).collect();
-        let compute = |index: usize| {
+        let compute = |index: usize, outcome: &mut Option<Result<Found>>| {
             let cancelled = || Err(Error::Cancelled { iterations: 0 });
-            Some(if poll().is_break() { cancelled() } else { fit(&fits, index, &detections[index], &poll) })
+            *outcome = Some(if poll().is_break() {
+                cancelled()
+            } else {
+                fit(&fits, index, &detections[index], &poll)
+            });
         };
-        self.workers.fill_and_tell(&mut outcomes, compute, tell);
+        self.workers.change_and_tell(&mut outcomes, compute, |_, ()| {
+            done += 1;
+            tell(done);
+        });
         if poll().is_break() {
             let done = outcomes.iter().flatten().flatten();
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });

@@ -131,6 +131,22 @@ namespace Cylfuse
         Border = 3,
     }
 
+    /// <summary>What a point in the mask belongs to.</summary>
+    public enum Part : byte
+    {
+        /// <summary>The lateral surface.</summary>
+        Body = 1,
+        /// <summary>A cap: it lies in the plane across the axis at an end.</summary>
+        Cap = 2,
+        /// <summary>The inside of the cylinder, seen through an open end: its inner wall or its bottom.</summary>
+        InnerWall = 3,
+        /// <summary>Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in
+        /// front.</summary>
+        Other = 4,
+        /// <summary>Something farther away than the cylinder: the background.</summary>
+        Behind = 5,
+    }
+
     /// <summary>Whether a limb was located in the image, or why not.</summary>
     public enum LimbStatus
     {

@@ -90,6 +90,26 @@ namespace Cylfuse
             }
         }
 
+        /// <summary>Tells what each point of the selected view belongs to, in the order of the residuals of
+        /// points.</summary>
+        /// <param name="model">The model; null = that of the last fit.</param>
+        /// <exception cref="CylfuseException">BadState without a model and a result.</exception>
+        public unsafe Part[] PointParts(Cylinder model = null)
+        {
+            NativeCylinder cylinder;
+            using (Call call = Enter())
+            {
+                NativeCylinder* modelOrNull = Cylinder.Write(model, &cylinder);
+                int status = Native.Functions.FitterPointParts(call.Pointer, modelOrNull, null, UIntPtr.Zero,
+                    out UIntPtr count);
+                if (status != (int)Status.BufferTooSmall) call.Check(status);
+                var parts = new Part[(long)count];
+                fixed (Part* buffer = parts)
+                    call.Check(Native.Functions.FitterPointParts(call.Pointer, modelOrNull, buffer, count, out count));
+                return parts;
+            }
+        }
+
         /// <summary>Says what the data determine at a model, by an orthogonal factorisation of the whole Jacobian: more
         /// precise than <see cref="FitResult.Condition"/>, and far slower.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>

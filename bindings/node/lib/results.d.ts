@@ -114,6 +114,12 @@ export interface Counts {
   segmentsGiven: number;
 }
 
+/**
+ * What a point in the mask belongs to: the lateral surface; a cap, in the plane across the axis at an end; the inside, seen
+ * through an open end; something nearer, as a wider lid, a handle or what stands in front; the background.
+ */
+export type Part = 'body' | 'cap' | 'inner-wall' | 'other' | 'behind';
+
 /** Whether a limb was located in the image, or why not. */
 export type LimbStatus =
   | 'located' | 'not-searched' | 'no-limbs' | 'too-short' | 'no-edge' | 'out-of-reach' | 'uncertain' | 'patchy'

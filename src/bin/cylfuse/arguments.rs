@@ -4,19 +4,17 @@
 
 #[cfg(feature = "bench")]
 use crate::bench::BenchArguments;
+use crate::common_arguments::{CommonArguments, NOISE, parse_numbers};
 use crate::detect_arguments::DetectArguments;
-use crate::page::Tolerance;
 use crate::plan_arguments::PlanArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
-use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
 use cylfuse::fitter::{
     ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
 };
-use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
-use cylfuse::noise::NoiseModel;
+use cylfuse::geometry::{Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -62,7 +60,7 @@ pub enum Command {
 /// `cylfuse fit`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("input").required(true).args(["frames", "points"]))]
-#[command(after_help = FRAME_FORMAT)]
+#[command(after_help = format!("{FRAME_FORMAT}\n\n{NOISE}"))]
 pub struct FitArguments {
     /// Frame files, or folders that are searched for frame.json.
     #[arg(value_name = "FRAME")]
@@ -72,24 +70,10 @@ pub struct FitArguments {
     #[arg(long, value_name = "CLOUD", num_args = 1..)]
     pub points: Vec<PathBuf>,
 
-    /// Print one JSON object a frame and line, in the order of the input, instead of the table.
-    #[arg(long, help_heading = "Output")]
-    pub json: bool,
-
     /// Write result.json, overlay.png, completed.ply and completed.pcd to this folder, of several views overlay-0.png,
     /// overlay-1.png and so on too; with several frames to a subfolder for each.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
-
-    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
-    /// needs no other file and no network.
-    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
-    pub report: Option<PathBuf>,
-
-    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
-    /// by the uncertainty.
-    #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
-    pub tolerance: Vec<Tolerance>,
 
     /// How to estimate the cylinder.
     #[arg(long, value_enum, default_value_t = MethodName::Fused, help_heading = "Estimation")]
@@ -112,28 +96,10 @@ pub struct FitArguments {
     #[arg(long, value_enum, help_heading = "Estimation")]
     pub start_from: Option<StartName>,
 
-    /// The smallest radius that the cylinder may have, in the unit of the data.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
-    pub radius_min: Option<f64>,
-
-    /// The largest radius that the cylinder may have.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
-    pub radius_max: Option<f64>,
-
     /// The radius, where it is known.
     #[arg(long, value_name = "R", conflicts_with_all = ["radius_min", "radius_max"])]
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub radius: Option<f64>,
-
-    /// The direction of the axis in the frame of the result, of any length and sign.
-    #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
-    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
-    pub axis: Option<[f64; 3]>,
-
-    /// How far the axis may be from --axis, in degrees from 0 to 90 [default: 0, the direction is known].
-    #[arg(long, value_name = "DEG", requires = "axis")]
-    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
-    pub axis_max_angle: Option<f64>,
 
     /// Ignore the edge segments.
     #[arg(long, help_heading = "Estimation")]
@@ -147,10 +113,6 @@ pub struct FitArguments {
     /// How to find the ends of the visible cylinder.
     #[arg(long, value_enum, default_value_t = ExtentName::Auto, help_heading = "Estimation")]
     pub extent_rule: ExtentName,
-
-    /// Ignore the image file and do not open it; mask and edge segments stay.
-    #[arg(long, help_heading = "Estimation")]
-    pub no_image: bool,
 
     /// Accept a cylinder with its points on the wall that the camera cannot see.
     #[arg(long, help_heading = "Estimation")]
@@ -168,13 +130,13 @@ pub struct FitArguments {
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Estimation")]
     pub seed: u64,
 
-    /// A standard deviation that is known better than the default, see below; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_noise, help_heading = "Noise")]
-    pub noise: Vec<(NoiseName, f64)>,
-
     /// The number of points of a view whose noise is independent [default: 0, from the data].
     #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = "Noise")]
     pub independent_points: Option<f64>,
+
+    /// What `cylfuse detect` takes too.
+    #[command(flatten)]
+    pub common: CommonArguments,
 
     /// Most threads, 0 for as many as the machine has: they take several frames side by side, or the sums over the
     /// points of a single one. Results do not depend on it [default: 0 for several frames, 1 for a single one].
@@ -203,22 +165,7 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
   views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
                      objects like the one above, in place of it, each with its pose
 
-Without a mask all measured pixels are fitted, the background included, and there is no extent.
-
-Noise, --noise NAME=VALUE, in standard deviations; 0, where it is the default, stands for an
-estimate from the data:
-  edge-endpoint      a hand-set endpoint of an edge across its limb [0.5 drawn pixels]
-  mask-side          a side of a mask as a whole across its limb [1.6 drawn pixels]
-  mask-unevenness    the part of it that differs from one end of a side to the other [1 drawn pixel]
-  mask-growth        the largest growth of a mask all round, a bound [3 drawn pixels]
-  mask-boundary      the boundary of a mask at one place [0.8 drawn pixels]
-  mask-correlation   the length along a boundary over which it wanders [10 drawn pixels]
-  limb-of-points     a limb as a fit to the points alone predicts it [2 drawn pixels]
-  drawn-pixel        a pixel in which edges and masks were drawn, in pixels of the image [0: by
-                     the size of the image]
-  depth              a measured point across the surface, in metres [0]
-  image              the values of the image linear in light [0]
-  blur               the blur of the image, in pixels [0]";
+Without a mask all measured pixels are fitted, the background included, and there is no extent.";
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]
@@ -287,23 +234,6 @@ pub enum ExtentName {
     Located,
 }
 
-/// The deviations of [`NoiseModel`] by their names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the fields of the model say it")]
-pub enum NoiseName {
-    EdgeEndpoint,
-    MaskSide,
-    MaskUnevenness,
-    MaskGrowth,
-    MaskBoundary,
-    MaskCorrelation,
-    LimbOfPoints,
-    DrawnPixel,
-    Depth,
-    Image,
-    Blur,
-}
-
 impl FitArguments {
     /// Combinations that make no sense, in words; clap has checked each option by itself.
     pub fn check(&self) -> std::result::Result<(), String> {
@@ -324,10 +254,7 @@ impl FitArguments {
                         out: the robust objective takes its weights from the data"
                 .into());
         }
-        // The library knows these in radians, and as two limits.
-        if let Some(degrees) = self.axis_max_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
-            return Err(format!("--axis-max-angle is {degrees}; it must lie in [0, 90] degrees"));
-        }
+        self.common.check()?;
         if let Some(radius) = self.radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
             return Err(format!("--radius is {radius}; it must be finite and greater than 0"));
         }
@@ -374,14 +301,19 @@ impl FitArguments {
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
             threads: self.threads.unwrap_or(defaults.threads),
             seed: self.seed,
-            cylinder_limits: self.limits(),
+            cylinder_limits: match self.radius {
+                Some(radius) => {
+                    CylinderLimits { radius_min: radius, radius_max: radius, ..self.common.limits() }
+                }
+                None => self.common.limits(),
+            },
             edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
             extent_rule: match self.extent_rule {
                 ExtentName::Auto => ExtentRule::Auto,
                 ExtentName::Extremes => ExtentRule::Extremes,
                 ExtentName::Located => ExtentRule::Located,
             },
-            noise: self.noise_model(),
+            noise: self.common.noise_model(),
             independent_points: self.independent_points.unwrap_or(defaults.independent_points),
             ..defaults
         };
@@ -397,38 +329,6 @@ impl FitArguments {
         Ok(options)
     }
 
-    fn noise_model(&self) -> NoiseModel {
-        let mut model = NoiseModel::default();
-        for &(name, value) in &self.noise {
-            *match name {
-                NoiseName::EdgeEndpoint => &mut model.edge_endpoint,
-                NoiseName::MaskSide => &mut model.mask_side,
-                NoiseName::MaskUnevenness => &mut model.mask_unevenness,
-                NoiseName::MaskGrowth => &mut model.mask_growth,
-                NoiseName::MaskBoundary => &mut model.mask_boundary,
-                NoiseName::MaskCorrelation => &mut model.mask_correlation,
-                NoiseName::LimbOfPoints => &mut model.limb_of_points,
-                NoiseName::DrawnPixel => &mut model.drawn_pixel,
-                NoiseName::Depth => &mut model.depth,
-                NoiseName::Image => &mut model.image,
-                NoiseName::Blur => &mut model.blur,
-            } = value;
-        }
-        model
-    }
-
-    fn limits(&self) -> CylinderLimits {
-        let none = CylinderLimits::default();
-        let degrees = self.axis_max_angle.unwrap_or(0.0);
-        // 90 degrees in radians, rounded, may be more than a right angle.
-        let max_angle = degrees.to_radians().min(std::f64::consts::FRAC_PI_2);
-        CylinderLimits {
-            radius_min: self.radius.or(self.radius_min).unwrap_or(none.radius_min),
-            radius_max: self.radius.or(self.radius_max).unwrap_or(none.radius_max),
-            axis: self.axis.map(|axis| AxisCone { direction: axis.into(), max_angle }),
-        }
-    }
-
     /// The cylinder of `--start`.
     ///
     /// # Errors
@@ -439,28 +339,6 @@ impl FitArguments {
         };
         self.start.map(cylinder).transpose()
     }
-}
-
-fn parse_noise(text: &str) -> std::result::Result<(NoiseName, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, such as edge-endpoint=0.3")?;
-    let known = NoiseName::from_str(name, false).map_err(|_| {
-        let names: Vec<_> =
-            NoiseName::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
-        let names: Vec<&str> = names.iter().map(PossibleValue::get_name).collect();
-        format!("'{name}' is none of {}", names.join(", "))
-    })?;
-    let value = value.parse().map_err(|_| format!("'{value}' is not a number"))?;
-    Ok((known, value))
-}
-
-/// Numbers between commas.
-pub fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|word| word.trim().parse().map_err(|_| format!("'{word}' is not a number")))
-        .collect::<std::result::Result<_, _>>()?;
-    let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("{count} numbers were given, but {COUNT} are needed"))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
-use crate::arguments::parse_numbers;
+use crate::common_arguments::parse_numbers;
 use crate::failure::Failure;
 use crate::frame::Frame;
 use clap::{ArgGroup, Args, ValueEnum};

@@ -21,6 +21,7 @@ __all__ = [
     "Method",
     "NearWall",
     "Objective",
+    "Part",
     "Phase",
     "ResidualKind",
     "ResultFlags",
@@ -223,6 +224,21 @@ class LimbStatus(_Choice):
     PATCHY = 7
     #: The other limb was found at the same place, and more certainly.
     SAME_LINE = 8
+
+
+class Part(_Choice):
+    """What a point in the mask belongs to."""
+
+    #: The lateral surface.
+    BODY = 1
+    #: A cap: it lies in the plane across the axis at an end.
+    CAP = 2
+    #: The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+    INNER_WALL = 3
+    #: Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+    OTHER = 4
+    #: Something farther away than the cylinder: the background.
+    BEHIND = 5
 
 
 class Input(_Choice):

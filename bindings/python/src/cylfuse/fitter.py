@@ -230,6 +230,10 @@ class Fitter(Questions, Calling):
         """Estimates the cylinder from everything that was pushed into all views, and its extent where a mask was."""
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
         self._call(lib.cylfuse_fitter_fit, byref(structs[0]), byref(structs[1]), changes=True)
+        return self._found(structs)
+
+    def _found(self, structs: tuple[Any, Any]) -> Result:
+        """The result of a fit that was just made."""
         result = self._result(structs)
         if self._selected in self._masked:
             # Now, for the next frame takes the data away.

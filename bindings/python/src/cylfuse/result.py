@@ -381,6 +381,10 @@ class Result(_Record):
         """How much each used point of the selected view counts."""
         return self._source().point_weights()
 
+    def point_parts(self) -> npt.NDArray[np.uint8]:
+        """What each used point of the selected view belongs to, by numbers of :class:`Part`."""
+        return self._source().point_parts()
+
     def limbs(self) -> list[Limb]:
         """The two limbs in each view: where they were located, or why they were not."""
         return self._source().limbs()
