@@ -16,13 +16,13 @@ pub struct CommonArguments {
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 
-    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
+    /// Write a report on all of them as one HTML page: a table with pictures, a histogram, points and cylinders in 3D. It
     /// needs no other file and no network.
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     pub report: Option<PathBuf>,
 
-    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
-    /// by the uncertainty.
+    /// State in the report whether the radius or the length is within these limits, in the unit of the data: pass, fail, or
+    /// undecided because of the uncertainty.
     #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
     pub tolerance: Vec<Tolerance>,
 
@@ -48,28 +48,28 @@ pub struct CommonArguments {
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub axis_max_angle: Option<f64>,
 
-    /// A standard deviation that is known better than the default, see below; may be given several times.
+    /// A standard deviation that you know better than the default, see below; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_noise, help_heading = "Noise")]
     pub noise: Vec<(NoiseName, f64)>,
 }
 
 /// What follows the list of options.
 pub const NOISE: &str = "\
-Noise, --noise NAME=VALUE, in standard deviations; 0, where it is the default, stands for an
-estimate from the data:
+Noise, --noise NAME=VALUE, as standard deviations; a default of 0 means that it is estimated from
+the data:
   edge-endpoint      a hand-set endpoint of an edge across its limb [0.5 drawn pixels]
   mask-side          a side of a mask as a whole across its limb [1.6 drawn pixels]
   mask-unevenness    the part of it that differs from one end of a side to the other [1 drawn pixel]
-  mask-growth        the largest growth of a mask all round, a bound [3 drawn pixels]
-  mask-boundary      the boundary of a mask at one place [0.8 drawn pixels]
-  mask-correlation   the length along a boundary over which it wanders [10 drawn pixels]
-  limb-of-points     a limb as a fit to the points alone predicts it [2 drawn pixels]
+  mask-growth        the largest uniform growth of a mask, a bound [3 drawn pixels]
+  mask-boundary      the boundary of a mask at one position [0.8 drawn pixels]
+  mask-correlation   the correlation length of that along the boundary [10 drawn pixels]
+  limb-of-points     a limb as predicted by a fit to the points alone [2 drawn pixels]
   drawn-pixel        a pixel in which edges and masks were drawn, in pixels of the image [0: by
                      the size of the image]
   depth              a measured point across the surface, in metres [0]
   depth-shared       what all points of a view share: too near or too far, or bent; a part of their
                      distance, 0 for none [0.001]
-  image              the values of the image linear in light [0]
+  image              the values of the image, proportional to light [0]
   blur               the blur of the image, in pixels [0]";
 
 /// The deviations of [`NoiseModel`] by their names.

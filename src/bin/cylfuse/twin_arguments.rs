@@ -79,7 +79,7 @@ pub struct TwinArguments {
     #[arg(long, help_heading = "Camera")]
     pub unregistered: bool,
 
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
+    /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }
