@@ -55,10 +55,10 @@ drawings() {
     for file in "$work"/images/*.svg; do cmp "$file" "docs/images/${file##*/}" || return 1; done
 }
 check "drawings are what docs/drawings/draw.py makes" drawings
-every_name() { # every_name PREFIX TEXT-BEFORE-AND-AFTER: the page of warnings explains each of these constants
+every_name() { # every_name PREFIX PAGE: the page explains each of these constants, in a table or under a heading
     local name missing=0
     for name in $(grep -oE "^#define CYLFUSE_$1_[A-Z0-9_]+ " include/cylfuse/cylfuse.h | sed "s/^#define CYLFUSE_$1_//"); do
-        grep -qE "^\| \`$name\` \|" "$2" || { echo "$2 does not have $name"; missing=1; }
+        grep -qE "^(\| \`$name\` \||#### $name$)" "$2" || { echo "$2 does not have $name"; missing=1; }
     done
     return $missing
 }

@@ -42,7 +42,9 @@ def inline_math(translator, node):
 
 
 def block_math(translator, node):
-    translator.body.append(latex2mathml.converter.convert(node.astext(), display="block"))
+    mathml = latex2mathml.converter.convert(node.astext(), display="block")
+    # Wide equations scroll on a phone, and the page does not.
+    translator.body.append(f'<div style="overflow-x: auto; overflow-y: hidden">{mathml}</div>')
     raise nodes.SkipNode
 
 
