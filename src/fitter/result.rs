@@ -77,7 +77,7 @@ pub struct FitResult {
     pub start_kind: StartKind,
     /// Why the iteration ended; `None` for the methods that do not iterate.
     pub termination: Option<Termination>,
-    /// Linear solves.
+    /// Iterations: linear systems that were solved.
     pub iterations: usize,
     /// Solves whose step was rejected.
     pub rejected_steps: usize,

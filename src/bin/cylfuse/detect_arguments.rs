@@ -14,33 +14,33 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("scene").required(true).args(["frames", "points"]))]
 pub struct DetectArguments {
-    /// Frame files of one view, or folders that are searched for frame.json. Masks, edges and the pose in them do not
-    /// count.
+    /// Frame files of one view, or folders that are searched for frame.json. Masks, edges and the pose in them are
+    /// ignored.
     #[arg(value_name = "FRAME")]
     pub frames: Vec<PathBuf>,
 
-    /// Search bare point clouds instead: .ply, .pcd, or .xyz (x y z a line; also .txt, .csv, .asc).
+    /// Search point clouds without a camera instead: .ply, .pcd, or .xyz (x y z on each line; also .txt, .csv, .asc).
     #[arg(long, value_name = "CLOUD", num_args = 1..)]
     pub points: Vec<PathBuf>,
 
-    /// Print one JSON object a frame and line, in the order of the input, instead of the tables.
+    /// Print one JSON object per frame, each on a line, in the order of the input, instead of the tables.
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 
     /// Write overlay.png, labels.png (16 bit: 0 none, k the k-th cylinder) and completed.ply to this folder; with several
-    /// frames to a subfolder for each. completed.ply has what the pixels of each cylinder see of its surface, and the
-    /// measured points of all others; of a cloud it has the points as they are. Its property cylinder is the number, as
-    /// in labels.png. A cloud gives completed.ply alone.
+    /// frames to a subfolder for each. completed.ply has the completed surface of each cylinder, and the measured
+    /// points of all other pixels; of a cloud it has the points unchanged. Its property cylinder is the number, as in
+    /// labels.png. For a cloud only completed.ply is written.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
 
-    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
+    /// Write a report on all of them as one HTML page: a table with pictures, a histogram, points and cylinders in 3D. It
     /// needs no other file and no network.
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     pub report: Option<PathBuf>,
 
-    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
-    /// by the uncertainty.
+    /// State in the report whether the radius or the length is within these limits, in the unit of the data: pass, fail, or
+    /// undecided because of the uncertainty.
     #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
     pub tolerance: Vec<Tolerance>,
 
@@ -66,15 +66,15 @@ pub struct DetectArguments {
     #[arg(allow_hyphen_values = true, help_heading = "Search")]
     pub axis_max_angle: Option<f64>,
 
-    /// Most cylinders of a frame.
+    /// Maximum number of cylinders per frame.
     #[arg(long, value_name = "N", help_heading = "Search")]
     pub max_count: Option<usize>,
 
-    /// The least score, from 0 to 1: the probability that there is a cylinder [default: 0.5].
+    /// Minimum score, from 0 to 1: the estimated probability that there is a cylinder [default: 0.5].
     #[arg(long, value_name = "P", allow_hyphen_values = true, help_heading = "Search")]
     pub min_score: Option<f64>,
 
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
+    /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }
