@@ -115,9 +115,11 @@ impl<'a> Limb<'a> {
         }
     }
 
-    /// The part of the blocks that carries the line: 1 when all count alike, 1/n when one of n carries it.
+    /// The part of the blocks that carries the line: 1 when all count alike, 1/n when one of n carries it. A block that
+    /// tells the line from one elsewhere by three standard deviations carries it fully, however strong its edge is.
     pub fn spread(&self) -> f64 {
-        let weight = |block: &Block| block.weight / block.variance();
+        let enough = (ELSEWHERE.get() / 3.0).powi(2);
+        let weight = |block: &Block| block.weight / block.variance().max(enough);
         let sum: f64 = self.blocks.iter().map(weight).sum();
         let squares: f64 = self.blocks.iter().map(|block| weight(block).powi(2)).sum();
         sum * sum / (squares * self.blocks.len() as f64)
