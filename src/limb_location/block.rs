@@ -1,9 +1,9 @@
 //! What one short block of a limb says about its line.
 
 use super::consensus::BLOCK_RUNS;
-use super::profile::{Functions, ShadedRow, Table};
+use super::profile::{FUNCTIONS, Functions, SHADED, ShadedRow, Table};
 use super::strip::{Strip, StripPixel};
-use nalgebra::{Matrix2, Matrix4, Matrix4x2, SMatrix, SVector, Vector2, Vector4};
+use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -20,6 +20,33 @@ constants! {
 
     /// Fewest pixels of a block: a few per unknown.
     LEAST_PIXELS = 20.0, "px";
+
+    /// Standard deviation of the slope of the background relative to its brightness, per pixel, where it has one: soft
+    /// shadows beside a limb fade over some ten pixels or more.
+    SLOPE = 0.03, "/px";
+}
+
+/// Unknowns of the brightness of a block: the levels outside and inside, and the slope outside.
+pub(super) const LEVELS: usize = 3;
+
+/// What the background beside a limb is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Background {
+    /// Of one brightness in each block.
+    Flat,
+    /// With a slope of its own in each block: the edge of a shadow.
+    Sloped,
+}
+
+impl Background {
+    /// What is expected of the slope, as a number to add to its entry of the normal equations: `count` pixels of a
+    /// background with the brightness `sum` together, and noise of standard deviation `noise`.
+    fn stiffness(self, count: f64, sum: f64, noise: f64) -> f64 {
+        match self {
+            Self::Flat => 1e12,
+            Self::Sloped => (noise / (SLOPE.get() * (sum / count).abs().max(noise))).powi(2),
+        }
+    }
 }
 
 /// A line across a strip: u = offset + slope · s.
@@ -76,11 +103,12 @@ impl Block {
 pub(super) fn fit_blocks(
     strip: &Strip,
     noise: f64,
+    background: Background,
     profile: &Table<ShadedRow>,
     line: &StripLine,
 ) -> Vec<Block> {
     let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs));
-    sums.filter_map(|sums| sums.fit(noise)).collect()
+    sums.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
 /// What the blocks say about levels and shading with a given line, from the pixels between `OUTSIDE` and `INSIDE` of
@@ -117,14 +145,20 @@ struct ShadedSums {
     /// Of the positions along the strip.
     s: f64,
     /// The products; each stands once, in the upper right half.
-    products: [ShadedRow; 8],
+    products: [ShadedRow; SHADED],
     right: ShadedRow,
     squares: f64,
 }
 
 impl ShadedSums {
     fn new(strip: &Strip, profile: &Table<ShadedRow>, line: &StripLine, runs: Range<usize>) -> Option<Self> {
-        let mut sums = Self { count: 0.0, s: 0.0, products: [[0.0; 8]; 8], right: [0.0; 8], squares: 0.0 };
+        let mut sums = Self {
+            count: 0.0,
+            s: 0.0,
+            products: [[0.0; SHADED]; SHADED],
+            right: [0.0; SHADED],
+            squares: 0.0,
+        };
         Arch::new().dispatch(Gather { sums: &mut sums, strip, profile, line, runs })?;
         (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
     }
@@ -132,17 +166,12 @@ impl ShadedSums {
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
     fn add(&mut self, row: &ShadedRow, value: f64) {
-        for i in 0..4 {
-            for k in 0..8 {
+        for i in 0..SHADED {
+            for k in i..SHADED {
                 self.products[i][k] += row[i] * row[k];
             }
         }
-        for i in 4..8 {
-            for k in 4..8 {
-                self.products[i][k] += row[i] * row[k];
-            }
-        }
-        for k in 0..8 {
+        for k in 0..SHADED {
             self.right[k] += row[k] * value;
         }
         self.squares += value * value;
@@ -150,24 +179,27 @@ impl ShadedSums {
     }
 
     /// `None` where the levels are not determined.
-    fn fit(&self, noise: f64) -> Option<Block> {
-        let products = SMatrix::<f64, 8, 8>::from_fn(|i, k| self.products[i.min(k)][i.max(k)]);
-        let right = SVector::<f64, 8>::from(self.right);
-        let of_levels = right.fixed_rows::<2>(0);
-        let inverse = products.fixed_view::<2, 2>(0, 0).try_inverse()?;
-        let levels: Vector2<f64> = inverse * of_levels;
-        let [outside, inside] = [levels[0], levels[1]];
+    fn fit(&self, noise: f64, background: Background) -> Option<Block> {
+        let products = SMatrix::<f64, SHADED, SHADED>::from_fn(|i, k| self.products[i.min(k)][i.max(k)]);
+        let stiffness = background.stiffness(products[(0, 0)], self.right[0], noise);
+        let right = SVector::<f64, SHADED>::from(self.right);
+        let of_levels = right.fixed_rows::<LEVELS>(0);
+        let mut between_levels = products.fixed_view::<LEVELS, LEVELS>(0, 0).into_owned();
+        between_levels[(1, 1)] += stiffness;
+        let inverse = between_levels.try_inverse()?;
+        let levels: Vector3<f64> = inverse * of_levels;
+        let [outside, slope, inside] = [levels[0], levels[1], levels[2]];
         // The derivatives of the brightness in (line, blur, shading) as combinations of what the profile says.
-        let mut parts = SMatrix::<f64, 8, 4>::zeros();
-        (parts[(2, 0)], parts[(3, 0)]) = (-outside, -inside);
-        (parts[(4, 1)], parts[(5, 1)]) = (outside, inside);
-        (parts[(6, 2)], parts[(7, 3)]) = (inside, inside);
+        let mut parts = SMatrix::<f64, SHADED, 4>::zeros();
+        (parts[(3, 0)], parts[(4, 0)], parts[(5, 0)]) = (-outside, -slope, -inside);
+        (parts[(6, 1)], parts[(7, 1)], parts[(8, 1)]) = (outside, slope, inside);
+        (parts[(9, 2)], parts[(10, 3)]) = (inside, inside);
         let by_parts = products * parts;
-        let cross = by_parts.fixed_rows::<2>(0);
+        let cross = by_parts.fixed_rows::<LEVELS>(0);
         let square: Matrix4<f64> = parts.tr_mul(&by_parts);
         let gradient: Vector4<f64> = parts.tr_mul(&right) - cross.tr_mul(&levels);
         let squares = (self.squares - of_levels.dot(&levels)).max(0.0);
-        let variance = (squares / (self.count - 4.0)).max(noise * noise);
+        let variance = (squares / (self.count - (LEVELS + 2) as f64)).max(noise * noise);
         let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
         let gradient = gradient / variance;
         let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
@@ -215,8 +247,8 @@ pub(super) struct BlockSums {
     pub count: f64,
     /// Sums of the products of the functions with each other, of the functions with the values, and of the squared
     /// values.
-    functions: Matrix4<f64>,
-    right: Vector4<f64>,
+    functions: SMatrix<f64, FUNCTIONS, FUNCTIONS>,
+    right: Functions,
     squares: f64,
 }
 
@@ -229,7 +261,7 @@ impl BlockSums {
         runs: Range<usize>,
     ) -> Option<Self> {
         let mut sums =
-            Self { count: 0.0, functions: Matrix4::zeros(), right: Vector4::zeros(), squares: 0.0 };
+            Self { count: 0.0, functions: SMatrix::zeros(), right: Functions::zeros(), squares: 0.0 };
         for run in runs.map(|k| strip.run(k)) {
             for pixel in pixels_about(run, window) {
                 let f = profile.at(pixel.u - line.at(pixel.s))?;
@@ -243,27 +275,36 @@ impl BlockSums {
     }
 
     /// Sum of squared residuals with the best levels for a shading; `None` where the levels are not determined.
-    pub fn squared_residuals(&self, shading: &Vector2<f64>) -> Option<f64> {
-        // Outside and inside as combinations of the functions.
-        let parts = Matrix4x2::new(1.0, 0.0, 0.0, 1.0, 0.0, shading[0], 0.0, shading[1]);
+    pub fn squared_residuals(
+        &self,
+        shading: &Vector2<f64>,
+        noise: f64,
+        background: Background,
+    ) -> Option<f64> {
+        // The levels as combinations of the functions.
+        let mut parts = SMatrix::<f64, FUNCTIONS, LEVELS>::zeros();
+        (parts[(0, 0)], parts[(1, 1)], parts[(2, 2)]) = (1.0, 1.0, 1.0);
+        (parts[(3, 2)], parts[(4, 2)]) = (shading[0], shading[1]);
         let right = parts.tr_mul(&self.right);
-        let levels = parts.tr_mul(&(self.functions * parts)).try_inverse()? * right;
+        let mut normal = parts.tr_mul(&(self.functions * parts));
+        normal[(1, 1)] += background.stiffness(self.functions[(0, 0)], self.right[0], noise);
+        let levels = normal.try_inverse()? * right;
         Some((self.squares - right.dot(&levels)).max(0.0))
     }
 
     /// `JᵀJ` and `Jᵀr` over the variance of a pixel in the shading, at no shading, levels eliminated; `None` where the
     /// levels are not determined. `noise` is the standard deviation of a pixel.
-    pub fn of_shading(&self, noise: f64) -> Option<(Matrix2<f64>, Vector2<f64>)> {
-        let block = |row: usize, column: usize| -> Matrix2<f64> {
-            self.functions.fixed_view::<2, 2>(row, column).into_owned()
-        };
-        let inverse = block(0, 0).try_inverse()?;
-        let levels = inverse * self.right.fixed_rows::<2>(0);
-        let squares = self.squares - self.right.fixed_rows::<2>(0).dot(&levels);
-        let variance = (squares / (self.count - 4.0)).max(noise * noise);
-        let cross = block(2, 0);
-        let information = block(2, 2) - cross * inverse * cross.transpose();
-        let gradient = self.right.fixed_rows::<2>(2) - cross * levels;
-        Some((information * (levels[1] * levels[1] / variance), gradient * (levels[1] / variance)))
+    pub fn of_shading(&self, noise: f64, background: Background) -> Option<(Matrix2<f64>, Vector2<f64>)> {
+        let mut of_levels = self.functions.fixed_view::<LEVELS, LEVELS>(0, 0).into_owned();
+        of_levels[(1, 1)] += background.stiffness(self.functions[(0, 0)], self.right[0], noise);
+        let inverse = of_levels.try_inverse()?;
+        let levels = inverse * self.right.fixed_rows::<LEVELS>(0);
+        let squares = (self.squares - self.right.fixed_rows::<LEVELS>(0).dot(&levels)).max(0.0);
+        let variance = (squares / (self.count - (LEVELS + 2) as f64)).max(noise * noise);
+        let cross = self.functions.fixed_view::<2, LEVELS>(LEVELS, 0).into_owned();
+        let information: Matrix2<f64> = self.functions.fixed_view::<2, 2>(LEVELS, LEVELS).into_owned()
+            - cross * inverse * cross.transpose();
+        let gradient = self.right.fixed_rows::<2>(LEVELS) - cross * levels;
+        Some((information * (levels[2] * levels[2] / variance), gradient * (levels[2] / variance)))
     }
 }

@@ -55,7 +55,7 @@ use block::{Block, INSIDE, OUTSIDE};
 use compression::noise_of_compression;
 use consensus::{FILTER_HALF, rough_line};
 use nalgebra::{Matrix2, Vector2};
-use refine::{Expected, Limb, SHADING, refine};
+use refine::{Expected, Limb, MOST_BLUR, SHADING, refine};
 use shading::{LimbShading, Shading};
 use strip::{Baseline, Grid, Strip};
 
@@ -75,6 +75,10 @@ constants! {
     /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
     /// and there.
     LEAST_SPREAD = 0.4, "";
+
+    /// So many blocks are enough, however many there are: on a patterned surface some see the limb ten times as well as
+    /// others.
+    ENOUGH_BLOCKS = 8.0, "blocks";
 }
 
 /// Where to look for the limbs of a rough cylinder.
@@ -117,7 +121,7 @@ pub enum NotVisible {
     NoEdge,
     /// The line left the reach while it was refined.
     OutOfReach,
-    /// The line would be less certain than one set by hand.
+    /// The line would be less certain than one set by hand, or what is there is softer than any limb.
     Uncertain,
     /// A small part of the line carries it all.
     Patchy,
@@ -268,7 +272,7 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbOb
     let blur = refine(&mut limbs, grid.noise.blur);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
         observations[k] = LimbObservation {
-            line: judged(limb, baseline, search.reach[k], &search.noise),
+            line: judged(limb, baseline, search.reach[k], blur, &search.noise),
             samples: samples(limb, baseline),
             blur: Some(blur),
         };
@@ -347,9 +351,14 @@ fn judged(
     limb: &Limb<'_>,
     baseline: &Baseline,
     reach: f64,
+    blur: f64,
     noise: &ImageNoise,
 ) -> Result<LimbLine, NotVisible> {
     let ends = [-1.0, 1.0].map(|side| limb.state.line.at(side * baseline.half_length));
+    if noise.blur == 0.0 && blur >= MOST_BLUR.get() {
+        // A limb is as sharp as the image; what is softer is the edge of a shadow.
+        return Err(NotVisible::Uncertain);
+    }
     if ends.iter().any(|u| u.abs() > reach) {
         return Err(NotVisible::OutOfReach);
     }
@@ -365,7 +374,7 @@ fn judged(
     if at_ends.is_nan() || at_ends > LARGEST_DEVIATION.get() * noise.endpoint || half.is_nan() {
         return Err(NotVisible::Uncertain);
     }
-    if limb.spread() < LEAST_SPREAD.get() {
+    if limb.carriers() < (LEAST_SPREAD.get() * limb.blocks.len() as f64).min(ENOUGH_BLOCKS.get()) {
         return Err(NotVisible::Patchy);
     }
     let ends = [center - half, center + half].map(|s| baseline.position(s, limb.state.line.at(s)));

@@ -1,6 +1,6 @@
 //! What an image looks like across a limb: brightness outside and inside, blurred.
 //!
-//! Outside, the background is a constant. Inside, the brightness of a convex body is a smooth
+//! Outside, the background is a constant, or fades along a slope: a shadow. Inside, the brightness of a convex body is a smooth
 //! function of the direction of its normal, and so of the angle θ between the sight line and the tangent
 //! plane: 1 − cos θ = u / ρ at the distance u inside the limb of a cylinder of radius ρ pixels. Near the limb
 //! sin θ grows as √u, which is why the strongest gradient is not at the limb. For a matt surface and any lights
@@ -10,7 +10,7 @@
 use super::block::{INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
-use nalgebra::{Vector2, Vector4};
+use nalgebra::{SVector, Vector2, Vector4};
 use pulp::Arch;
 
 constants! {
@@ -21,12 +21,17 @@ constants! {
     TAIL = 4.0, "σ";
 }
 
-/// The functions of a profile at one u: 1 outside; the expected brightness, sin θ and 1 − cos θ inside.
-pub(super) type Functions = Vector4<f64>;
+pub(super) const FUNCTIONS: usize = 5;
 
-/// The profile of a given shading at one u: 1 outside and the brightness inside, with the shading; their derivatives in u;
-/// their derivatives in the blur; sin θ and 1 − cos θ inside.
-pub(super) type ShadedRow = [f64; 8];
+/// The functions of a profile at one u: 1 and the distance from the limb outside; the expected brightness, sin θ and
+/// 1 − cos θ inside.
+pub(super) type Functions = SVector<f64, FUNCTIONS>;
+
+pub(super) const SHADED: usize = 11;
+
+/// The profile of a given shading at one u: 1 and the distance from the limb outside, and the brightness inside, with the
+/// shading; their derivatives in u; their derivatives in the blur; sin θ and 1 − cos θ inside.
+pub(super) type ShadedRow = [f64; SHADED];
 
 /// What a profile is made of, tabulated over u.
 #[derive(Debug, Clone)]
@@ -54,25 +59,37 @@ impl SharpProfile {
 
     /// The functions over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
     pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
-        let kernel: Vec<[f64; 1]> = kernel(blur).iter().map(|&[g, ..]| [g]).collect();
-        self.table(&kernel, margin, |[values]| Vector4::new(1.0 - values[0], values[1], values[2], values[3]))
+        let kernel: Vec<[f64; 2]> = kernel(blur).iter().map(|&[g, slope, _]| [g, slope]).collect();
+        self.table(&kernel, margin, |u, [values, slopes]| {
+            let [outside, distance] = background(u, blur, values[0], slopes[0]);
+            Functions::new(outside, distance, values[1], values[2], values[3])
+        })
     }
 
     /// The profile over the window, for a blur and a shading.
     pub fn shaded(&self, blur: f64, shading: &Vector2<f64>) -> Table<ShadedRow> {
         let mix = |sums: &Vector4<f64>| sums[1] + shading[0] * sums[2] + shading[1] * sums[3];
-        self.table(&kernel(blur), 0.0, |[values, slopes, blur_slopes]| {
+        self.table(&kernel(blur), 0.0, |u, [values, slopes, blur_slopes]| {
             let (inside, slope, blur_slope) = (mix(&values), mix(&slopes), mix(&blur_slopes));
-            [1.0 - values[0], inside, -slopes[0], slope, -blur_slopes[0], blur_slope, values[2], values[3]]
+            let [outside, distance] = background(u, blur, values[0], slopes[0]);
+            let levels = [outside, distance, inside];
+            let by_u = [-slopes[0], -outside, slope];
+            let by_blur = [-blur_slopes[0], blur * slopes[0], blur_slope];
+            let mut row = [0.0; SHADED];
+            row[..3].copy_from_slice(&levels);
+            row[3..6].copy_from_slice(&by_u);
+            row[6..9].copy_from_slice(&by_blur);
+            row[9..].copy_from_slice(&[values[2], values[3]]);
+            row
         })
     }
 
-    /// A table over the window widened by `margin`: `row` of the sums of the cells by each column of a kernel.
+    /// A table over the window widened by `margin`: `row` of u and of the sums of the cells by each column of a kernel.
     fn table<const N: usize, Row>(
         &self,
         kernel: &[[f64; N]],
         margin: f64,
-        row: impl Fn([Vector4<f64>; N]) -> Row,
+        row: impl Fn(f64, [Vector4<f64>; N]) -> Row,
     ) -> Table<Row> {
         let taps = (kernel.len() / 2) as i32;
         let (first_index, last_index) = window(margin);
@@ -81,10 +98,17 @@ impl SharpProfile {
             let (first, last) = (index - taps, index + taps);
             let weights = &kernel[(-first).clamp(0, 2 * taps + 1) as usize..];
             let cells = &self.cells[first.max(0) as usize..(last + 1).max(0) as usize];
-            row(weighted_sums(weights, cells))
+            row(f64::from(index) * STEP.get(), weighted_sums(weights, cells))
         });
         Table { first: f64::from(first_index) * STEP.get(), rows: rows.collect() }
     }
+}
+
+/// 1 and the distance from the limb outside of it, blurred, where 1 inside of it is `inside` and rises by `slope` per
+/// pixel: with Φ and φ of the normal distribution, Φ(−u/σ) and σ φ(u/σ) − u Φ(−u/σ).
+fn background(u: f64, blur: f64, inside: f64, slope: f64) -> [f64; 2] {
+    let outside = 1.0 - inside;
+    [outside, blur * blur * slope - u * outside]
 }
 
 /// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.

@@ -5,7 +5,7 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{Block, BlockSums, LimbState, StripLine, fit_blocks, sums_of_blocks};
+use super::block::{Background, Block, BlockSums, LimbState, StripLine, fit_blocks, sums_of_blocks};
 use super::consensus::RoughLine;
 use super::profile::SharpProfile;
 use super::shading::LimbShading;
@@ -89,6 +89,7 @@ pub(super) struct Limb<'a> {
     sharp: SharpProfile,
     /// Standard deviation of the coefficients of the shading.
     shading_deviation: f64,
+    background: Background,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
@@ -108,6 +109,7 @@ impl<'a> Limb<'a> {
             noise: strip.noise(),
             sharp: SharpProfile::new(radius, shading, SCAN_REACH.get()),
             shading_deviation: shading.deviation,
+            background: Background::Flat,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             blocks: Vec::new(),
@@ -115,29 +117,42 @@ impl<'a> Limb<'a> {
         }
     }
 
-    /// The part of the blocks that carries the line: 1 when all count alike, 1/n when one of n carries it. A block that
-    /// tells the line from one elsewhere by three standard deviations carries it fully, however strong its edge is.
-    pub fn spread(&self) -> f64 {
-        let enough = (ELSEWHERE.get() / 3.0).powi(2);
-        let weight = |block: &Block| block.weight / block.variance().max(enough);
+    /// How many blocks carry the line: all when they count alike, one when one of them carries it.
+    pub fn carriers(&self) -> f64 {
+        let weight = |block: &Block| block.weight / block.variance();
         let sum: f64 = self.blocks.iter().map(weight).sum();
         let squares: f64 = self.blocks.iter().map(|block| weight(block).powi(2)).sum();
-        sum * sum / (squares * self.blocks.len() as f64)
+        sum * sum / squares
     }
 
     /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
-    fn scan(&self, blur: f64) -> Vec<LimbState> {
+    fn scan(&mut self, blur: f64) -> Vec<LimbState> {
         let profile = &self.sharp.blurred(blur, SCAN_REACH.get());
         let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
-        let places: Vec<(f64, LimbState)> = (-count..=count)
+        let sums: Vec<(LimbState, Vec<BlockSums>)> = (-count..=count)
             .map(|k| {
                 let mut limb = self.state;
                 limb.line.offset += f64::from(k) * SCAN_STEP.get();
-                let blocks = sums_of_blocks(self.strip, profile, &limb.line, &self.state.line);
-                limb.shading = self.best_shading(&blocks);
-                (self.cost(&blocks, &limb), limb)
+                (limb, sums_of_blocks(self.strip, profile, &limb.line, &self.state.line))
             })
             .collect();
+        let places_on = |background: Background| -> Vec<(f64, LimbState)> {
+            let place = |(limb, blocks): &(LimbState, Vec<BlockSums>)| {
+                let limb = LimbState { shading: self.best_shading(blocks, background), ..*limb };
+                (self.cost(blocks, &limb, background), limb)
+            };
+            sums.iter().map(place).collect()
+        };
+        let mut places = places_on(Background::Flat);
+        // A slope of each block is worth its while where it explains more than any number would.
+        let price: f64 = sums[0].1.iter().map(|block| TEMPERATURE.get() * block.count.ln()).sum();
+        let sloped = places_on(Background::Sloped);
+        let lowest =
+            |places: &[(f64, LimbState)]| places.iter().map(|place| place.0).fold(f64::INFINITY, f64::min);
+        if lowest(&sloped) + price < lowest(&places) {
+            places = sloped;
+            self.background = Background::Sloped;
+        }
         let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
             places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
         };
@@ -151,10 +166,10 @@ impl<'a> Limb<'a> {
     }
 
     /// Twice the negative log-likelihood of the pixels of the blocks, and of what is expected of line and shading.
-    fn cost(&self, blocks: &[BlockSums], state: &LimbState) -> f64 {
+    fn cost(&self, blocks: &[BlockSums], state: &LimbState, background: Background) -> f64 {
         let floor = self.noise * self.noise;
         let cost = |block: &BlockSums| {
-            let squares = block.squared_residuals(&state.shading)?;
+            let squares = block.squared_residuals(&state.shading, self.noise, background)?;
             Some(block.count * (squares / block.count + floor).ln())
         };
         let blocks: f64 = blocks.iter().filter_map(cost).sum();
@@ -164,10 +179,12 @@ impl<'a> Limb<'a> {
     }
 
     /// The shading that suits the blocks best.
-    fn best_shading(&self, blocks: &[BlockSums]) -> Vector2<f64> {
+    fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
         let mut normal = Matrix2::identity() * self.shading_deviation.powi(-2);
         let mut right = Vector2::zeros();
-        for (information, gradient) in blocks.iter().filter_map(|block| block.of_shading(self.noise)) {
+        for (information, gradient) in
+            blocks.iter().filter_map(|block| block.of_shading(self.noise, background))
+        {
             normal += information;
             right += gradient;
         }
@@ -275,7 +292,7 @@ const BLUR: usize = 8;
 /// Refines one or two limbs of a cylinder and the blur; returns the blur, which is the told one where that is above 0.
 pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
     let blur = ExpectedBlur::new(told_blur);
-    let scans: Vec<Vec<LimbState>> = limbs.iter().map(|limb| limb.scan(blur.value)).collect();
+    let scans: Vec<Vec<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(blur.value)).collect();
     let mut starts: Vec<Vec<LimbState>> = vec![Vec::new()];
     for scan in &scans {
         let extended = |start: &Vec<LimbState>| {
@@ -293,7 +310,11 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
     let cost = |limbs: &[Limb<'_>], blur: f64| -> f64 {
         let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
             let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
-            limb.cost(&sums_of_blocks(limb.strip, &profile, &limb.state.line, window), &limb.state)
+            limb.cost(
+                &sums_of_blocks(limb.strip, &profile, &limb.state.line, window),
+                &limb.state,
+                limb.background,
+            )
         };
         limbs.iter().zip(&windows).map(cost).sum()
     };
@@ -376,7 +397,7 @@ fn iterate(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, mut blur: f64, steps
         }
         for (index, limb) in limbs.iter_mut().enumerate() {
             let profile = limb.sharp.shaded(blur, &limb.state.shading);
-            limb.blocks = fit_blocks(limb.strip, limb.noise, &profile, &limb.state.line);
+            limb.blocks = fit_blocks(limb.strip, limb.noise, limb.background, &profile, &limb.state.line);
             limb.weigh();
             limb.add_to(&mut normal, &mut right, 4 * index);
         }
