@@ -63,6 +63,15 @@ every_name() { # every_name PREFIX PAGE: the page explains each of these constan
     return $missing
 }
 check "every warning is explained" every_name RESULT_FLAGS docs/warnings.md
+every_text() { # the page of warnings quotes what the command line prints about each
+    local text missing=0
+    while read -r text; do
+        grep -qF "$text" docs/warnings.md || { echo "docs/warnings.md does not quote: $text"; missing=1; }
+    done < <(sed -n '/^fn explain(/,/^}/p; /^fn disagreement(/,/^}/p' src/bin/cylfuse/report/mod.rs |
+        grep -oE '"(\{\} )?[a-z][^"{]+' | sed 's/^"\({} \)\?//' | grep -v '^flag ')
+    return $missing
+}
+check "every warning is quoted" every_text
 check "every status is explained" every_name STATUS docs/warnings.md
 check "every state of an end is explained" every_name END_STATE docs/concepts.md
 rm -rf "$site"
