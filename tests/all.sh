@@ -43,9 +43,12 @@ tests/report.sh 2>&1 | tee -a "$log"
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
 tests/cpp.sh 2>&1 | tee -a "$log"
 
+step "documents: site, links, programs of the first pages"
+tests/docs.sh 2>&1 | tee -a "$log"
+
 step "bindings"
 bindings/test.sh 2>&1 | tee -a "$log"
 
 # Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed" and so on.
-sum() { awk -v word="$1" '/^(test result|report|cpp|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
+sum() { awk -v word="$1" '/^(test result|report|cpp|docs|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
 printf '\n%s passed, %s failed\n' "$(sum passed)" "$(sum failed)"

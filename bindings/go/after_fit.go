@@ -134,7 +134,7 @@ func (fitter *Fitter) LimbSamples() ([]LimbSample, error) {
 	return samples, nil
 }
 
-// EndSamples lists the places on the arcs of both ends that Extent finds in the images, view after view: first those of
+// EndSamples lists the samples on the arcs of both ends that Extent finds in the images, view after view: first those of
 // the start, then those of the end. There are none for an end that the image of a view does not show.
 func (fitter *Fitter) EndSamples(model *Cylinder, mask *Mask) ([]EndSample, error) {
 	cylinder := model.optional()

@@ -111,7 +111,7 @@ type Options struct {
 	// MaxThreads is the most threads for the sums over the points; the result has the same bits for any number.
 	// Default 1: no thread is started.
 	MaxThreads uint32
-	// MaxIterations is the most linear solves, at least 1. Default 400.
+	// MaxIterations is the maximum number of iterations, at least 1. Default 400.
 	MaxIterations uint32
 	// CostTolerance is the smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
 	CostTolerance float64

@@ -103,7 +103,7 @@ type Result struct {
 	Flags Flags
 	// Termination is why the iteration ended.
 	Termination Termination
-	// Iterations counts the linear solves, RejectedSteps those whose step was rejected.
+	// Iterations counts the iterations, RejectedSteps those whose step was rejected.
 	Iterations, RejectedSteps uint32
 	// LimbsLocated counts the limb lines that were located in the images and took part, at most 2 a view.
 	LimbsLocated uint32

@@ -430,7 +430,7 @@ typedef struct cylfuse_options {
      */
     uint32_t max_threads;
     /**
-     * Most linear solves, at least 1. Default 400.
+     * Maximum number of iterations, at least 1. Default 400.
      */
     uint32_t max_iterations;
     /**
@@ -910,7 +910,7 @@ typedef struct cylfuse_image_view {
 
 /**
  * Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
- * image. A `std::vector<cv::Vec4f>` passes as it is.
+ * image. A `std::vector<cv::Vec4f>` can be passed unchanged.
  */
 typedef struct cylfuse_segments_view {
     /**
@@ -1124,11 +1124,11 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
 /**
- * A limit of the radius holds it: the data want another one. Not for a radius that is known.
+ * The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
  */
 #define CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT 8192
 /**
- * The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+ * The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
  */
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**
@@ -1188,7 +1188,7 @@ typedef struct cylfuse_result {
      */
     cylfuse_termination termination;
     /**
-     * Linear solves.
+     * Iterations: linear systems that were solved.
      */
     uint32_t iterations;
     /**
@@ -1515,11 +1515,11 @@ typedef struct cylfuse_extent {
      */
     cylfuse_end_source end_source;
     /**
-     * The view that tells most of the start.
+     * The view that determines the start best.
      */
     uint32_t start_view;
     /**
-     * The view that tells most of the end.
+     * The view that determines the end best.
      */
     uint32_t end_view;
     /**
@@ -1606,7 +1606,7 @@ typedef int32_t cylfuse_phase;
 #define CYLFUSE_PHASE_SOLVE 2
 
 /**
- * The state of a running fit, before each linear solve.
+ * The state of a running fit, before each iteration.
  */
 typedef struct cylfuse_progress {
     /**
@@ -1618,11 +1618,11 @@ typedef struct cylfuse_progress {
      */
     cylfuse_phase phase;
     /**
-     * Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
+     * Iterations so far. Begins again at 0 with every start that is tried and every robust round.
      */
     uint32_t iteration;
     /**
-     * Most linear solves.
+     * Maximum number of iterations.
      */
     uint32_t max_iterations;
     /**
@@ -1640,7 +1640,7 @@ typedef struct cylfuse_progress {
 } cylfuse_progress;
 
 /**
- * Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
+ * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
  * `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.
@@ -1828,11 +1828,11 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_TOO_SHORT 3
 /**
- * No line near the expected place has more of an edge than noise gives.
+ * No line near the expected position has more of an edge than noise gives.
  */
 #define CYLFUSE_LIMB_STATUS_NO_EDGE 4
 /**
- * The line left the expected place while it was refined.
+ * The line left the expected position while it was refined.
  */
 #define CYLFUSE_LIMB_STATUS_OUT_OF_REACH 5
 /**
@@ -1844,7 +1844,7 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_PATCHY 7
 /**
- * The other limb was found at the same place, and more certainly.
+ * The other limb was found at the same position, and more certainly.
  */
 #define CYLFUSE_LIMB_STATUS_SAME_LINE 8
 
@@ -1910,7 +1910,7 @@ typedef struct cylfuse_limb_sample {
 } cylfuse_limb_sample;
 
 /**
- * A place on the arc of an end of the cylinder in the image.
+ * A sample on the arc of an end of the cylinder in the image.
  *
  * An element of the array that `cylfuse_fitter_end_samples` writes.
  */
@@ -2237,7 +2237,7 @@ const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+ * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
  * sample. When no
  * call is running it does nothing. May be called from any thread and from callbacks.
  *
@@ -2622,7 +2622,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
- * linear solve of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
+ * iteration of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
  *
  * @param detector the detector
  */
@@ -3051,7 +3051,7 @@ cylfuse_status cylfuse_fitter_limb_samples(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+ * Lists the samples on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
  * those of the start, then those of the end. There are none for an end that the image of a view does not show.
  *
  * @param fitter the fitter, with intrinsics

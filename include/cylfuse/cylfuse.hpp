@@ -299,7 +299,7 @@ public:
             cylfuse_fitter_limb_samples(handle(), out.data(), sizeof(LimbSample), out.size(), &count);
         return finish(status, count, count);
     }
-    /** The places on the arcs of both ends that extent() finds in the images, view after view. */
+    /** The samples on the arcs of both ends that extent() finds in the images, view after view. */
     Returned<std::vector<EndSample>> end_samples(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
     {
         return list<EndSample>([&](EndSample *out, std::size_t capacity, std::size_t *count) {

@@ -253,7 +253,7 @@ fn limb_sample(
     Some(cylfuse_limb_sample { view, limb, pixel: pixel.into(), deviation: sample.sigma, weight })
 }
 
-/// Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+/// Lists the samples on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
 /// those of the start, then those of the end. There are none for an end that the image of a view does not show.
 ///
 /// @param fitter the fitter, with intrinsics

@@ -6,7 +6,7 @@ use super::status::cylfuse_status;
 use super::texts::Text;
 use std::ffi::{c_char, c_void};
 
-/// Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
+/// Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
 ///
 /// It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
 /// `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.

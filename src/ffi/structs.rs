@@ -200,7 +200,7 @@ pub struct cylfuse_image_view {
 }
 
 /// Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
-/// image. A `std::vector<cv::Vec4f>` passes as it is.
+/// image. A `std::vector<cv::Vec4f>` can be passed unchanged.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cylfuse_segments_view {
@@ -242,7 +242,7 @@ pub struct cylfuse_options {
     /// Most threads for the sums over the points; small clouds take one. The result has the same bits for any
     /// number. Default 1: no thread is started; 0 = 1.
     pub max_threads: u32,
-    /// Most linear solves, at least 1. Default 400.
+    /// Maximum number of iterations, at least 1. Default 400.
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
     pub cost_tolerance: f64,

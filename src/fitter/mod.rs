@@ -169,7 +169,7 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` hears of every linear solve and may stop the fit.
+    /// The same; `report` is called before every iteration and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
@@ -198,8 +198,8 @@ impl Fitter {
         Ok(result)
     }
 
-    /// What a fit would report for a given model in the reference frame, without iterating: held to what the last fit was
-    /// held to, or to the given segments where data or options have changed since.
+    /// What a fit would report for a given model in the reference frame, without iterating: with the limb lines and arcs
+    /// of the last fit, or with the given segments where data or options have changed since.
     ///
     /// # Errors
     /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.

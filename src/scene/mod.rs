@@ -95,7 +95,7 @@ pub enum Progress {
 pub struct Observer<'a> {
     /// Called on the thread that searches; `Break` stops.
     pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    /// Asked on any thread, before each candidate of the search and each linear solve of the fits.
+    /// Asked on any thread, before each candidate of the search and each iteration of the fits.
     pub stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -140,7 +140,7 @@ pub struct Found {
     pub result: FitResult,
     /// Its visible piece. `BadState` for a cloud: ends need a camera.
     pub extent: Result<Extent>,
-    /// The places in the image on the arcs of start and end; empty for an end that the image does not show.
+    /// The samples in the image on the arcs of start and end; empty for an end that the image does not show.
     pub arcs: [Vec<ArcSample>; 2],
     /// The fit, without its mask: the labels have that.
     fitter: Fitter,

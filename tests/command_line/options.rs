@@ -172,7 +172,7 @@ fn limits_hold_and_are_said() {
     let held = fitted(&data("w004"), &["--radius-max", "0.0565"]);
     assert_eq!(held["cylinder"]["radius"], 0.0565);
     assert_eq!(held["result"]["flags"], serde_json::json!(["radius_at_limit"]));
-    assert_eq!(held["notes"][0], "a limit holds the radius: the data want another one");
+    assert_eq!(held["notes"][0], "the radius is at its limit; the data fit better beyond it");
     assert!(fitted(&data("w004"), &[])["result"]["limits"].is_null());
 }
 

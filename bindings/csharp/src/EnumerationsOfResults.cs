@@ -83,10 +83,10 @@ namespace Cylfuse
         /// that. Or the points alone, far from edges that were taken as given, would be another cylinder: one 1.5 times
         /// nearer to them, or surely 1.5 times as large or as small.</summary>
         PointsAndLimbsDisagree = 4096,
-        /// <summary>A limit of the radius holds it: the data want another one. Not for a radius that is
+        /// <summary>The radius is at its limit, and the data fit better beyond it. Not for a radius that is
         /// known.</summary>
         RadiusAtLimit = 8192,
-        /// <summary>The axis is on the border of its cone: the data want another one. Not for a direction that is
+        /// <summary>The axis is on the border of its cone, and the data fit better beyond it. Not for a direction that is
         /// known.</summary>
         AxisAtLimit = 16384,
         /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than

@@ -32,7 +32,7 @@ namespace Cylfuse
         /// any number. Default 1: no thread is started; 0 = 1.</summary>
         public uint MaxThreads { get => native.max_threads; set => native.max_threads = value; }
 
-        /// <summary>Most linear solves, at least 1. Default 400.</summary>
+        /// <summary>Maximum number of iterations, at least 1. Default 400.</summary>
         public uint MaxIterations { get => native.max_iterations; set => native.max_iterations = value; }
 
         /// <summary>Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.</summary>

@@ -46,7 +46,7 @@ namespace Cylfuse
             List<NativeLimbSample>(Native.Functions.FitterLimbSamples, sizeof(NativeLimbSample)),
             sample => new LimbSample(sample));
 
-        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the images, view after
+        /// <summary>Lists the samples on the arcs of both ends that <see cref="Extent"/> finds in the images, view after
         /// view: first those of the start, then those of the end. There are none for an end that the image of a view
         /// does not show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>

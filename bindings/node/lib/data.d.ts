@@ -46,7 +46,7 @@ export interface Options {
   extentRule?: 'auto' | 'extremes' | 'located';
   /** Most threads; the result has the same bits for any number. Default 1: no thread is started. */
   maxThreads?: number;
-  /** Most linear solves, at least 1. Default 400. */
+  /** Maximum number of iterations, at least 1. Default 400. */
   maxIterations?: number;
   /** Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12. */
   costTolerance?: number;

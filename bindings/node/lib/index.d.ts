@@ -118,7 +118,7 @@ export class Fitter {
   /** Sets a candidate in the reference frame for the start auto, the start of model; null takes it away. */
   setStartModel(model: Cylinder | null): void;
   /**
-   * Sets what hears of every linear solve; false stops the fit. What it throws, the fit throws. A `fit` waits for the
+   * Sets what is called before every iteration; false stops the fit. What it throws, the fit throws. A `fit` waits for the
    * event loop to get to it.
    */
   setProgress(callback: ((progress: Progress) => boolean | void) | null): void;
@@ -164,7 +164,7 @@ export class Fitter {
   limbs(): Limb[];
   /** What the last fit saw of the limbs in the image of the selected view, used and refused. */
   limbSamples(): LimbSample[];
-  /** The places on the arcs of both ends that `extent` finds in the images, view after view. */
+  /** The samples on the arcs of both ends that `extent` finds in the images, view after view. */
   endSamples(options?: Region): EndSample[];
   /** What the data determine at a model, by an orthogonal factorisation: more precise than `condition`, and slower. */
   diagnose(model?: Cylinder | null): Diagnosis;

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// The options that both have.
 #[derive(Debug, Args)]
 pub struct CommonArguments {
-    /// Print one JSON object a frame and line, in the order of the input, instead of tables.
+    /// Print one JSON object per frame, each on a line, in the order of the input, instead of tables.
     #[arg(long, help_heading = "Output")]
     pub json: bool,
 

@@ -75,7 +75,7 @@ pub struct TwinArguments {
     #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "Camera")]
     pub jpeg: Option<u8>,
 
-    /// Leave the depth on the grid of the depth camera, and write where that stands.
+    /// Do not register the depth to the image; write the pose of the depth camera instead.
     #[arg(long, help_heading = "Camera")]
     pub unregistered: bool,
 

@@ -327,9 +327,9 @@ class ResultFlags(IntFlag):
     POINTS_NOT_FINITE = 2048
     #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations.
     POINTS_AND_LIMBS_DISAGREE = 4096
-    #: A limit of the radius holds it: the data want another one.
+    #: The radius is at its limit, and the data fit better beyond it.
     RADIUS_AT_LIMIT = 8192
-    #: The axis is on the border of its cone: the data want another one.
+    #: The axis is on the border of its cone, and the data fit better beyond it.
     AXIS_AT_LIMIT = 16384
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768

@@ -84,7 +84,7 @@ class Fitter(Questions, Calling):
         self._call(lib.cylfuse_fitter_set_start_model, _cylinder(model), changes=True)
 
     def on_progress(self, callback: Optional[Callable[[Progress], Any]]) -> None:
-        """Sets what hears of every linear solve, on the thread of the fit; None for none. When it returns False the
+        """Sets what is called before every iteration, on the thread of the fit; None for none. When it returns False the
         fit stops with CancelledError; what it raises ends the fit and comes out of it."""
         self._set_callback(self._callbacks.progress(callback), lib.cylfuse_fitter_set_progress)
 

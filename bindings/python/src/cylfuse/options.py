@@ -46,7 +46,7 @@ class Options:
     extent_rule: ExtentRule | str = ExtentRule.AUTO
     #: Most threads of one fit; 1 starts none. The result has the same bits for any number.
     max_threads: int = 1
-    #: Most linear solves.
+    #: Maximum number of iterations.
     max_iterations: int = 400
     #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
     cost_tolerance: float = 1e-12

@@ -161,7 +161,7 @@ class Questions(Closable):
         return LimbSamples(*(samples[name] for name in LimbSamples._fields))
 
     def end_samples(self, model: Optional[Cylinder] = None, mask: Optional[Array] = None) -> EndSamples:
-        """The places on the arcs of both ends that :meth:`extent` finds in the images, view after view."""
+        """The samples on the arcs of both ends that :meth:`extent` finds in the images, view after view."""
         view = _arrays.mask_view(mask)
         samples = self._structs(
             lib.cylfuse_fitter_end_samples, _structs.EndSample, 256, _cylinder(model), _optional(view)

@@ -83,7 +83,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Sets or takes away the listener that hears of every linear solve. What it throws stops the fit and comes out of
+     * Sets or takes away the listener that is called before every iteration. What it throws stops the fit and comes out of
      * it.
      *
      * @param listener null for none
@@ -259,7 +259,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after
+     * Lists the samples on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after
      * view: first those of the start, then those of the end. There are none for an end that the image of a view does
      * not show.
      *

@@ -68,7 +68,7 @@ final class NativeFunctions {
         return failure;
     }
 
-    /** Hears of every linear solve. */
+    /** Called before every iteration. */
     interface ProgressCallback extends Callback {
         int invoke(Pointer progress, Pointer userData);
     }
