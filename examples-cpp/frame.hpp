@@ -1,4 +1,4 @@
-// Reads a frame without other libraries: camera.txt, depth.pgm, mask.pgm, edges.txt of one folder.
+// Reads a frame without other libraries: camera.txt, depth.pgm, mask.pgm, image.pgm and edges.txt of one folder.
 #ifndef FRAME_HPP
 #define FRAME_HPP
 
@@ -13,6 +13,7 @@ struct Frame {
     double depth_unit; // metres per unit of the depth image
     std::vector<std::uint16_t> depth;
     std::vector<std::uint8_t> mask;
+    std::vector<std::uint8_t> image; // grey, linear in light
     std::vector<std::array<double, 4>> edges; // x1 y1 x2 y2
 
     explicit Frame(const std::string &folder)
@@ -25,6 +26,7 @@ struct Frame {
             depth.push_back(static_cast<std::uint16_t>(bytes[k] << 8 | bytes[k + 1])); // PGM is big-endian.
         }
         mask = read_pgm(folder + "/mask.pgm", 255);
+        image = read_pgm(folder + "/image.pgm", 255);
         std::ifstream edges_file(folder + "/edges.txt");
         for (std::array<double, 4> edge; edges_file >> edge[0] >> edge[1] >> edge[2] >> edge[3];) {
             edges.push_back(edge);
@@ -33,6 +35,7 @@ struct Frame {
 
     cylfuse::DepthView depth_view() const { return {depth.data(), camera.width, camera.height, depth_unit}; }
     cylfuse::MaskView mask_view() const { return {mask.data(), camera.width, camera.height}; }
+    cylfuse::ImageView image_view() const { return {image.data(), camera.width, camera.height}; }
 
 private:
     static void check(const std::istream &file, const std::string &path)

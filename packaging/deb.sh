@@ -7,6 +7,8 @@ version=$1 soversion=$2 folder=$3
 architecture=$(dpkg --print-architecture)
 libdir=/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
 runtime=libcylfuse$soversion
+maintainer="the cylfuse developers <cylfuse@localhost>"
+date=$(date -R -u -d "@${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}")
 
 rm -rf "$folder"
 mkdir -p "$folder"
@@ -24,10 +26,20 @@ rm -r "$folder/source"
 control() {
     local name=$1 staged=$folder/$1
     mkdir -p "$staged/DEBIAN" "$staged/usr/share/doc/$name"
-    cat LICENSE-MIT LICENSE-APACHE > "$staged/usr/share/doc/$name/copyright"
+    {
+        printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: cylfuse\n\n'
+        printf 'Files: *\nCopyright: %s\nLicense: Expat or Apache-2.0\n\n' "$(sed -n 's/^Copyright (c) //p' LICENSE-MIT)"
+        printf 'License: Expat\n'
+        sed -n '/^Permission/,$ { s/^$/./; s/^/ /; p }' LICENSE-MIT
+        printf '\nLicense: Apache-2.0\n The text is in /usr/share/common-licenses/Apache-2.0.\n'
+    } > "$staged/usr/share/doc/$name/copyright"
+    printf 'cylfuse (%s) unstable; urgency=medium\n\n  * What has changed is told by the release.\n\n -- %s  %s\n' \
+        "$version" "$maintainer" "$date" | gzip -9n > "$staged/usr/share/doc/$name/changelog.gz"
+    mkdir -p "$staged/usr/share/lintian/overrides"
+    printf '# There is no address yet.\n%s: bogus-mail-host Maintainer *\n' "$name" > "$staged/usr/share/lintian/overrides/$name"
     {
         printf 'Package: %s\nSource: cylfuse\nVersion: %s\nArchitecture: %s\n' "$name" "$version" "$architecture"
-        printf 'Multi-Arch: same\nMaintainer: the cylfuse developers <cylfuse@localhost>\nDepends: %s\n' "$2"
+        printf 'Multi-Arch: same\nMaintainer: %s\nDepends: %s\n' "$maintainer" "$2"
         printf 'Section: %s\nPriority: optional\nInstalled-Size: %s\n' "$3" "$(du -ks "$staged/usr" | cut -f 1)"
         printf 'Description: %s\n' "$4"
         printf ' Axis, radius and visible extent of a pipe, a can, a shaft or a trunk from depth\n'

@@ -77,7 +77,7 @@ pub struct NoiseModel {
     /// The largest growth of a mask all round, in pixels of the drawing; a bound, no deviation. 3: two of the
     /// deviations of a growth of 1.25 pixels, and the half pixel of the raster.
     pub mask_growth: f64,
-    /// The boundary of a mask at one place, in pixels of the drawing. 0.8: a person or a network draws a boundary to
+    /// The boundary of a mask at one position, in pixels of the drawing. 0.8: a person or a network draws a boundary to
     /// about a pixel, smoothly.
     pub mask_boundary: f64,
     /// The length along a boundary over which it wanders, in pixels of the drawing. 10: by eye on the masks of recorded
@@ -194,7 +194,7 @@ pub struct ImageNoise {
     pub unevenness: f64,
     /// The largest growth of a mask all round.
     pub growth: f64,
-    /// The boundary of a mask at one place.
+    /// The boundary of a mask at one position.
     pub boundary: f64,
     /// The length along a boundary over which it wanders.
     pub correlation: f64,

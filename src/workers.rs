@@ -29,10 +29,17 @@ impl Workers {
     /// The same, with as many threads as the machine has for 0.
     #[must_use]
     pub fn asked(threads: usize) -> Self {
-        Self::new(match threads {
+        Self::asked_for(threads, usize::MAX)
+    }
+
+    /// The same, with no more threads than there are items to work on.
+    #[must_use]
+    pub fn asked_for(threads: usize, items: usize) -> Self {
+        let count = match threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             count => count,
-        })
+        };
+        Self::new(count.min(items))
     }
 
     /// How many threads work.
@@ -51,33 +58,30 @@ impl Workers {
         }
     }
 
-    /// The same, and tells the calling thread whenever a slot is done how many are.
-    pub fn fill_and_tell<T: Send>(
+    /// Computes something from every item and its index, changing it, and gives the calling thread each outcome with its
+    /// index as soon as it is there.
+    pub fn change_and_tell<T: Send, R: Send>(
         &self,
-        slots: &mut [T],
-        compute: impl Fn(usize) -> T + Sync,
-        mut tell: impl FnMut(usize),
+        items: &mut [T],
+        compute: impl Fn(usize, &mut T) -> R + Sync,
+        mut tell: impl FnMut(usize, R),
     ) {
         let Some(pool) = &self.pool else {
-            for (index, slot) in slots.iter_mut().enumerate() {
-                *slot = compute(index);
-                tell(index + 1);
-            }
+            items.iter_mut().enumerate().for_each(|(index, item)| tell(index, compute(index, item)));
             return;
         };
         let (sender, receiver) = channel();
         let compute = &compute;
         pool.in_place_scope(|scope| {
-            for (index, slot) in slots.iter_mut().enumerate() {
+            for (index, item) in items.iter_mut().enumerate() {
                 let sender = sender.clone();
                 scope.spawn(move |_| {
-                    *slot = compute(index);
                     // The receiver is there until the last sender is gone.
-                    let _ = sender.send(());
+                    let _ = sender.send((index, compute(index, item)));
                 });
             }
             drop(sender);
-            (1..).zip(&receiver).for_each(|(done, ())| tell(done));
+            receiver.iter().for_each(|(index, outcome)| tell(index, outcome));
         });
     }
 }
@@ -98,20 +102,29 @@ mod tests {
     }
 
     #[test]
-    fn the_calling_thread_is_told_of_every_slot() {
+    fn the_calling_thread_is_told_of_every_item() {
         for threads in [1, 3] {
-            let mut slots = [0; 100];
+            let mut items = [0; 100];
             let (mut told, caller) = (Vec::new(), std::thread::current().id());
-            Workers::new(threads).fill_and_tell(
-                &mut slots,
-                |index| index + 1,
-                |done| {
-                    assert_eq!(std::thread::current().id(), caller);
-                    told.push(done);
-                },
-            );
-            assert_eq!(told, (1..=100).collect::<Vec<_>>());
-            assert!(slots.iter().enumerate().all(|(index, slot)| *slot == index + 1));
+            let compute = |index: usize, item: &mut usize| {
+                *item = index + 1;
+                2 * index
+            };
+            Workers::new(threads).change_and_tell(&mut items, compute, |index, outcome| {
+                assert_eq!(std::thread::current().id(), caller);
+                assert_eq!(outcome, 2 * index);
+                told.push(index);
+            });
+            told.sort_unstable();
+            assert!(told.into_iter().eq(0..100));
+            assert!(items.iter().enumerate().all(|(index, item)| *item == index + 1));
+        }
+    }
+
+    #[test]
+    fn there_are_no_more_threads_than_items() {
+        for (threads, items, count) in [(5, 3, 3), (2, 3, 2), (4, 0, 1)] {
+            assert_eq!(Workers::asked_for(threads, items).threads(), count);
         }
     }
 }

@@ -52,7 +52,7 @@ fn layouts() -> Vec<Layout> {
             max_iterations, cost_tolerance, gradient_tolerance, step_tolerance, initial_lambda, lambda_factor,
             max_lambda, edge_weight, seed, ransac_max_iterations, ransac_threshold, independent_points,
             depth_noise, image_noise, edge_noise, mask_noise, image_blur, drawn_pixel, radius_min, radius_max,
-            axis, axis_max_angle,
+            axis, axis_max_angle, depth_shared,
         }
         cylfuse_counts {
             struct_size, view, points_given, points_used, dropped_not_finite, dropped_zero_weight,

@@ -20,7 +20,10 @@ cargo clippy --locked --release --all-targets --all-features -- -D warnings
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
 
-step "tests: Rust, header, ABI, C with sanitizers and valgrind, command line"
+step "dependencies: licences, sources, known vulnerabilities"
+tests/deny.sh
+
+step "tests: Rust, header, ABI, hostile calls and damaged files, C with sanitizers and valgrind, command line"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 cargo test --locked --release --features bench --no-fail-fast 2>&1 | tee "$log"
@@ -40,9 +43,12 @@ tests/report.sh 2>&1 | tee -a "$log"
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
 tests/cpp.sh 2>&1 | tee -a "$log"
 
+step "documents: site, links, programs of the first pages"
+tests/docs.sh 2>&1 | tee -a "$log"
+
 step "bindings"
 bindings/test.sh 2>&1 | tee -a "$log"
 
 # Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed" and so on.
-sum() { awk -v word="$1" '/^(test result|report|cpp|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
+sum() { awk -v word="$1" '/^(test result|report|cpp|docs|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }
 printf '\n%s passed, %s failed\n' "$(sum passed)" "$(sum failed)"

@@ -40,7 +40,7 @@ check "make install" "${make[@]}" install PREFIX="$prefix"
 listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
-check "what was installed" test "$listing" = "./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
+check "what was installed" test "$listing" = "./include/cylfuse/batch.hpp ./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
 ./include/cylfuse/cylfuse.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
 ./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
 ./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \

@@ -10,7 +10,7 @@ use common::{c_compiler, cpp_compiler, header, root, run, scratch};
 use std::process::Command;
 
 /// The files of src/ffi in the order of the header. `panic_test` is not part of it.
-const SOURCES: [&str; 20] = [
+const SOURCES: [&str; 21] = [
     "status",
     "constants",
     "outcomes",
@@ -27,6 +27,7 @@ const SOURCES: [&str; 20] = [
     "detector",
     "detections",
     "solve",
+    "batch",
     "arrays",
     "apply",
     "cylinder",

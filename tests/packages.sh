@@ -2,7 +2,8 @@
 # Installs the Debian packages that the checks need, those that are missing.
 set -euo pipefail
 missing=()
-for package in build-essential valgrind cmake clang doxygen pkg-config libclang-dev libopencv-dev libpcl-dev; do
+for package in build-essential valgrind cmake clang doxygen pkg-config libclang-dev libopencv-dev libpcl-dev \
+    abigail-tools; do
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
 done
 if [ ${#missing[@]} -gt 0 ]; then

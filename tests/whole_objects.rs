@@ -66,7 +66,7 @@ impl Scene {
         match self.top {
             Top::Closed => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
-            Top::Open => (Some(Part::Behind), far.z),
+            Top::Open => (Some(Part::InnerWall), far.z),
         }
     }
 
@@ -78,6 +78,17 @@ impl Scene {
                 value(part, depth)
             })
             .collect()
+    }
+
+    /// A fitter with every depth.
+    fn fitter_without_mask(&self) -> Fitter {
+        let depth = self.pixels(|_, depth| depth as f32);
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(*self.camera.intrinsics()).unwrap();
+        fitter
+            .push_depth(&DepthView::from_f32(&depth, SIZE, 1.0).unwrap(), None, &DepthRange::default())
+            .unwrap();
+        fitter
     }
 
     /// A fitter with the depth within a mask of the parts that are wanted.
@@ -119,6 +130,25 @@ fn the_body_is_measured_whatever_the_mask_holds() {
     }
 }
 
+/// Most of the points are of a wall far behind, which says nothing of the noise of the surface.
+#[test]
+fn the_background_is_told_without_a_mask() {
+    let scene = Scene::new(Top::Dark);
+    let found = scene.fitter_without_mask().point_parts(Some(&scene.cylinder)).unwrap();
+    let truth: Vec<Option<Part>> =
+        scene.pixels(|part, depth| (depth > 0.0).then_some(part)).into_iter().flatten().collect();
+    assert_eq!(found.len(), truth.len());
+    for (part, want) in [(Some(Part::Body), Part::Body), (None, Part::Behind)] {
+        let of_part = || found.iter().zip(&truth).filter(|(_, truth)| **truth == part);
+        let right = of_part().filter(|(found, _)| **found == want).count();
+        assert!(
+            right as f64 >= 0.93 * of_part().count() as f64,
+            "{want:?}: {right} of {}",
+            of_part().count()
+        );
+    }
+}
+
 #[test]
 fn points_are_labelled() {
     for top in [Top::Closed, Top::Open] {
@@ -127,7 +157,7 @@ fn points_are_labelled() {
         fitter.fit().unwrap();
         let (found, truth) = (fitter.point_parts(None).unwrap(), scene.parts());
         assert_eq!(found.len(), truth.len());
-        for part in [Part::Body, Part::Cap, Part::Behind] {
+        for part in [Part::Body, Part::Cap, Part::InnerWall] {
             let of_part = || found.iter().zip(&truth).filter(|(_, truth)| **truth == part);
             let right = of_part().filter(|(found, truth)| found == truth).count();
             assert!(

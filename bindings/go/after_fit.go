@@ -55,6 +55,27 @@ func (fitter *Fitter) PointWeights() (weights []float64, inliers []bool, err err
 	return weights, inliers, nil
 }
 
+// PointParts tells what each point of the selected view belongs to, in the order of ResidualPoints, for a model in the
+// reference frame; nil = that of the last fit.
+func (fitter *Fitter) PointParts(model *Cylinder) ([]Part, error) {
+	c := model.optional()
+	var parts []Part
+	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		var counts C.cylfuse_counts
+		C.cylfuse_counts_init(&counts, C.sizeof_cylfuse_counts)
+		if status := C.cylfuse_fitter_counts(handle, &counts); status != C.CYLFUSE_STATUS_OK {
+			return status
+		}
+		return list(&parts, C.size_t(counts.points_used), func(out *Part, capacity C.size_t, count *C.size_t) C.cylfuse_status {
+			return C.cylfuse_fitter_point_parts(handle, c, (*C.cylfuse_part)(out), capacity, count)
+		})
+	})
+	if err != nil {
+		return nil, err
+	}
+	return parts, nil
+}
+
 // Limbs lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
 // they were not. All are LimbNotSearched once data or options have changed since.
 func (fitter *Fitter) Limbs() ([]Limb, error) {
@@ -113,7 +134,7 @@ func (fitter *Fitter) LimbSamples() ([]LimbSample, error) {
 	return samples, nil
 }
 
-// EndSamples lists the places on the arcs of both ends that Extent finds in the images, view after view: first those of
+// EndSamples lists the samples on the arcs of both ends that Extent finds in the images, view after view: first those of
 // the start, then those of the end. There are none for an end that the image of a view does not show.
 func (fitter *Fitter) EndSamples(model *Cylinder, mask *Mask) ([]EndSample, error) {
 	cylinder := model.optional()

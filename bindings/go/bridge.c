@@ -193,3 +193,14 @@ cylfuse_status bridge_set_detection_progress(cylfuse_detector *detector, int32_t
 {
     return cylfuse_detector_set_progress(detector, on ? hear_detection_progress : NULL, NULL);
 }
+
+static int32_t hear_fit_ended(size_t index, cylfuse_status status, void *call)
+{
+    return cylfuseGoFitEnded(index, status, (uintptr_t)call);
+}
+
+cylfuse_status bridge_fit_all(cylfuse_fitter **fitters, size_t count, uint32_t threads, int32_t on, uintptr_t call,
+                              cylfuse_status *out_statuses)
+{
+    return cylfuse_fit_all(fitters, count, threads, on ? hear_fit_ended : NULL, (void *)call, out_statuses);
+}

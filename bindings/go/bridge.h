@@ -59,4 +59,8 @@ cylfuse_status bridge_set_progress(cylfuse_fitter *fitter, int32_t on);
 cylfuse_status bridge_set_log(cylfuse_fitter *fitter, cylfuse_log_level max_level, int32_t on);
 cylfuse_status bridge_set_detection_progress(cylfuse_detector *detector, int32_t on);
 
+/* Fits all; with `on` each fit that ended is told to Go, with the handle of Go. */
+cylfuse_status bridge_fit_all(cylfuse_fitter **fitters, size_t count, uint32_t threads, int32_t on, uintptr_t call,
+                              cylfuse_status *out_statuses);
+
 #endif

@@ -15,13 +15,13 @@ const (
 	PhaseSolve Phase = C.CYLFUSE_PHASE_SOLVE
 )
 
-// Progress is the state of a running fit, before each linear solve.
+// Progress is the state of a running fit, before each iteration.
 type Progress struct {
 	// Phase is what the fit is doing.
 	Phase Phase
-	// Iteration counts the linear solves, from 0 with every start that is tried and every robust round.
+	// Iteration counts the iterations, from 0 with every start that is tried and every robust round.
 	Iteration uint32
-	// MaxIterations is the most linear solves.
+	// MaxIterations is the maximum number of iterations.
 	MaxIterations uint32
 	// Cost is the lowest so far, unit of length squared; infinite in PhaseStart.
 	Cost float64
@@ -47,7 +47,7 @@ const (
 	LogDebug LogLevel = C.CYLFUSE_LOG_LEVEL_DEBUG
 )
 
-// SetProgress sets what hears of every linear solve of a fit, in the goroutine that called Fit; nil for nothing. It
+// SetProgress sets what is called before every iteration of a fit, in the goroutine that called Fit; nil for nothing. It
 // returns true to go on; false stops the fit, which returns StatusCancelled. Of the methods of the same fitter it may
 // only call Cancel; the others return StatusBusy. Its panic goes on in the caller of Fit. It must not end the goroutine
 // (runtime.Goexit, Fatal of a test): for the library the fit would go on for ever, and the fitter with it.

@@ -312,6 +312,9 @@ func (run *caseRun) get(step *caseStep) (out outputs, err error) {
 		weights, inliers, err := fitter.PointWeights()
 		out.add("weights", weights)
 		return list("inliers", inliers, err)
+	case "point_parts":
+		parts, err := fitter.PointParts(model)
+		return list("parts", parts, err)
 	case "limbs":
 		return items(fitter.Limbs())
 	case "limb_samples":

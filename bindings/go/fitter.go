@@ -100,7 +100,7 @@ func (fitter *Fitter) ClearInput(inputs Input) error {
 	})
 }
 
-// Cancel asks the calls that are running to stop: a fit returns StatusCancelled before its next linear solve. When no
+// Cancel asks the calls that are running to stop: a fit returns StatusCancelled before its next iteration. When no
 // call is running it does nothing. May come from any goroutine and from callbacks.
 func (fitter *Fitter) Cancel() error {
 	return fitter.object.call(func(handle unsafe.Pointer) C.cylfuse_status {

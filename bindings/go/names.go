@@ -52,6 +52,11 @@ func (state EndState) String() string { return name(state, 0, "unknown", "seen",
 // String names the source.
 func (source EndSource) String() string { return name(source, 0, "extreme", "mask", "image", "border") }
 
+// String names the part.
+func (part Part) String() string {
+	return name(int(part), int(PartBody), "body", "cap", "inner wall", "other", "behind")
+}
+
 // String names the status.
 func (status LimbStatus) String() string {
 	return name(status, 0, "located", "not searched", "no limbs", "too short", "no edge", "out of reach", "uncertain",

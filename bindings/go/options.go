@@ -111,7 +111,7 @@ type Options struct {
 	// MaxThreads is the most threads for the sums over the points; the result has the same bits for any number.
 	// Default 1: no thread is started.
 	MaxThreads uint32
-	// MaxIterations is the most linear solves, at least 1. Default 400.
+	// MaxIterations is the maximum number of iterations, at least 1. Default 400.
 	MaxIterations uint32
 	// CostTolerance is the smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
 	CostTolerance float64
@@ -155,6 +155,9 @@ type Options struct {
 	// DrawnPixel is the size of a pixel of the drawing in which edges and masks were made, in pixels of the image. Default
 	// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
 	DrawnPixel float64
+	// DepthShared is the standard deviation of the errors that all points of a view share, as a part of their distance.
+	// Default 0 = 0.001, what data sheets grant the best; less than 0 = they share none.
+	DepthShared float64
 	// RadiusMin is the smallest radius, which the returned cylinder keeps. Default 0 = no limit.
 	RadiusMin float64
 	// RadiusMax is the largest radius, equal to RadiusMin for a radius that is known. Default 0 = no limit.
@@ -203,6 +206,7 @@ func (options *Options) toC() C.cylfuse_options {
 	c.mask_noise = C.double(options.MaskNoise)
 	c.image_blur = C.double(options.ImageBlur)
 	c.drawn_pixel = C.double(options.DrawnPixel)
+	c.depth_shared = C.double(options.DepthShared)
 	c.radius_min = C.double(options.RadiusMin)
 	c.radius_max = C.double(options.RadiusMax)
 	c.axis = vectorToC(options.Axis)
@@ -238,6 +242,7 @@ func optionsFromC(c *C.cylfuse_options) Options {
 		MaskNoise:           float64(c.mask_noise),
 		ImageBlur:           float64(c.image_blur),
 		DrawnPixel:          float64(c.drawn_pixel),
+		DepthShared:         float64(c.depth_shared),
 		RadiusMin:           float64(c.radius_min),
 		RadiusMax:           float64(c.radius_max),
 		Axis:                vectorFromC(c.axis),

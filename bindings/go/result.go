@@ -103,7 +103,7 @@ type Result struct {
 	Flags Flags
 	// Termination is why the iteration ended.
 	Termination Termination
-	// Iterations counts the linear solves, RejectedSteps those whose step was rejected.
+	// Iterations counts the iterations, RejectedSteps those whose step was rejected.
 	Iterations, RejectedSteps uint32
 	// LimbsLocated counts the limb lines that were located in the images and took part, at most 2 a view.
 	LimbsLocated uint32
@@ -225,6 +225,22 @@ const (
 	ResidualPoints ResidualKind = C.CYLFUSE_RESIDUAL_KIND_POINTS
 	// ResidualEdges is the signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
 	ResidualEdges ResidualKind = C.CYLFUSE_RESIDUAL_KIND_EDGES
+)
+
+// Part is what a point in the mask belongs to.
+type Part uint8
+
+const (
+	// PartBody: the lateral surface.
+	PartBody Part = C.CYLFUSE_PART_BODY
+	// PartCap: a cap, which lies in the plane across the axis at an end.
+	PartCap Part = C.CYLFUSE_PART_CAP
+	// PartInnerWall: the inside of the cylinder, seen through an open end: its inner wall or its bottom.
+	PartInnerWall Part = C.CYLFUSE_PART_INNER_WALL
+	// PartOther: something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+	PartOther Part = C.CYLFUSE_PART_OTHER
+	// PartBehind: something farther away than the cylinder, the background.
+	PartBehind Part = C.CYLFUSE_PART_BEHIND
 )
 
 // LimbStatus says whether a limb was located in the image, or why not.

@@ -72,6 +72,11 @@ func TestTwoViews(t *testing.T) {
 			t.Fatalf("weight %v, inlier %v", weight, inliers[i])
 		}
 	}
+	parts, err := fitter.PointParts(nil)
+	must(t, err)
+	if len(parts) != len(weights) || parts[len(parts)/2] != PartBody || parts[len(parts)/2].String() != "body" {
+		t.Errorf("%d parts, %v", len(parts), parts[len(parts)/2])
+	}
 	limbs, err := fitter.Limbs()
 	must(t, err)
 	if len(limbs) != 4 || limbs[3].View != 1 || limbs[3].Limb != 1 || limbs[3].Status != LimbNotSearched {

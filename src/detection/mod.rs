@@ -84,17 +84,24 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
+    /// Whether it was seen as from the sensor: always for an image, not for every cloud.
+    pub from_sensor: bool,
     /// What scores after a fit need of the image.
     image: Option<ImageEdges>,
 }
 
 impl Detections {
-    /// The score of a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
+    /// What speaks for a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
     /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
     #[must_use]
-    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, radius_deviation: f64) -> f64 {
+    pub fn evidence_of_fit(
+        &self,
+        detection: &Detection,
+        fitted: &Cylinder,
+        radius_deviation: f64,
+    ) -> Evidence {
         let limbs = self.image.as_ref().map(|_| self.covered(detection, fitted));
-        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }.score()
+        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
@@ -112,7 +119,7 @@ impl Detections {
 }
 
 /// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. A fit to its region tells
-/// more of each: see [`Detections::score_of_fit`].
+/// more of each: see [`Detections::evidence_of_fit`].
 ///
 /// # Errors
 /// `InvalidArgument`.

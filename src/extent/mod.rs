@@ -85,7 +85,7 @@ impl Fitter {
         Ok(self.extent_and_arcs(model, mask)?.0)
     }
 
-    /// The same, and by view the places of the arcs of start and end in its image. They are empty for an end that the
+    /// The same, and by view the samples of the arcs of start and end in its image. They are empty for an end that the
     /// image did not show.
     ///
     /// # Errors

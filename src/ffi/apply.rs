@@ -83,8 +83,8 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
             let out = read(out, "out")?;
             let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
             match complete(&content.fitter, model.as_ref(), mask.as_ref(), organised, &out) {
-                Ok((count, counts)) => {
-                    out_completion.write(&completion(&content.fitter, count, &counts, 0));
+                Ok((count, counts, out_of_range)) => {
+                    out_completion.write(&completion(&content.fitter, count, &counts, out_of_range));
                     Ok(())
                 }
                 Err(Failure::BufferTooSmall { name, capacity, needed }) => {
@@ -115,7 +115,7 @@ fn completion(
     }
 }
 
-/// How many points were written, and what became of the pixels.
+/// How many points were written, what became of the pixels, and how many points the scalar does not hold.
 ///
 /// # Safety
 /// `out.data` is NULL or writable as the fields of `out` describe.
@@ -125,7 +125,7 @@ unsafe fn complete(
     mask: Option<&MaskView<'_>>,
     organised: bool,
     out: &cylfuse_points_out,
-) -> Result<(usize, CompletionCounts), Failure> {
+) -> Result<(usize, CompletionCounts, u64), Failure> {
     let scalar = out.scalar.read("out.scalar")?;
     if !organised && out.row_stride != 0 {
         return Err(Failure::argument("out.row_stride", out.row_stride, "be 0 for packed points"));
@@ -153,8 +153,14 @@ unsafe fn complete(
         row_stride: out.row_stride,
     };
     let grid = grid.check(out.data)?;
-    let mut count = 0;
+    let (mut count, mut out_of_range) = (0, 0);
+    let holds = |point: &Vector3<f64>| match scalar {
+        Scalar::F32 => point.iter().all(|x| (*x as f32).is_finite()),
+        Scalar::F64 => point.iter().all(|x| x.is_finite()),
+    };
     let counts = fitter.complete(model, mask, &mut |column, row, point| {
+        out_of_range += u64::from(point.as_ref().is_some_and(|point| !holds(point)));
+        let point = point.filter(|point| holds(point));
         let offset = match (organised, &point) {
             (true, _) => grid.offset(column, row),
             (false, Some(_)) => grid.offset(count, 0),
@@ -166,7 +172,7 @@ unsafe fn complete(
         unsafe { write_point(out.data.cast::<u8>().offset(offset), scalar, &point) };
         count += 1;
     })?;
-    Ok((count, counts))
+    Ok((count, counts, out_of_range))
 }
 
 /// # Safety

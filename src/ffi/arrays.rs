@@ -4,7 +4,7 @@ use super::constants::cylfuse_residual_kind;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
 use super::options::saturated;
-use super::outcomes::cylfuse_limb_status;
+use super::outcomes::{cylfuse_limb_status, cylfuse_part};
 use super::results::{cylfuse_end_sample, cylfuse_limb, cylfuse_limb_sample};
 use super::sized::OutputArray;
 use super::solve::last_result;
@@ -12,6 +12,7 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_mask_view};
 use super::views::{Slot, optional_cylinder};
 use crate::camera::Camera;
+use crate::error::Error;
 use crate::extent::ArcSample;
 use crate::fitter::ResidualKind;
 use crate::limb_location::{LimbObservation, LimbSample};
@@ -25,7 +26,7 @@ use crate::limb_location::{LimbObservation, LimbSample};
 /// @param capacity `points_used` of `cylfuse_fitter_counts` is enough for POINTS, 2 a segment for EDGES
 /// @param out_count how many there are; set after BUFFER_TOO_SMALL too
 /// @return BAD_STATE without a model and a result, EDGE_GEOMETRY for EDGES when the camera is inside the
-///   cylinder, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+///   cylinder, NUMERICAL where no number holds a residual, BUFFER_TOO_SMALL, OUT_OF_MEMORY
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_residuals(
     fitter: *const cylfuse_fitter,
@@ -49,6 +50,9 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
             let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
             let seen = content.fitter.pose().inverse().cylinder(&cylinder);
             let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
+            if distances.clone().any(|distance| !distance.is_finite()) {
+                return Err(Error::Numerical { what: "the residuals" }.into());
+            }
             write_numbers(distances, out, capacity, &count)
         })
     }
@@ -88,7 +92,7 @@ pub(super) unsafe fn write_numbers<T: Copy>(
 /// @param out_inliers room for `capacity` bytes: 1 for a point whose weight is above 0, else 0. NULL = not wanted.
 /// @param capacity `points_used` of `cylfuse_fitter_counts` is enough
 /// @param out_count how many there are; set after BUFFER_TOO_SMALL too
-/// @return BAD_STATE without a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+/// @return BAD_STATE without a result, BUFFER_TOO_SMALL; else as `cylfuse_fitter_fit`, when data were cleared since
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     fitter: *const cylfuse_fitter,
@@ -119,6 +123,34 @@ pub unsafe extern "C" fn cylfuse_fitter_point_weights(
                 }
             }
             Ok(())
+        })
+    }
+}
+
+/// Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
+/// cylinder, or what else a mask of a whole object holds. A depth image tells where within the mask the lateral surface
+/// ends; without one it goes on, and no point is of a cap.
+///
+/// @param fitter the fitter
+/// @param model the model, in the reference frame; NULL = that of the last fit
+/// @param out room for `capacity` parts, of one byte each; may be NULL when `capacity` is 0
+/// @param capacity `points_used` of `cylfuse_fitter_counts` is enough
+/// @param out_count how many there are; set after BUFFER_TOO_SMALL too
+/// @return BAD_STATE without a model and a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_point_parts(
+    fitter: *const cylfuse_fitter,
+    model: *const cylfuse_cylinder,
+    out: *mut cylfuse_part,
+    capacity: usize,
+    out_count: *mut usize,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(fitter, |content, _| {
+            let count = Slot::new(out_count, "out_count")?;
+            let parts = content.fitter.point_parts(optional_cylinder(model)?.as_ref())?;
+            write_numbers(parts.into_iter().map(cylfuse_part::from), out, capacity, &count)
         })
     }
 }
@@ -221,7 +253,7 @@ fn limb_sample(
     Some(cylfuse_limb_sample { view, limb, pixel: pixel.into(), deviation: sample.sigma, weight })
 }
 
-/// Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+/// Lists the samples on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
 /// those of the start, then those of the end. There are none for an end that the image of a view does not show.
 ///
 /// @param fitter the fitter, with intrinsics

@@ -2,10 +2,11 @@
 
 use super::constants::cylfuse_log_level;
 use super::results::{cylfuse_detection_progress, cylfuse_progress};
+use super::status::cylfuse_status;
 use super::texts::Text;
 use std::ffi::{c_char, c_void};
 
-/// Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
+/// Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
 ///
 /// It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
 /// `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.
@@ -28,6 +29,18 @@ pub type cylfuse_progress_fn =
 /// @return 0 to go on; anything else stops the search, which returns CANCELLED
 pub type cylfuse_detection_progress_fn =
     Option<unsafe extern "C" fn(progress: *const cylfuse_detection_progress, user_data: *mut c_void) -> i32>;
+
+/// Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+///
+/// It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
+/// `cylfuse_fitter_get_result` on this one; the others may be BUSY.
+///
+/// @param index the place of the fitter
+/// @param status what `cylfuse_fitter_fit` would have returned for it
+/// @param user_data what was given with the callback
+/// @return 0 to go on; anything else stops the fits that run, and no other begins
+pub type cylfuse_fit_all_fn =
+    Option<unsafe extern "C" fn(index: usize, status: cylfuse_status, user_data: *mut c_void) -> i32>;
 
 /// Takes a log line, on the thread that called the function: on several at once when several threads make calls with
 /// a `const cylfuse_fitter *`. It must not throw, unwind or longjmp, nor call functions on the same fitter but

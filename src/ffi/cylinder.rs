@@ -6,6 +6,7 @@ use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_points_view};
 use super::views::{self, Slot, cylinder};
 use crate::camera::Camera;
+use crate::error::Error;
 use crate::plan::{DepthNoise, Deviations, Plan, StepNoise};
 
 /// Signed distances of points from the surface, negative inside.
@@ -13,7 +14,8 @@ use crate::plan::{DepthNoise, Deviations, Plan, StepNoise};
 /// @param model the cylinder
 /// @param points the points; weights are ignored
 /// @param out room for `capacity` doubles, row by row of the points; NaN for a point with a coordinate that is not
-///   finite. Of any alignment; must not overlap with the points. May be NULL when `capacity` is 0.
+///   finite, or so far away that no number holds its distance. Of any alignment; must not overlap with the points. May be
+///   NULL when `capacity` is 0.
 /// @param capacity at least width * height of the points
 /// @return INVALID_ARGUMENT, STRUCT_SIZE, BUFFER_TOO_SMALL; nothing is written then
 #[unsafe(no_mangle)]
@@ -38,10 +40,9 @@ pub unsafe extern "C" fn cylfuse_cylinder_distances(
             }
             for index in 0..needed {
                 let point = points.points.at(index % width, index / width);
-                let finite = point.iter().all(|x| x.is_finite());
-                let distance = if finite { cylinder.distance(&point) } else { f64::NAN };
+                let distance = cylinder.distance(&point);
                 // The index is below the capacity.
-                out.add(index).write_unaligned(distance);
+                out.add(index).write_unaligned(if distance.is_finite() { distance } else { f64::NAN });
             }
             Ok(())
         })
@@ -85,7 +86,7 @@ pub unsafe extern "C" fn cylfuse_cylinder_project(
 /// @param out_angle angle between the axes in radians, in [0, pi / 2], whatever the signs of the directions
 /// @param out_axis_distance shortest distance between the two axes, in the unit of length
 /// @param out_radius_relative (radius of b - radius of a) / radius of a
-/// @return INVALID_ARGUMENT for a bad cylinder; nothing is written then
+/// @return INVALID_ARGUMENT for a bad cylinder, NUMERICAL where no number holds a difference; nothing is written then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_cylinder_compare(
     a: *const cylfuse_cylinder,
@@ -101,9 +102,13 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
             let axis_distance = Slot::new(out_axis_distance, "out_axis_distance")?;
             let radius_relative = Slot::new(out_radius_relative, "out_radius_relative")?;
             let difference = cylinder(a, "a")?.compare(&cylinder(b, "b")?);
-            angle.write(difference.angle);
-            axis_distance.write(difference.axis_distance);
-            radius_relative.write(difference.radius_relative);
+            let numbers = [difference.angle, difference.axis_distance, difference.radius_relative];
+            if numbers.iter().any(|number| !number.is_finite()) {
+                return Err(Error::Numerical { what: "the difference of the cylinders" }.into());
+            }
+            for (slot, number) in [angle, axis_distance, radius_relative].into_iter().zip(numbers) {
+                slot.write(number);
+            }
             Ok(())
         })
     }

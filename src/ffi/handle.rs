@@ -168,22 +168,36 @@ fn told(log: Log, result: Result<(), Failure>) -> Outcome {
     (failure.status(), Text::new(&text))
 }
 
-/// Runs a call that may change what the handle holds: alone.
-pub(super) fn change<C: Logs>(
-    handle: &Handle<C>,
-    call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
-) -> cylfuse_status {
+/// Runs a call that has nobody beside it.
+fn alone<C>(handle: &Handle<C>, call: impl FnOnce(&mut C, &Cancel<'_>) -> Outcome) -> cylfuse_status {
     if !handle.access.try_write() {
         return handle.busy();
     }
     let status = handle.run(|cancel| {
         // SAFETY: nobody else has access until it is given back below, so this is the only reference.
-        let content = unsafe { &mut *handle.content.get() };
-        let result = call(content, cancel);
-        told(content.log(), result)
+        call(unsafe { &mut *handle.content.get() }, cancel)
     });
     handle.access.end_write();
     status
+}
+
+/// Runs a call that may change what the handle holds: alone.
+pub(super) fn change<C: Logs>(
+    handle: &Handle<C>,
+    call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
+) -> cylfuse_status {
+    alone(handle, |content, cancel| {
+        let result = call(content, cancel);
+        told(content.log(), result)
+    })
+}
+
+/// The same on a thread of the library, where nothing of the caller is called.
+pub(super) fn change_quietly<C>(
+    handle: &Handle<C>,
+    call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
+) -> cylfuse_status {
+    alone(handle, |content, cancel| told(Log::default(), call(content, cancel)))
 }
 
 /// Runs a call that only reads what the handle holds: beside others of its kind.

@@ -102,7 +102,7 @@ pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter
     }
 }
 
-/// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+/// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
 /// sample. When no
 /// call is running it does nothing. May be called from any thread and from callbacks.
 ///

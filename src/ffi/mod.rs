@@ -26,6 +26,7 @@ compile_error!("cylfuse reports panics as CYLFUSE_STATUS_PANIC, which needs pani
 mod access;
 mod apply;
 mod arrays;
+mod batch;
 mod callbacks;
 mod camera;
 mod constants;
@@ -54,7 +55,8 @@ mod views;
 
 pub use apply::*;
 pub use arrays::*;
-pub use callbacks::{cylfuse_detection_progress_fn, cylfuse_log_fn, cylfuse_progress_fn};
+pub use batch::*;
+pub use callbacks::{cylfuse_detection_progress_fn, cylfuse_fit_all_fn, cylfuse_log_fn, cylfuse_progress_fn};
 pub use camera::*;
 pub use constants::*;
 pub use cylinder::*;

@@ -71,6 +71,10 @@ impl cylfuse_options {
                 return Err(Failure::argument(name, value, "be finite and at least 0"));
             }
         }
+        if !self.depth_shared.is_finite() {
+            let requirement = "be finite; less than 0 = none";
+            return Err(Failure::argument("options.depth_shared", self.depth_shared, requirement));
+        }
         let usual = NoiseModel::default();
         let or_usual = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
         Ok(NoiseModel {
@@ -78,6 +82,11 @@ impl cylfuse_options {
             edge_endpoint: or_usual(self.edge_noise, usual.edge_endpoint),
             mask_side: or_usual(self.mask_noise, usual.mask_side),
             depth: self.depth_noise,
+            depth_shared: if self.depth_shared < 0.0 {
+                0.0
+            } else {
+                or_usual(self.depth_shared, usual.depth_shared)
+            },
             image: self.image_noise,
             blur: self.image_blur,
             ..usual
@@ -180,6 +189,10 @@ impl From<&Options> for cylfuse_options {
             axis_max_angle: cylinder_limits.axis.map_or(0.0, |cone| cone.max_angle),
             image_blur: noise.blur,
             drawn_pixel: noise.drawn_pixel,
+            depth_shared: match noise.depth_shared {
+                0.0 => -1.0,
+                told => unless_usual(told, usual.depth_shared),
+            },
         }
     }
 }
@@ -229,6 +242,7 @@ mod tests {
                 edge_endpoint: 0.6,
                 mask_side: 1.7,
                 depth: 0.01,
+                depth_shared: 0.002,
                 image: 0.02,
                 blur: 0.8,
                 ..NoiseModel::default()
@@ -239,7 +253,11 @@ mod tests {
 
     #[test]
     fn options_come_back_the_same() {
-        for options in [distinct(), Options { threads: 1, ..Options::default() }] {
+        let sharing_nothing = Options {
+            noise: NoiseModel { depth_shared: 0.0, ..NoiseModel::default() },
+            ..Options::default()
+        };
+        for options in [distinct(), Options { threads: 1, ..Options::default() }, sharing_nothing] {
             assert_eq!(cylfuse_options::from(&options).read().unwrap(), options);
         }
     }

@@ -1,6 +1,7 @@
 //! The constants of results: integers, as in `constants`.
 
 use crate::extent::{EndSource, EndState};
+use crate::fitter::Part;
 use crate::limb_location::NotVisible;
 use crate::solver::Termination;
 
@@ -108,15 +109,15 @@ impl cylfuse_limb_status {
     pub const NO_LIMBS: cylfuse_limb_status = cylfuse_limb_status(2);
     /// Less than 24 rows or columns of the image show the limb.
     pub const TOO_SHORT: cylfuse_limb_status = cylfuse_limb_status(3);
-    /// No line near the expected place has more of an edge than noise gives.
+    /// No line near the expected position has more of an edge than noise gives.
     pub const NO_EDGE: cylfuse_limb_status = cylfuse_limb_status(4);
-    /// The line left the expected place while it was refined.
+    /// The line left the expected position while it was refined.
     pub const OUT_OF_REACH: cylfuse_limb_status = cylfuse_limb_status(5);
     /// The line would be less certain than one set by hand.
     pub const UNCERTAIN: cylfuse_limb_status = cylfuse_limb_status(6);
     /// A small part of the line carries it all.
     pub const PATCHY: cylfuse_limb_status = cylfuse_limb_status(7);
-    /// The other limb was found at the same place, and more certainly.
+    /// The other limb was found at the same position, and more certainly.
     pub const SAME_LINE: cylfuse_limb_status = cylfuse_limb_status(8);
 }
 
@@ -130,6 +131,36 @@ impl From<NotVisible> for cylfuse_limb_status {
             NotVisible::Uncertain => Self::UNCERTAIN,
             NotVisible::Patchy => Self::PATCHY,
             NotVisible::SameLine => Self::SAME_LINE,
+        }
+    }
+}
+
+/// What a point in the mask belongs to.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_part(pub u8);
+
+impl cylfuse_part {
+    /// The lateral surface.
+    pub const BODY: cylfuse_part = cylfuse_part(1);
+    /// A cap: it lies in the plane across the axis at an end.
+    pub const CAP: cylfuse_part = cylfuse_part(2);
+    /// The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+    pub const INNER_WALL: cylfuse_part = cylfuse_part(3);
+    /// Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+    pub const OTHER: cylfuse_part = cylfuse_part(4);
+    /// Something farther away than the cylinder: the background.
+    pub const BEHIND: cylfuse_part = cylfuse_part(5);
+}
+
+impl From<Part> for cylfuse_part {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::Body => Self::BODY,
+            Part::Cap => Self::CAP,
+            Part::InnerWall => Self::INNER_WALL,
+            Part::Other => Self::OTHER,
+            Part::Behind => Self::BEHIND,
         }
     }
 }
@@ -193,9 +224,9 @@ impl cylfuse_result_flags {
     /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
     /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
-    /// A limit of the radius holds it: the data want another one. Not for a radius that is known.
+    /// The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
-    /// The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+    /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
     /// are independent, or some degree of freedom is not determined.

@@ -50,7 +50,7 @@ pub struct cylfuse_result {
     pub flags: cylfuse_result_flags,
     /// Why the iteration ended.
     pub termination: cylfuse_termination,
-    /// Linear solves.
+    /// Iterations: linear systems that were solved.
     pub iterations: u32,
     /// Solves whose step was rejected.
     pub rejected_steps: u32,
@@ -185,7 +185,8 @@ pub struct cylfuse_completion {
     pub misses: u64,
     /// Pixels of the mask for which the camera model has no ray.
     pub outside_camera: u64,
-    /// Hits whose depth does not fit the pixel format: written as 0 and not in `count`.
+    /// Hits whose depth does not fit the pixel format: written as 0 and not in `count`. Hits whose point does not fit the
+    /// scalar: as if there were none.
     pub out_of_range: u64,
 }
 
@@ -203,9 +204,9 @@ pub struct cylfuse_extent {
     pub start_source: cylfuse_end_source,
     /// What the position of the end was taken from.
     pub end_source: cylfuse_end_source,
-    /// The view that tells most of the start.
+    /// The view that determines the start best.
     pub start_view: u32,
-    /// The view that tells most of the end.
+    /// The view that determines the end best.
     pub end_view: u32,
     /// 1 when the limbs of the model were taken as good to a fraction of a pixel in these views, so that the bias of
     /// the mask was read off at them; else 0.
@@ -234,7 +235,7 @@ pub struct cylfuse_extent {
     pub center_covariance: [f64; 9],
 }
 
-/// The state of a running fit, before each linear solve.
+/// The state of a running fit, before each iteration.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cylfuse_progress {
@@ -242,9 +243,9 @@ pub struct cylfuse_progress {
     pub struct_size: u32,
     /// What the fit is doing.
     pub phase: cylfuse_phase,
-    /// Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
+    /// Iterations so far. Begins again at 0 with every start that is tried and every robust round.
     pub iteration: u32,
-    /// Most linear solves.
+    /// Maximum number of iterations.
     pub max_iterations: u32,
     /// The lowest cost so far, unit of length squared; infinite in the phase START.
     pub cost: f64,
@@ -293,7 +294,7 @@ pub struct cylfuse_limb_sample {
     pub weight: f64,
 }
 
-/// A place on the arc of an end of the cylinder in the image.
+/// A sample on the arc of an end of the cylinder in the image.
 ///
 /// An element of the array that `cylfuse_fitter_end_samples` writes.
 #[repr(C)]

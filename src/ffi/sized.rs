@@ -10,7 +10,7 @@ use super::structs::{
     cylfuse_depth_out, cylfuse_depth_view, cylfuse_detector_options, cylfuse_image_view, cylfuse_intrinsics,
     cylfuse_mask_view, cylfuse_options, cylfuse_points_out, cylfuse_points_view, cylfuse_segments_view,
 };
-use std::mem::MaybeUninit;
+use std::mem::{MaybeUninit, offset_of};
 
 /// A size above this is taken for a field that was never set.
 const LARGEST: usize = 4096;
@@ -37,10 +37,15 @@ macro_rules! size_tagged {
 
 size_tagged! {
     cylfuse_intrinsics, cylfuse_points_view, cylfuse_points_out, cylfuse_depth_view, cylfuse_depth_out,
-    cylfuse_mask_view, cylfuse_image_view, cylfuse_segments_view, cylfuse_options, cylfuse_counts,
-    cylfuse_result, cylfuse_cylinder_estimate, cylfuse_cylinder_diagnosis, cylfuse_completion, cylfuse_extent,
+    cylfuse_mask_view, cylfuse_image_view, cylfuse_segments_view, cylfuse_counts, cylfuse_result,
+    cylfuse_cylinder_estimate, cylfuse_cylinder_diagnosis, cylfuse_completion, cylfuse_extent,
     cylfuse_detector_options,
 }
+
+impl Growing for cylfuse_options {
+    const FIRST_SIZE: usize = offset_of!(cylfuse_options, depth_shared);
+}
+impl SizeTagged for cylfuse_options {}
 
 // Elements of arrays, whose size is an argument of the call.
 impl Growing for cylfuse_limb {}

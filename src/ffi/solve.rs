@@ -267,8 +267,8 @@ pub(super) fn last_result<'a>(fitter: &'a Fitter, call: &'static str) -> Result<
 /// @param fitter the fitter
 /// @param model the model; NULL = that of the last fit
 /// @param out_diagnosis where the diagnosis goes; `cylfuse_cylinder_diagnosis_init` comes before
-/// @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite, TOO_FEW_POINTS,
-///   NUMERICAL
+/// @return BAD_STATE without a model and a result, EDGE_GEOMETRY where the cost is infinite; else as
+///   `cylfuse_fitter_fit`
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_diagnose(
     fitter: *const cylfuse_fitter,

@@ -200,7 +200,7 @@ pub struct cylfuse_image_view {
 }
 
 /// Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
-/// image. A `std::vector<cv::Vec4f>` passes as it is.
+/// image. A `std::vector<cv::Vec4f>` can be passed unchanged.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cylfuse_segments_view {
@@ -242,7 +242,7 @@ pub struct cylfuse_options {
     /// Most threads for the sums over the points; small clouds take one. The result has the same bits for any
     /// number. Default 1: no thread is started; 0 = 1.
     pub max_threads: u32,
-    /// Most linear solves, at least 1. Default 400.
+    /// Maximum number of iterations, at least 1. Default 400.
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.
     pub cost_tolerance: f64,
@@ -299,6 +299,11 @@ pub struct cylfuse_options {
     /// The largest angle of the axis from `axis`, in radians from 0 to pi/2, whatever the signs; 0 for a direction
     /// that is known. Default 0; must be 0 without `axis`.
     pub axis_max_angle: f64,
+    /// Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
+    /// them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
+    /// windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+    /// none.
+    pub depth_shared: f64,
 }
 
 /// The settings of a detector. `cylfuse_detector_options_init` fills the defaults, which are named below.

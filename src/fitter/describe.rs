@@ -108,6 +108,10 @@ pub(super) fn describe(
     }
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
+    let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();
+    if !gradient_norm.is_finite() {
+        return Err(Error::Numerical { what: "the gradient at the cylinder" });
+    }
     Ok(FitResult {
         cylinder: data.canonical(cylinder),
         uncertainty,
@@ -135,7 +139,7 @@ pub(super) fn describe(
         near_wall_fraction: walls.map(|walls| walls.fraction()),
         condition: if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY },
         lambda: 0.0,
-        gradient_norm: limits.free_gradient(&frame, &equations.gradient).norm(),
+        gradient_norm,
         step_norm: 0.0,
         flags,
         seconds: Seconds::default(),

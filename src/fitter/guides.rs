@@ -7,6 +7,10 @@ use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
 
+/// A line is another one than the limb when it is so many standard deviations off: of the lines in reach of the search one
+/// in ten is the edge of something else, and beyond two deviations these are the more likely.
+const BESIDE: f64 = 2.0;
+
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Guides {
@@ -35,6 +39,20 @@ impl Guides {
             let [first, second] = lines.map(|line| distance(&line, guide));
             guide.limb = Some(usize::from(second < first));
         }
+    }
+
+    /// Which of two lines are not the limbs by whose sides of the mask they are: farther off than masks are, and not
+    /// because the mask is too large or too small all round.
+    pub fn beside(&self, lines: [Option<&[Vector2<f64>; 2]>; 2], noise: &ImageNoise) -> [bool; 2] {
+        let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
+        let growth = [0, 1].map(|limb| {
+            let (side, line, other) = (side(limb)?, lines[limb]?, side(1 - limb)?);
+            let off = line.map(|q| outward(&side.endpoints, &other.middle(), &q));
+            Some(f64::midpoint(off[0], off[1]))
+        });
+        let apart = growth[0].zip(growth[1]).map_or(f64::INFINITY, |(first, second)| (first - second).abs());
+        let alike = apart <= BESIDE * noise.unevenness;
+        growth.map(|growth| !alike && growth.is_some_and(|growth| growth.abs() > BESIDE * noise.side))
     }
 
     /// The lines of a limb that was not located. Where the other one was, its side of the mask shows by how much the
@@ -207,5 +225,27 @@ impl Sides {
             }
         }
         Guides { given, sides: self.segments().collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::NoiseModel;
+
+    #[test]
+    fn lines_far_from_their_sides_are_others_unless_the_mask_is_too_large_all_round() {
+        let noise = NoiseModel::default().in_image((640, 480));
+        let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
+        let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
+        let guides = Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)] };
+        let beside =
+            |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
+        assert_eq!(beside(301.0, 338.0), [false, false]);
+        assert_eq!(beside(300.0, 345.0), [false, true]);
+        assert_eq!(beside(296.0, 340.0), [true, false]);
+        assert_eq!(beside(295.0, 345.5), [false, false], "a mask that is five pixels too small all round");
+        assert_eq!(guides.beside([None, Some(&line(345.0))], &noise), [false, true]);
+        assert_eq!(Guides::default().beside([Some(&line(1.0)), None], &noise), [false, false]);
     }
 }

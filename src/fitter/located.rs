@@ -7,7 +7,7 @@ use super::objective::{Minimum, Precision, Run};
 use super::options::EdgeUse;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
-use crate::limb_location::{LimbObservation, LimbSearch, locate_limbs};
+use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, locate_limbs};
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
@@ -96,11 +96,18 @@ fn observe_view(
         return None;
     }
     let range = moved(&guided.views[view].range?, guided.minimum.cylinder(), cylinder);
+    let guides = &guided.views[view].guides;
     let view = &data.views[view];
     let (image, camera) = (view.view.image()?, view.view.camera()?);
     let reach = [REACH_DEVIATIONS * deviation; 2];
     let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
-    Some(locate_limbs(image, camera, &view.seen(cylinder), &search))
+    let mut limbs = locate_limbs(image, camera, &view.seen(cylinder), &search);
+    let lines = limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
+    let beside = guides.beside(lines, &view.noise);
+    for (limb, _) in limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
+        limb.line = Err(NotVisible::OutOfReach);
+    }
+    Some(limbs)
 }
 
 /// The lines that were located, each weighed by its own standard deviation.

@@ -4,6 +4,7 @@
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod batch;
 mod body;
 mod correlation;
 mod data;
@@ -27,6 +28,8 @@ mod view;
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
 pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
+pub(crate) use batch::each;
+pub use batch::fit_all;
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
@@ -166,7 +169,7 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` hears of every linear solve and may stop the fit.
+    /// The same; `report` is called before every iteration and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
@@ -196,8 +199,8 @@ impl Fitter {
         Ok(result)
     }
 
-    /// What a fit would report for a given model in the reference frame, without iterating: held to what the last fit was
-    /// held to, or to the given segments where data or options have changed since.
+    /// What a fit would report for a given model in the reference frame, without iterating: with the limb lines and arcs
+    /// of the last fit, or with the given segments where data or options have changed since.
     ///
     /// # Errors
     /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
@@ -221,12 +224,13 @@ impl Fitter {
     /// Residuals of a model, or of the last fit, in the selected view.
     ///
     /// # Errors
-    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs.
+    /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs; `Numerical` where no number
+    /// holds a residual.
     pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
         let view = self.view();
         let seen = view.pose().inverse().cylinder(&self.model_or_result("listing residuals", cylinder)?);
-        match kind {
-            ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p))),
+        let residuals = match kind {
+            ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p)))?,
             ResidualKind::Edges => {
                 let Some(camera) = view.camera() else { return Ok(Vec::new()) };
                 let noise = self.options.noise.in_image(camera.size());
@@ -234,9 +238,13 @@ impl Fitter {
                 edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
-                })
+                })?
             }
+        };
+        if residuals.iter().any(|residual| !residual.is_finite()) {
+            return Err(Error::Numerical { what: "the residuals" });
         }
+        Ok(residuals)
     }
 
     /// How much each used point of the selected view counts at a model, or at the last fit: from 1 on the surface down to
@@ -265,8 +273,8 @@ impl Fitter {
     }
 
     /// What each used point of the selected view belongs to, at a model or at the last fit: the lateral surface, a cap,
-    /// something in front, something behind. The depth image tells where within the mask the lateral surface ends;
-    /// without one it goes on.
+    /// the inner wall, something in front, something behind. The depth image tells where within the mask the lateral
+    /// surface ends; without one it goes on.
     ///
     /// # Errors
     /// `BadState` without a model and a result, `OutOfMemory`.

@@ -38,9 +38,9 @@ bitflags::bitflags! {
         /// [`FitResult::radii`]. Or the points alone, far from edges that were taken as given, would be another cylinder:
         /// one 1.5 times nearer to them, or surely 1.5 times as large or as small.
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
-        /// A limit of the radius holds it: the data want another one. Not for a fixed radius.
+        /// The radius is at its limit, and the data fit better beyond it. Not for a fixed radius.
         const RADIUS_AT_LIMIT = 1 << 13;
-        /// The axis is on the border of its cone: the data want another one. Not for a known direction.
+        /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
         const AXIS_AT_LIMIT = 1 << 14;
         /// The data do not tell how uncertain the result is: fewer than eight points are independent, or some degree of
         /// freedom is not determined.
@@ -77,7 +77,7 @@ pub struct FitResult {
     pub start_kind: StartKind,
     /// Why the iteration ended; `None` for the methods that do not iterate.
     pub termination: Option<Termination>,
-    /// Linear solves.
+    /// Iterations: linear systems that were solved.
     pub iterations: usize,
     /// Solves whose step was rejected.
     pub rejected_steps: usize,

@@ -119,7 +119,7 @@ pub enum NotVisible {
     TooShort,
     /// No line in reach has more of an edge than noise gives.
     NoEdge,
-    /// The line left the reach while it was refined.
+    /// The line left the reach while it was refined, or lies beside the mask.
     OutOfReach,
     /// The line would be less certain than one set by hand, or what is there is softer than any limb.
     Uncertain,

@@ -13,6 +13,9 @@ fn noise() -> ImageNoise {
 const SIZE: (usize, usize) = (240, 180);
 const BLUR: f64 = 0.9;
 
+/// Pixels over which a shadow fades.
+const SHADOW: f64 = 10.0;
+
 /// Rays per pixel and direction.
 const SAMPLES: usize = 3;
 
@@ -22,6 +25,8 @@ struct Scene {
     range: [f64; 2],
     albedo: f64,
     background: f64,
+    /// The part of the light that a shadow on the background takes away at the limb; it fades over some pixels.
+    shadow: f64,
     /// Whether a label of dark patches is on the surface.
     label: bool,
     /// Image rows hidden by something dark.
@@ -38,6 +43,7 @@ impl Scene {
             range: [-0.07, 0.07],
             albedo: 150.0,
             background: 40.0,
+            shadow: 0.0,
             label: false,
             occluded: 0..0,
         }
@@ -50,7 +56,14 @@ impl Scene {
         }
         let axis = &self.cylinder.axis;
         let hit = self.camera.unproject(pixel).and_then(|ray| self.cylinder.first_hit(&ray));
-        let Some(p) = hit else { return self.background };
+        let Some(p) = hit else {
+            let apart = self.camera.unproject(pixel).map_or(f64::INFINITY, |ray| {
+                let normal = ray.cross(&axis.direction);
+                normal.dot(&axis.point).abs() / normal.norm() - self.cylinder.radius
+            });
+            let pixels = apart * self.camera.intrinsics().fx / axis.point.z;
+            return self.background * (1.0 - self.shadow * (1.0 - pixels / SHADOW).max(0.0));
+        };
         let position = (p - axis.point).dot(&axis.direction);
         if !(self.range[0]..=self.range[1]).contains(&position) {
             return self.background;
@@ -223,6 +236,23 @@ fn what_is_sharp_is_located_on_its_own_grid() {
 #[test]
 fn white_that_was_cut_off_does_not_move_the_limbs() {
     Scene { background: 600.0, ..Scene::new() }.check(0.1);
+}
+
+#[test]
+fn a_shadow_that_fades_beside_the_limbs_does_not_move_them() {
+    Scene { background: 220.0, shadow: 0.5, ..Scene::new() }.check(0.35);
+}
+
+#[test]
+fn an_edge_softer_than_any_limb_is_none() {
+    let scene = Scene { background: 150.0, albedo: 150.0, shadow: 0.7, ..Scene::new() };
+    let image = scene.render();
+    // Nothing but the shadow is in reach: its middle is five pixels from the limbs.
+    let model = Cylinder { radius: 0.04 * 1.25, ..scene.cylinder };
+    let search = LimbSearch { reach: [3.0; 2], ..scene.search() };
+    for observation in locate_limbs(&image, &scene.camera, &model, &search) {
+        assert!(observation.line.is_err(), "{observation:?}");
+    }
 }
 
 #[test]

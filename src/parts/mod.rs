@@ -72,9 +72,11 @@ pub enum Part {
     Body,
     /// A cap: it lies in the plane across the axis at an end.
     Cap,
+    /// The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+    InnerWall,
     /// Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
     Other,
-    /// Something farther away than the surface: the inner wall of an open end, or the background.
+    /// Something farther away than the cylinder: the background.
     Behind,
 }
 
@@ -196,7 +198,9 @@ impl Parts {
     /// The same of points alone, which do not tell where the body ends.
     #[must_use]
     pub fn of_points(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> Self {
-        let reach = reach(cylinder, points.map(|point| cylinder.distance(&point)));
+        // Without a mask most of them may be of the background, which says nothing of the noise.
+        let near = |distance: &f64| distance.abs() <= cylinder.radius;
+        let reach = reach(cylinder, points.map(|point| cylinder.distance(&point)).filter(near));
         Self { cylinder: *cylinder, reach, ends: [None, None] }
     }
 
@@ -241,7 +245,13 @@ impl Parts {
             return Part::Body;
         }
         let surface = cylinder.first_hit(point).unwrap_or_else(|| axis.nearest_to(point));
-        if point.norm_squared() < surface.norm_squared() { Part::Other } else { Part::Behind }
+        if point.norm_squared() < surface.norm_squared() {
+            Part::Other
+        } else if distance <= *reach {
+            Part::InnerWall
+        } else {
+            Part::Behind
+        }
     }
 }
 

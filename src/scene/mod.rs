@@ -6,7 +6,7 @@
 mod fits;
 
 use crate::detection::{
-    Detection, DetectionOptions, Detections, detect_points_until, detect_until, least_before_fit,
+    Detection, DetectionOptions, Detections, Evidence, detect_points_until, detect_until, least_before_fit,
 };
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
@@ -95,7 +95,7 @@ pub enum Progress {
 pub struct Observer<'a> {
     /// Called on the thread that searches; `Break` stops.
     pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
-    /// Asked on any thread, before each candidate of the search and each linear solve of the fits.
+    /// Asked on any thread, before each candidate of the search and each iteration of the fits.
     pub stopped: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -131,6 +131,8 @@ pub struct Detector {
 pub struct Found {
     /// The probability that there is a cylinder.
     pub score: f64,
+    /// What speaks for it.
+    pub evidence: Evidence,
     /// Pixels of its region; points for a cloud.
     pub pixels: usize,
     /// The fit of its region. Where neither depth nor image tell more than the search knew, what a fit would report for the
@@ -138,7 +140,7 @@ pub struct Found {
     pub result: FitResult,
     /// Its visible piece. `BadState` for a cloud: ends need a camera.
     pub extent: Result<Extent>,
-    /// The places in the image on the arcs of start and end; empty for an end that the image does not show.
+    /// The samples in the image on the arcs of start and end; empty for an end that the image does not show.
     pub arcs: [Vec<ArcSample>; 2],
     /// The fit, without its mask: the labels have that.
     fitter: Fitter,
@@ -354,6 +356,7 @@ impl Detector {
             false => ControlFlow::Continue(()),
         };
         let progress = &mut *observer.progress;
+        let mut done = 0;
         let mut tell = |done| {
             if progress(Progress::Fit { done, count }).is_break() {
                 stop.store(true, Ordering::Relaxed);
@@ -361,11 +364,18 @@ impl Detector {
         };
         tell(0);
         let mut outcomes: Vec<Option<Result<Found>>> = detections.iter().map(|_| None).collect();
-        let compute = |index: usize| {
+        let compute = |index: usize, outcome: &mut Option<Result<Found>>| {
             let cancelled = || Err(Error::Cancelled { iterations: 0 });
-            Some(if poll().is_break() { cancelled() } else { fit(&fits, index, &detections[index], &poll) })
+            *outcome = Some(if poll().is_break() {
+                cancelled()
+            } else {
+                fit(&fits, index, &detections[index], &poll)
+            });
         };
-        self.workers.fill_and_tell(&mut outcomes, compute, tell);
+        self.workers.change_and_tell(&mut outcomes, compute, |_, ()| {
+            done += 1;
+            tell(done);
+        });
         if poll().is_break() {
             let done = outcomes.iter().flatten().flatten();
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });

@@ -99,6 +99,7 @@ void test_edge_selection(void);
 void test_cylinder(void);
 void test_plan(void);
 void test_memory(void);
+void test_batch(void);
 void test_views(void);
 void test_readers(void);
 void test_detector(void);

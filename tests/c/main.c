@@ -157,6 +157,7 @@ int main(void)
     test_cylinder();
     test_plan();
     test_memory();
+    test_batch();
     test_views();
     test_readers();
 #ifdef CYLFUSE_PANIC_TEST

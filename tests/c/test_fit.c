@@ -386,6 +386,7 @@ void test_options(void)
         .radius_max = 1.5,
         .axis = {3.0, 4.0, 5.0},
         .axis_max_angle = 0.75,
+        .depth_shared = 0.004,
     };
     CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
     cylfuse_options back = {.struct_size = sizeof back};
@@ -428,6 +429,20 @@ void test_options(void)
     }
     CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
     CHECK(memcmp(&options, &back, sizeof back) == 0);
+
+    /* Points may share nothing, and a program from before this option has the default of it. */
+    cylfuse_options shared = options;
+    shared.depth_shared = -3.0;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &shared));
+    CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
+    CHECK(back.depth_shared == -1.0);
+    shared.struct_size = offsetof(cylfuse_options, depth_shared);
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &shared));
+    CHECK_OK(cylfuse_fitter_get_options(fitter, &back));
+    CHECK(back.depth_shared == 0.0 && back.struct_size == sizeof back);
+    shared.struct_size = sizeof shared;
+    shared.depth_shared = INFINITY;
+    CHECK_ERROR(fitter, cylfuse_fitter_set_options(fitter, &shared), INVALID_ARGUMENT, "options.depth_shared is inf");
 
     cylfuse_options wrong = options;
     wrong.axis[1] = INFINITY;

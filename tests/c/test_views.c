@@ -165,6 +165,37 @@ static void outliers_are_told(void)
     free(points);
 }
 
+/* Points beside the surface, told by a model that was not fitted, too. */
+static void parts_are_told(void)
+{
+    double (*points)[3] = copy_of(the_scene.points, sizeof the_scene.points);
+    enum { FRONT = POINTS / 2, INSIDE, FAR, SURFACE };
+    for (int k = 0; k < 3; k++) {
+        points[FRONT][k] *= 0.5;
+        points[INSIDE][k] *= 1.05;
+        points[FAR][k] *= 2.0;
+    }
+    cylfuse_points_view view = scene_points();
+    view.data = points;
+    cylfuse_fitter *fitter = new_fitter();
+    CHECK_OK(cylfuse_fitter_push_points(fitter, &view, NULL));
+    cylfuse_part parts[POINTS];
+    size_t count = 0;
+    CHECK_ERROR(fitter, cylfuse_fitter_point_parts(fitter, NULL, parts, POINTS, &count), BAD_STATE, "a model");
+    CHECK_ERROR(fitter, cylfuse_fitter_point_parts(fitter, &the_scene.truth, NULL, 0, &count), BUFFER_TOO_SMALL, "600");
+    CHECK(count == POINTS);
+    CHECK_OK(cylfuse_fitter_point_parts(fitter, &the_scene.truth, parts, POINTS, &count));
+    CHECK(count == POINTS);
+    CHECK(parts[FRONT] == CYLFUSE_PART_OTHER && parts[INSIDE] == CYLFUSE_PART_INNER_WALL);
+    CHECK(parts[FAR] == CYLFUSE_PART_BEHIND && parts[SURFACE] == CYLFUSE_PART_BODY);
+    fit(fitter);
+    memset(parts, 0, sizeof parts);
+    CHECK_OK(cylfuse_fitter_point_parts(fitter, NULL, parts, POINTS, &count));
+    CHECK(count == POINTS && parts[FRONT] == CYLFUSE_PART_OTHER && parts[POINTS - 1] == CYLFUSE_PART_BODY);
+    destroy(fitter);
+    free(points);
+}
+
 static void inputs_are_cleared_one_by_one(void)
 {
     cylfuse_fitter *fitter = new_camera_fitter();
@@ -409,6 +440,7 @@ static void limbs_and_ends_are_listed(void)
     destroy(fitter);
     CHECK_STATUS(cylfuse_fitter_limbs(NULL, limbs, size, 2, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_point_weights(NULL, NULL, NULL, 0, &count), NULL_POINTER);
+    CHECK_STATUS(cylfuse_fitter_point_parts(NULL, NULL, NULL, 0, &count), NULL_POINTER);
     CHECK_STATUS(cylfuse_fitter_end_samples(NULL, NULL, NULL, NULL, sizeof(cylfuse_end_sample), 0, &count),
                  NULL_POINTER);
 }
@@ -464,6 +496,7 @@ void test_views(void)
     one_view_needs_nothing();
     several_views_see_one_cylinder();
     outliers_are_told();
+    parts_are_told();
     inputs_are_cleared_one_by_one();
     frames_are_made_and_destroyed();
     one_frame_serves_many_fitters();

@@ -103,3 +103,29 @@ fn points_of_a_cloud_stay_and_have_numbers() {
     }
     assert!(!second.join("overlay.png").exists() && !second.join("labels.png").exists());
 }
+
+#[test]
+fn options_of_a_fit_are_those_of_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let deviations = |options: &[&str]| -> Vec<f64> {
+        let object = detect(options, &scene(), folder.path());
+        let of = |found: &Value| found["uncertainty"]["radius"].as_f64().unwrap();
+        object["cylinders"].as_array().unwrap().iter().map(of).collect()
+    };
+    let [none, much] = ["depth-shared=0", "depth-shared=0.01"].map(|noise| deviations(&["--noise", noise]));
+    assert!(none.len() >= 4 && much.len() >= 4);
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    assert!(mean(&none) < mean(&much), "{none:?} {much:?}");
+    for (options, text) in [
+        (&["--noise", "edge=1"][..], "'edge' is none of"),
+        (&["--noise=depth-shared=-1"][..], "shared error of depth is -1"),
+        (
+            &["--axis=0,1,0", "--axis-max-angle=91"][..],
+            "--axis-max-angle is 91; it must lie in [0, 90] degrees",
+        ),
+    ] {
+        let path = scene();
+        let refused = run([&["detect"], options, &[path.to_str().unwrap()]].concat());
+        assert!(refused.code == 2 && refused.stderr.contains(text), "{}", refused.stderr);
+    }
+}

@@ -61,6 +61,7 @@ fn values_out_of_range_are_named_with_their_limit() {
     refused(&["--noise=depth=-1"], "noise of depth is -1; it must be finite and at least 0; 0 = estimated");
     refused(&["--noise", "edge-endpoint"], "give NAME=VALUE, such as edge-endpoint=0.3");
     refused(&["--noise", "edge=1"], "'edge' is none of edge-endpoint, mask-side,");
+    refused(&["--noise=depth-shared=-1"], "shared error of depth is -1; it must be finite and at least 0");
     refused(&["--noise", "blur=much"], "'much' is not a number");
     refused(&["--independent-points", "-2"], "independent points is -2; it must be finite and at least 0");
     refused(&["--threads", "many"], "--threads");
@@ -152,6 +153,9 @@ fn what_is_known_of_the_noise_can_be_told() {
     assert!(edges("edge-endpoint=0.1") < edges("edge-endpoint=1"));
     let depth = |value: &str| deviation(&["--no-edges", "--no-image", "--noise", value]);
     assert!(depth("depth=0.0001") < depth("depth=0.01"));
+    // What all points share is in the uncertainty.
+    let shared = |value: &str| deviation(&["--no-edges", "--no-image", "--noise", value]);
+    assert!(shared("depth-shared=0") < shared("depth-shared=0.01"));
     let sides = ["--no-edges", "--noise", "mask-side=5", "--noise", "mask-unevenness=3"];
     assert_ne!(fitted(&frame, &sides)["cylinder"], fitted(&frame, &sides[..1])["cylinder"]);
 }
@@ -168,7 +172,7 @@ fn limits_hold_and_are_said() {
     let held = fitted(&data("w004"), &["--radius-max", "0.0565"]);
     assert_eq!(held["cylinder"]["radius"], 0.0565);
     assert_eq!(held["result"]["flags"], serde_json::json!(["radius_at_limit"]));
-    assert_eq!(held["notes"][0], "a limit holds the radius: the data want another one");
+    assert_eq!(held["notes"][0], "the radius is at its limit; the data fit better beyond it");
     assert!(fitted(&data("w004"), &[])["result"]["limits"].is_null());
 }
 

@@ -125,6 +125,9 @@ static void lists_come_whole()
     const cylfuse::PointWeights weights = fitter.point_weights();
     CHECK(weights.weights.size() == used && weights.inliers.size() == used);
     CHECK(weights.inliers[used / 2] == 1 && weights.weights[used / 2] > 0.0);
+    const std::vector<cylfuse::Part> parts = fitter.point_parts();
+    CHECK(parts.size() == used && parts[used / 2] == cylfuse::Part::Body);
+    CHECK(fitter.point_parts(PIPE).size() == used);
     const std::vector<cylfuse::Limb> limbs = fitter.limbs();
     CHECK(limbs.size() == 2 && limbs[1].limb == 1 && limbs[1].status() == cylfuse::LimbStatus::Located);
     const std::vector<cylfuse::LimbSample> samples = fitter.limb_samples();
@@ -220,6 +223,7 @@ static void images_of_each_type_pass()
     }
     CHECK_ERROR(fitter.limb_samples(), BAD_STATE, "fit first");
     CHECK_ERROR(fitter.point_weights(), BAD_STATE, "fit");
+    CHECK_ERROR(fitter.point_parts(), BAD_STATE, "fit");
 }
 
 static void keeps_its_settings_and_moves()
@@ -371,9 +375,59 @@ static void bad_input_is_named()
     CHECK(std::string(error.what()).size() == 511);
 }
 
+static void many_are_fitted_at_once()
+{
+    const Scene scene;
+    const auto fitters_of = [&scene] {
+        std::vector<cylfuse::Fitter> fitters(5);
+        for (cylfuse::Fitter &fitter : fitters) {
+            fitter.set_intrinsics(scene.camera);
+            if (&fitter != &fitters[2]) {
+                fitter.push_depth(scene.depth_view(), scene.mask_view());
+            }
+        }
+        return fitters;
+    };
+    cylfuse::Fitter alone = std::move(fitters_of()[0]);
+    const cylfuse::CylinderFit expected = alone.fit();
+    for (const std::uint32_t threads : {0u, 1u, 3u}) {
+        std::vector<cylfuse::Fitter> fitters = fitters_of();
+        std::size_t heard = 0;
+        const std::vector<cylfuse::Status> statuses =
+            cylfuse::fit_all(fitters, threads, [&heard](std::size_t index, cylfuse::Status status) {
+                CHECK((status == cylfuse::Status::Ok) == (index != 2));
+                ++heard;
+                return true;
+            });
+        CHECK(heard == fitters.size() && statuses.size() == fitters.size());
+        for (std::size_t k = 0; k < fitters.size(); ++k) {
+            if (k == 2) {
+                CHECK(statuses[k] == cylfuse::Status::TooFewPoints);
+                CHECK(std::string(cylfuse_fitter_last_error(fitters[k].handle())).find("points") != std::string::npos);
+            } else {
+                CHECK(statuses[k] == cylfuse::Status::Ok);
+                CHECK(fitters[k].last_fit().cylinder.model.radius == expected.cylinder.model.radius);
+            }
+        }
+        CHECK_ERROR(cylfuse::fit_all(fitters, threads, [](std::size_t, cylfuse::Status) { return false; }), CANCELLED,
+                    "cancel");
+        bool thrown = false;
+        try {
+            cylfuse::fit_all(fitters, threads,
+                             [](std::size_t, cylfuse::Status) -> bool { throw std::runtime_error("heard"); });
+        } catch (const std::runtime_error &) {
+            thrown = true;
+        }
+        CHECK(thrown);
+    }
+    std::vector<cylfuse::Fitter> none;
+    CHECK(cylfuse::fit_all(none).empty());
+}
+
 int main()
 {
     fits_and_applies();
+    many_are_fitted_at_once();
     lists_come_whole();
     views_and_frames();
     images_of_each_type_pass();

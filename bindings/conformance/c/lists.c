@@ -38,6 +38,25 @@ void point_weights(const run *r)
     free(inliers);
 }
 
+void point_parts(const run *r)
+{
+    cylfuse_cylinder model;
+    const cylfuse_cylinder *given = read_model(r, "model", &model);
+    size_t count = 0;
+    cylfuse_status status = cylfuse_fitter_point_parts(r->fitter, given, NULL, 0, &count);
+    cylfuse_part *parts = allocate(count * sizeof *parts);
+    double *values = allocate(count * sizeof *values);
+    if (status == CYLFUSE_STATUS_BUFFER_TOO_SMALL) {
+        status = cylfuse_fitter_point_parts(r->fitter, given, parts, count, &count);
+    }
+    if (succeeded(r, status, r->fitter)) {
+        for (size_t k = 0; k < count; k++) values[k] = parts[k];
+        print_numbers(r, "parts", values, count);
+    }
+    free(parts);
+    free(values);
+}
+
 void limbs(const run *r)
 {
     size_t count = 0;

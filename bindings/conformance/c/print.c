@@ -136,6 +136,7 @@ void print_options(const run *r, const cylfuse_options *options)
     PRINT(r, *options, radius_max);
     PRINT_LIST(r, *options, axis);
     PRINT(r, *options, axis_max_angle);
+    PRINT(r, *options, depth_shared);
 }
 
 void print_completion(const run *r, const cylfuse_completion *completion)

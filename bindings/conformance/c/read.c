@@ -125,7 +125,7 @@ cylfuse_options read_options(const cJSON *given)
         NUMBER(cost_tolerance) NUMBER(ransac_threshold) NUMBER(radius_min) NUMBER(radius_max)
         NUMBER(gradient_tolerance) NUMBER(step_tolerance) NUMBER(independent_points) NUMBER(depth_noise)
         NUMBER(image_noise) NUMBER(edge_noise) NUMBER(mask_noise) NUMBER(image_blur)
-        NUMBER(drawn_pixel) NUMBER(axis_max_angle)
+        NUMBER(drawn_pixel) NUMBER(axis_max_angle) NUMBER(depth_shared)
         if (strcmp(key, "seed") == 0) options.seed = (uint64_t)number(value);
         else if (strcmp(key, "ransac_max_iterations") == 0) options.ransac_max_iterations = (uint64_t)number(value);
         else if (strcmp(key, "axis") == 0) numbers(value, options.axis, 3);

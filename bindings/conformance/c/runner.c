@@ -371,6 +371,7 @@ static void run_step(run *r)
     else CALL(get_cylinder) get_cylinder(r);
     else CALL(residuals) residuals(r);
     else CALL(point_weights) point_weights(r);
+    else CALL(point_parts) point_parts(r);
     else CALL(limbs) limbs(r);
     else CALL(limb_samples) limb_samples(r);
     else CALL(end_samples) end_samples(r);

@@ -88,6 +88,7 @@ int run_on_detector(run *r, const char *call);
 /* Calls that list something. */
 void residuals(const run *r);
 void point_weights(const run *r);
+void point_parts(const run *r);
 void limbs(const run *r);
 void limb_samples(const run *r);
 void end_samples(const run *r);

@@ -141,6 +141,16 @@ fn frames() -> Vec<Value> {
             ],
         ),
         case(
+            "point_parts",
+            "what the points of a scene without a mask belong to",
+            vec![
+                camera("pinhole"),
+                json!({"call": "push_depth", "depth": "depth_u16", "scale": 1e-4}),
+                call("point_parts"),
+                json!({"call": "point_parts", "model": truth()}),
+            ],
+        ),
+        case(
             "depth_without_mask",
             "every measured pixel in range counts",
             vec![
@@ -348,10 +358,12 @@ fn settings() -> Vec<Value> {
             "what is known of the errors of the data",
             json!({
                 "independent_points": 50.0, "depth_noise": 1e-3, "image_noise": 2.5, "edge_noise": 0.25,
-                "mask_noise": 0.75, "image_blur": 0.5, "drawn_pixel": 1.5, "gradient_tolerance": 1e-6,
+                "mask_noise": 0.75, "image_blur": 0.5, "drawn_pixel": 1.5, "depth_shared": 0.002,
+                "gradient_tolerance": 1e-6,
                 "step_tolerance": 1e-7,
             }),
         ),
+        with("points_share_nothing", "no errors that all points share", json!({"depth_shared": -2.0})),
         with("start_ransac", "the start from random samples", json!({"start": "RANSAC", "near_wall": "ON"})),
     ];
     cases.push(case(

@@ -4,7 +4,8 @@ use super::read::optional_cylinder;
 use super::write::{Fields, Output};
 use super::{Array, Runner, mask_view};
 use cylfuse::error::{Error, Result};
-use cylfuse::fitter::NotVisible;
+use cylfuse::fitter::{NotVisible, Part};
+use cylfuse::geometry::Cylinder;
 use serde_json::Value;
 
 /// The number of `CYLFUSE_LIMB_STATUS_...`; those below 2 are no reasons.
@@ -20,6 +21,17 @@ fn reason(reason: NotVisible) -> f64 {
     }
 }
 
+/// The number of `CYLFUSE_PART_...`.
+fn number_of(part: Part) -> f64 {
+    match part {
+        Part::Body => 1.0,
+        Part::Cap => 2.0,
+        Part::InnerWall => 3.0,
+        Part::Other => 4.0,
+        Part::Behind => 5.0,
+    }
+}
+
 impl Runner<'_> {
     /// Lists of a fit need one.
     fn need_result(&self, call: &'static str) -> Result<()> {
@@ -32,6 +44,11 @@ impl Runner<'_> {
         let weights = self.fitter.point_weights(None)?;
         let inliers: Vec<f64> = weights.iter().map(|&weight| f64::from(u8::from(weight > 0.0))).collect();
         Ok(Output::default().list("weights", &weights).list("inliers", &inliers).0)
+    }
+
+    pub fn point_parts(&self, model: Option<&Cylinder>) -> Result<Fields> {
+        let parts: Vec<f64> = self.fitter.point_parts(model)?.into_iter().map(number_of).collect();
+        Ok(Output::default().list("parts", &parts).0)
     }
 
     pub fn limbs(&self) -> Result<Fields> {

@@ -119,6 +119,7 @@ pub fn options(value: &Value) -> Options {
             "mask_noise" => options.noise.mask_side = number(value),
             "image_blur" => options.noise.blur = number(value),
             "drawn_pixel" => options.noise.drawn_pixel = number(value),
+            "depth_shared" => options.noise.depth_shared = number(value).max(0.0),
             "ransac_threshold" => options.ransac_threshold = number(value),
             "ransac_max_iterations" => options.ransac_iterations = count(value),
             "seed" => options.seed = value.as_u64().unwrap(),

@@ -128,6 +128,7 @@ impl<'a> Runner<'a> {
                 return Ok(Output::default().list("residuals", &residuals).0);
             }
             "point_weights" => return self.point_weights(),
+            "point_parts" => return self.point_parts(model?.as_ref()),
             "limbs" => return self.limbs(),
             "limb_samples" => return self.limb_samples(),
             "end_samples" => return self.end_samples(step, self.mask(step).as_ref()),

@@ -174,6 +174,13 @@ pub fn options(options: &Options) -> Fields {
         .number("mask_noise", unless(noise.mask_side, usual.mask_side))
         .number("image_blur", noise.blur)
         .number("drawn_pixel", noise.drawn_pixel)
+        .number(
+            "depth_shared",
+            match noise.depth_shared {
+                0.0 => -1.0,
+                told => unless(told, usual.depth_shared),
+            },
+        )
         .number("ransac_threshold", options.ransac_threshold)
         .number("seed", options.seed as f64)
         .count("ransac_max_iterations", options.ransac_iterations)

@@ -111,6 +111,9 @@ namespace Cylfuse.Conformance
                     outputs["residuals"] = fitter.Residuals(Named<ResidualKind>(step["kind"]), model);
                     break;
                 case "point_weights": Describe(fitter.PointWeights(), "", outputs); break;
+                case "point_parts":
+                    outputs["parts"] = fitter.PointParts(model).Select(part => (double)part).ToArray();
+                    break;
                 case "limbs": DescribeAll(fitter.Limbs(), outputs); break;
                 case "limb_samples": DescribeAll(fitter.LimbSamples(), outputs); break;
                 case "end_samples": DescribeAll(fitter.EndSamples(model, Mask(step)), outputs); break;

@@ -1,6 +1,6 @@
 namespace Cylfuse
 {
-    /// <summary>A place on the arc of an end of the cylinder in the image.</summary>
+    /// <summary>A sample on the arc of an end of the cylinder in the image.</summary>
     public sealed class EndSample
     {
         private readonly NativeEndSample native;

@@ -83,10 +83,10 @@ namespace Cylfuse
         /// that. Or the points alone, far from edges that were taken as given, would be another cylinder: one 1.5 times
         /// nearer to them, or surely 1.5 times as large or as small.</summary>
         PointsAndLimbsDisagree = 4096,
-        /// <summary>A limit of the radius holds it: the data want another one. Not for a radius that is
+        /// <summary>The radius is at its limit, and the data fit better beyond it. Not for a radius that is
         /// known.</summary>
         RadiusAtLimit = 8192,
-        /// <summary>The axis is on the border of its cone: the data want another one. Not for a direction that is
+        /// <summary>The axis is on the border of its cone, and the data fit better beyond it. Not for a direction that is
         /// known.</summary>
         AxisAtLimit = 16384,
         /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than
@@ -129,6 +129,22 @@ namespace Cylfuse
         Image = 2,
         /// <summary>The last of the surface inside the border of the image.</summary>
         Border = 3,
+    }
+
+    /// <summary>What a point in the mask belongs to.</summary>
+    public enum Part : byte
+    {
+        /// <summary>The lateral surface.</summary>
+        Body = 1,
+        /// <summary>A cap: it lies in the plane across the axis at an end.</summary>
+        Cap = 2,
+        /// <summary>The inside of the cylinder, seen through an open end: its inner wall or its bottom.</summary>
+        InnerWall = 3,
+        /// <summary>Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in
+        /// front.</summary>
+        Other = 4,
+        /// <summary>Something farther away than the cylinder: the background.</summary>
+        Behind = 5,
     }
 
     /// <summary>Whether a limb was located in the image, or why not.</summary>

@@ -32,7 +32,7 @@ namespace Cylfuse
         /// any number. Default 1: no thread is started; 0 = 1.</summary>
         public uint MaxThreads { get => native.max_threads; set => native.max_threads = value; }
 
-        /// <summary>Most linear solves, at least 1. Default 400.</summary>
+        /// <summary>Maximum number of iterations, at least 1. Default 400.</summary>
         public uint MaxIterations { get => native.max_iterations; set => native.max_iterations = value; }
 
         /// <summary>Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12.</summary>
@@ -103,6 +103,10 @@ namespace Cylfuse
         /// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image
         /// has.</summary>
         public double DrawnPixel { get => native.drawn_pixel; set => native.drawn_pixel = value; }
+
+        /// <summary>Standard deviation of the errors that all points of a view share, as a part of their distance. Default
+        /// 0 = 0.001, what data sheets grant the best; less than 0 = they share none.</summary>
+        public double DepthShared { get => native.depth_shared; set => native.depth_shared = value; }
 
         /// <summary>The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method
         /// and the start. Default 0 = no limit.</summary>

@@ -31,7 +31,7 @@ namespace Cylfuse
         /// <summary>Why the iteration ended.</summary>
         public Termination Termination => (Termination)native.termination;
 
-        /// <summary>Linear solves.</summary>
+        /// <summary>Iterations: linear systems that were solved.</summary>
         public int Iterations => (int)native.iterations;
 
         /// <summary>Solves whose step was rejected.</summary>

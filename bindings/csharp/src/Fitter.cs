@@ -74,7 +74,7 @@ namespace Cylfuse
                 call.Check(Native.Functions.FitterSetStartModel(call.Pointer, Cylinder.Write(model, &native)));
         }
 
-        /// <summary>Sets or takes away the function that hears of every linear solve of a fit, on the thread of the
+        /// <summary>Sets or takes away the function that is called before every iteration of a fit, on the thread of the
         /// fit. It returns whether to go on; otherwise the fit throws with <see cref="Status.Cancelled"/>. An exception
         /// that it throws stops the fit and comes out of it.</summary>
         /// <param name="handler">null for none.</param>
@@ -231,7 +231,7 @@ namespace Cylfuse
 
         /// <summary>Estimates the cylinder from everything that was pushed into all views. Lack of convergence and
         /// other warnings are not errors but properties of the result.</summary>
-        /// <param name="cancellation">Stops the fit before its next linear solve.</param>
+        /// <param name="cancellation">Stops the fit before its next iteration.</param>
         /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result
         /// stays.</exception>
         /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options;

@@ -46,7 +46,7 @@ namespace Cylfuse
             List<NativeLimbSample>(Native.Functions.FitterLimbSamples, sizeof(NativeLimbSample)),
             sample => new LimbSample(sample));
 
-        /// <summary>Lists the places on the arcs of both ends that <see cref="Extent"/> finds in the images, view after
+        /// <summary>Lists the samples on the arcs of both ends that <see cref="Extent"/> finds in the images, view after
         /// view: first those of the start, then those of the end. There are none for an end that the image of a view
         /// does not show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
@@ -87,6 +87,26 @@ namespace Cylfuse
                     call.Check(Native.Functions.FitterPointWeights(call.Pointer, weight, inlier, count, out count));
                 }
                 return new PointWeights(weights, Array.ConvertAll(inliers, inlier => inlier != 0));
+            }
+        }
+
+        /// <summary>Tells what each point of the selected view belongs to, in the order of the residuals of
+        /// points.</summary>
+        /// <param name="model">The model; null = that of the last fit.</param>
+        /// <exception cref="CylfuseException">BadState without a model and a result.</exception>
+        public unsafe Part[] PointParts(Cylinder model = null)
+        {
+            NativeCylinder cylinder;
+            using (Call call = Enter())
+            {
+                NativeCylinder* modelOrNull = Cylinder.Write(model, &cylinder);
+                int status = Native.Functions.FitterPointParts(call.Pointer, modelOrNull, null, UIntPtr.Zero,
+                    out UIntPtr count);
+                if (status != (int)Status.BufferTooSmall) call.Check(status);
+                var parts = new Part[(long)count];
+                fixed (Part* buffer = parts)
+                    call.Check(Native.Functions.FitterPointParts(call.Pointer, modelOrNull, buffer, count, out count));
+                return parts;
             }
         }
 

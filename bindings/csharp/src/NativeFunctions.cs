@@ -55,6 +55,9 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int DistancesFunction(NativeCylinder* model, NativePointsView* points, double* distances, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int ProjectFunction(NativeCylinder* model, NativeIntrinsics* intrinsics, double* lines);
         [UnmanagedFunctionPointer(C)] internal delegate int PointWeightsFunction(IntPtr fitter, double* weights, byte* inliers, UIntPtr capacity, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int PointPartsFunction(IntPtr fitter, NativeCylinder* model, Part* parts, UIntPtr capacity, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int FitEndedCallback(UIntPtr index, int status, IntPtr userData);
+        [UnmanagedFunctionPointer(C)] internal delegate int FitAllFunction(IntPtr* fitters, UIntPtr count, uint threads, FitEndedCallback callback, IntPtr userData, int* statuses);
         [UnmanagedFunctionPointer(C)] internal delegate int EndSamplesFunction(IntPtr fitter, NativeCylinder* model, NativeMaskView* mask, NativeEndSample* samples, UIntPtr elementSize, UIntPtr capacity, out UIntPtr count);
         [UnmanagedFunctionPointer(C)] internal delegate int ProjectPointsFunction(NativeIntrinsics* intrinsics, NativePointsView* points, double* pixels, UIntPtr capacity);
         [UnmanagedFunctionPointer(C)] internal delegate int UnprojectFunction(NativeIntrinsics* intrinsics, double* pixels, UIntPtr count, double* rays);
@@ -125,6 +128,8 @@ namespace Cylfuse
         internal readonly EstimateFunction FitterGetCylinder = Find<EstimateFunction>("cylfuse_fitter_get_cylinder");
         internal readonly ResidualsFunction FitterResiduals = Find<ResidualsFunction>("cylfuse_fitter_residuals");
         internal readonly PointWeightsFunction FitterPointWeights = Find<PointWeightsFunction>("cylfuse_fitter_point_weights");
+        internal readonly PointPartsFunction FitterPointParts = Find<PointPartsFunction>("cylfuse_fitter_point_parts");
+        internal readonly FitAllFunction FitAll = Find<FitAllFunction>("cylfuse_fit_all");
         internal readonly ListFunction FitterLimbs = Find<ListFunction>("cylfuse_fitter_limbs");
         internal readonly ListFunction FitterLimbSamples = Find<ListFunction>("cylfuse_fitter_limb_samples");
         internal readonly EndSamplesFunction FitterEndSamples = Find<EndSamplesFunction>("cylfuse_fitter_end_samples");

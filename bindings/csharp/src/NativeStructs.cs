@@ -39,6 +39,7 @@ namespace Cylfuse
         internal double radius_max;
         internal Vector axis;
         internal double axis_max_angle;
+        internal double depth_shared;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -2,7 +2,7 @@ using System;
 
 namespace Cylfuse
 {
-    /// <summary>The state of a running fit, before each linear solve.</summary>
+    /// <summary>The state of a running fit, before each iteration.</summary>
     public sealed class Progress
     {
         private readonly NativeProgress native;
@@ -10,11 +10,11 @@ namespace Cylfuse
         /// <summary>What the fit is doing.</summary>
         public Phase Phase => (Phase)native.phase;
 
-        /// <summary>Linear solves so far. Begins again at 0 with every start that is tried and every robust
+        /// <summary>Iterations so far. Begins again at 0 with every start that is tried and every robust
         /// round.</summary>
         public int Iteration => (int)native.iteration;
 
-        /// <summary>Most linear solves.</summary>
+        /// <summary>Maximum number of iterations.</summary>
         public int MaxIterations => (int)native.max_iterations;
 
         /// <summary>The lowest cost so far, unit of length squared; infinite in the phase Start.</summary>

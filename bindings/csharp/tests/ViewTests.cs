@@ -32,6 +32,9 @@ namespace Cylfuse.Tests
                 Check.Equal(second, (long)weights.Weights.Length);
                 Check.Equal(second, (long)fitter.Residuals(ResidualKind.Points).Length);
                 Check.That(weights.Weights.Zip(weights.Inliers, (weight, inlier) => weight > 0 == inlier).All(x => x), "inliers");
+                Part[] parts = fitter.PointParts();
+                Check.Equal(second, (long)parts.Length);
+                Check.Equal(Part.Body, parts[parts.Length / 2]);
                 Check.Equal("0 0 1 1", string.Join(" ", fitter.Limbs().Select(limb => limb.View)));
                 Check.That(fitter.Limbs().All(limb => limb.Status == LimbStatus.NotSearched), "there is no image");
 

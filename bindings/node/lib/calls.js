@@ -109,6 +109,31 @@ class Calls {
     }
   }
 
+  /** Makes one call on the handles of several, none of which takes another one meanwhile. */
+  static async onAll(all, call) {
+    const started = [];
+    try {
+      const handles = all.map((calls) => {
+        const handle = calls.#start();
+        started.push(calls);
+        return handle;
+      });
+      return await call(handles);
+    } finally {
+      started.forEach((calls) => calls.#end());
+    }
+  }
+
+  /** Why a call that ran elsewhere failed. */
+  failure(status) {
+    try {
+      checkElsewhere(status, this.#held);
+    } catch (error) {
+      return error;
+    }
+    return null;
+  }
+
   /** Calls what fills a struct. */
   filled(name, call) {
     const struct = initialised(name);

@@ -127,7 +127,7 @@ const OPTION_FIELDS = {
   imageNoise: ['image_noise', number], edgeNoise: ['edge_noise', number], maskNoise: ['mask_noise', number],
   imageBlur: ['image_blur', number], drawnPixel: ['drawn_pixel', number], radiusMin: ['radius_min', number],
   radiusMax: ['radius_max', number], axis: ['axis', (what, value) => numbers(what, value, 3)],
-  axisMaxAngle: ['axis_max_angle', number],
+  axisMaxAngle: ['axis_max_angle', number], depthShared: ['depth_shared', number],
 };
 
 const DETECTOR_OPTION_FIELDS = {

@@ -46,7 +46,7 @@ export interface Options {
   extentRule?: 'auto' | 'extremes' | 'located';
   /** Most threads; the result has the same bits for any number. Default 1: no thread is started. */
   maxThreads?: number;
-  /** Most linear solves, at least 1. Default 400. */
+  /** Maximum number of iterations, at least 1. Default 400. */
   maxIterations?: number;
   /** Smallest relative decrease of the cost that counts as progress, in [0, 1). Default 1e-12. */
   costTolerance?: number;
@@ -87,6 +87,11 @@ export interface Options {
    * 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
    */
   drawnPixel?: number;
+  /**
+   * Standard deviation of the errors that all points of a view share, as a part of their distance. Default 0 = 0.001; less
+   * than 0 = none.
+   */
+  depthShared?: number;
   /** The smallest radius of the returned cylinder. Default 0 = no limit. */
   radiusMin?: number;
   /** The largest radius, equal to radiusMin for a known one. Default 0 = no limit. */

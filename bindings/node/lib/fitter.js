@@ -2,11 +2,12 @@
 
 const { functions, initialised } = require('./native.js');
 const convert = require('./convert.js');
-const { numberOf } = require('./names.js');
+const { kindOf, nameOf, numberOf } = require('./names.js');
 const { progressCallback, logCallback } = require('./callbacks.js');
 const { Calls, checkCallback } = require('./calls.js');
 const { inside } = require('./frame.js');
-const { fitOnPool } = require('./pool.js');
+const { statusError } = require('./errors.js');
+const { fitOnPool, fitAllOnPool } = require('./pool.js');
 
 // What `made` hands to the constructor.
 let making = null;
@@ -16,6 +17,32 @@ class Fitter {
   // The sizes of the cameras of the views.
   #cameras = [making?.size ?? [0, 0]];
   #selected = 0;
+
+  /** Fits many fitters, several at once. */
+  static async fitAll(fitters, options = {}) {
+    convert.object('options', options, ['threads', 'progress']);
+    const { threads = 0, progress = null } = options;
+    convert.size('threads', threads);
+    checkCallback('progress', progress);
+    const every = Array.from(fitters);
+    for (const fitter of every) {
+      if (!(fitter instanceof Fitter)) throw new TypeError(`a fitter must be a Fitter, not ${kindOf(fitter)}`);
+    }
+    const all = every.map((fitter) => fitter.#calls);
+    let thrown = null;
+    const ended = progress && ((index) => {
+      try {
+        return progress(index) === false ? 1 : 0;
+      } catch (error) {
+        thrown = { error };
+        return 1;
+      }
+    });
+    const { status, statuses } = await Calls.onAll(all, (handles) => fitAllOnPool(handles, threads, ended));
+    if (thrown) throw thrown.error;
+    if (status !== 0) throw statusError(status);
+    return all.map((calls, index) => calls.failure(statuses[index]) ?? every[index].result());
+  }
 
   /** A fitter that is created by another function, with the size of its camera. */
   static made(create, size) {
@@ -180,6 +207,13 @@ class Fitter {
     return { weights: weights.subarray(0, count), inliers: inliers.subarray(0, count) };
   }
 
+  pointParts(model = null) {
+    const c = convert.optionalCylinder(model);
+    const list = (handle, out, length, count) => functions.cylfuse_fitter_point_parts(handle, c, out, length, count);
+    const { items, count } = this.#calls.list(this.counts().pointsUsed, (length) => new Uint8Array(length), list);
+    return Array.from(items.subarray(0, count), (part) => nameOf('part', part));
+  }
+
   limbs() {
     return this.#calls.structs('limb', 2 * this.viewCount(), functions.cylfuse_fitter_limbs).map(convert.limbFromC);
   }
@@ -273,8 +307,9 @@ function regionToC(options) {
 }
 
 // For this package only.
-const { made } = Fitter;
+const { made, fitAll } = Fitter;
 delete Fitter.made;
+delete Fitter.fitAll;
 
 // `using fitter = new Fitter()` where the language has it.
 if (Symbol.dispose) Fitter.prototype[Symbol.dispose] = Fitter.prototype.close;
@@ -285,4 +320,4 @@ function typeCode(what, type, types) {
   throw new TypeError(`${what} must be ${[...types.keys()].map((known) => known.name).join(' or ')}`);
 }
 
-module.exports = { Fitter, made };
+module.exports = { Fitter, made, fitAll };

@@ -15,7 +15,7 @@ import type {
   Vector,
 } from './data.js';
 import type {
-  Completion, Counts, Diagnosis, EndSample, Extent, Limb, LimbSample, LogLevel, Progress, Result,
+  Completion, Counts, Diagnosis, EndSample, Extent, Limb, LimbSample, LogLevel, Part, Progress, Result,
 } from './results.js';
 
 export * from './data.js';
@@ -118,7 +118,7 @@ export class Fitter {
   /** Sets a candidate in the reference frame for the start auto, the start of model; null takes it away. */
   setStartModel(model: Cylinder | null): void;
   /**
-   * Sets what hears of every linear solve; false stops the fit. What it throws, the fit throws. A `fit` waits for the
+   * Sets what is called before every iteration; false stops the fit. What it throws, the fit throws. A `fit` waits for the
    * event loop to get to it.
    */
   setProgress(callback: ((progress: Progress) => boolean | void) | null): void;
@@ -155,11 +155,16 @@ export class Fitter {
    * in the order of the residuals; an inlier (1, else 0) is a point whose weight is above 0.
    */
   pointWeights(): { weights: Float64Array; inliers: Uint8Array };
+  /**
+   * What each point of the selected view belongs to, in the order of the residuals; without a model at the cylinder of the
+   * last fit.
+   */
+  pointParts(model?: Cylinder | null): Part[];
   /** The two limbs of the last fit in each view, view after view; not searched once data or options have changed. */
   limbs(): Limb[];
   /** What the last fit saw of the limbs in the image of the selected view, used and refused. */
   limbSamples(): LimbSample[];
-  /** The places on the arcs of both ends that `extent` finds in the images, view after view. */
+  /** The samples on the arcs of both ends that `extent` finds in the images, view after view. */
   endSamples(options?: Region): EndSample[];
   /** What the data determine at a model, by an orthogonal factorisation: more precise than `condition`, and slower. */
   diagnose(model?: Cylinder | null): Diagnosis;
@@ -184,6 +189,20 @@ export class Fitter {
    */
   selectEdges(edges: Scalars | Segments, options?: { model?: Cylinder | null; reach?: number }): Uint8Array;
 }
+
+/**
+ * Fits many fitters, several at once and off the main thread, each as `fit` does, and gives their outcomes in order. Their
+ * callbacks are not called.
+ */
+export function fitAll(
+  fitters: Iterable<Fitter>,
+  options?: {
+    /** How many fits run at the same time. Default 0 = as many as the machine has processors. */
+    threads?: number;
+    /** Hears of each fit that ended, by the place of its fitter; false stops the rest, and then all fail as cancelled. */
+    progress?: ((index: number) => unknown) | null;
+  },
+): Promise<(Result | CylfuseError)[]>;
 
 /** Fits a cylinder to a cloud by the default options. For anything else there is {@link Fitter}. */
 export function fitPoints(points: Scalars | Points): Promise<Result>;

@@ -5,7 +5,7 @@ const convert = require('./convert.js');
 const { enumerations } = require('./names.js');
 const { CylfuseError, check } = require('./errors.js');
 const { Detector } = require('./detector.js');
-const { Fitter } = require('./fitter.js');
+const { Fitter, fitAll } = require('./fitter.js');
 const { Frame } = require('./frame.js');
 
 async function fitPoints(points) {
@@ -72,6 +72,7 @@ exports.Frame = Frame;
 exports.Detector = Detector;
 exports.CylfuseError = CylfuseError;
 exports.fitPoints = fitPoints;
+exports.fitAll = fitAll;
 exports.distances = distances;
 exports.project = project;
 exports.compare = compare;

@@ -65,7 +65,7 @@ const Options = koffi.struct({
   lambda_factor: 'double', max_lambda: 'double', edge_weight: 'double', seed: 'uint64_t',
   ransac_max_iterations: 'uint64_t', ransac_threshold: 'double', independent_points: 'double', depth_noise: 'double',
   image_noise: 'double', edge_noise: 'double', mask_noise: 'double', image_blur: 'double', drawn_pixel: 'double',
-  radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double',
+  radius_min: 'double', radius_max: 'double', axis: vector, axis_max_angle: 'double', depth_shared: 'double',
 });
 
 const DetectorOptions = koffi.struct({
@@ -140,6 +140,7 @@ const EndSample = koffi.struct({
 });
 
 const ProgressCallback = pointer(koffi.proto('int32_t', ['void *', 'void *']));
+const FitEndedCallback = pointer(koffi.proto('int32_t', ['size_t', 'int32_t', 'void *']));
 const LogCallback = pointer(koffi.proto('void', ['int32_t', 'str', 'void *']));
 
 /** The structs by the names of the C interface without prefix. */
@@ -210,12 +211,14 @@ const signatures = {
   cylfuse_frame_set_image: ['int32_t', [Handle, input(ImageView)]],
   cylfuse_fitter_use_frame: ['int32_t', [Handle, Handle, input(MaskView)]],
   cylfuse_fitter_fit: ['int32_t', [Handle, filled(Result), filled(CylinderEstimate)]],
+  cylfuse_fit_all: ['int32_t', ['void *', 'size_t', 'uint32_t', FitEndedCallback, 'void *', 'void *']],
   cylfuse_fitter_evaluate: ['int32_t', [Handle, input(Cylinder), filled(Result), filled(CylinderEstimate)]],
   cylfuse_fitter_get_result: ['int32_t', [Handle, filled(Result)]],
   cylfuse_fitter_get_cylinder: ['int32_t', [Handle, filled(CylinderEstimate)]],
   cylfuse_fitter_diagnose: ['int32_t', [Handle, input(Cylinder), filled(CylinderDiagnosis)]],
   cylfuse_fitter_residuals: ['int32_t', [Handle, input(Cylinder), 'int32_t', 'void *', 'size_t', output('size_t')]],
   cylfuse_fitter_point_weights: ['int32_t', [Handle, 'void *', 'void *', 'size_t', output('size_t')]],
+  cylfuse_fitter_point_parts: ['int32_t', [Handle, input(Cylinder), 'void *', 'size_t', output('size_t')]],
   cylfuse_fitter_limbs: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
   cylfuse_fitter_limb_samples: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
   cylfuse_fitter_end_samples: [
@@ -302,6 +305,7 @@ const library = loadLibrary();
  */
 const onPool = {
   fit: library.func('cylfuse_fitter_fit', 'int32_t', [Handle, 'void *', 'void *']).async,
+  fitAll: library.func('cylfuse_fit_all', 'int32_t', signatures.cylfuse_fit_all[1]).async,
   detect: library.func('cylfuse_detector_detect', 'int32_t', [Handle, Handle]).async,
   detectPoints: library.func('cylfuse_detector_detect_points', 'int32_t', [Handle, 'void *']).async,
 };
@@ -313,4 +317,6 @@ function initialised(name) {
   return struct;
 }
 
-module.exports = { ABI_VERSION, koffi, structs, functions, onPool, initialised, ProgressCallback, LogCallback };
+module.exports = {
+  ABI_VERSION, koffi, Handle, structs, functions, onPool, initialised, ProgressCallback, FitEndedCallback, LogCallback,
+};

@@ -4,7 +4,7 @@
 const fs = require('node:fs');
 const { inspect } = require('node:util');
 const { isMainThread } = require('node:worker_threads');
-const { koffi, onPool, initialised, structs } = require('./native.js');
+const { koffi, Handle, FitEndedCallback, onPool, initialised, structs } = require('./native.js');
 
 // koffi takes 256 calls at a time, and the callbacks of calls count as such. The pool has 4 threads, or as many as
 // UV_THREADPOOL_SIZE says.
@@ -66,6 +66,25 @@ async function fitOnPool(handle, hears, cancelled) {
   }
 }
 
+/**
+ * Fits those that the handles are of: the status of all, and that of each. `ended` hears of each, and returns whether to
+ * stop; null for nothing.
+ */
+async function fitAllOnPool(handles, threads, ended) {
+  const count = handles.length;
+  const [list, statuses] = [koffi.alloc(Handle, Math.max(count, 1)), koffi.alloc('int32_t', Math.max(count, 1))];
+  const hear = ended && koffi.register((index, status) => ended(Number(index), status), FitEndedCallback);
+  try {
+    if (count > 0) koffi.encode(list, koffi.array(Handle, count), handles);
+    const status = await run(onPool.fitAll, [list, count, threads, hear, null, statuses], Boolean(ended), () => false);
+    return { status, statuses: count > 0 ? Array.from(koffi.decode(statuses, koffi.array('int32_t', count))) : [] };
+  } finally {
+    if (hear) koffi.unregister(hear);
+    koffi.free(list);
+    koffi.free(statuses);
+  }
+}
+
 /** Searches a frame: the status. */
 const detectOnPool = (handle, frame, hears, cancelled) => run(onPool.detect, [handle, frame], hears, cancelled);
 
@@ -100,4 +119,4 @@ if (isMainThread) {
   });
 }
 
-module.exports = { fitOnPool, detectOnPool, detectPointsOnPool };
+module.exports = { fitOnPool, fitAllOnPool, detectOnPool, detectPointsOnPool };

@@ -38,7 +38,7 @@ export interface Result {
   flags: Flag[];
   /** Why the iteration ended. */
   termination: 'none' | 'cost' | 'stalled' | 'max-iterations' | 'radius-ran-away' | 'gradient' | 'step';
-  /** Linear solves. */
+  /** Iterations: linear systems that were solved. */
   iterations: number;
   /** Solves whose step was rejected. */
   rejectedSteps: number;
@@ -114,6 +114,12 @@ export interface Counts {
   segmentsGiven: number;
 }
 
+/**
+ * What a point in the mask belongs to: the lateral surface; a cap, in the plane across the axis at an end; the inside, seen
+ * through an open end; something nearer, as a wider lid, a handle or what stands in front; the background.
+ */
+export type Part = 'body' | 'cap' | 'inner-wall' | 'other' | 'behind';
+
 /** Whether a limb was located in the image, or why not. */
 export type LimbStatus =
   | 'located' | 'not-searched' | 'no-limbs' | 'too-short' | 'no-edge' | 'out-of-reach' | 'uncertain' | 'patchy'
@@ -152,7 +158,7 @@ export interface LimbSample {
   weight: number;
 }
 
-/** A place on the arc of an end of the cylinder in the image. */
+/** A sample on the arc of an end of the cylinder in the image. */
 export interface EndSample {
   /** From 0. */
   view: number;
@@ -247,13 +253,13 @@ export interface Extent {
   centerCovariance: Float64Array;
 }
 
-/** The state of a running fit, before each linear solve. */
+/** The state of a running fit, before each iteration. */
 export interface Progress {
   /** What the fit is doing: looking for a start, or iterating. */
   phase: 'start' | 'solve';
-  /** Linear solves, from 0 with every start that is tried and every robust round. */
+  /** Iterations, from 0 with every start that is tried and every robust round. */
   iteration: number;
-  /** The most linear solves. */
+  /** The maximum number of iterations. */
   maxIterations: number;
   /** The lowest so far, unit of length squared; infinite in the phase start. */
   cost: number;

@@ -210,6 +210,9 @@ const calls = {
   evaluate: (fitter, step) => fitter.evaluate(model(step.model)),
   residuals: (fitter, step) => ({ residuals: fitter.residuals(word(step.kind), model(step.model)) }),
   point_weights: (fitter) => fitter.pointWeights(),
+  point_parts: (fitter, step) => ({
+    parts: fitter.pointParts(model(step.model)).map((part) => enumerations.part[part]),
+  }),
   limbs: (fitter) => columnsOf(fitter.limbs(), ['view', 'limb', 'status', 'samples', 'line', 'deviation']),
   limb_samples: (fitter) => columnsOf(fitter.limbSamples(), ['view', 'limb', 'pixel', 'deviation', 'weight']),
   end_samples: (fitter, step) => columnsOf(

@@ -1,6 +1,6 @@
 // Compiled by the tests, never run: what the types allow and what they refuse.
 import {
-  Detector, Fitter, Frame, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
+  Detector, Fitter, Frame, fitAll, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
   type Pose,
 } from 'cylfuse';
 
@@ -23,6 +23,8 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   fitter.useFrame(frame, { data: mask, width: 4, height: 2, label: 3 });
   fitter.clearInput('points', 'image');
   const located: boolean = fitter.limbs().every(({ status }) => status === 'located');
+  const outcomes: (Result | CylfuseError)[] = await fitAll([fitter], { threads: 2, progress: (index) => index < 3 });
+  const body: boolean = fitter.pointParts(result.cylinder).every((part) => part === 'body');
   const inliers: Uint8Array = fitter.pointWeights().inliers;
   const pixels: Float64Array = projectPoints(intrinsics, unprojectPixels(intrinsics, new Float64Array(inliers.length)));
   const radius: number | undefined = located ? pixels[0] : fitter.endSamples()[0]?.deviation;

@@ -34,6 +34,8 @@ test('two views of one cylinder', async () => {
   assert.deepEqual([weights.length, inliers.length], [counts.pointsUsed, counts.pointsUsed]);
   assert.equal(fitter.residuals('points').length, counts.pointsUsed);
   assert.ok(weights.every((weight, i) => weight >= 0 && weight <= 1 && inliers[i] === Number(weight > 0)));
+  const parts = fitter.pointParts();
+  assert.deepEqual([parts.length, parts[parts.length >> 1]], [counts.pointsUsed, 'body']);
   assert.deepEqual(fitter.limbs().map(({ view, limb, status }) => [view, limb, status]),
     [[0, 0], [0, 1], [1, 0], [1, 1]].map((place) => [...place, 'not-searched']));
   const extent = fitter.extent();

@@ -111,6 +111,8 @@ class Runner:
             return self.result(fitter.evaluate(model))
         elif call == "residuals":
             return {"residuals": fitter.residuals(step["kind"], model)}
+        elif call == "point_parts":
+            return {"parts": fitter.point_parts(model)}
         elif call == "limbs":
             limbs = fitter.limbs()
             return {name: [getattr(limb, name) for limb in limbs] for name in cylfuse.Limb._fields}

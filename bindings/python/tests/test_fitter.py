@@ -104,6 +104,8 @@ def test_limbs_ends_and_weights(frame: dict[str, Any]) -> None:
     residuals = np.abs(result.residuals())
     assert np.median(residuals[~inliers]) > 3 * result.point_deviation > 0
     assert ((weights > 0) == inliers).all() and result.independent_points > 0
+    body = result.point_parts() == cylfuse.Part.BODY
+    assert body.shape == inliers.shape and body[inliers].mean() > 0.95
     without = cylfuse.fit(**{**frame, "image": None})
     assert {limb.status for limb in without.limbs()} == {cylfuse.LimbStatus.NOT_SEARCHED}
 

@@ -333,3 +333,47 @@ def test_the_bar_counts_the_frames(capsys: pytest.CaptureFixture[str], frame: di
     pytest.importorskip("tqdm")
     assert len(list(cylfuse.fit_many([frame] * 3, progress=True))) == 3
     assert "3/3" in capsys.readouterr().err
+
+
+def batch() -> list[cylfuse.Fitter]:
+    fitters = [cylfuse.Fitter() for _ in range(8)]
+    for number, fitter in enumerate(fitters):
+        points = pipe()[number:]
+        fitter.push_points([[0.0, 0.1 * k, 1.0] for k in range(20)] if number == 2 else points)
+    return fitters
+
+
+@pytest.mark.parametrize("threads", [0, 1, 3])
+def test_fitters_at_once_give_the_bits_of_each(threads: int) -> None:
+    heard: list[int] = []
+    fitters = batch()
+    outcomes = cylfuse.fit_all(fitters, threads=threads, on_progress=heard.append)
+    assert sorted(heard) == list(range(8))
+    for number, (alone, fitter, outcome) in enumerate(zip(batch(), fitters, outcomes)):
+        if number == 2:
+            assert isinstance(outcome, cylfuse.CollinearPointsError) and "line" in str(outcome)
+            continue
+        expected = alone.fit()
+        assert isinstance(outcome, cylfuse.Result)
+        for one in (outcome, fitter.result):
+            assert one.covariance.tobytes() == expected.covariance.tobytes()
+        assert outcome.residuals().shape == (expected.points_used,)
+
+
+def test_fitters_at_once_are_stopped_and_refused() -> None:
+    fitters = batch()
+    with pytest.raises(cylfuse.CancelledError):
+        cylfuse.fit_all(fitters, threads=1, on_progress=lambda index: index < 3)
+    assert fitters[3].result.model.radius == pytest.approx(0.5)
+    with pytest.raises(cylfuse.StateError):
+        fitters[4].result
+    with pytest.raises(ZeroDivisionError):
+        cylfuse.fit_all(fitters, threads=2, on_progress=lambda index: 1 / 0)
+    with pytest.raises(cylfuse.InvalidArgumentError, match=r"fitters\[1\] is the same"):
+        cylfuse.fit_all(fitters[:1] * 2)
+    with pytest.raises(TypeError):
+        cylfuse.fit_all([1])  # type: ignore[list-item]
+    fitters[5].close()
+    with pytest.raises(cylfuse.StateError, match="closed"):
+        cylfuse.fit_all(fitters)
+    assert cylfuse.fit_all([]) == []

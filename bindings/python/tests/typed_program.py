@@ -40,6 +40,7 @@ with cylfuse.Fitter(cylfuse.Intrinsics.from_matrix(np.eye(3), 640, 480), options
     fitter.clear_input("points", cylfuse.Input.IMAGE)
     located: bool = fitter.limbs()[0].status == cylfuse.LimbStatus.LOCATED
     inliers: npt.NDArray[np.bool_] = fitter.point_weights().inliers
+    body: npt.NDArray[np.bool_] = fitter.point_parts() == cylfuse.Part.BODY
     start: cylfuse.EndState = fitter.extent(mask=np.ones((480, 640), bool)).start_state
 with cylfuse.Frame(cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5), cylfuse.Pose()) as frame:
     frame.set_image(np.zeros((480, 640, 3), np.uint8), bgr=True)

@@ -4,23 +4,21 @@
 
 #[cfg(feature = "bench")]
 use crate::bench::BenchArguments;
+use crate::common_arguments::{CommonArguments, NOISE, parse_numbers};
 use crate::detect_arguments::DetectArguments;
-use crate::page::Tolerance;
 use crate::plan_arguments::PlanArguments;
 #[cfg(feature = "twin")]
 use crate::twin_arguments::TwinArguments;
-use clap::builder::PossibleValue;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use cylfuse::error::Result;
 use cylfuse::fitter::{
     ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind,
 };
-use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
-use cylfuse::noise::NoiseModel;
+use cylfuse::geometry::{Cylinder, CylinderLimits};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
-/// Measures a cylinder from one RGB-D view or several by fusing depth with the limb lines in the image.
+/// Measures cylinders from RGB-D views by fusing depth with the limb lines in the image.
 #[derive(Debug, Parser)]
 #[command(name = "cylfuse", version, max_term_width = 100, after_help = EXAMPLES)]
 pub struct Arguments {
@@ -30,15 +28,15 @@ pub struct Arguments {
 }
 
 const EXAMPLES: &str = "Examples:
-  cylfuse demo                              fit the built-in frame and leave pictures and files
+  cylfuse demo                              fit the built-in frame, write pictures and files
   cylfuse fit frame.json                    fit one frame, print a table
-  cylfuse fit --json frames/ > results.txt  fit all frames of a folder, one JSON object a line
-  cylfuse fit --out results frames/         the same with pictures and completed points
-  cylfuse fit --points part.ply             fit a bare point cloud
+  cylfuse fit --json frames/ > results.txt  fit all frames of a folder, one JSON object per line
+  cylfuse fit --out results frames/         fit all, write pictures and completed points
+  cylfuse fit --points part.ply             fit a point cloud without a camera
   cylfuse detect --out results frames/      find all cylinders of whole scenes
-  cylfuse plan --vary distance=0.5..3       how well a camera will measure from how far away
+  cylfuse plan --vary distance=0.5..3       predict how well a camera will measure
 
-Exit status: 0 all fitted, 1 some frame failed, 2 the command line is wrong.";
+Exit status: 0 all fitted, 1 a frame failed, 2 the command line is wrong.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -47,11 +45,11 @@ pub enum Command {
     Fit(Box<FitArguments>),
     /// Find all cylinders of whole frames or point clouds, without masks or edges, and fit each.
     Detect(Box<DetectArguments>),
-    /// Fit the built-in frame and leave pictures and files in a folder.
+    /// Fit a built-in frame and scene, and write pictures and files to a folder.
     Demo(DemoArguments),
-    /// Say beforehand how well a camera will measure a cylinder.
+    /// Predict how well a camera will measure a cylinder.
     Plan(Box<PlanArguments>),
-    /// Make frames of random scenes by a twin of an RGB-D camera, with their truth.
+    /// Make frames of random scenes with a simulated RGB-D camera, with their true cylinders.
     #[cfg(feature = "twin")]
     Twin(TwinArguments),
     /// Run the experiments of the paper, and others, on frames of the twin, and write a report.
@@ -62,34 +60,20 @@ pub enum Command {
 /// `cylfuse fit`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("input").required(true).args(["frames", "points"]))]
-#[command(after_help = FRAME_FORMAT)]
+#[command(after_help = format!("{FRAME_FORMAT}\n\n{NOISE}"))]
 pub struct FitArguments {
     /// Frame files, or folders that are searched for frame.json.
     #[arg(value_name = "FRAME")]
     pub frames: Vec<PathBuf>,
 
-    /// Fit bare point clouds instead: .ply, .pcd, or .xyz (x y z a line; also .txt, .csv, .asc).
+    /// Fit point clouds without a camera instead: .ply, .pcd, or .xyz (x y z on each line; also .txt, .csv, .asc).
     #[arg(long, value_name = "CLOUD", num_args = 1..)]
     pub points: Vec<PathBuf>,
 
-    /// Print one JSON object a frame and line, in the order of the input, instead of the table.
-    #[arg(long, help_heading = "Output")]
-    pub json: bool,
-
-    /// Write result.json, overlay.png, completed.ply and completed.pcd to this folder, of several views overlay-0.png,
-    /// overlay-1.png and so on too; with several frames to a subfolder for each.
+    /// Write result.json, overlay.png, completed.ply and completed.pcd to this folder, with several views also overlay-0.png,
+    /// overlay-1.png and so on; with several frames to a subfolder for each.
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
-
-    /// Write one page about all of them for the browser: a table with pictures, a histogram, points and cylinders in 3D. It
-    /// needs no other file and no network.
-    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
-    pub report: Option<PathBuf>,
-
-    /// Say in that page whether the radius or the length keeps these limits, in the unit of the data: pass, fail, or undecided
-    /// by the uncertainty.
-    #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
-    pub tolerance: Vec<Tolerance>,
 
     /// How to estimate the cylinder.
     #[arg(long, value_enum, default_value_t = MethodName::Fused, help_heading = "Estimation")]
@@ -112,35 +96,17 @@ pub struct FitArguments {
     #[arg(long, value_enum, help_heading = "Estimation")]
     pub start_from: Option<StartName>,
 
-    /// The smallest radius that the cylinder may have, in the unit of the data.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
-    pub radius_min: Option<f64>,
-
-    /// The largest radius that the cylinder may have.
-    #[arg(long, value_name = "R", allow_hyphen_values = true, help_heading = "Limits")]
-    pub radius_max: Option<f64>,
-
-    /// The radius, where it is known.
+    /// The radius, if it is known.
     #[arg(long, value_name = "R", conflicts_with_all = ["radius_min", "radius_max"])]
     #[arg(allow_hyphen_values = true, help_heading = "Limits")]
     pub radius: Option<f64>,
-
-    /// The direction of the axis in the frame of the result, of any length and sign.
-    #[arg(long, value_name = "x,y,z", value_parser = parse_numbers::<3>)]
-    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
-    pub axis: Option<[f64; 3]>,
-
-    /// How far the axis may be from --axis, in degrees from 0 to 90 [default: 0, the direction is known].
-    #[arg(long, value_name = "DEG", requires = "axis")]
-    #[arg(allow_hyphen_values = true, help_heading = "Limits")]
-    pub axis_max_angle: Option<f64>,
 
     /// Ignore the edge segments.
     #[arg(long, help_heading = "Estimation")]
     pub no_edges: bool,
 
-    /// Take the edge segments as they are: do not look for the limbs in the image, only for the ends. The paper's
-    /// objective never does either.
+    /// Use the edge segments as measurements: do not locate the limbs in the image, only the ends. The paper's objective
+    /// always does so, and locates no ends either.
     #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
     pub edges_as_given: bool,
 
@@ -148,19 +114,15 @@ pub struct FitArguments {
     #[arg(long, value_enum, default_value_t = ExtentName::Auto, help_heading = "Estimation")]
     pub extent_rule: ExtentName,
 
-    /// Ignore the image file and do not open it; mask and edge segments stay.
-    #[arg(long, help_heading = "Estimation")]
-    pub no_image: bool,
-
-    /// Accept a cylinder with its points on the wall that the camera cannot see.
+    /// Accept a cylinder whose points lie on the wall that the camera cannot see.
     #[arg(long, help_heading = "Estimation")]
     pub no_near_wall: bool,
 
-    /// The coordinates in which the iteration steps; both reach the same minimum.
+    /// The coordinates in which the iteration takes its steps; all reach the same minimum.
     #[arg(long, value_enum, default_value_t = ChartName::Auto, help_heading = "Estimation")]
     pub chart: ChartName,
 
-    /// Most linear solves [default: 400].
+    /// Maximum number of iterations [default: 400].
     #[arg(long, value_name = "N", help_heading = "Estimation")]
     pub max_iterations: Option<usize>,
 
@@ -168,16 +130,16 @@ pub struct FitArguments {
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Estimation")]
     pub seed: u64,
 
-    /// A standard deviation that is known better than the default, see below; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_noise, help_heading = "Noise")]
-    pub noise: Vec<(NoiseName, f64)>,
-
-    /// The number of points of a view whose noise is independent [default: 0, from the data].
+    /// The number of points of a view whose noise is independent [default: 0, estimated from the data].
     #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = "Noise")]
     pub independent_points: Option<f64>,
 
-    /// Most threads, 0 for as many as the machine has: they take several frames side by side, or the sums over the
-    /// points of a single one. Results do not depend on it [default: 0 for several frames, 1 for a single one].
+    /// What `cylfuse detect` takes too.
+    #[command(flatten)]
+    pub common: CommonArguments,
+
+    /// Maximum number of threads, 0 for as many as the machine has. They fit several frames at once, or share the sums over
+    /// the points of a single one. Results do not depend on it [default: 0 for several frames, 1 for a single one].
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
 }
@@ -192,33 +154,18 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
                      kannala_brandt
   depth              16-bit grey PNG, z along the optical axis, 0 = not measured
   depth_scale        metres per unit of depth
-  image_gamma        optional; light is the value to this power: 1 (default) for an image linear
-                     in light, 2.2 for sRGB, in which cameras and image files usually come
+  image_gamma        optional; light is the value to this power: 1 (default) for values
+                     proportional to light, 2.2 for sRGB, as cameras and image files usually have
   image, mask, edges optional; mask, edges and, without a depth_camera, depth are on the pixels
                      of the (distorted) image
-  depth_camera       optional; the camera of the depth image where it is another one: the fields
+  depth_camera       optional; the camera of the depth image if it is not registered: the fields
                      of camera, and rotation (9 numbers, row by row) and translation with
                      x_image = R x_depth + t
   pose               optional; rotation and translation with x_result = R x_image + t
   views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
                      objects like the one above, in place of it, each with its pose
 
-Without a mask all measured pixels are fitted, the background included, and there is no extent.
-
-Noise, --noise NAME=VALUE, in standard deviations; 0, where it is the default, stands for an
-estimate from the data:
-  edge-endpoint      a hand-set endpoint of an edge across its limb [0.5 drawn pixels]
-  mask-side          a side of a mask as a whole across its limb [1.6 drawn pixels]
-  mask-unevenness    the part of it that differs from one end of a side to the other [1 drawn pixel]
-  mask-growth        the largest growth of a mask all round, a bound [3 drawn pixels]
-  mask-boundary      the boundary of a mask at one place [0.8 drawn pixels]
-  mask-correlation   the length along a boundary over which it wanders [10 drawn pixels]
-  limb-of-points     a limb as a fit to the points alone predicts it [2 drawn pixels]
-  drawn-pixel        a pixel in which edges and masks were drawn, in pixels of the image [0: by
-                     the size of the image]
-  depth              a measured point across the surface, in metres [0]
-  image              the values of the image linear in light [0]
-  blur               the blur of the image, in pixels [0]";
+Without a mask all measured pixels are fitted, including the background, and there is no extent.";
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]
@@ -246,14 +193,14 @@ pub enum MethodName {
 pub enum ObjectiveName {
     /// The paper's F = (1 - w_L) E_P + w_L E_L: every point of the mask at the same weight, two edges
     Paper,
-    /// Robust points, pixel distances of the edges, each weighted by its own scale
+    /// Robust points, and edges by their distance in pixels, each weighted by its own standard deviation
     Robust,
 }
 
 /// [`StartKind`] by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum StartName {
-    /// The start that explains the data best
+    /// The one of the following that explains the data best
     Auto,
     /// From two edge segments, scaled by the points
     Limbs,
@@ -281,27 +228,10 @@ pub enum ChartName {
 pub enum ExtentName {
     /// Located for the robust objective, extremes otherwise
     Auto,
-    /// The paper's: the extreme completed points of the mask
+    /// The paper's rule: the extreme completed points of the mask
     Extremes,
-    /// From all lines along the surface together, in the mask and the image
+    /// Located along the whole end, in the mask and the image
     Located,
-}
-
-/// The deviations of [`NoiseModel`] by their names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the fields of the model say it")]
-pub enum NoiseName {
-    EdgeEndpoint,
-    MaskSide,
-    MaskUnevenness,
-    MaskGrowth,
-    MaskBoundary,
-    MaskCorrelation,
-    LimbOfPoints,
-    DrawnPixel,
-    Depth,
-    Image,
-    Blur,
 }
 
 impl FitArguments {
@@ -324,10 +254,7 @@ impl FitArguments {
                         out: the robust objective takes its weights from the data"
                 .into());
         }
-        // The library knows these in radians, and as two limits.
-        if let Some(degrees) = self.axis_max_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
-            return Err(format!("--axis-max-angle is {degrees}; it must lie in [0, 90] degrees"));
-        }
+        self.common.check()?;
         if let Some(radius) = self.radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
             return Err(format!("--radius is {radius}; it must be finite and greater than 0"));
         }
@@ -374,14 +301,19 @@ impl FitArguments {
             near_wall: if self.no_near_wall { NearWall::Off } else { NearWall::Auto },
             threads: self.threads.unwrap_or(defaults.threads),
             seed: self.seed,
-            cylinder_limits: self.limits(),
+            cylinder_limits: match self.radius {
+                Some(radius) => {
+                    CylinderLimits { radius_min: radius, radius_max: radius, ..self.common.limits() }
+                }
+                None => self.common.limits(),
+            },
             edge_use: if self.edges_as_given { EdgeUse::AsGiven } else { EdgeUse::Refine },
             extent_rule: match self.extent_rule {
                 ExtentName::Auto => ExtentRule::Auto,
                 ExtentName::Extremes => ExtentRule::Extremes,
                 ExtentName::Located => ExtentRule::Located,
             },
-            noise: self.noise_model(),
+            noise: self.common.noise_model(),
             independent_points: self.independent_points.unwrap_or(defaults.independent_points),
             ..defaults
         };
@@ -397,38 +329,6 @@ impl FitArguments {
         Ok(options)
     }
 
-    fn noise_model(&self) -> NoiseModel {
-        let mut model = NoiseModel::default();
-        for &(name, value) in &self.noise {
-            *match name {
-                NoiseName::EdgeEndpoint => &mut model.edge_endpoint,
-                NoiseName::MaskSide => &mut model.mask_side,
-                NoiseName::MaskUnevenness => &mut model.mask_unevenness,
-                NoiseName::MaskGrowth => &mut model.mask_growth,
-                NoiseName::MaskBoundary => &mut model.mask_boundary,
-                NoiseName::MaskCorrelation => &mut model.mask_correlation,
-                NoiseName::LimbOfPoints => &mut model.limb_of_points,
-                NoiseName::DrawnPixel => &mut model.drawn_pixel,
-                NoiseName::Depth => &mut model.depth,
-                NoiseName::Image => &mut model.image,
-                NoiseName::Blur => &mut model.blur,
-            } = value;
-        }
-        model
-    }
-
-    fn limits(&self) -> CylinderLimits {
-        let none = CylinderLimits::default();
-        let degrees = self.axis_max_angle.unwrap_or(0.0);
-        // 90 degrees in radians, rounded, may be more than a right angle.
-        let max_angle = degrees.to_radians().min(std::f64::consts::FRAC_PI_2);
-        CylinderLimits {
-            radius_min: self.radius.or(self.radius_min).unwrap_or(none.radius_min),
-            radius_max: self.radius.or(self.radius_max).unwrap_or(none.radius_max),
-            axis: self.axis.map(|axis| AxisCone { direction: axis.into(), max_angle }),
-        }
-    }
-
     /// The cylinder of `--start`.
     ///
     /// # Errors
@@ -439,28 +339,6 @@ impl FitArguments {
         };
         self.start.map(cylinder).transpose()
     }
-}
-
-fn parse_noise(text: &str) -> std::result::Result<(NoiseName, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("give NAME=VALUE, such as edge-endpoint=0.3")?;
-    let known = NoiseName::from_str(name, false).map_err(|_| {
-        let names: Vec<_> =
-            NoiseName::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
-        let names: Vec<&str> = names.iter().map(PossibleValue::get_name).collect();
-        format!("'{name}' is none of {}", names.join(", "))
-    })?;
-    let value = value.parse().map_err(|_| format!("'{value}' is not a number"))?;
-    Ok((known, value))
-}
-
-/// Numbers between commas.
-pub fn parse_numbers<const COUNT: usize>(text: &str) -> std::result::Result<[f64; COUNT], String> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|word| word.trim().parse().map_err(|_| format!("'{word}' is not a number")))
-        .collect::<std::result::Result<_, _>>()?;
-    let count = numbers.len();
-    numbers.try_into().map_err(|_| format!("{count} numbers were given, but {COUNT} are needed"))
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use crate::failure::Failure;
 use crate::fit::{self, Settings};
 use crate::inputs::Input;
 use crate::report::{Outcome, Report};
-use cylfuse::detection::DetectionOptions;
 use cylfuse::fitter::Options;
+use cylfuse::scene::DetectorOptions;
 use std::io::Write;
 use std::path::Path;
 
@@ -58,8 +58,7 @@ pub fn run(folder: &Path) -> Result<(Report, SceneReport), Failure> {
     if let Outcome::Failed { error } = report.outcome {
         return Err(error);
     }
-    let settings =
-        detect::Settings { detection: DetectionOptions::default(), image: true, illustrate: false };
+    let settings = detect::Settings { options: DetectorOptions::default(), image: true, illustrate: false };
     let found = detect::run(&Input::Frame(scene.join("frame.json")), &settings, Some(&scene));
     if let SceneOutcome::Failed { error } = found.outcome {
         return Err(error);

@@ -9,7 +9,6 @@ use crate::page::{Illustration, POINTS_OF_SCENE};
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::camera::Camera;
-use cylfuse::detection::DetectionOptions;
 use cylfuse::geometry::RigidMotion;
 use cylfuse::observations::DepthImage;
 use cylfuse::scene::{self, Detector, DetectorOptions, Observer, Progress};
@@ -24,8 +23,8 @@ use std::time::Instant;
 /// What holds for all frames of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings {
-    /// The search.
-    pub detection: DetectionOptions,
+    /// The search and the fits.
+    pub options: DetectorOptions,
     /// Whether the image file is opened.
     pub image: bool,
     /// Whether a page will show the frames.
@@ -214,7 +213,7 @@ fn timed(
     search: impl FnOnce(&Detector, &mut Observer<'_>) -> cylfuse::error::Result<scene::Scene>,
 ) -> Result<(scene::Scene, SceneSeconds), Failure> {
     let mut detector = Detector::new();
-    detector.set_options(DetectorOptions { search: settings.detection, ..DetectorOptions::default() })?;
+    detector.set_options(settings.options)?;
     let clock = Instant::now();
     let mut detect = 0.0;
     let mut progress = |progress| {

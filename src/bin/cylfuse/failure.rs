@@ -68,7 +68,9 @@ impl Failure {
     }
 
     fn file(status: &'static str, path: &Path, reason: impl Display) -> Self {
-        Self { status, message: format!("{}: {reason}", path.display()) }
+        // Parsers quote what they found, line breaks included; a message is one line.
+        let line = format!("{}: {reason}", path.display()).replace(char::is_control, " ");
+        Self { status, message: line }
     }
 }
 

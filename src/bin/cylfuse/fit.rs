@@ -46,8 +46,8 @@ impl Settings {
             options: arguments.options()?,
             start: arguments.start_model()?,
             edges: !arguments.no_edges,
-            image: !arguments.no_image,
-            illustrate: arguments.report.is_some(),
+            image: !arguments.common.no_image,
+            illustrate: arguments.common.report.is_some(),
             threads: arguments.threads.unwrap_or(0),
         })
     }

@@ -5,6 +5,7 @@ mod arguments;
 mod bench;
 mod canvas;
 mod cloud;
+mod common_arguments;
 mod demo;
 mod detect;
 mod detect_arguments;
@@ -85,10 +86,10 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     let mut written = Ok(());
     let mut take = |report: Report| {
         failed |= matches!(report.outcome, Outcome::Failed { .. });
-        if arguments.json && written.is_ok() {
+        if arguments.common.json && written.is_ok() {
             written = progress.suspend(|| print_json(&report));
         }
-        if !arguments.json || arguments.report.is_some() {
+        if !arguments.common.json || arguments.common.report.is_some() {
             reports.push(report);
         }
         progress.inc(1);
@@ -97,26 +98,29 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         .map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
-    if !arguments.json {
+    if !arguments.common.json {
         print_table(&reports)?;
     }
-    if let Some(path) = &arguments.report {
+    if let Some(path) = &arguments.common.report {
         let metres = arguments.points.is_empty();
-        failed |= complained(page::write_fits(path, &reports, &arguments.tolerance, metres));
+        failed |= complained(page::write_fits(path, &reports, &arguments.common.tolerance, metres));
     }
     Ok(failed)
 }
 
 /// Searches everything; tells whether something failed.
 fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
-    let detection = match arguments.options() {
+    if let Err(message) = arguments.common.check() {
+        usage_error("detect", ErrorKind::ValueValidation, &message);
+    }
+    let options = match arguments.options() {
         Ok(options) => options,
         Err(error) => {
             usage_error("detect", ErrorKind::ValueValidation, &format!("{error} ({})", error.name()))
         }
     };
-    let illustrate = arguments.report.is_some();
-    let settings = detect::Settings { detection, image: !arguments.no_image, illustrate };
+    let illustrate = arguments.common.report.is_some();
+    let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };
     let inputs = if arguments.points.is_empty() {
         inputs::find_frames(&arguments.frames)
     } else {
@@ -130,8 +134,8 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let mut take = |report: SceneReport| {
         failed |= matches!(report.outcome, SceneOutcome::Failed { .. });
         if written.is_ok() {
-            written =
-                progress.suspend(|| if arguments.json { print_json(&report) } else { print_scene(&report) });
+            written = progress
+                .suspend(|| if arguments.common.json { print_json(&report) } else { print_scene(&report) });
         }
         if illustrate {
             reports.push(report);
@@ -144,9 +148,9 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     fit::in_order(&inputs, arguments.threads, &search, &mut take).map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
-    if let Some(path) = &arguments.report {
+    if let Some(path) = &arguments.common.report {
         let metres = arguments.points.is_empty();
-        failed |= complained(page::write_scenes(path, &reports, &arguments.tolerance, metres));
+        failed |= complained(page::write_scenes(path, &reports, &arguments.common.tolerance, metres));
     }
     Ok(failed)
 }

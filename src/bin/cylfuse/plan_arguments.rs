@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
-use crate::arguments::parse_numbers;
+use crate::common_arguments::parse_numbers;
 use crate::failure::Failure;
 use crate::frame::Frame;
 use clap::{ArgGroup, Args, ValueEnum};
@@ -48,7 +48,7 @@ pub struct PlanArguments {
     )]
     pub turn: f64,
 
-    /// Take the camera of this frame file (of its first view).
+    /// Use the camera of this frame file (of its first view).
     #[arg(long, value_name = "FRAME", help_heading = "Camera", conflicts_with_all = ["width", "height"])]
     pub frame: Option<PathBuf>,
 
@@ -68,11 +68,11 @@ pub struct PlanArguments {
     #[arg(long, value_name = "DEG", help_heading = "Camera")]
     pub field_of_view: Option<f64>,
 
-    /// What measures the depth: its law of noise, and the sensor of the twin for --simulate.
+    /// The kind of depth sensor: its noise law, and the simulated sensor for --simulate.
     #[arg(long, value_enum, default_value_t = Sensor::StructuredLight, help_heading = "Noise")]
     pub sensor: Sensor,
 
-    /// Another law of the noise of depth, in metres at a depth of z metres: a + b z + c z^2.
+    /// Another noise law for the depth, in metres at a depth of z metres: a + b z + c z^2.
     #[arg(long, value_name = "A,B,C", value_parser = parse_numbers::<3>, help_heading = "Noise")]
     #[arg(conflicts_with = "sensor", requires = "correlation")]
     pub depth_noise: Option<[f64; 3]>,
@@ -81,7 +81,7 @@ pub struct PlanArguments {
     #[arg(long, value_name = "PX", help_heading = "Noise", requires = "depth_noise")]
     pub correlation: Option<f64>,
 
-    /// The noise of a pixel of the image, as a part of the step of brightness at limbs and ends.
+    /// The noise of a pixel of the image, as a fraction of the step of brightness at limbs and ends.
     #[arg(long, value_name = "PART", default_value_t = StepNoise::default().noise, help_heading = "Noise")]
     pub step_noise: f64,
 
@@ -89,16 +89,16 @@ pub struct PlanArguments {
     #[arg(long, value_name = "PX", default_value_t = StepNoise::default().blur, help_heading = "Noise")]
     pub blur: f64,
 
-    /// A row for each of several values of one quantity: distance, radius, length, tilt, turn or step-noise, evenly spaced
-    /// from one to the other; 11 rows unless told.
+    /// Print a row for each of several values of one quantity: distance, radius, length, tilt, turn or step-noise, evenly
+    /// spaced between two values; 11 rows by default.
     #[arg(long, value_name = "QUANTITY=FROM..TO[:ROWS]")]
     pub vary: Option<Vary>,
 
-    /// Say also from where to where along the varied quantity the radius has a standard deviation of at most so many percent.
+    /// Print also the range of the varied quantity in which the standard deviation of the radius is at most so many percent.
     #[arg(long, value_name = "PERCENT", requires = "vary")]
     pub within: Option<f64>,
 
-    /// Beside each row: so many captures of the twin of a camera, fitted; their scatter and their bias.
+    /// Compare each row with so many simulated captures, fitted: their scatter and their bias.
     #[cfg(feature = "twin")]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..), conflicts_with = "depth_noise")]
     pub simulate: Option<u64>,
@@ -108,19 +108,19 @@ pub struct PlanArguments {
     #[arg(long, value_name = "N", default_value_t = 1, requires = "simulate")]
     pub seed: u64,
 
-    /// Most threads for the captures, 0 for as many as the machine has. Results do not depend on it.
+    /// Maximum number of threads for the captures, 0 for as many as the machine has. Results do not depend on it.
     #[cfg(feature = "twin")]
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 
-    /// Print one JSON object a row and line instead of the table: metres and radians.
+    /// Print one JSON object per row instead of the table, in metres and radians.
     #[arg(long)]
     pub json: bool,
 }
 
 const EXAMPLES: &str =
-    "Scatter is what captures of one scene differ by, total what a measurement is off by, both as standard
-deviations; the total has the errors that all points share in it, 0.1 % of the distance. A capture is far off when its
+    "Scatter is how much captures of one scene differ, total how far off a measurement may be, both as
+standard deviations; the total includes errors that all points share, 0.1 % of the distance. A capture is far off when its
 radius is off by more than five times the total.
 
 How far away may a 20 mm pipe be for 0.5 %?

@@ -75,11 +75,11 @@ pub struct TwinArguments {
     #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "Camera")]
     pub jpeg: Option<u8>,
 
-    /// Leave the depth on the grid of the depth camera, and write where that stands.
+    /// Do not register the depth to the image; write the pose of the depth camera instead.
     #[arg(long, help_heading = "Camera")]
     pub unregistered: bool,
 
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
+    /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }

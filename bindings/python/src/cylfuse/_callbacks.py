@@ -53,6 +53,24 @@ class Callbacks:
 
         return function_type(forward)
 
+    def fit_ended(self, callback: Optional[Callable[[int], Any]]) -> Any:
+        """The C function for a callback of fits that ended, NULL for None."""
+        if callback is None:
+            return _structs.FitEndedFunction()
+        function = _callable(callback)
+
+        def forward(index: int, _status: int, _: object) -> int:
+            try:
+                if self._raised.error is not None:
+                    return 1
+                answer = function(index)
+                return int(isinstance(answer, (bool, np.bool_)) and not answer)
+            except BaseException as error:
+                self._raised.error = error
+                return 1
+
+        return _structs.FitEndedFunction(forward)
+
     def log(self, callback: Optional[Callable[[LogLevel, str], Any]]) -> Any:
         """The C function for a callback of log lines, NULL for None."""
         if callback is None:

@@ -63,6 +63,7 @@ class Options(Structure):
         ("radius_max", c_double),
         ("axis", c_double * 3),
         ("axis_max_angle", c_double),
+        ("depth_shared", c_double),
     ]
 
 
@@ -364,4 +365,5 @@ class EndSample(Structure):
 
 ProgressFunction = CFUNCTYPE(c_int32, POINTER(Progress), c_void_p)
 DetectionProgressFunction = CFUNCTYPE(c_int32, POINTER(DetectionProgress), c_void_p)
+FitEndedFunction = CFUNCTYPE(c_int32, c_size_t, c_int32, c_void_p)
 LogFunction = CFUNCTYPE(None, c_int32, c_char_p, c_void_p)

@@ -21,6 +21,7 @@ __all__ = [
     "Method",
     "NearWall",
     "Objective",
+    "Part",
     "Phase",
     "ResidualKind",
     "ResultFlags",
@@ -225,6 +226,21 @@ class LimbStatus(_Choice):
     SAME_LINE = 8
 
 
+class Part(_Choice):
+    """What a point in the mask belongs to."""
+
+    #: The lateral surface.
+    BODY = 1
+    #: A cap: it lies in the plane across the axis at an end.
+    CAP = 2
+    #: The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+    INNER_WALL = 3
+    #: Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+    OTHER = 4
+    #: Something farther away than the cylinder: the background.
+    BEHIND = 5
+
+
 class Input(_Choice):
     """Data of a view, for :meth:`Fitter.clear_input`."""
 
@@ -311,9 +327,9 @@ class ResultFlags(IntFlag):
     POINTS_NOT_FINITE = 2048
     #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations.
     POINTS_AND_LIMBS_DISAGREE = 4096
-    #: A limit of the radius holds it: the data want another one.
+    #: The radius is at its limit, and the data fit better beyond it.
     RADIUS_AT_LIMIT = 8192
-    #: The axis is on the border of its cone: the data want another one.
+    #: The axis is on the border of its cone, and the data fit better beyond it.
     AXIS_AT_LIMIT = 16384
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768

@@ -84,7 +84,7 @@ class Fitter(Questions, Calling):
         self._call(lib.cylfuse_fitter_set_start_model, _cylinder(model), changes=True)
 
     def on_progress(self, callback: Optional[Callable[[Progress], Any]]) -> None:
-        """Sets what hears of every linear solve, on the thread of the fit; None for none. When it returns False the
+        """Sets what is called before every iteration, on the thread of the fit; None for none. When it returns False the
         fit stops with CancelledError; what it raises ends the fit and comes out of it."""
         self._set_callback(self._callbacks.progress(callback), lib.cylfuse_fitter_set_progress)
 
@@ -230,6 +230,10 @@ class Fitter(Questions, Calling):
         """Estimates the cylinder from everything that was pushed into all views, and its extent where a mask was."""
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
         self._call(lib.cylfuse_fitter_fit, byref(structs[0]), byref(structs[1]), changes=True)
+        return self._found(structs)
+
+    def _found(self, structs: tuple[Any, Any]) -> Result:
+        """The result of a fit that was just made."""
         result = self._result(structs)
         if self._selected in self._masked:
             # Now, for the next frame takes the data away.

@@ -46,7 +46,7 @@ class Options:
     extent_rule: ExtentRule | str = ExtentRule.AUTO
     #: Most threads of one fit; 1 starts none. The result has the same bits for any number.
     max_threads: int = 1
-    #: Most linear solves.
+    #: Maximum number of iterations.
     max_iterations: int = 400
     #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
     cost_tolerance: float = 1e-12
@@ -90,6 +90,9 @@ class Options:
     axis: npt.ArrayLike = (0.0, 0.0, 0.0)
     #: The largest angle from ``axis`` in radians; 0 for a known direction.
     axis_max_angle: float = 0.0
+    #: Standard deviation of the errors that all points of a view share, as a part of their distance; 0 = 0.001, less than
+    #: 0 = none.
+    depth_shared: float = 0.0
 
     def __post_init__(self) -> None:
         _normalise(self)

@@ -130,6 +130,19 @@ class Questions(Closable):
         )
         return PointWeights(weights, inliers[: len(weights)].astype(bool))
 
+    def point_parts(self, model: Optional[Cylinder] = None) -> npt.NDArray[np.uint8]:
+        """What each used point of the selected view belongs to, in the order of :meth:`residuals`: numbers of
+        :class:`Part`, so that ``parts == Part.BODY`` selects the lateral surface."""
+        given = _cylinder(model)
+
+        def arguments(out: Any, count: Any) -> tuple[Any, ...]:
+            return given, _arrays.address(out), out.size, count
+
+        parts: npt.NDArray[np.uint8] = self._list(
+            lib.cylfuse_fitter_point_parts, arguments, np.uint8, self.counts.points_used
+        )
+        return parts
+
     def limbs(self) -> list[Limb]:
         """The two limbs of the last fit in each view, view after view. None was searched once data or options have
         changed since."""
@@ -148,7 +161,7 @@ class Questions(Closable):
         return LimbSamples(*(samples[name] for name in LimbSamples._fields))
 
     def end_samples(self, model: Optional[Cylinder] = None, mask: Optional[Array] = None) -> EndSamples:
-        """The places on the arcs of both ends that :meth:`extent` finds in the images, view after view."""
+        """The samples on the arcs of both ends that :meth:`extent` finds in the images, view after view."""
         view = _arrays.mask_view(mask)
         samples = self._structs(
             lib.cylfuse_fitter_end_samples, _structs.EndSample, 256, _cylinder(model), _optional(view)

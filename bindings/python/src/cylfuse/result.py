@@ -183,7 +183,7 @@ class Completion(_Record):
 
 
 class Progress(_Record):
-    """The state of a running fit, before each linear solve."""
+    """The state of a running fit, before each iteration."""
 
     _convert = {"phase": Phase}
 
@@ -194,9 +194,9 @@ class Progress(_Record):
 
     #: What the fit is doing.
     phase: Phase
-    #: Linear solves so far; from 0 again with every start that is tried and every robust round.
+    #: Iterations so far; from 0 again with every start that is tried and every robust round.
     iteration: int
-    #: Most linear solves.
+    #: Maximum number of iterations.
     max_iterations: int
     #: The lowest cost so far, unit of length squared; infinite in the phase START.
     cost: float
@@ -253,7 +253,7 @@ class Result(_Record):
     flags: ResultFlags
     #: Why the iteration ended.
     termination: Termination
-    #: Linear solves.
+    #: Iterations: linear systems that were solved.
     iterations: int
     #: Solves whose step was rejected.
     rejected_steps: int
@@ -381,6 +381,10 @@ class Result(_Record):
         """How much each used point of the selected view counts."""
         return self._source().point_weights()
 
+    def point_parts(self) -> npt.NDArray[np.uint8]:
+        """What each used point of the selected view belongs to, by numbers of :class:`Part`."""
+        return self._source().point_parts()
+
     def limbs(self) -> list[Limb]:
         """The two limbs in each view: where they were located, or why they were not."""
         return self._source().limbs()
@@ -390,7 +394,7 @@ class Result(_Record):
         return self._source().limb_samples()
 
     def end_samples(self) -> EndSamples:
-        """The places on the arcs of both ends in the images."""
+        """The samples on the arcs of both ends in the images."""
         return self._source().end_samples()
 
     def complete(

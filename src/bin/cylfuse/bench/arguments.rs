@@ -40,7 +40,7 @@ pub struct BenchArguments {
     #[arg(long, value_name = "PROGRAM")]
     pub pcl: Option<PathBuf>,
 
-    /// Most threads, 0 for as many as the machine has. Results do not depend on it.
+    /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }

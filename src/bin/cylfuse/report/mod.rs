@@ -163,14 +163,14 @@ impl Measurement {
         let mut notes = Vec::new();
         if views.iter().all(without) {
             notes.push(format!(
-                "no mask: all {} measured pixels are fitted, the background included, and there is no extent \
+                "no mask: all {} measured pixels are fitted, including the background, and there is no extent \
                  and no completion",
                 self.result.points_used
             ));
         } else {
             for index in (0..views.len()).filter(|&index| without(&views[index])) {
                 notes.push(format!(
-                    "no mask in view {index}: all its measured pixels are fitted, the background included"
+                    "no mask in view {index}: all its measured pixels are fitted, including the background"
                 ));
             }
         }
@@ -193,14 +193,14 @@ impl Measurement {
 /// A flag in words.
 fn explain(flag: Flags, result: &FitResult) -> String {
     let text = match flag {
-        Flags::EDGES_IGNORED => "the edge segments do not count",
+        Flags::EDGES_IGNORED => "none of the edge segments was used",
         Flags::SEGMENTS_UNUSABLE => {
             "some edge segments have no length or lie outside the field of the camera"
         }
         Flags::EDGES_CROSS => "the two edge segments cross each other, so they are not the two limbs",
         Flags::EDGES_COINCIDE => "the two edge segments lie on the same limb",
         Flags::EDGES_BEHIND => "the edge segments do not meet the cylinder in front of the camera",
-        Flags::SCALE_HELD => "edges alone do not tell the scale: that of the start was kept",
+        Flags::SCALE_HELD => "edges alone do not determine the scale; that of the start was kept",
         Flags::WEAK_RADIUS => "the data hardly determine the radius",
         Flags::RESOLUTION_LOST => {
             "the coordinates are coarser than 0.01 % of the radius; store them as doubles"
@@ -208,9 +208,9 @@ fn explain(flag: Flags, result: &FitResult) -> String {
         Flags::NOT_CONVERGED => "not converged; allow more iterations",
         Flags::HIDDEN_WALL => "most points lie on the wall that the camera cannot see",
         Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",
-        Flags::RADIUS_AT_LIMIT => "a limit holds the radius: the data want another one",
-        Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone: the data want another one",
-        Flags::UNCERTAINTY_UNKNOWN => "the data do not tell how uncertain the result is",
+        Flags::RADIUS_AT_LIMIT => "the radius is at its limit; the data fit better beyond it",
+        Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone; the data fit better beyond it",
+        Flags::UNCERTAINTY_UNKNOWN => "the data do not determine the uncertainty of the result",
         Flags::POINTS_NOT_FINITE => {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }

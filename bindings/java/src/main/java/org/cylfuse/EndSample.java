@@ -1,7 +1,7 @@
 package org.cylfuse;
 
 /**
- * A place on the arc of an end of the cylinder in the image.
+ * A sample on the arc of an end of the cylinder in the image.
  *
  * @param view The view, from 0.
  * @param end 0 for the start of the extent, 1 for its end.

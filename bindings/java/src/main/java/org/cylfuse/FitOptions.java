@@ -147,7 +147,7 @@ public final class FitOptions extends NoiseOptions {
         return this;
     }
 
-    /** {@return the most linear solves, at least 1. Default 400} */
+    /** {@return the maximum number of iterations, at least 1. Default 400} */
     public int maxIterations() {
         return n.max_iterations;
     }

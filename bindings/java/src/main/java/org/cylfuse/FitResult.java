@@ -18,7 +18,7 @@ import java.util.Set;
  * @param positionDeviation Standard deviation of the position of the axis across itself, at the point of the model and
  *     in the direction in which it is least certain, unit of length.
  * @param termination Why the iteration ended.
- * @param iterations Linear solves.
+ * @param iterations Iterations: linear systems that were solved.
  * @param rejectedSteps Solves whose step was rejected.
  * @param limbsLocated Limb lines that were located in the images and took part, at most 2 a view.
  * @param segmentsGiven Edge segments that were pushed.

@@ -83,7 +83,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Sets or takes away the listener that hears of every linear solve. What it throws stops the fit and comes out of
+     * Sets or takes away the listener that is called before every iteration. What it throws stops the fit and comes out of
      * it.
      *
      * @param listener null for none
@@ -210,6 +210,32 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
+     * Tells what each point of the selected view belongs to.
+     *
+     * @param model the model; null = that of the last fit
+     * @return the parts, in the order of the residuals of points
+     * @throws CylfuseException BAD_STATE without a model and a result
+     */
+    public Part[] pointParts(Cylinder model) {
+        NativeStructs.Cylinder n = Cylinder.toNative(model);
+        byte[][] parts = new byte[1][];
+        calls.run(fitter -> {
+            LongByReference count = new LongByReference();
+            int status = NativeFunctions.cylfuse_fitter_point_parts(fitter, n, null, 0, count);
+            if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
+                return status;
+            }
+            parts[0] = new byte[Math.toIntExact(count.getValue())];
+            return NativeFunctions.cylfuse_fitter_point_parts(fitter, n, parts[0], count.getValue(), count);
+        });
+        Part[] listed = new Part[parts[0].length];
+        for (int k = 0; k < listed.length; k++) {
+            listed[k] = NativeNumber.find(Part.class, parts[0][k]);
+        }
+        return listed;
+    }
+
+    /**
      * Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
      * they were not.
      *
@@ -233,7 +259,7 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Lists the places on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after
+     * Lists the samples on the arcs of both ends that {@link #extent(Cylinder, Mask)} finds in the images, view after
      * view: first those of the start, then those of the end. There are none for an end that the image of a view does
      * not show.
      *

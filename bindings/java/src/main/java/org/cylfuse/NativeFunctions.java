@@ -68,7 +68,7 @@ final class NativeFunctions {
         return failure;
     }
 
-    /** Hears of every linear solve. */
+    /** Called before every iteration. */
     interface ProgressCallback extends Callback {
         int invoke(Pointer progress, Pointer userData);
     }
@@ -79,6 +79,10 @@ final class NativeFunctions {
     }
 
     /** Takes a log line. */
+    interface FitEndedCallback extends Callback {
+        int invoke(long index, int status, Pointer userData);
+    }
+
     interface LogCallback extends Callback {
         void invoke(int level, String message, Pointer userData);
     }
@@ -190,6 +194,12 @@ final class NativeFunctions {
 
     static native int cylfuse_fitter_point_weights(
             Pointer fitter, double[] weights, byte[] inliers, long capacity, LongByReference count);
+
+    static native int cylfuse_fitter_point_parts(
+            Pointer fitter, NativeStructs.Cylinder model, byte[] parts, long capacity, LongByReference count);
+
+    static native int cylfuse_fit_all(
+            Pointer fitters, long count, int threads, FitEndedCallback callback, Pointer userData, int[] statuses);
 
     static native int cylfuse_fitter_limbs(Pointer fitter, Pointer out, long elementSize, long capacity, LongByReference count);
 

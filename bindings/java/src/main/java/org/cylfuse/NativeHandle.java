@@ -2,7 +2,10 @@ package org.cylfuse;
 
 import com.sun.jna.Pointer;
 import com.sun.jna.ptr.PointerByReference;
+import java.util.List;
 import java.util.function.Function;
+import java.util.function.IntSupplier;
+import java.util.function.Supplier;
 import java.util.function.ToIntBiFunction;
 import java.util.function.ToIntFunction;
 
@@ -44,20 +47,42 @@ final class NativeHandle {
     /** Runs one call. */
     void run(ToIntFunction<Pointer> body) {
         Pointer object = acquire();
+        try {
+            run(() -> body.applyAsInt(object), () -> lastError.apply(object));
+        } finally {
+            release();
+        }
+    }
+
+    /** Runs one call on several, which are written to {@code pointers}. */
+    static void runAll(List<NativeHandle> handles, Pointer[] pointers, IntSupplier body) {
+        int held = 0;
+        try {
+            for (; held < pointers.length; held++) {
+                pointers[held] = handles.get(held).acquire();
+            }
+            run(body, () -> NativeFunctions.cylfuse_fitter_last_error(null));
+        } finally {
+            while (held > 0) {
+                handles.get(--held).release();
+            }
+        }
+    }
+
+    private static void run(IntSupplier body, Supplier<String> lastError) {
         Throwable[] outer = LISTENER_FAILURE.get();
         Throwable[] failure = new Throwable[1];
         LISTENER_FAILURE.set(failure);
         try {
-            int status = body.applyAsInt(object);
+            int status = body.getAsInt();
             if (failure[0] != null) {
                 NativeHandle.<RuntimeException>rethrow(failure[0]);
             }
             if (status != Status.OK.value()) {
-                throw CylfuseException.of(Status.of(status), lastError.apply(object));
+                throw CylfuseException.of(Status.of(status), lastError.get());
             }
         } finally {
             LISTENER_FAILURE.set(outer);
-            release();
         }
     }
 

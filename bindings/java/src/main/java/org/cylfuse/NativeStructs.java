@@ -15,7 +15,7 @@ final class NativeStructs {
         "max_threads", "max_iterations", "cost_tolerance", "gradient_tolerance", "step_tolerance", "initial_lambda",
         "lambda_factor", "max_lambda", "edge_weight", "seed", "ransac_max_iterations", "ransac_threshold",
         "independent_points", "depth_noise", "image_noise", "edge_noise", "mask_noise", "image_blur", "drawn_pixel",
-        "radius_min", "radius_max", "axis", "axis_max_angle"})
+        "radius_min", "radius_max", "axis", "axis_max_angle", "depth_shared"})
     public static class Options extends Structure {
         public int struct_size;
         public int method;
@@ -48,6 +48,7 @@ final class NativeStructs {
         public double radius_max;
         public double[] axis = new double[3];
         public double axis_max_angle;
+        public double depth_shared;
     }
 
     @FieldOrder({"struct_size", "image_use", "max_threads", "max_count", "min_pixels", "min_score", "radius_min",

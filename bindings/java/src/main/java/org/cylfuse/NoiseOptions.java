@@ -141,4 +141,23 @@ abstract sealed class NoiseOptions permits FitOptions {
         n.drawn_pixel = drawnPixel;
         return (FitOptions) this;
     }
+
+    /**
+     * {@return the standard deviation of the errors that all points of a view share, as a part of their distance. Default 0
+     * = 0.001, what data sheets grant the best; less than 0 = they share none}
+     */
+    public double depthShared() {
+        return n.depth_shared;
+    }
+
+    /**
+     * Sets {@link #depthShared()}.
+     *
+     * @param depthShared the setting
+     * @return these options
+     */
+    public FitOptions depthShared(double depthShared) {
+        n.depth_shared = depthShared;
+        return (FitOptions) this;
+    }
 }

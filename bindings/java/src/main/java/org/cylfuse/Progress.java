@@ -1,11 +1,11 @@
 package org.cylfuse;
 
 /**
- * The state of a running fit, before each linear solve.
+ * The state of a running fit, before each iteration.
  *
  * @param phase What the fit is doing.
- * @param iteration Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
- * @param maxIterations Most linear solves.
+ * @param iteration Iterations so far. Begins again at 0 with every start that is tried and every robust round.
+ * @param maxIterations Maximum number of iterations.
  * @param cost The lowest cost so far, unit of length squared; infinite in the phase START.
  * @param lambda The damping of the next step; 0 in the phase START.
  * @param cylinder The best cylinder so far; null in the phase START.

@@ -1,13 +1,13 @@
 package org.cylfuse;
 
-/** Hears of every linear solve of a fit, on the thread of the fit. */
+/** Called before every iteration of a fit, on the thread of the fit. */
 @FunctionalInterface
 public interface ProgressListener {
     /**
      * Hears of the state of the fit. Of the methods of the same fitter only {@link Fitter#cancel()} and
      * {@link Fitter#close()} may be called.
      *
-     * @param progress the state before the next linear solve
+     * @param progress the state before the next iteration
      * @return whether to go on; false stops the fit, which throws with {@link Status#CANCELLED}
      */
     boolean onProgress(Progress progress);

@@ -39,9 +39,9 @@ public enum ResultFlag {
      * or as small.
      */
     POINTS_AND_LIMBS_DISAGREE(4096),
-    /** A limit of the radius holds it: the data want another one. Not for a radius that is known. */
+    /** The radius is at its limit, and the data fit better beyond it. Not for a radius that is known. */
     RADIUS_AT_LIMIT(8192),
-    /** The axis is on the border of its cone: the data want another one. Not for a direction that is known. */
+    /** The axis is on the border of its cone, and the data fit better beyond it. Not for a direction that is known. */
     AXIS_AT_LIMIT(16384),
     /**
      * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points

@@ -118,6 +118,8 @@ final class ConformanceRunner implements AutoCloseable {
             case "residuals" ->
                 outputs.put("residuals", fitter.residuals(ResidualKind.valueOf(text(step, "kind")), model));
             case "point_weights" -> describe(fitter.pointWeights(), "", outputs);
+            case "point_parts" ->
+                outputs.put("parts", Arrays.stream(fitter.pointParts(model)).mapToDouble(Part::value).toArray());
             case "limbs" -> describeAll(LimbLine.class, fitter.limbs(), outputs);
             case "limb_samples" -> describeAll(LimbSample.class, fitter.limbSamples(), outputs);
             case "end_samples" -> describeAll(EndSample.class, fitter.endSamples(model, mask(step)), outputs);

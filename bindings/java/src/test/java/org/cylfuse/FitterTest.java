@@ -188,7 +188,8 @@ public class FitterTest {
                     .ransacMaxIterations(321).edgeUse(EdgeUse.AS_GIVEN).extentRule(ExtentRule.EXTREMES).radiusMin(0.05)
                     .radiusMax(0.0625).axis(new Vector(0, 1, 0.5)).axisMaxAngle(0.75)
                     .gradientTolerance(1e-9).stepTolerance(1e-10).independentPoints(500).depthNoise(2e-3).imageNoise(3)
-                    .edgeNoise(0.75).maskNoise(2).imageBlur(1.25).drawnPixel(1.5);
+                    .edgeNoise(0.75).maskNoise(2).imageBlur(1.25).drawnPixel(1.5)
+                    .depthShared(0.002);
             fitter.setOptions(options);
             assertEquals(describe(options), describe(fitter.options()));
             fitter.setStartModel(Scene.TRUTH);

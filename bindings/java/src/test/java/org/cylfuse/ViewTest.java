@@ -50,6 +50,9 @@ public class ViewTest {
             for (int k = 0; k < second; k++) {
                 assertEquals(weights.weights()[k] > 0, weights.inliers()[k]);
             }
+            Part[] parts = fitter.pointParts(null);
+            assertEquals(second, parts.length);
+            assertEquals(Part.BODY, parts[parts.length / 2]);
             assertEquals(List.of(0, 0, 1, 1), fitter.limbs().stream().map(LimbLine::view).toList());
             assertTrue(fitter.limbs().stream().allMatch(limb -> limb.status() == LimbStatus.NOT_SEARCHED));
 

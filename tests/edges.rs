@@ -1,4 +1,4 @@
-//! What the limbs are held to where edges are absent, wrong, or only one.
+//! How the limbs are found where edges are absent, wrong, or only one.
 #![allow(clippy::unwrap_used)]
 
 #[path = "support/frames.rs"]
@@ -103,7 +103,7 @@ fn an_edge_that_contradicts_the_points_is_not_believed() {
     let edges = [moved(&inputs.edges[0], 20.0), inputs.edges[1]];
     let result = without_mask(&inputs, &edges).fit().unwrap();
     assert!(apart(&result, &right) < 0.1, "{}", apart(&result, &right));
-    // Two edges that belong to another object altogether hold nothing.
+    // Two edges that belong to another object altogether are not used.
     let elsewhere = inputs.edges.iter().map(|edge| EdgeSegment {
         endpoints: edge.endpoints.map(|q| Vector2::new(40.0, 30.0) + (q - edge.endpoints[0]) * 0.2),
         ..*edge

@@ -1,0 +1,57 @@
+package org.cylfuse;
+
+import com.sun.jna.Memory;
+import com.sun.jna.Native;
+import com.sun.jna.Pointer;
+import java.util.List;
+
+/** Many fits at once. */
+public final class FitterBatch {
+    private FitterBatch() {}
+
+    /**
+     * Fits many fitters, several at once, each as {@link Fitter#fit()} does. The results stay in the fitters, for {@link
+     * Fitter#result()} and all else that can be asked of a fit. The listeners of the fitters are not called.
+     *
+     * @param fitters the fitters, each once
+     * @param threads how many fits run at the same time, 0 for as many as the machine has processors; the results have
+     *     the same bits for any number
+     * @param listener hears of each fit that ended, on this thread, and may stop the rest; null for none. What it throws
+     *     comes out of this method.
+     * @return why each fit failed, in the order of the fitters; null for one that succeeded
+     * @throws CylfuseException CANCELLED when the listener stopped the rest, INVALID_ARGUMENT for a fitter that is there
+     *     twice
+     */
+    public static CylfuseException[] fitAll(List<Fitter> fitters, int threads, FitEndedListener listener) {
+        if (threads < 0) {
+            throw new IllegalArgumentException("threads is " + threads + "; it must be 0 or greater");
+        }
+        Pointer[] handles = new Pointer[fitters.size()];
+        int[] statuses = new int[handles.length];
+        CylfuseException[] failures = new CylfuseException[handles.length];
+        NativeHandle.runAll(fitters.stream().map(fitter -> fitter.calls.handle).toList(), handles, () -> {
+            Memory list = new Memory(Math.max(1, (long) handles.length * Native.POINTER_SIZE));
+            list.write(0, handles, 0, handles.length);
+            NativeFunctions.FitEndedCallback hear = (index, status, userData) -> {
+                try {
+                    return listener.onEnd(Math.toIntExact(index), Status.of(status)) ? 0 : 1;
+                } catch (Throwable failure) {
+                    NativeHandle.keep(failure);
+                    return 1;
+                }
+            };
+            int status = NativeFunctions.cylfuse_fit_all(
+                    list, handles.length, threads, listener == null ? null : hear, null, statuses);
+            if (status == Status.OK.value()) {
+                for (int k = 0; k < statuses.length; k++) {
+                    if (statuses[k] != Status.OK.value()) {
+                        String text = NativeFunctions.cylfuse_fitter_last_error(handles[k]);
+                        failures[k] = CylfuseException.of(Status.of(statuses[k]), text);
+                    }
+                }
+            }
+            return status;
+        });
+        return failures;
+    }
+}

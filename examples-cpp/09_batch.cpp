@@ -1,0 +1,69 @@
+// Inspects a batch of frames and prints a table as CSV: 09_batch LOWEST HIGHEST FOLDER...
+//
+// LOWEST and HIGHEST are the limits of the radius in millimetres. A verdict needs the uncertainty: a part passes or fails
+// where the 95 % interval of its radius lies on one side of each limit, and is undecided otherwise. A page with pictures
+// for the browser is made by `cylfuse fit --report page.html FOLDER...`.
+#include "frame.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+static const char *verdict(double radius, double deviation, double lowest, double highest)
+{
+    // One-sided 95 %, as of ISO 14253-1. NaN, an unknown deviation, decides nothing.
+    const double reach = 1.645 * deviation;
+    if (radius - reach >= lowest && radius + reach <= highest) {
+        return "pass";
+    }
+    return radius + reach < lowest || radius - reach > highest ? "fail" : "undecided";
+}
+
+static const char *name(cylfuse::EndState state)
+{
+    switch (state) {
+    case cylfuse::EndState::Seen: return "seen";
+    case cylfuse::EndState::Cut: return "cut";
+    case cylfuse::EndState::Hidden: return "hidden";
+    default: return "unknown";
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 4) {
+        std::fprintf(stderr, "usage: %s LOWEST HIGHEST FOLDER...\n", argv[0]);
+        return 2;
+    }
+    const double lowest = std::atof(argv[1]), highest = std::atof(argv[2]);
+    std::map<std::string, int> counts{{"pass", 0}, {"fail", 0}, {"undecided", 0}, {"not measured", 0}};
+    cylfuse::Fitter fitter;
+    std::puts("frame,radius_mm,deviation_mm,length_mm,start,end,verdict,warnings");
+    for (int k = 3; k < argc; ++k) {
+        try {
+            const Frame frame(argv[k]);
+            fitter.clear();
+            fitter.set_intrinsics(frame.camera);
+            fitter.push_depth(frame.depth_view(), frame.mask_view());
+            fitter.push_image(frame.image_view());
+            const cylfuse::CylinderFit fit = fitter.fit();
+            const cylfuse::Extent extent = fitter.extent();
+            const double radius = 1e3 * fit.cylinder.model.radius, deviation = 1e3 * fit.cylinder.radius_deviation;
+            // A warning that the sources contradict each other leaves the radius undecided, whatever its deviation.
+            const bool trusted = !fit.result.has(cylfuse::ResultFlags::PointsAndLimbsDisagree);
+            const char *said = verdict(radius, trusted ? deviation : NAN, lowest, highest);
+            std::printf("%s,%.3f,%.3f,%.2f,%s,%s,%s,%u\n", argv[k], radius, deviation, 1e3 * extent.length,
+                        name(extent.start_state()), name(extent.end_state()), said, static_cast<unsigned>(fit.result.flags));
+            ++counts[said];
+        } catch (const std::exception &error) {
+            std::printf("%s,,,,,,not measured,\n", argv[k]);
+            std::fprintf(stderr, "%s: %s\n", argv[k], error.what());
+            ++counts["not measured"];
+        }
+    }
+    std::fflush(stdout);
+    std::fprintf(stderr, "%d pass, %d fail, %d undecided, %d not measured\n", counts["pass"], counts["fail"],
+                 counts["undecided"], counts["not measured"]);
+    return 0;
+}

@@ -1,0 +1,488 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+
+/**
+ * @file cylfuse.hpp
+ * The C interface in C++14: header only, nothing but cylfuse.h and the standard library.
+ *
+ * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector a detector. Their methods have the names of the C
+ * functions and do what is said there; units, frames of coordinates, missing values, views and threads are as at the
+ * top of cylfuse.h. What is filled by the caller or by the library derives from the C struct of that name and sets its
+ * size and defaults: numbers are its fields, as in `options.edge_noise = 0.5`, and enumerations are read and set by
+ * functions of the name of the field, as in `options.method(cylfuse::Method::Ransac)`.
+ *
+ * Left out. A model that is left out is that of the last fit, a mask that of the selected view. What comes before a
+ * parameter that is given is left out by `{}`: `fitter.extent({}, mask)`.
+ *
+ * Errors. A call that fails throws cylfuse::Error, with the status and the text of the library. Where
+ * CYLFUSE_NO_EXCEPTIONS is defined nothing throws: the same methods return cylfuse::Outcome instead.
+ *
+ * Memory. Views point to memory of the caller and copy nothing. Only what returns or fills a `std::vector` allocates.
+ */
+
+#ifndef CYLFUSE_HPP
+#define CYLFUSE_HPP
+
+#include <cylfuse/callbacks.hpp>
+#include <cylfuse/error.hpp>
+#include <cylfuse/frame.hpp>
+#include <cylfuse/types.hpp>
+#include <cylfuse/views.hpp>
+
+#include <algorithm>
+#include <memory>
+
+static_assert(CYLFUSE_ABI_VERSION == 1, "cylfuse.hpp and cylfuse.h are of different versions");
+
+namespace cylfuse {
+#ifdef CYLFUSE_NO_EXCEPTIONS
+inline namespace without_exceptions {
+#else
+inline namespace with_exceptions {
+#endif
+
+/**
+ * Estimates one cylinder. Set the camera, push data, fit; for the next frame: clear, push, fit.
+ *
+ * Moves but does not copy. A fitter that was moved from holds nothing: all its calls fail with Status::NullPointer.
+ * Callbacks may throw: the exception leaves the method that they were called from.
+ */
+class Fitter {
+public:
+#ifndef CYLFUSE_NO_EXCEPTIONS
+    /** A fitter with default options, one view at the identity, and no data. */
+    Fitter() : Fitter(create()) {}
+#endif
+    /** A fitter with default options, one view at the identity, and no data. */
+    static Returned<Fitter> create()
+    {
+        cylfuse_fitter *made = nullptr;
+        const cylfuse_status status = cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &made);
+        return detail::finish_call(status, Fitter(made));
+    }
+    /** Takes over a fitter of the C interface, which has no callbacks; NULL for one that holds nothing. */
+    explicit Fitter(cylfuse_fitter *fitter) noexcept : handle_(fitter) {}
+    /** Takes over what another fitter holds. */
+    Fitter(Fitter &&other) noexcept
+        : handle_(std::exchange(other.handle_, nullptr)), progress_(std::move(other.progress_)),
+          log_(std::move(other.log_))
+    {
+    }
+    /** Takes over what another fitter holds, in place of what is there. */
+    Fitter &operator=(Fitter &&other) noexcept
+    {
+        Fitter taken(std::move(other));
+        std::swap(handle_, taken.handle_);
+        std::swap(progress_, taken.progress_);
+        std::swap(log_, taken.log_);
+        return *this;
+    }
+    ~Fitter()
+    {
+        // A fitter whose call is still running stays, and so do the callbacks that it knows.
+        if (handle_ != nullptr && cylfuse_fitter_destroy(handle_) != CYLFUSE_STATUS_OK) {
+            static_cast<void>(progress_.release());
+            static_cast<void>(log_.release());
+        }
+    }
+
+    /** The fitter for functions of the C interface; stays owned. */
+    cylfuse_fitter *handle() const noexcept { return handle_; }
+    /**
+     * Gives the fitter away, without callbacks: cylfuse_fitter_destroy() is up to the caller then. NULL while a call on
+     * it is running; it stays here then.
+     */
+    cylfuse_fitter *release() noexcept
+    {
+        const auto busy = [](cylfuse_status status) { return status == CYLFUSE_STATUS_BUSY; };
+        if ((progress_ && busy(cylfuse_fitter_set_progress(handle_, nullptr, nullptr))) ||
+            (log_ && busy(cylfuse_fitter_set_log(handle_, CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr)))) {
+            return nullptr;
+        }
+        progress_.reset();
+        log_.reset();
+        return std::exchange(handle_, nullptr);
+    }
+
+    /** Makes room, so that pushing that many more points and segments into the selected view needs no memory. */
+    Returned<void> reserve(std::size_t points, std::size_t segments)
+    {
+        return finish(cylfuse_fitter_reserve(handle(), points, segments));
+    }
+    /** Forgets data, result, all views but the first, and its pose; keeps what else was set, and memory. */
+    Returned<void> clear() { return finish(cylfuse_fitter_clear(handle())); }
+    /** Forgets some of the data of the selected view: `clear_input(Input::Depth | Input::Image)`. */
+    Returned<void> clear_input(Input inputs)
+    {
+        return finish(cylfuse_fitter_clear_input(handle(), static_cast<cylfuse_input>(inputs)));
+    }
+    /** Asks the calls that are running to stop; from any thread, and from callbacks. */
+    Returned<void> cancel() { return detail::finish_call(cylfuse_fitter_cancel(handle())); }
+
+    /** Replaces the options. */
+    Returned<void> set_options(const cylfuse_options &options)
+    {
+        return finish(cylfuse_fitter_set_options(handle(), &options));
+    }
+    /** The options. */
+    Returned<Options> options() const
+    {
+        Options options;
+        const cylfuse_status status = cylfuse_fitter_get_options(handle(), &options);
+        return finish(status, options);
+    }
+    /** Selects a view for the calls that set or push something; the number of views adds one. */
+    Returned<void> select_view(std::size_t index) { return finish(cylfuse_fitter_select_view(handle(), index)); }
+    /** How many views there are, at least 1. */
+    Returned<std::size_t> view_count() const
+    {
+        std::size_t count = 0;
+        const cylfuse_status status = cylfuse_fitter_view_count(handle(), &count);
+        return finish(status, count);
+    }
+    /** Sets the pose of the selected view: from its camera frame to the reference frame. */
+    Returned<void> set_pose(const RigidMotion &pose)
+    {
+        return finish(cylfuse_fitter_set_pose(handle(), pose.rotation.data(), pose.translation.data()));
+    }
+    /** Sets the colour camera of the selected view, which depth images, images and edges need. */
+    Returned<void> set_intrinsics(const cylfuse_intrinsics &intrinsics)
+    {
+        return finish(cylfuse_fitter_set_intrinsics(handle(), &intrinsics));
+    }
+    /** Gives the depth of the selected view a camera of its own; `to_colour` leads from it to the colour camera. */
+    Returned<void> set_depth_camera(const cylfuse_intrinsics &intrinsics, const RigidMotion &to_colour)
+    {
+        return finish(cylfuse_fitter_set_depth_camera(handle(), &intrinsics, to_colour.rotation.data(),
+                                                      to_colour.translation.data()));
+    }
+    /** Takes the depth camera of the selected view away. */
+    Returned<void> clear_depth_camera()
+    {
+        return finish(cylfuse_fitter_set_depth_camera(handle(), nullptr, nullptr, nullptr));
+    }
+    /** Sets a model to start from; without one takes it away. */
+    Returned<void> set_start_model(Optional<Cylinder> model)
+    {
+        return finish(cylfuse_fitter_set_start_model(handle(), model.get()));
+    }
+    /**
+     * Sets the progress callback; an empty one takes it away. While a call is running, in another thread or around this
+     * one in a callback, it fails with Status::Busy and the earlier callback stays.
+     */
+    Returned<void> set_progress(ProgressCallback callback)
+    {
+        std::unique_ptr<ProgressCallback> made;
+        if (callback) {
+            made.reset(new ProgressCallback(std::move(callback)));
+        }
+        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
+        const cylfuse_status status = cylfuse_fitter_set_progress(handle(), function, made.get());
+        if (status == CYLFUSE_STATUS_OK) {
+            progress_ = std::move(made); // The earlier one goes after the library knows the new one.
+        }
+        return finish(status);
+    }
+    /** Sets the log callback for lines up to a level; an empty one takes it away. When busy as set_progress(). */
+    Returned<void> set_log(LogLevel max_level, LogCallback callback)
+    {
+        std::unique_ptr<LogCallback> made;
+        if (callback) {
+            made.reset(new LogCallback(std::move(callback)));
+        }
+        const cylfuse_log_fn function = made ? detail::on_log : nullptr;
+        const cylfuse_status status =
+            cylfuse_fitter_set_log(handle(), static_cast<cylfuse_log_level>(max_level), function, made.get());
+        if (status == CYLFUSE_STATUS_OK) {
+            log_ = std::move(made);
+        }
+        return finish(status);
+    }
+
+    /** Adds points to the selected view; `mask` selects pixels of an organised cloud. */
+    Returned<void> push_points(const PointsView &points, Optional<MaskView> mask = {})
+    {
+        return finish(cylfuse_fitter_push_points(handle(), &points, mask.get()));
+    }
+    /** Adds the points of a depth image of the selected view; `mask` is in the pixels of the colour image. */
+    Returned<void> push_depth(const DepthView &depth, Optional<MaskView> mask = {})
+    {
+        return finish(cylfuse_fitter_push_depth(handle(), &depth, mask.get()));
+    }
+    /** Adds edge segments to the selected view: pieces of the two limb lines in the (distorted) image. */
+    Returned<void> push_edges(const SegmentsView &segments)
+    {
+        return finish(cylfuse_fitter_push_edges(handle(), &segments));
+    }
+    /** Takes the image of the selected view, grey or in colour, in which limbs and ends are located. */
+    Returned<void> push_image(const ImageView &image) { return finish(cylfuse_fitter_push_image(handle(), &image)); }
+    /** Lets the selected view take cameras, pose and images from a frame, and the points of its depth inside a mask. */
+    Returned<void> use_frame(const Frame &frame, Optional<MaskView> mask = {})
+    {
+        return finish(cylfuse_fitter_use_frame(handle(), frame.handle(), mask.get()));
+    }
+    /** What was pushed into the selected view, and what was left out by reason. */
+    Returned<Counts> counts() const
+    {
+        Counts counts;
+        const cylfuse_status status = cylfuse_fitter_counts(handle(), &counts);
+        return finish(status, counts);
+    }
+
+    /** Estimates the cylinder from everything that was pushed into all views. */
+    Returned<CylinderFit> fit()
+    {
+        CylinderFit fit;
+        const cylfuse_status status = cylfuse_fitter_fit(handle(), &fit.result, &fit.cylinder);
+        return finish(status, fit);
+    }
+    /** What a fit would report for a given model, without iterating. */
+    Returned<CylinderFit> evaluate(const Cylinder &model) const
+    {
+        CylinderFit fit;
+        const cylfuse_status status = cylfuse_fitter_evaluate(handle(), &model, &fit.result, &fit.cylinder);
+        return finish(status, fit);
+    }
+    /** The outcome of the last fit that succeeded. */
+    Returned<CylinderFit> last_fit() const
+    {
+        CylinderFit fit;
+        cylfuse_status status = cylfuse_fitter_get_result(handle(), &fit.result);
+        if (status == CYLFUSE_STATUS_OK) {
+            status = cylfuse_fitter_get_cylinder(handle(), &fit.cylinder);
+        }
+        return finish(status, fit);
+    }
+    /** What the data determine at a model. */
+    Returned<Diagnosis> diagnose(Optional<Cylinder> model = {}) const
+    {
+        Diagnosis diagnosis;
+        const cylfuse_status status = cylfuse_fitter_diagnose(handle(), model.get(), &diagnosis);
+        return finish(status, diagnosis);
+    }
+
+    /** Residuals of the selected view. */
+    Returned<std::vector<double>> residuals(ResidualKind kind, Optional<Cylinder> model = {}) const
+    {
+        return list<double>([&](double *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_residuals(handle(), model.get(), static_cast<cylfuse_residual_kind>(kind), out,
+                                            capacity, count);
+        });
+    }
+    /** Writes residuals of the selected view, and gives their number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> residuals(ResidualKind kind, Span<double> out, Optional<Cylinder> model = {}) const
+    {
+        std::size_t count = 0;
+        const cylfuse_status status = cylfuse_fitter_residuals(
+            handle(), model.get(), static_cast<cylfuse_residual_kind>(kind), out.data(), out.size(), &count);
+        return finish(status, count, count);
+    }
+    /** How much each point of the selected view counts at the cylinder of the last fit, in the order of residuals(). */
+    Returned<PointWeights> point_weights() const
+    {
+        PointWeights all;
+        std::size_t count = 0;
+        cylfuse_status status = CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+        for (bool sized = false; status == CYLFUSE_STATUS_BUFFER_TOO_SMALL; sized = true) {
+            all.weights.resize(count);
+            all.inliers.resize(count);
+            status = cylfuse_fitter_point_weights(handle(), sized ? all.weights.data() : nullptr,
+                                                  sized ? all.inliers.data() : nullptr, count, &count);
+        }
+        return finish(status, std::move(all));
+    }
+    /** The two limbs of the last fit in each view: where they were located in the image, or why they were not. */
+    Returned<std::vector<Limb>> limbs() const
+    {
+        return list<Limb>([&](Limb *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_limbs(handle(), out, sizeof(Limb), capacity, count);
+        });
+    }
+    /** What the last fit saw of the limbs in the image of the selected view. */
+    Returned<std::vector<LimbSample>> limb_samples() const
+    {
+        return list<LimbSample>([&](LimbSample *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_limb_samples(handle(), out, sizeof(LimbSample), capacity, count);
+        });
+    }
+    /** Writes what limb_samples() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> limb_samples(Span<LimbSample> out) const
+    {
+        std::size_t count = 0;
+        const cylfuse_status status =
+            cylfuse_fitter_limb_samples(handle(), out.data(), sizeof(LimbSample), out.size(), &count);
+        return finish(status, count, count);
+    }
+    /** The places on the arcs of both ends that extent() finds in the images, view after view. */
+    Returned<std::vector<EndSample>> end_samples(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
+    {
+        return list<EndSample>([&](EndSample *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_end_samples(handle(), model.get(), mask.get(), out, sizeof(EndSample), capacity,
+                                              count);
+        });
+    }
+
+    /** How many points a completion of the selected view may give at most. */
+    Returned<std::size_t> complete_bound(Layout layout, Optional<MaskView> mask = {}) const
+    {
+        std::size_t bound = 0;
+        const cylfuse_status status =
+            cylfuse_fitter_complete_bound(handle(), mask.get(), static_cast<cylfuse_layout>(layout), &bound);
+        return finish(status, bound);
+    }
+    /** Completes the cloud of the selected view over a mask, in the reference frame. */
+    Returned<Completion> complete(const PointsOut &out, Layout layout, Optional<Cylinder> model = {},
+                                  Optional<MaskView> mask = {}) const
+    {
+        Completion completion;
+        const cylfuse_status status = cylfuse_fitter_complete(
+            handle(), model.get(), mask.get(), static_cast<cylfuse_layout>(layout), &out, &completion);
+        return finish(status, completion, static_cast<std::size_t>(completion.count));
+    }
+    /** Completes the cloud into a vector, which gets the size of what there is. */
+    template <class T, class Allocator>
+    Returned<Completion> complete(std::vector<std::array<T, 3>, Allocator> &points, Optional<Cylinder> model = {},
+                                  Optional<MaskView> mask = {}) const
+    {
+        std::size_t bound = 0;
+        cylfuse_status status =
+            cylfuse_fitter_complete_bound(handle(), mask.get(), CYLFUSE_LAYOUT_PACKED, &bound);
+        Completion completion;
+        if (status == CYLFUSE_STATUS_OK) {
+            points.resize(bound);
+            const PointsOut out(reinterpret_cast<T *>(points.data()), points.size());
+            status = cylfuse_fitter_complete(handle(), model.get(), mask.get(), CYLFUSE_LAYOUT_PACKED, &out,
+                                             &completion);
+            points.resize(static_cast<std::size_t>(completion.count));
+        }
+        return finish(status, completion);
+    }
+    /** Completes the depth image of the selected view, on the pixels of its colour image. */
+    Returned<Completion> complete_depth(const DepthOut &out, Optional<Cylinder> model = {},
+                                        Optional<MaskView> mask = {}) const
+    {
+        Completion completion;
+        const cylfuse_status status =
+            cylfuse_fitter_complete_depth(handle(), model.get(), mask.get(), &out, &completion);
+        return finish(status, completion);
+    }
+    /** The visible piece of the cylinder. */
+    Returned<Extent> extent(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
+    {
+        Extent extent;
+        const cylfuse_status status = cylfuse_fitter_extent(handle(), model.get(), mask.get(), &extent);
+        return finish(status, extent);
+    }
+    /**
+     * Selects, of straight edges that a line detector found, those on the two limbs of a rough cylinder beside the
+     * points that were pushed: writes 1 or 2 for the limb that a segment lies on, 0 for none. `reach` in pixels, 0 =
+     * 15 % of the distance of the limbs, at least 4.
+     */
+    Returned<void> select_edges(const SegmentsView &segments, Span<std::uint8_t> out, double reach = 0.0,
+                                Optional<Cylinder> model = {}) const
+    {
+        return finish(
+            cylfuse_fitter_select_edges(handle(), model.get(), &segments, reach, out.data(), out.size()));
+    }
+
+private:
+    // What a function of the C interface lists, however much it is.
+    template <class T, class Call>
+    Returned<std::vector<T>> list(Call call) const
+    {
+        std::vector<T> all;
+        const cylfuse_status status = internal::list(all, call);
+        return finish(status, std::move(all));
+    }
+
+    const char *message(cylfuse_status status) const noexcept
+    {
+        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle_);
+    }
+    Returned<void> finish(cylfuse_status status) const
+    {
+        detail::rethrow();
+        return detail::finish(Status(status), message(status));
+    }
+    template <class T>
+    Returned<T> finish(cylfuse_status status, T value, std::size_t needed = 0) const
+    {
+        detail::rethrow();
+        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+        return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
+    }
+
+    cylfuse_fitter *handle_;
+    // The library keeps their addresses: they stay where they are when the fitter moves.
+    std::unique_ptr<ProgressCallback> progress_;
+    std::unique_ptr<LogCallback> log_;
+};
+
+/** Writes signed distances of points from the surface, negative inside, NaN for points that are not finite. */
+inline Returned<void> distances(const Cylinder &model, const PointsView &points, Span<double> out)
+{
+    return detail::finish_call(cylfuse_cylinder_distances(&model, &points, out.data(), out.size()));
+}
+
+/** The two limb lines of a cylinder in the camera frame, in the image. */
+inline Returned<LimbLines> project(const Cylinder &model, const cylfuse_intrinsics &intrinsics)
+{
+    LimbLines lines{};
+    const cylfuse_status status = cylfuse_cylinder_project(&model, &intrinsics, lines[0].data());
+    return detail::finish_call(status, lines);
+}
+
+/** The pixels of the (distorted) image at which a camera sees points of its frame; NaN where it sees none. */
+inline Returned<std::vector<std::array<double, 2>>> project(const cylfuse_intrinsics &intrinsics,
+                                                            const PointsView &points)
+{
+    std::vector<std::array<double, 2>> pixels(points.width * points.height);
+    const cylfuse_status status = cylfuse_intrinsics_project(
+        &intrinsics, &points, reinterpret_cast<double *>(pixels.data()), pixels.size());
+    return detail::finish_call(status, std::move(pixels));
+}
+
+/** The rays, points at z = 1, along which a camera sees pixels of the (distorted) image; NaN where there is none. */
+inline Returned<std::vector<std::array<double, 3>>> unproject(const cylfuse_intrinsics &intrinsics,
+                                                              Span<const std::array<double, 2>> pixels)
+{
+    std::vector<std::array<double, 3>> rays(pixels.size());
+    const cylfuse_status status =
+        cylfuse_intrinsics_unproject(&intrinsics, reinterpret_cast<const double *>(pixels.data()), pixels.size(),
+                                     reinterpret_cast<double *>(rays.data()));
+    return detail::finish_call(status, std::move(rays));
+}
+
+/** What to expect of measurements of a cylinder with a camera; see cylfuse_plan for the numbers of cylinder and noise. */
+inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder)
+{
+    Expectation expected{};
+    const cylfuse_status status =
+        cylfuse_plan(&intrinsics, cylinder.data(), nullptr, expected.scatter.data(), expected.total.data());
+    return detail::finish_call(status, expected);
+}
+
+/** The same with what is known of the noise. */
+inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder,
+                                  const std::array<double, 6> &noise)
+{
+    Expectation expected{};
+    const cylfuse_status status =
+        cylfuse_plan(&intrinsics, cylinder.data(), noise.data(), expected.scatter.data(), expected.total.data());
+    return detail::finish_call(status, expected);
+}
+
+/** How the second cylinder differs from the first. */
+inline Returned<Difference> compare(const Cylinder &first, const Cylinder &second)
+{
+    Difference difference{};
+    const cylfuse_status status = cylfuse_cylinder_compare(&first, &second, &difference.angle,
+                                                           &difference.axis_distance, &difference.radius_relative);
+    return detail::finish_call(status, difference);
+}
+
+} // inline namespace
+} // namespace cylfuse
+
+#include <cylfuse/detector.hpp>
+
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: MIT OR Apache-2.0 */
+
+/**
+ * @file detector.hpp
+ * All cylinders of a frame or a cloud. Include cylfuse.hpp, which says how it is meant.
+ */
+
+#ifndef CYLFUSE_DETECTOR_HPP
+#define CYLFUSE_DETECTOR_HPP
+
+#include <cylfuse/cylfuse.hpp>
+
+namespace cylfuse {
+#ifdef CYLFUSE_NO_EXCEPTIONS
+inline namespace without_exceptions {
+#else
+inline namespace with_exceptions {
+#endif
+
+/**
+ * Finds all cylinders of a frame or a cloud and fits each. Set the options, detect, read what was found: by index from
+ * 0, the highest score first. The next call of detect() that succeeds takes its place.
+ *
+ * Moves but does not copy. A detector that was moved from holds nothing: all its calls fail with Status::NullPointer.
+ * The callback may throw: the exception leaves the method that it was called from.
+ */
+class Detector {
+public:
+#ifndef CYLFUSE_NO_EXCEPTIONS
+    /** A detector with default options. */
+    Detector() : Detector(create()) {}
+#endif
+    /** A detector with default options. */
+    static Returned<Detector> create()
+    {
+        cylfuse_detector *made = nullptr;
+        const cylfuse_status status = cylfuse_detector_create(CYLFUSE_ABI_VERSION, &made);
+        return detail::finish_call(status, Detector(made));
+    }
+    /** Takes over a detector of the C interface, which has no callback; NULL for one that holds nothing. */
+    explicit Detector(cylfuse_detector *detector) noexcept : handle_(detector) {}
+    /** Takes over what another detector holds. */
+    Detector(Detector &&other) noexcept
+        : handle_(std::exchange(other.handle_, nullptr)), progress_(std::move(other.progress_))
+    {
+    }
+    /** Takes over what another detector holds, in place of what is there. */
+    Detector &operator=(Detector &&other) noexcept
+    {
+        Detector taken(std::move(other));
+        std::swap(handle_, taken.handle_);
+        std::swap(progress_, taken.progress_);
+        return *this;
+    }
+    ~Detector()
+    {
+        // A detector whose call is still running stays, and so does the callback that it knows.
+        if (handle_ != nullptr && cylfuse_detector_destroy(handle_) != CYLFUSE_STATUS_OK) {
+            static_cast<void>(progress_.release());
+        }
+    }
+
+    /** The detector for functions of the C interface; stays owned. */
+    cylfuse_detector *handle() const noexcept { return handle_; }
+    /**
+     * Gives the detector away, without its callback: cylfuse_detector_destroy() is up to the caller then. NULL while a
+     * call on it is running; it stays here then.
+     */
+    cylfuse_detector *release() noexcept
+    {
+        if (progress_ && cylfuse_detector_set_progress(handle_, nullptr, nullptr) == CYLFUSE_STATUS_BUSY) {
+            return nullptr;
+        }
+        progress_.reset();
+        return std::exchange(handle_, nullptr);
+    }
+    /** Asks the calls that are running to stop; from any thread, and from the callback. */
+    Returned<void> cancel() { return detail::finish_call(cylfuse_detector_cancel(handle())); }
+
+    /** Replaces the options. */
+    Returned<void> set_options(const cylfuse_detector_options &options)
+    {
+        return finish(cylfuse_detector_set_options(handle(), &options));
+    }
+    /** The options. */
+    Returned<DetectorOptions> options() const
+    {
+        DetectorOptions options;
+        const cylfuse_status status = cylfuse_detector_get_options(handle(), &options);
+        return finish(status, options);
+    }
+    /** Replaces the options of the fits; limits, threads and start stay at their defaults there. */
+    Returned<void> set_fit_options(const cylfuse_options &options)
+    {
+        return finish(cylfuse_detector_set_fit_options(handle(), &options));
+    }
+    /** The options of the fits. */
+    Returned<Options> fit_options() const
+    {
+        Options options;
+        const cylfuse_status status = cylfuse_detector_get_fit_options(handle(), &options);
+        return finish(status, options);
+    }
+    /** Sets the progress callback; an empty one takes it away. When busy as Fitter::set_progress(). */
+    Returned<void> set_progress(DetectionCallback callback)
+    {
+        std::unique_ptr<DetectionCallback> made;
+        if (callback) {
+            made.reset(new DetectionCallback(std::move(callback)));
+        }
+        const cylfuse_detection_progress_fn function =
+            made ? detail::on_progress<DetectionCallback, DetectionProgress> : nullptr;
+        const cylfuse_status status = cylfuse_detector_set_progress(handle(), function, made.get());
+        if (status == CYLFUSE_STATUS_OK) {
+            progress_ = std::move(made);
+        }
+        return finish(status);
+    }
+
+    /** Finds and fits all cylinders of a frame. */
+    Returned<void> detect(const Frame &frame) { return finish(cylfuse_detector_detect(handle(), frame.handle())); }
+    /** Finds and fits all cylinders of a cloud, organised or not. */
+    Returned<void> detect_points(const PointsView &points)
+    {
+        return finish(cylfuse_detector_detect_points(handle(), &points));
+    }
+
+    /** How many cylinders were found. */
+    Returned<std::size_t> count() const
+    {
+        std::size_t count = 0;
+        const cylfuse_status status = cylfuse_detector_count(handle(), &count);
+        return finish(status, count);
+    }
+    /** The cylinders by falling score. */
+    Returned<std::vector<Detection>> detections() const
+    {
+        return list<Detection>([&](Detection *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_detections(handle(), out, sizeof(Detection), capacity, count);
+        });
+    }
+    /** The outcome of the fit of a cylinder. */
+    Returned<CylinderFit> fit(std::size_t index) const
+    {
+        CylinderFit fit;
+        cylfuse_status status = cylfuse_detector_get_result(handle(), index, &fit.result);
+        if (status == CYLFUSE_STATUS_OK) {
+            status = cylfuse_detector_get_cylinder(handle(), index, &fit.cylinder);
+        }
+        return finish(status, fit);
+    }
+    /** The visible piece of a cylinder of a frame. */
+    Returned<Extent> extent(std::size_t index) const
+    {
+        Extent extent;
+        const cylfuse_status status = cylfuse_detector_get_extent(handle(), index, &extent);
+        return finish(status, extent);
+    }
+    /** For each pixel or point, row by row, the number of its cylinder: its index + 1, 0 for none. */
+    Returned<std::vector<std::uint16_t>> labels() const
+    {
+        return list<std::uint16_t>([&](std::uint16_t *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_labels(handle(), out, capacity, count);
+        });
+    }
+    /** Writes what labels() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> labels(Span<std::uint16_t> out) const
+    {
+        std::size_t count = 0;
+        const cylfuse_status status = cylfuse_detector_labels(handle(), out.data(), out.size(), &count);
+        return finish(status, count, count);
+    }
+    /** The pixels or points of a cylinder, counted from 0 row by row. */
+    Returned<std::vector<std::uint32_t>> indices(std::size_t index) const
+    {
+        return list<std::uint32_t>([&](std::uint32_t *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_indices(handle(), index, out, capacity, count);
+        });
+    }
+    /** A fitter of a cylinder as its fit left it: for residuals, completion, limbs, or another fit. */
+    Returned<Fitter> make_fitter(std::size_t index) const
+    {
+        cylfuse_fitter *made = nullptr;
+        const cylfuse_status status = cylfuse_detector_make_fitter(handle(), index, &made);
+        return finish(status, Fitter(made));
+    }
+
+private:
+    // What a function of the C interface lists, however much it is.
+    template <class T, class Call>
+    Returned<std::vector<T>> list(Call call) const
+    {
+        std::vector<T> all;
+        const cylfuse_status status = internal::list(all, call);
+        return finish(status, std::move(all));
+    }
+
+    const char *message(cylfuse_status status) const noexcept
+    {
+        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_detector_last_error(handle_);
+    }
+    Returned<void> finish(cylfuse_status status) const
+    {
+        detail::rethrow();
+        return detail::finish(Status(status), message(status));
+    }
+    template <class T>
+    Returned<T> finish(cylfuse_status status, T value, std::size_t needed = 0) const
+    {
+        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+        return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
+    }
+
+    cylfuse_detector *handle_;
+    // The library keeps its address: it stays where it is when the detector moves.
+    std::unique_ptr<DetectionCallback> progress_;
+};
+
+} // inline namespace
+} // namespace cylfuse
+
+#endif
