@@ -29,20 +29,13 @@ fn freeze() -> bool {
             let to = frozen().join("include/cylfuse");
             let _ = std::fs::remove_dir_all(frozen());
             std::fs::create_dir_all(&to).unwrap();
-            // What needs no other library.
-            let names = [
-                "callbacks.hpp",
-                "cylfuse.h",
-                "cylfuse.hpp",
-                "detector.hpp",
-                "enums.hpp",
-                "error.hpp",
-                "frame.hpp",
-                "types.hpp",
-                "views.hpp",
-            ];
-            for name in names {
-                std::fs::copy(root().join("include/cylfuse").join(name), to.join(name)).unwrap();
+            for entry in std::fs::read_dir(root().join("include/cylfuse")).unwrap() {
+                let path = entry.unwrap().path();
+                let name = path.file_name().unwrap().to_str().unwrap();
+                // What needs another library is frozen with that one.
+                if !["eigen", "opencv", "pcl"].iter().any(|library| name.starts_with(library)) {
+                    std::fs::copy(&path, to.join(name)).unwrap();
+                }
             }
         }
         wanted

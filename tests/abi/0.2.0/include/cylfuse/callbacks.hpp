@@ -16,7 +16,7 @@
 
 namespace cylfuse {
 
-/** Hears of every linear solve of a fit; false stops it with Status::Cancelled. */
+/** Called before every iteration of a fit; false stops it with Status::Cancelled. */
 using ProgressCallback = std::function<bool(const Progress &)>;
 
 /** Hears how far a detector is; false stops it with Status::Cancelled. */

@@ -430,7 +430,7 @@ typedef struct cylfuse_options {
      */
     uint32_t max_threads;
     /**
-     * Most linear solves, at least 1. Default 400.
+     * Maximum number of iterations, at least 1. Default 400.
      */
     uint32_t max_iterations;
     /**
@@ -530,6 +530,13 @@ typedef struct cylfuse_options {
      * that is known. Default 0; must be 0 without `axis`.
      */
     double axis_max_angle;
+    /**
+     * Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
+     * them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
+     * windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+     * none.
+     */
+    double depth_shared;
 } cylfuse_options;
 
 /**
@@ -903,7 +910,7 @@ typedef struct cylfuse_image_view {
 
 /**
  * Edge segments in the caller's memory: pieces of the two lines that bound the cylinder in the (distorted)
- * image. A `std::vector<cv::Vec4f>` passes as it is.
+ * image. A `std::vector<cv::Vec4f>` can be passed unchanged.
  */
 typedef struct cylfuse_segments_view {
     /**
@@ -1117,11 +1124,11 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
 /**
- * A limit of the radius holds it: the data want another one. Not for a radius that is known.
+ * The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
  */
 #define CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT 8192
 /**
- * The axis is on the border of its cone: the data want another one. Not for a direction that is known.
+ * The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
  */
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**
@@ -1181,7 +1188,7 @@ typedef struct cylfuse_result {
      */
     cylfuse_termination termination;
     /**
-     * Linear solves.
+     * Iterations: linear systems that were solved.
      */
     uint32_t iterations;
     /**
@@ -1508,11 +1515,11 @@ typedef struct cylfuse_extent {
      */
     cylfuse_end_source end_source;
     /**
-     * The view that tells most of the start.
+     * The view that determines the start best.
      */
     uint32_t start_view;
     /**
-     * The view that tells most of the end.
+     * The view that determines the end best.
      */
     uint32_t end_view;
     /**
@@ -1599,7 +1606,7 @@ typedef int32_t cylfuse_phase;
 #define CYLFUSE_PHASE_SOLVE 2
 
 /**
- * The state of a running fit, before each linear solve.
+ * The state of a running fit, before each iteration.
  */
 typedef struct cylfuse_progress {
     /**
@@ -1611,11 +1618,11 @@ typedef struct cylfuse_progress {
      */
     cylfuse_phase phase;
     /**
-     * Linear solves so far. Begins again at 0 with every start that is tried and every robust round.
+     * Iterations so far. Begins again at 0 with every start that is tried and every robust round.
      */
     uint32_t iteration;
     /**
-     * Most linear solves.
+     * Maximum number of iterations.
      */
     uint32_t max_iterations;
     /**
@@ -1633,7 +1640,7 @@ typedef struct cylfuse_progress {
 } cylfuse_progress;
 
 /**
- * Hears of every linear solve of a fit, on the thread that called `cylfuse_fitter_fit`.
+ * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
  * `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.
@@ -1749,6 +1756,19 @@ typedef struct cylfuse_detection {
 } cylfuse_detection;
 
 /**
+ * Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+ *
+ * It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
+ * `cylfuse_fitter_get_result` on this one; the others may be BUSY.
+ *
+ * @param index the place of the fitter
+ * @param status what `cylfuse_fitter_fit` would have returned for it
+ * @param user_data what was given with the callback
+ * @return 0 to go on; anything else stops the fits that run, and no other begins
+ */
+typedef int32_t (*cylfuse_fit_all_fn)(size_t index, cylfuse_status status, void *user_data);
+
+/**
  * Which residuals to list.
  */
 typedef int32_t cylfuse_residual_kind;
@@ -1761,6 +1781,31 @@ typedef int32_t cylfuse_residual_kind;
  * Signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
  */
 #define CYLFUSE_RESIDUAL_KIND_EDGES 2
+
+/**
+ * What a point in the mask belongs to.
+ */
+typedef uint8_t cylfuse_part;
+/**
+ * The lateral surface.
+ */
+#define CYLFUSE_PART_BODY 1
+/**
+ * A cap: it lies in the plane across the axis at an end.
+ */
+#define CYLFUSE_PART_CAP 2
+/**
+ * The inside of the cylinder, seen through an open end: its inner wall or its bottom.
+ */
+#define CYLFUSE_PART_INNER_WALL 3
+/**
+ * Something nearer than the surface: a lid or a rim that is wider, a handle, what stands in front.
+ */
+#define CYLFUSE_PART_OTHER 4
+/**
+ * Something farther away than the cylinder: the background.
+ */
+#define CYLFUSE_PART_BEHIND 5
 
 /**
  * Whether a limb was located in the image, or why not.
@@ -1783,11 +1828,11 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_TOO_SHORT 3
 /**
- * No line near the expected place has more of an edge than noise gives.
+ * No line near the expected position has more of an edge than noise gives.
  */
 #define CYLFUSE_LIMB_STATUS_NO_EDGE 4
 /**
- * The line left the expected place while it was refined.
+ * The line left the expected position while it was refined.
  */
 #define CYLFUSE_LIMB_STATUS_OUT_OF_REACH 5
 /**
@@ -1799,7 +1844,7 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_PATCHY 7
 /**
- * The other limb was found at the same place, and more certainly.
+ * The other limb was found at the same position, and more certainly.
  */
 #define CYLFUSE_LIMB_STATUS_SAME_LINE 8
 
@@ -1865,7 +1910,7 @@ typedef struct cylfuse_limb_sample {
 } cylfuse_limb_sample;
 
 /**
- * A place on the arc of an end of the cylinder in the image.
+ * A sample on the arc of an end of the cylinder in the image.
  *
  * An element of the array that `cylfuse_fitter_end_samples` writes.
  */
@@ -2192,7 +2237,7 @@ const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next linear solve or random
+ * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
  * sample. When no
  * call is running it does nothing. May be called from any thread and from callbacks.
  *
@@ -2577,7 +2622,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
- * linear solve of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
+ * iteration of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
  *
  * @param detector the detector
  */
@@ -2875,6 +2920,35 @@ cylfuse_status cylfuse_fitter_diagnose(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
+ * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
+ * its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
+ * this again on the same fitters, which keep their memory.
+ *
+ * The callbacks of the fitters are not called.
+ *
+ * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
+ * @param count how many there are
+ * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
+ *   The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
+ *   the default, 1, is right here.
+ * @param callback hears of each fit that ended, and may stop the rest; NULL for none
+ * @param user_data handed to the callback; may be NULL
+ * @param out_statuses where the statuses of the `count` fits go, in the order of the fitters
+ * @return OK when all fits ended, whatever their statuses; CANCELLED when the callback stopped them, where those that had
+ *   not ended have the status CANCELLED, too; INVALID_ARGUMENT for a fitter that is there twice, OUT_OF_MEMORY, and then
+ *   nothing was done
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fit_all(struct cylfuse_fitter *const *fitters,
+                               size_t count,
+                               uint32_t threads,
+                               cylfuse_fit_all_fn callback,
+                               void *user_data,
+                               cylfuse_status *out_statuses)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Lists residuals of the selected view.
  *
  * @param fitter the fitter
@@ -2913,6 +2987,26 @@ cylfuse_status cylfuse_fitter_point_weights(const struct cylfuse_fitter *fitter,
                                             uint8_t *out_inliers,
                                             size_t capacity,
                                             size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
+ * cylinder, or what else a mask of a whole object holds. A depth image tells where within the mask the lateral surface
+ * ends; without one it goes on, and no point is of a cap.
+ *
+ * @param fitter the fitter
+ * @param model the model, in the reference frame; NULL = that of the last fit
+ * @param out room for `capacity` parts, of one byte each; may be NULL when `capacity` is 0
+ * @param capacity `points_used` of `cylfuse_fitter_counts` is enough
+ * @param out_count how many there are; set after BUFFER_TOO_SMALL too
+ * @return BAD_STATE without a model and a result, BUFFER_TOO_SMALL, OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_point_parts(const struct cylfuse_fitter *fitter,
+                                          const struct cylfuse_cylinder *model,
+                                          cylfuse_part *out,
+                                          size_t capacity,
+                                          size_t *out_count)
 CYLFUSE_NOEXCEPT;
 
 /**
@@ -2957,7 +3051,7 @@ cylfuse_status cylfuse_fitter_limb_samples(const struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Lists the places on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
+ * Lists the samples on the arcs of both ends that `cylfuse_fitter_extent` finds in the images, view after view: first
  * those of the start, then those of the end. There are none for an end that the image of a view does not show.
  *
  * @param fitter the fitter, with intrinsics

@@ -4,11 +4,12 @@
  * @file cylfuse.hpp
  * The C interface in C++14: header only, nothing but cylfuse.h and the standard library.
  *
- * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector a detector. Their methods have the names of the C
- * functions and do what is said there; units, frames of coordinates, missing values, views and threads are as at the
- * top of cylfuse.h. What is filled by the caller or by the library derives from the C struct of that name and sets its
- * size and defaults: numbers are its fields, as in `options.edge_noise = 0.5`, and enumerations are read and set by
- * functions of the name of the field, as in `options.method(cylfuse::Method::Ransac)`.
+ * cylfuse::Fitter owns a fitter of the C interface, cylfuse::Frame a frame, cylfuse::Detector a detector;
+ * cylfuse::fit_all() fits many. Their methods have the names of the C functions and do what is said there; units,
+ * frames of coordinates, missing values, views and threads are as at the top of cylfuse.h. What is filled by the
+ * caller or by the library derives from the C struct of that name and sets its size and defaults: numbers are its
+ * fields, as in `options.edge_noise = 0.5`, and enumerations are read and set by functions of the name of the
+ * field, as in `options.method(cylfuse::Method::Ransac)`.
  *
  * Left out. A model that is left out is that of the last fit, a mask that of the selected view. What comes before a
  * parameter that is given is left out by `{}`: `fitter.extent({}, mask)`.
@@ -61,46 +62,24 @@ public:
     }
     /** Takes over a fitter of the C interface, which has no callbacks; NULL for one that holds nothing. */
     explicit Fitter(cylfuse_fitter *fitter) noexcept : handle_(fitter) {}
-    /** Takes over what another fitter holds. */
-    Fitter(Fitter &&other) noexcept
-        : handle_(std::exchange(other.handle_, nullptr)), progress_(std::move(other.progress_)),
-          log_(std::move(other.log_))
-    {
-    }
-    /** Takes over what another fitter holds, in place of what is there. */
-    Fitter &operator=(Fitter &&other) noexcept
-    {
-        Fitter taken(std::move(other));
-        std::swap(handle_, taken.handle_);
-        std::swap(progress_, taken.progress_);
-        std::swap(log_, taken.log_);
-        return *this;
-    }
-    ~Fitter()
-    {
-        // A fitter whose call is still running stays, and so do the callbacks that it knows.
-        if (handle_ != nullptr && cylfuse_fitter_destroy(handle_) != CYLFUSE_STATUS_OK) {
-            static_cast<void>(progress_.release());
-            static_cast<void>(log_.release());
-        }
-    }
 
     /** The fitter for functions of the C interface; stays owned. */
-    cylfuse_fitter *handle() const noexcept { return handle_; }
+    cylfuse_fitter *handle() const noexcept { return handle_.get(); }
     /**
      * Gives the fitter away, without callbacks: cylfuse_fitter_destroy() is up to the caller then. NULL while a call on
      * it is running; it stays here then.
      */
     cylfuse_fitter *release() noexcept
     {
+        Destroy &callbacks = handle_.get_deleter();
         const auto busy = [](cylfuse_status status) { return status == CYLFUSE_STATUS_BUSY; };
-        if ((progress_ && busy(cylfuse_fitter_set_progress(handle_, nullptr, nullptr))) ||
-            (log_ && busy(cylfuse_fitter_set_log(handle_, CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr)))) {
+        if ((callbacks.progress && busy(cylfuse_fitter_set_progress(handle(), nullptr, nullptr))) ||
+            (callbacks.log && busy(cylfuse_fitter_set_log(handle(), CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr)))) {
             return nullptr;
         }
-        progress_.reset();
-        log_.reset();
-        return std::exchange(handle_, nullptr);
+        callbacks.progress.reset();
+        callbacks.log.reset();
+        return handle_.release();
     }
 
     /** Makes room, so that pushing that many more points and segments into the selected view needs no memory. */
@@ -178,7 +157,7 @@ public:
         const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
         const cylfuse_status status = cylfuse_fitter_set_progress(handle(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
-            progress_ = std::move(made); // The earlier one goes after the library knows the new one.
+            handle_.get_deleter().progress = std::move(made); // The earlier one goes after the library knows the new one.
         }
         return finish(status);
     }
@@ -193,7 +172,7 @@ public:
         const cylfuse_status status =
             cylfuse_fitter_set_log(handle(), static_cast<cylfuse_log_level>(max_level), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
-            log_ = std::move(made);
+            handle_.get_deleter().log = std::move(made);
         }
         return finish(status);
     }
@@ -290,6 +269,14 @@ public:
         }
         return finish(status, std::move(all));
     }
+    /** What each point of the selected view belongs to, in the order of residuals(). */
+    Returned<std::vector<Part>> point_parts(Optional<Cylinder> model = {}) const
+    {
+        return list<Part>([&](Part *out, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_point_parts(handle(), model.get(), reinterpret_cast<cylfuse_part *>(out), capacity,
+                                              count);
+        });
+    }
     /** The two limbs of the last fit in each view: where they were located in the image, or why they were not. */
     Returned<std::vector<Limb>> limbs() const
     {
@@ -312,7 +299,7 @@ public:
             cylfuse_fitter_limb_samples(handle(), out.data(), sizeof(LimbSample), out.size(), &count);
         return finish(status, count, count);
     }
-    /** The places on the arcs of both ends that extent() finds in the images, view after view. */
+    /** The samples on the arcs of both ends that extent() finds in the images, view after view. */
     Returned<std::vector<EndSample>> end_samples(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
     {
         return list<EndSample>([&](EndSample *out, std::size_t capacity, std::size_t *count) {
@@ -385,6 +372,21 @@ public:
     }
 
 private:
+    // A fitter whose call is still running stays, and so do the callbacks that it knows.
+    struct Destroy {
+        // The library keeps their addresses: they stay where they are when the fitter moves.
+        std::unique_ptr<ProgressCallback> progress;
+        std::unique_ptr<LogCallback> log;
+
+        void operator()(cylfuse_fitter *fitter) noexcept
+        {
+            if (cylfuse_fitter_destroy(fitter) != CYLFUSE_STATUS_OK) {
+                static_cast<void>(progress.release());
+                static_cast<void>(log.release());
+            }
+        }
+    };
+
     // What a function of the C interface lists, however much it is.
     template <class T, class Call>
     Returned<std::vector<T>> list(Call call) const
@@ -396,7 +398,7 @@ private:
 
     const char *message(cylfuse_status status) const noexcept
     {
-        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle_);
+        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle());
     }
     Returned<void> finish(cylfuse_status status) const
     {
@@ -411,10 +413,7 @@ private:
         return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
     }
 
-    cylfuse_fitter *handle_;
-    // The library keeps their addresses: they stay where they are when the fitter moves.
-    std::unique_ptr<ProgressCallback> progress_;
-    std::unique_ptr<LogCallback> log_;
+    std::unique_ptr<cylfuse_fitter, Destroy> handle_;
 };
 
 /** Writes signed distances of points from the surface, negative inside, NaN for points that are not finite. */
@@ -483,6 +482,7 @@ inline Returned<Difference> compare(const Cylinder &first, const Cylinder &secon
 } // inline namespace
 } // namespace cylfuse
 
+#include <cylfuse/batch.hpp>
 #include <cylfuse/detector.hpp>
 
 #endif

@@ -39,40 +39,21 @@ public:
     }
     /** Takes over a detector of the C interface, which has no callback; NULL for one that holds nothing. */
     explicit Detector(cylfuse_detector *detector) noexcept : handle_(detector) {}
-    /** Takes over what another detector holds. */
-    Detector(Detector &&other) noexcept
-        : handle_(std::exchange(other.handle_, nullptr)), progress_(std::move(other.progress_))
-    {
-    }
-    /** Takes over what another detector holds, in place of what is there. */
-    Detector &operator=(Detector &&other) noexcept
-    {
-        Detector taken(std::move(other));
-        std::swap(handle_, taken.handle_);
-        std::swap(progress_, taken.progress_);
-        return *this;
-    }
-    ~Detector()
-    {
-        // A detector whose call is still running stays, and so does the callback that it knows.
-        if (handle_ != nullptr && cylfuse_detector_destroy(handle_) != CYLFUSE_STATUS_OK) {
-            static_cast<void>(progress_.release());
-        }
-    }
 
     /** The detector for functions of the C interface; stays owned. */
-    cylfuse_detector *handle() const noexcept { return handle_; }
+    cylfuse_detector *handle() const noexcept { return handle_.get(); }
     /**
      * Gives the detector away, without its callback: cylfuse_detector_destroy() is up to the caller then. NULL while a
      * call on it is running; it stays here then.
      */
     cylfuse_detector *release() noexcept
     {
-        if (progress_ && cylfuse_detector_set_progress(handle_, nullptr, nullptr) == CYLFUSE_STATUS_BUSY) {
+        Destroy &callbacks = handle_.get_deleter();
+        if (callbacks.progress && cylfuse_detector_set_progress(handle(), nullptr, nullptr) == CYLFUSE_STATUS_BUSY) {
             return nullptr;
         }
-        progress_.reset();
-        return std::exchange(handle_, nullptr);
+        callbacks.progress.reset();
+        return handle_.release();
     }
     /** Asks the calls that are running to stop; from any thread, and from the callback. */
     Returned<void> cancel() { return detail::finish_call(cylfuse_detector_cancel(handle())); }
@@ -112,7 +93,7 @@ public:
             made ? detail::on_progress<DetectionCallback, DetectionProgress> : nullptr;
         const cylfuse_status status = cylfuse_detector_set_progress(handle(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
-            progress_ = std::move(made);
+            handle_.get_deleter().progress = std::move(made);
         }
         return finish(status);
     }
@@ -186,6 +167,19 @@ public:
     }
 
 private:
+    // A detector whose call is still running stays, and so does the callback that it knows.
+    struct Destroy {
+        // The library keeps its address: it stays where it is when the detector moves.
+        std::unique_ptr<DetectionCallback> progress;
+
+        void operator()(cylfuse_detector *detector) noexcept
+        {
+            if (cylfuse_detector_destroy(detector) != CYLFUSE_STATUS_OK) {
+                static_cast<void>(progress.release());
+            }
+        }
+    };
+
     // What a function of the C interface lists, however much it is.
     template <class T, class Call>
     Returned<std::vector<T>> list(Call call) const
@@ -197,7 +191,7 @@ private:
 
     const char *message(cylfuse_status status) const noexcept
     {
-        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_detector_last_error(handle_);
+        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_detector_last_error(handle());
     }
     Returned<void> finish(cylfuse_status status) const
     {
@@ -211,9 +205,7 @@ private:
         return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
     }
 
-    cylfuse_detector *handle_;
-    // The library keeps its address: it stays where it is when the detector moves.
-    std::unique_ptr<DetectionCallback> progress_;
+    std::unique_ptr<cylfuse_detector, Destroy> handle_;
 };
 
 } // inline namespace

@@ -226,6 +226,15 @@ enum class LimbStatus : cylfuse_limb_status {
     SameLine = CYLFUSE_LIMB_STATUS_SAME_LINE,
 };
 
+/** What a point in the mask belongs to. */
+enum class Part : cylfuse_part {
+    Body = CYLFUSE_PART_BODY,
+    Cap = CYLFUSE_PART_CAP,
+    InnerWall = CYLFUSE_PART_INNER_WALL,
+    Other = CYLFUSE_PART_OTHER,
+    Behind = CYLFUSE_PART_BEHIND,
+};
+
 /** How the points of an output buffer are arranged. */
 enum class Layout : cylfuse_layout {
     Packed = CYLFUSE_LAYOUT_PACKED,

@@ -26,7 +26,7 @@ namespace cylfuse {
 /** An infinite cylinder: point on the axis, direction, radius; the order of PCL's coefficients. */
 using Cylinder = cylfuse_cylinder;
 
-/** The state of a running fit, before each linear solve. */
+/** The state of a running fit, before each iteration. */
 using Progress = cylfuse_progress;
 
 /** How far a detector is. */
@@ -38,7 +38,7 @@ using Detection = cylfuse_detection;
 /** What a short piece of a limb in the image says. */
 using LimbSample = cylfuse_limb_sample;
 
-/** A place on the arc of an end of the cylinder in the image. */
+/** A sample on the arc of an end of the cylinder in the image. */
 using EndSample = cylfuse_end_sample;
 
 /** A parameter that may be left out, by `{}` where others follow. For parameters only: it points to what was given. */
