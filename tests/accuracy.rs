@@ -22,8 +22,8 @@ const FIGURES: [(&str, bool, [f64; 4]); 6] = [
     ("r40_a20_f0", false, [0.147, 0.222, 0.144, 0.014]),
     ("w004", true, [0.259, 0.302, 0.074, 0.261]),
     ("w004", false, [0.203, 0.271, 0.038, 0.208]),
-    ("w022", true, [0.021, 0.116, 0.031, 0.040]),
-    ("w022", false, [0.024, 0.097, 0.023, 0.005]),
+    ("w022", true, [0.025, 0.767, 0.061, 0.139]),
+    ("w022", false, [0.029, 0.964, 0.063, 0.187]),
 ];
 
 /// The angle between the axes, the distance of the centres of the visible pieces, and the relative errors of radius and

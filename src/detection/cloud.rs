@@ -41,8 +41,6 @@ const BEHIND: f64 = 0.1;
 struct Viewpoint {
     rotation: Matrix3<f64>,
     origin: Vector3<f64>,
-    /// Whether it is that of the sensor.
-    of_sensor: bool,
 }
 
 /// Finds all cylinders in a cloud; labels are by point, row by row.
@@ -113,7 +111,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
         detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
-    Ok(Detections { cylinders, labels, from_sensor: viewpoint.of_sensor, image: None })
+    Ok(Detections { cylinders, labels, image: None })
 }
 
 /// Moves points into the frame of the camera that they are seen from, and makes an image of them.
@@ -207,12 +205,12 @@ fn resection(points: &[Vector3<f64>], (width, height): (usize, usize)) -> Option
     let x = (x - z * z.dot(&x)).try_normalize(0.0)?;
     let rotation = Matrix3::from_rows(&[x.transpose(), z.cross(&x).transpose(), z.transpose()]);
     let moved: Vec<Vector3<f64>> = chosen.iter().map(|(_, p)| rotation * (*p - origin)).collect();
-    (fits && in_front(moved.iter())).then_some(Viewpoint { rotation, origin, of_sensor: true })
+    (fits && in_front(moved.iter())).then_some(Viewpoint { rotation, origin })
 }
 
 /// The origin and the z axis, where nearly all points lie in front of a camera there.
 fn along_z(points: &[Vector3<f64>]) -> Option<Viewpoint> {
-    let viewpoint = Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros(), of_sensor: true };
+    let viewpoint = Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros() };
     in_front(usable(points)).then_some(viewpoint)
 }
 
@@ -222,7 +220,7 @@ fn about_origin(points: &[Vector3<f64>]) -> Option<Viewpoint> {
     let rotation = axes(&z);
     let moved: Vec<Vector3<f64>> =
         usable(points).step_by((points.len() / RESECTED).max(1)).map(|p| rotation * p).collect();
-    in_front(moved.iter()).then_some(Viewpoint { rotation, origin: Vector3::zeros(), of_sensor: true })
+    in_front(moved.iter()).then_some(Viewpoint { rotation, origin: Vector3::zeros() })
 }
 
 /// A place far from the points in the direction in which they spread least.
@@ -250,11 +248,7 @@ fn from_afar(points: &[Vector3<f64>]) -> Option<Viewpoint> {
     if z.dot(&middle) < 0.0 {
         z = -z;
     }
-    (size > 0.0).then(|| Viewpoint {
-        rotation: axes(&z),
-        origin: middle - z * (10.0 * size),
-        of_sensor: false,
-    })
+    (size > 0.0).then(|| Viewpoint { rotation: axes(&z), origin: middle - z * (10.0 * size) })
 }
 
 /// For each pixel on the plane z = 1 the point that is seen there.

@@ -84,8 +84,6 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
-    /// Whether it was seen as from the sensor: always for an image, not for every cloud.
-    pub from_sensor: bool,
     /// What scores after a fit need of the image.
     image: Option<ImageEdges>,
 }

@@ -71,8 +71,8 @@ impl<'a> Fits<'a> {
         let before = covered(seen);
         let held = before >= COVERED;
         let radii = match (fitter.image(), fitter.depth()) {
-            // Depth is drawn out next to limbs as seen from the sensor. Other clouds may be anything: a fit tells.
-            (None, _) if self.seen.from_sensor => &[],
+            // Depth images are drawn out next to limbs, and clouds may be anything: a fit tells.
+            (None, Some(_)) => &[],
             (Some(_), _) if !held => &RADII[..],
             _ => &RADII[..1],
         };

@@ -63,7 +63,7 @@ void impossible_variances(void)
         destroy(fitter);
     }
 
-    /* A known radius in the wrong unit is nothing that points can agree with. */
+    /* A known radius in the wrong unit is nothing that points can agree with: warnings or residuals show it. */
     double *points = cylinder_points(500);
     for (double radius = 1e3; radius < 1e8; radius *= 10.0) {
         fitter = new_fitter();
@@ -74,7 +74,7 @@ void impossible_variances(void)
             found = fit(fitter);
             if (found.status == CYLFUSE_STATUS_OK) {
                 check_covariance(&found, 1, "a known radius");
-                CHECK(found.result.flags != 0);
+                CHECK(found.result.flags != 0 || found.result.point_rms > 0.1);
             }
         }
         destroy(fitter);
