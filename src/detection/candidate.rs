@@ -4,7 +4,6 @@ use super::grid::{Cell, Grid};
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::{Side, outline};
-use super::planes::OUTSIDE;
 use super::search::{PixelOf, Stopped};
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
@@ -15,10 +14,6 @@ const ROUNDS: usize = 4;
 
 /// Fewest cells that five numbers may be fitted to: twice as many.
 const FEWEST: usize = 10;
-
-/// A plane is a strip of a cylinder where this part of its cells lies on that: of a table or a wall few do, of the strip of
-/// a wide cylinder that noise lets pass for a plane nearly all.
-const STRIP: f64 = 0.7;
 
 /// What the steps of the search work on.
 pub(super) struct Scene<'a> {
@@ -160,25 +155,6 @@ impl Scene<'_> {
         cells
     }
 
-    /// The planes that are strips of a surface: they lie on it for the most part.
-    fn strips(
-        &self,
-        surface: &Surface,
-        cells: &[usize],
-        free: &dyn Fn(usize) -> bool,
-        mark: &mut Marks,
-    ) -> Vec<u16> {
-        let Surface::Cylinder(..) = surface else { return Vec::new() };
-        let all = self.flood(surface, cells, &|k| self.planes[k] != OUTSIDE, mark);
-        let mut on: Vec<u16> = all.into_iter().filter(|&k| !free(k)).map(|k| self.planes[k]).collect();
-        on.sort_unstable();
-        let strips = on.chunk_by(|a, b| a == b).filter(|on| {
-            let size = self.planes.iter().filter(|&plane| *plane == on[0]).count();
-            on.len() as f64 >= STRIP * size as f64
-        });
-        strips.map(|on| on[0]).collect()
-    }
-
     /// What touches the sides of a cylinder: the outline of its cells where nothing nearer hides it, or the edges on
     /// its limbs.
     fn tangents(&self, surface: &Surface, cells: &[usize], sides: Sides, mark: &mut Marks) -> Vec<Tangent> {
@@ -251,18 +227,6 @@ impl Scene<'_> {
             before = cells.len();
         }
         let cells = self.flood(&surface, &cells, free, mark);
-        let (surface, cells) = match self.strips(&surface, &cells, free, mark) {
-            strips if strips.is_empty() => (surface, cells),
-            strips => {
-                let free = |k: usize| free(k) || strips.contains(&self.planes[k]);
-                let cells = self.flood(&surface, &cells, &free, mark);
-                let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
-                let tangents = self.tangents(&surface, &cells, sides, mark);
-                let surface = fit(&surface, &refs, &tangents, self.optics, REACH, 4)?;
-                let cells = self.flood(&surface, &cells, &free, mark);
-                (surface, cells)
-            }
-        };
         let gain = self.worth(&surface, &cells, mark);
         (cells.len() >= FEWEST).then_some(Candidate { surface, cells, gain, sides })
     }

@@ -88,28 +88,68 @@ const LONG: f64 = 6.0;
 /// Evidence of the shape with which a candidate need not be looked at any more.
 const HOPELESS: f64 = -4.0;
 
-/// What each of [`Evidence::terms`] counts in the logarithm of the odds, and a constant.
+/// What each kind of evidence counts in the logarithm of the odds.
 struct Weights {
-    terms: [f64; 7],
+    depth: f64,
+    shape: f64,
+    rms: f64,
+    length: f64,
+    seen_through: f64,
+    limbs: f64,
+    deviation: f64,
     constant: f64,
 }
 
 /// Weights by logistic regression on the candidates in ../shared/scenes and in 157 scenes of the twin, which count half
-/// and have a constant of their own (`examples/score_weights`): depth alone, before a fit. Cylinders are rarer among the
-/// candidates of the twin; the constant is that of ../shared/scenes with an image, and that of the twin by depth alone,
-/// to which boxes look like cylinders.
-const DEPTH: Weights = Weights { terms: [0.49, 0.78, -4.33, 0.47, -1.45, 0.0, 0.0], constant: 0.99 };
+/// and have a constant of their own: depth alone, before a fit. Cylinders are rarer among the candidates of the twin; the
+/// constant is that of ../shared/scenes with an image, and that of the twin by depth alone, to which boxes look like
+/// cylinders.
+const DEPTH: Weights = Weights {
+    depth: 0.61,
+    shape: 0.63,
+    rms: -3.8,
+    length: 0.49,
+    seen_through: -0.82,
+    limbs: 0.0,
+    deviation: 0.0,
+    constant: -0.23,
+};
 
 /// Depth alone, after a fit.
-const DEPTH_FITTED: Weights =
-    Weights { terms: [-0.04, 0.67, -2.88, 0.52, -1.53, 0.0, -1.49], constant: -2.51 };
+const DEPTH_FITTED: Weights = Weights {
+    depth: 0.25,
+    shape: 0.57,
+    rms: -3.06,
+    length: 0.52,
+    seen_through: -0.81,
+    limbs: 0.0,
+    deviation: -0.91,
+    constant: -2.27,
+};
 
 /// Depth and image, before a fit.
-const IMAGE: Weights = Weights { terms: [0.72, 0.75, -4.55, 0.49, -1.01, 2.52, 0.0], constant: -0.92 };
+const IMAGE: Weights = Weights {
+    depth: 0.74,
+    shape: 0.7,
+    rms: -4.53,
+    length: 0.46,
+    seen_through: -0.87,
+    limbs: 2.31,
+    deviation: 0.0,
+    constant: -0.51,
+};
 
 /// Depth and image, after a fit.
-const IMAGE_FITTED: Weights =
-    Weights { terms: [0.55, 0.57, -3.75, 0.45, -1.12, 1.79, -1.04], constant: -4.06 };
+const IMAGE_FITTED: Weights = Weights {
+    depth: 0.55,
+    shape: 0.59,
+    rms: -3.86,
+    length: 0.41,
+    seen_through: -0.9,
+    limbs: 1.78,
+    deviation: -0.85,
+    constant: -3.42,
+};
 
 /// A fit multiplies the odds of a cylinder by less than this: of 540 in those scenes it did by more for one.
 const MOST_BY_FIT: f64 = 9.0;
@@ -132,25 +172,16 @@ impl Evidence {
             (Some(_), None) => IMAGE,
             (Some(_), Some(_)) => IMAGE_FITTED,
         };
-        let terms = weights.terms.iter().zip(self.terms()).map(|(weight, term)| weight * term);
-        let logit = weights.constant + terms.sum::<f64>();
-        1.0 / (1.0 + (-logit).exp())
-    }
-
-    /// What the score is made of: roundness and shape as logarithms of odds, root mean square distance, length, what is
-    /// seen through the outline, covered limbs, logarithm of the standard deviation of the radius.
-    #[must_use]
-    pub fn terms(&self) -> [f64; 7] {
         let [least, most] = DEVIATIONS;
-        [
-            self.depth(),
-            self.shape(),
-            self.rms,
-            self.length.min(LONG),
-            self.seen_through * self.side_samples.min(MOST_SAMPLES),
-            self.limbs.map_or(0.0, |[a, b]| a + b),
-            self.radius_deviation.unwrap_or(most).clamp(least, most).ln(),
-        ]
+        let logit = weights.depth * self.depth()
+            + weights.shape * self.shape()
+            + weights.rms * self.rms
+            + weights.length * self.length.min(LONG)
+            + weights.seen_through * self.seen_through * self.side_samples.min(MOST_SAMPLES)
+            + weights.limbs * self.limbs.map_or(0.0, |[a, b]| a + b)
+            + weights.deviation * self.radius_deviation.unwrap_or(most).clamp(least, most).ln()
+            + weights.constant;
+        1.0 / (1.0 + (-logit).exp())
     }
 
     /// The evidence of the depth that something is round: the logarithm of the odds against nothing, a plane, and two

@@ -89,17 +89,12 @@ pub struct Detections {
 }
 
 impl Detections {
-    /// What speaks for a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
+    /// The score of a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
     /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
     #[must_use]
-    pub fn evidence_of_fit(
-        &self,
-        detection: &Detection,
-        fitted: &Cylinder,
-        radius_deviation: f64,
-    ) -> Evidence {
+    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, radius_deviation: f64) -> f64 {
         let limbs = self.image.as_ref().map(|_| self.covered(detection, fitted));
-        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }
+        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }.score()
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
@@ -117,7 +112,7 @@ impl Detections {
 }
 
 /// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. A fit to its region tells
-/// more of each: see [`Detections::evidence_of_fit`].
+/// more of each: see [`Detections::score_of_fit`].
 ///
 /// # Errors
 /// `InvalidArgument`.

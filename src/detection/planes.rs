@@ -25,9 +25,6 @@ const SPREAD: f64 = 1.4;
 /// up to 125 pixels, but narrower than this.
 const NARROWEST: f64 = 10.0;
 
-/// What stands for the plane of a cell that belongs to no cylinder because it is not looked at.
-pub(super) const OUTSIDE: u16 = u16::MAX;
-
 /// Sums for w = a + b x + c y.
 #[derive(Clone, Copy)]
 struct Sums {

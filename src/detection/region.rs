@@ -16,6 +16,9 @@ use nalgebra::{Vector2, Vector3};
 /// the depth is estimated from all of it.
 const MARGIN: usize = 16;
 
+/// Cells outside of the mask belong to no cylinder: like those of a plane.
+const OUTSIDE: u16 = u16::MAX;
+
 /// The cylinder that explains the depth in a mask best, whatever else is in the mask: caps, inner walls, things in
 /// front. `None` where none explains it better than a plane.
 pub(crate) fn detect_in_mask(
@@ -47,8 +50,7 @@ pub(crate) fn detect_in_mask(
         let [x, y] = [(k % grid.columns, left), (k / grid.columns, top)]
             .map(|(cell, first)| first + cell * side + side / 2);
         if !mask.contains(x, y) {
-            // It belongs to no cylinder, like a plane.
-            *plane = planes::OUTSIDE;
+            *plane = OUTSIDE;
         }
     }
     let scene = Scene {

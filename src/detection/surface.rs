@@ -167,20 +167,9 @@ pub(super) struct Optics {
     pub cells_per_sample: f64,
 }
 
-/// How far depth next to a limb is off across the line of sight, in pixels, for each cell beyond the first over which
-/// the errors of depth reach: what makes neighbours share their errors, matching windows above all, draws outlines out
-/// as well. Windows of 7 to 11 pixels share errors over 4 cells and draw limbs out by 2 pixels.
-const BIAS_PIXELS_PER_CELL: f64 = 0.73;
-
-/// Standard deviation of that, in pixels.
-const BIAS_PIXELS: f64 = 2.0;
-
-/// The bias reaches inwards over some pixels: the power of the position across, in radii, by which it grows is twice the
-/// radius over this many pixels.
-const BIAS_REACH: f64 = 6.0;
-
-/// The most that half that power may be: on larger bodies the bias reaches farther, as the surface is less steep.
-const MOST_POWER: f64 = 4.0;
+/// How far depth next to a limb is off across the line of sight, in pixels: matching windows of 7 to 11 pixels draw it
+/// out by 2, mixed pixels of time of flight in by 1.
+const BIAS_PIXELS: f64 = 2.5;
 
 /// How far inside of the limb the outline of what is measured is, in pixels: time of flight reaches it, structured
 /// light ends 0 to 3 pixels before it, as the surface turns away.
@@ -190,15 +179,15 @@ pub(super) const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
 pub(super) const OUTLINE_PIXELS: f64 = 1.5;
 
 impl Surface {
-    /// How a bias at the limbs shows at a place: an even power of the position across, which vanishes in the middle.
-    fn bias_shape(&self, place: &Place, ray: &Vector3<f64>, pixel: f64) -> f64 {
+    /// How a bias at the limbs shows at a place: its sixth power of the position across, which vanishes in the middle,
+    /// and is 0.1 at 0.7 radii.
+    fn bias_shape(&self, place: &Place, ray: &Vector3<f64>) -> f64 {
         let Self::Cylinder(cylinder, _) = self else { return 0.0 };
         let d = &cylinder.axis.direction;
         let along = ray.dot(d);
         let flat = (ray.norm_squared() - along * along).max(f64::MIN_POSITIVE);
         let cosine = place.normal.dot(ray);
-        let power = (cylinder.radius / (BIAS_REACH * pixel)).round().clamp(1.0, MOST_POWER);
-        (1.0 - cosine * cosine / flat).max(0.0).powi(power as i32)
+        (1.0 - cosine * cosine / flat).max(0.0).powi(3)
     }
 
     /// The place of a cell, its distance from where the surface is measured, the standard deviation of that, and the
@@ -211,7 +200,7 @@ impl Surface {
         let lateral = LATERAL_PIXELS * pixel * cell.point.z;
         let across = ((length - along * along) / length).max(0.0);
         let variance = along * along * cell.sigma * cell.sigma + lateral * lateral * across;
-        let shape = self.bias_shape(&place, &ray, pixel * cell.point.z);
+        let shape = self.bias_shape(&place, &ray);
         let bias = if let Self::Cylinder(_, bias) = self { *bias } else { 0.0 };
         (place, place.distance - bias * shape, variance.sqrt(), shape)
     }
@@ -285,11 +274,9 @@ pub(super) fn fit(
                 }
                 vector += row * (weight * distance);
             }
-            let pixel = optics.pixel * center.z;
-            let expected = BIAS_PIXELS_PER_CELL * (optics.cells_per_sample.sqrt() - 1.0) * pixel;
-            let sigma = BIAS_PIXELS * pixel;
+            let sigma = BIAS_PIXELS * optics.pixel * center.z;
             matrix[(5, 5)] += 1.0 / (sigma * sigma);
-            vector[5] += (bias - expected) / (sigma * sigma);
+            vector[5] += bias / (sigma * sigma);
             parameters = 6;
         }
         let radius = surface.radius();
