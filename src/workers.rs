@@ -1,130 +1,139 @@
 //! Threads for work that is divided into parts: none unless asked for.
 
-use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
-use std::sync::Arc;
 use std::sync::mpsc::channel;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, Builder, Scope};
 
-/// The threads of a library inside someone's process: none by default, else a pool that is kept. Clones share it.
+/// The fewest parts for which a thread is started: to start one takes as long as one or two parts of the points do.
+const PARTS_OF_A_THREAD: usize = 4;
+
+/// How many threads work on something: that of the caller alone unless more are asked for.
+///
+/// They start and end within the call. A library inside someone's process leaves no thread behind that a fork, an
+/// unloading of the library or the end of the process could meet. Where the system does not give that many threads
+/// there are fewer, or none.
 ///
 /// Results must not depend on the number of threads: [`Workers::fill`] computes parts, and who called it adds them up
 /// in their order.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Workers {
-    pool: Option<Arc<rayon::ThreadPool>>,
+    threads: usize,
 }
 
 impl Workers {
-    /// No threads beside that of the caller for 0 and 1, else a pool of so many. Where the system does not give that
-    /// many threads there are fewer, or none.
-    #[must_use]
-    pub fn new(threads: usize) -> Self {
-        let start = |count: usize| {
-            rayon::ThreadPoolBuilder::new().num_threads(count).thread_name(|k| format!("cylfuse-{k}")).build()
-        };
-        let halves = std::iter::successors(Some(threads), |count| Some(count / 2));
-        let pool = halves.take_while(|count| *count > 1).find_map(|count| start(count).ok());
-        Self { pool: pool.map(Arc::new) }
-    }
-
-    /// The same, with as many threads as the machine has for 0.
+    /// So many threads, or as many as the machine has for 0.
     #[must_use]
     pub fn asked(threads: usize) -> Self {
-        Self::asked_for(threads, usize::MAX)
-    }
-
-    /// The same, with no more threads than there are items to work on.
-    #[must_use]
-    pub fn asked_for(threads: usize, items: usize) -> Self {
-        let count = match threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            count => count,
-        };
-        Self::new(count.min(items))
-    }
-
-    /// How many threads work.
-    #[cfg(test)]
-    pub fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+        let machine = || thread::available_parallelism().map_or(1, usize::from);
+        Self { threads: if threads == 0 { machine() } else { threads } }
     }
 
     /// Computes every slot from its index.
-    pub fn fill<T: Send>(&self, slots: &mut [T], compute: impl Fn(usize) -> T + Sync) {
-        match &self.pool {
-            None => slots.iter_mut().enumerate().for_each(|(index, slot)| *slot = compute(index)),
-            Some(pool) => pool.install(|| {
-                slots.par_iter_mut().enumerate().for_each(|(index, slot)| *slot = compute(index));
-            }),
-        }
+    pub fn fill<T: Send>(self, slots: &mut [T], compute: impl Fn(usize) -> T + Sync) {
+        let threads = self.threads.min(slots.len() / PARTS_OF_A_THREAD);
+        let queue = Mutex::new(slots.iter_mut().enumerate());
+        let work = || {
+            while let Some((index, slot)) = next(&queue) {
+                *slot = compute(index);
+            }
+        };
+        thread::scope(|scope| {
+            start(scope, threads.saturating_sub(1), || work);
+            work();
+        });
     }
 
     /// Computes something from every item and its index, changing it, and gives the calling thread each outcome with its
     /// index as soon as it is there.
     pub fn change_and_tell<T: Send, R: Send>(
-        &self,
+        self,
         items: &mut [T],
         compute: impl Fn(usize, &mut T) -> R + Sync,
         mut tell: impl FnMut(usize, R),
     ) {
-        let Some(pool) = &self.pool else {
-            items.iter_mut().enumerate().for_each(|(index, item)| tell(index, compute(index, item)));
-            return;
-        };
-        let (sender, receiver) = channel();
-        let compute = &compute;
-        pool.in_place_scope(|scope| {
-            for (index, item) in items.iter_mut().enumerate() {
+        let threads = self.threads.min(items.len());
+        let queue = Mutex::new(items.iter_mut().enumerate());
+        let one = || next(&queue).map(|(index, item)| (index, compute(index, item)));
+        let one = &one;
+        thread::scope(|scope| {
+            let (sender, receiver) = channel();
+            // With threads the caller only listens, so that it hears of each outcome at once.
+            start(scope, if threads > 1 { threads } else { 0 }, || {
                 let sender = sender.clone();
-                scope.spawn(move |_| {
-                    // The receiver is there until the last sender is gone.
-                    let _ = sender.send((index, compute(index, item)));
-                });
-            }
+                move || {
+                    while let Some(outcome) = one() {
+                        // The receiver is there until the last sender is gone.
+                        let _ = sender.send(outcome);
+                    }
+                }
+            });
             drop(sender);
             receiver.iter().for_each(|(index, outcome)| tell(index, outcome));
+            // Without threads all is still to do.
+            while let Some((index, outcome)) = one() {
+                tell(index, outcome);
+            }
         });
+    }
+}
+
+/// The next of a queue that several threads empty.
+fn next<I: Iterator>(queue: &Mutex<I>) -> Option<I::Item> {
+    queue.lock().unwrap_or_else(PoisonError::into_inner).next()
+}
+
+/// Starts so many threads, or as many as the system gives.
+fn start<'scope, W: FnOnce() + Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    threads: usize,
+    mut work: impl FnMut() -> W,
+) {
+    for index in 0..threads {
+        if Builder::new().name(format!("cylfuse-{index}")).spawn_scoped(scope, work()).is_err() {
+            break;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::HashSet;
 
     #[test]
     fn any_number_of_threads_fills_all_slots() {
         for threads in [0, 1, 2, 5] {
-            let workers = Workers::new(threads);
-            assert_eq!(workers.threads(), threads.max(1));
-            let mut slots = [0; 1000];
-            workers.fill(&mut slots, |index| index * index);
-            assert!(slots.iter().enumerate().all(|(index, slot)| *slot == index * index));
+            for count in [0, 1, 10, 1000] {
+                let mut slots = vec![usize::MAX; count];
+                Workers::asked(threads).fill(&mut slots, |index| index * index);
+                assert!(slots.iter().enumerate().all(|(index, slot)| *slot == index * index));
+            }
         }
     }
 
     #[test]
     fn the_calling_thread_is_told_of_every_item() {
-        for threads in [1, 3] {
-            let mut items = [0; 100];
-            let (mut told, caller) = (Vec::new(), std::thread::current().id());
+        for (threads, count) in [(1, 100), (3, 100), (5, 2), (4, 0)] {
+            let mut items = vec![0; count];
+            let (mut told, caller) = (Vec::new(), thread::current().id());
+            let ids = Mutex::new(HashSet::new());
             let compute = |index: usize, item: &mut usize| {
                 *item = index + 1;
+                ids.lock().unwrap().insert(thread::current().id());
                 2 * index
             };
-            Workers::new(threads).change_and_tell(&mut items, compute, |index, outcome| {
-                assert_eq!(std::thread::current().id(), caller);
+            Workers::asked(threads).change_and_tell(&mut items, compute, |index, outcome| {
+                assert_eq!(thread::current().id(), caller);
                 assert_eq!(outcome, 2 * index);
                 told.push(index);
             });
             told.sort_unstable();
-            assert!(told.into_iter().eq(0..100));
+            assert!(told.into_iter().eq(0..count));
             assert!(items.iter().enumerate().all(|(index, item)| *item == index + 1));
-        }
-    }
-
-    #[test]
-    fn there_are_no_more_threads_than_items() {
-        for (threads, items, count) in [(5, 3, 3), (2, 3, 2), (4, 0, 1)] {
-            assert_eq!(Workers::asked_for(threads, items).threads(), count);
+            // No more than there are items or were asked for; the caller itself where that is one.
+            let ids = ids.into_inner().unwrap();
+            assert!(ids.len() <= threads.min(count), "{} threads", ids.len());
+            assert_eq!(ids.contains(&caller), threads.min(count) == 1);
         }
     }
 }

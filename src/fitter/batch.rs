@@ -49,7 +49,7 @@ pub(crate) fn each<T: Send, R: Send>(
         outcomes[index] = Some(outcome);
     };
     let one = |_: usize, item: &mut T| one(item, &|| stop.load(Ordering::Relaxed));
-    Workers::asked_for(threads, items.len()).change_and_tell(items, one, tell);
+    Workers::asked(threads).change_and_tell(items, one, tell);
     outcomes.into_iter().flatten().collect()
 }
 

@@ -100,7 +100,6 @@ impl<'a> Data<'a> {
         options: &'a Options,
         views: impl Iterator<Item = &'a View> + Clone,
         start: Option<&'a Cylinder>,
-        workers: &'a Workers,
     ) -> Result<Self> {
         let fused = options.method == Method::Fused;
         let paper = fused && options.objective == ObjectiveKind::Paper;
@@ -130,7 +129,7 @@ impl<'a> Data<'a> {
             }
         }
         let mut views: Vec<ViewData<'a>> =
-            views.enumerate().map(|(index, view)| ViewData::new(options, index, view, workers)).collect();
+            views.enumerate().map(|(index, view)| ViewData::new(options, index, view)).collect();
         // One order whatever that of the caller was.
         views.sort_by_cached_key(ViewData::key);
         let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());
@@ -370,7 +369,7 @@ impl<'a> ViewData<'a> {
         )
     }
 
-    fn new(options: &Options, index: usize, view: &'a View, workers: &'a Workers) -> Self {
+    fn new(options: &Options, index: usize, view: &'a View) -> Self {
         let fused = options.method == Method::Fused;
         let observed = match options.near_wall {
             NearWall::Auto => view.camera().is_some(),
@@ -384,7 +383,10 @@ impl<'a> ViewData<'a> {
             index,
             view,
             into_view: view.pose().inverse(),
-            points: PointTerm::new(&view.cloud, Some(workers)),
+            points: PointTerm::new(
+                &view.cloud,
+                (options.threads != 1).then(|| Workers::asked(options.threads)),
+            ),
             lattice: Lattice::of_cloud(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
             observed,

@@ -43,7 +43,6 @@ use crate::geometry::Cylinder;
 use crate::geometry::LimbFrame;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
-use crate::workers::Workers;
 use data::Data;
 use edges::UsableEdges;
 use held::Held;
@@ -67,8 +66,6 @@ const BYTES_OF_DIAGNOSIS: usize = 320;
 #[derive(Debug, Clone)]
 pub struct Fitter {
     options: Options,
-    /// The threads that the options ask for.
-    workers: Workers,
     start: Option<Cylinder>,
     views: Vec<View>,
     /// The view that is set, pushed to and asked about.
@@ -91,7 +88,6 @@ impl Default for Fitter {
     fn default() -> Self {
         Self {
             options: Options::default(),
-            workers: Workers::default(),
             start: None,
             views: vec![View::default()],
             selected: 0,
@@ -120,9 +116,6 @@ impl Fitter {
     /// `InvalidArgument`; the old options stay then.
     pub fn set_options(&mut self, options: Options) -> Result<()> {
         options.check()?;
-        if options.threads != self.options.threads {
-            self.workers = Workers::asked(options.threads);
-        }
         self.options = options;
         self.made_with = None;
         Ok(())
@@ -338,7 +331,7 @@ impl Fitter {
     fn data_of<'a>(&'a self, bodies: &'a [Option<View>]) -> Result<Data<'a>> {
         let body = |index: usize| bodies.get(index).and_then(Option::as_ref);
         let views = self.views.iter().enumerate().map(|(index, view)| body(index).unwrap_or(view));
-        Data::new(&self.options, views, self.start.as_ref(), &self.workers)
+        Data::new(&self.options, views, self.start.as_ref())
     }
 
     /// What the last fit held the cylinder to, or the given segments.

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 pub struct PointTerm<'a> {
     cloud: &'a PointCloud,
     total_weight: f64,
-    workers: Option<&'a Workers>,
+    workers: Option<Workers>,
 }
 
 /// A leverage above this says that the points hardly do more than determine the cylinder: their residuals tell nothing
@@ -30,9 +30,9 @@ const LEAST_RELIEF: f64 = 0.2;
 const CHUNK: usize = 4096;
 
 impl<'a> PointTerm<'a> {
-    /// The term of a cloud, summed on the thread of the caller or by workers, with the same bits.
+    /// The term of a cloud, summed on the thread of the caller or with those of workers, to the same bits.
     #[must_use]
-    pub fn new(cloud: &'a PointCloud, workers: Option<&'a Workers>) -> Self {
+    pub fn new(cloud: &'a PointCloud, workers: Option<Workers>) -> Self {
         let total_weight = match cloud.weights() {
             None => cloud.len() as f64,
             Some(weights) => weights.iter().map(|&weight| f64::from(weight)).sum(),

@@ -123,7 +123,6 @@ pub struct Observer<'a> {
 #[derive(Debug, Clone, Default)]
 pub struct Detector {
     options: DetectorOptions,
-    workers: Workers,
 }
 
 /// A cylinder of a scene.
@@ -224,9 +223,6 @@ impl Detector {
     /// `InvalidArgument`; the old options stay then.
     pub fn set_options(&mut self, options: DetectorOptions) -> Result<()> {
         options.check()?;
-        if options.threads != self.options.threads {
-            self.workers = Workers::asked(options.threads);
-        }
         self.options = options;
         Ok(())
     }
@@ -370,7 +366,7 @@ impl Detector {
                 fit(&fits, index, &detections[index], &poll)
             });
         };
-        self.workers.change_and_tell(&mut outcomes, compute, |_, ()| {
+        Workers::asked(self.options.threads).change_and_tell(&mut outcomes, compute, |_, ()| {
             done += 1;
             tell(done);
         });

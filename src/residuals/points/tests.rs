@@ -46,8 +46,8 @@ fn the_sums_are_those_of_the_rows_and_the_same_for_any_number_of_threads() {
     assert!((one.hessian - expected.hessian).norm() < 1e-12 * expected.hessian.norm());
     assert_eq!(PointTerm::new(&cloud, None).cost(&frame, Squared), one.cost);
     for threads in [2, 3, 8] {
-        let workers = Workers::new(threads);
-        let term = PointTerm::new(&cloud, Some(&workers));
+        let workers = Workers::asked(threads);
+        let term = PointTerm::new(&cloud, Some(workers));
         assert_eq!(term.linearise(&frame, Squared), one);
         assert_eq!(term.cost(&frame, Squared), one.cost);
     }
