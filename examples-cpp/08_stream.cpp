@@ -1,8 +1,8 @@
 // Follows a cylinder through a stream of frames: 08_stream FOLDER...
 //
 // Each folder is a recorded frame; replace the loop in `main` by that of your camera. The first frame is searched by a
-// detector. Later ones need neither detector nor mask: the pixels near the last cylinder are the mask, and the fit starts
-// from that cylinder.
+// detector. Later ones need neither detector nor mask: the outline of the last cylinder is the mask, and the fit starts from
+// that cylinder.
 #include "frame.hpp"
 
 #include <cmath>
@@ -47,7 +47,7 @@ private:
     // The cylinder near the last one.
     cylfuse::CylinderFit follow(const Frame &frame)
     {
-        const std::vector<std::uint8_t> mask = near_last(frame);
+        const std::vector<std::uint8_t> mask = outline_of_last(frame);
         fitter_.clear(); // Data and views; memory and options stay.
         fitter_.set_intrinsics(frame.camera);
         fitter_.push_depth(frame.depth_view(), cylfuse::MaskView(mask.data(), frame.camera.width, frame.camera.height));
@@ -56,8 +56,9 @@ private:
         return fitter_.fit();
     }
 
-    // The pixels whose points lie within a third of the radius of the last cylinder's surface, and between its ends.
-    std::vector<std::uint8_t> near_last(const Frame &frame) const
+    // The outline of the last cylinder, a twentieth wider for its motion, without what stands before or behind it. Pixels
+    // without depth stay: depth is often missing next to a limb, and a mask whose sides are not near the limbs misleads.
+    std::vector<std::uint8_t> outline_of_last(const Frame &frame) const
     {
         std::vector<std::array<double, 2>> pixels;
         for (std::uint32_t row = 0; row < frame.camera.height; ++row) {
@@ -66,20 +67,33 @@ private:
             }
         }
         const std::vector<std::array<double, 3>> rays = cylfuse::unproject(frame.camera, pixels); // with z = 1
+        const double *axis = last_.direction, *start = extent_.start;
         std::vector<std::uint8_t> mask(pixels.size());
         for (std::size_t k = 0; k < mask.size(); ++k) {
-            const double z = frame.depth[k] * frame.depth_unit;
-            double along = 0.0, square = 0.0;
-            for (int axis = 0; axis < 3; ++axis) {
-                const double d = rays[k][axis] * z - extent_.start[axis];
-                along += d * last_.direction[axis];
-                square += d * d;
+            // Ray and start of the axis, split into parts along the axis and across it.
+            const double *ray = rays[k].data();
+            const double ray_along = dot(ray, axis), start_along = dot(start, axis);
+            const double a = dot(ray, ray) - ray_along * ray_along;
+            const double b = dot(ray, start) - ray_along * start_along;
+            const double c = dot(start, start) - start_along * start_along;
+            const double square = last_.radius * last_.radius;
+            if (a <= 0.0 || b <= 0.0 || c - b * b / a > 1.05 * 1.05 * square) {
+                continue; // The ray passes beside the cylinder.
             }
-            const double distance = std::sqrt(std::max(0.0, square - along * along));
-            const bool near = std::abs(distance - last_.radius) < last_.radius / 3;
-            mask[k] = z > 0.0 && near && along > 0.0 && along < extent_.length ? 255 : 0;
+            // Where the ray meets the near wall, or comes nearest to it; what the sensor measured if it did.
+            const double measured = frame.depth[k] * frame.depth_unit;
+            const double z = measured > 0.0 ? measured : (b - std::sqrt(std::max(0.0, b * b - a * (c - square)))) / a;
+            const double along = ray_along * z - start_along;
+            const double distance = std::sqrt(std::max(0.0, a * z * z - 2.0 * b * z + c));
+            const bool near = measured <= 0.0 || std::abs(distance - last_.radius) < last_.radius / 3;
+            mask[k] = near && along > 0.0 && along < extent_.length ? 255 : 0;
         }
         return mask;
+    }
+
+    static double dot(const double *u, const double *v)
+    {
+        return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     }
 
     cylfuse::Detector detector_;
