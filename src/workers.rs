@@ -37,8 +37,11 @@ impl Workers {
                 *slot = compute(index);
             }
         };
+        if threads <= 1 {
+            return work();
+        }
         thread::scope(|scope| {
-            start(scope, threads.saturating_sub(1), || work);
+            start(scope, threads - 1, || work);
             work();
         });
     }
@@ -55,25 +58,27 @@ impl Workers {
         let queue = Mutex::new(items.iter_mut().enumerate());
         let one = || next(&queue).map(|(index, item)| (index, compute(index, item)));
         let one = &one;
-        thread::scope(|scope| {
-            let (sender, receiver) = channel();
-            // With threads the caller only listens, so that it hears of each outcome at once.
-            start(scope, if threads > 1 { threads } else { 0 }, || {
-                let sender = sender.clone();
-                move || {
-                    while let Some(outcome) = one() {
-                        // The receiver is there until the last sender is gone.
-                        let _ = sender.send(outcome);
+        if threads > 1 {
+            thread::scope(|scope| {
+                let (sender, receiver) = channel();
+                start(scope, threads, || {
+                    let sender = sender.clone();
+                    move || {
+                        while let Some(outcome) = one() {
+                            // The receiver is there until the last sender is gone.
+                            let _ = sender.send(outcome);
+                        }
                     }
-                }
+                });
+                drop(sender);
+                // The caller only listens, so that it hears of each outcome at once.
+                receiver.iter().for_each(|(index, outcome)| tell(index, outcome));
             });
-            drop(sender);
-            receiver.iter().for_each(|(index, outcome)| tell(index, outcome));
-            // Without threads all is still to do.
-            while let Some((index, outcome)) = one() {
-                tell(index, outcome);
-            }
-        });
+        }
+        // All, where there are no threads.
+        while let Some((index, outcome)) = one() {
+            tell(index, outcome);
+        }
     }
 }
 
