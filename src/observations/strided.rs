@@ -76,6 +76,13 @@ impl<'a> Strided<'a> {
         Self { bytes, first: 0, width: slice.len(), height: 1, element_stride, row_stride: 0 }
     }
 
+    /// The same elements in rows of so many; `None` when they do not fill them.
+    pub(super) fn in_rows(self, width: usize) -> Option<Self> {
+        let rows = self.height == 1 && self.width.checked_rem(width) == Some(0);
+        let row_stride = isize::try_from(width).ok()?.checked_mul(self.element_stride)?;
+        rows.then(|| Self { width, height: self.width / width, row_stride, ..self })
+    }
+
     /// The byte offsets, relative to the first element, of the lowest byte and of the end of the highest one;
     /// `None` when they do not fit an `isize`.
     #[must_use]

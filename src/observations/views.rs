@@ -56,6 +56,24 @@ impl<'a> PointsView<'a> {
         Self { points: VectorsView::packed(points, Scalar::F32), weights: None, normals: None }
     }
 
+    /// The same points as an organised cloud of so many columns, row by row.
+    ///
+    /// # Errors
+    /// `InvalidArgument` when the points do not fill such rows.
+    pub fn organised(self, width: usize) -> Result<Self> {
+        let grid = |strided: Strided<'a>| {
+            let requirement = format!("divide the {} points into whole rows", self.width());
+            strided.in_rows(width).ok_or_else(|| Error::argument("columns of a cloud", width, requirement))
+        };
+        let vectors =
+            |view: VectorsView<'a>| Ok::<_, Error>(VectorsView { elements: grid(view.elements)?, ..view });
+        Ok(Self {
+            points: vectors(self.points)?,
+            weights: self.weights.map(grid).transpose()?,
+            normals: self.normals.map(vectors).transpose()?,
+        })
+    }
+
     /// Columns of an organised cloud, or the number of points.
     #[must_use]
     pub fn width(&self) -> usize {

@@ -1,6 +1,6 @@
 //! `cylfuse detect`: all cylinders of a frame, each fitted by the full method.
 
-use crate::cloud::{Cloud, write_numbered_ply};
+use crate::cloud::{Cloud, CloudFile, write_numbered_ply};
 use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
 use crate::frame::{Frame, View};
@@ -143,17 +143,18 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
 
 fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
-    let cloud = Cloud::read(path)?;
+    let cloud = CloudFile::read(path)?;
     let read = clock.elapsed().as_secs_f64();
+    let view = cloud.view()?;
     let (scene, seconds) =
-        timed(settings, |detector, observer| detector.detect_points_with(&cloud.view(), observer))?;
+        timed(settings, |detector, observer| detector.detect_points_with(&view, observer))?;
     let cylinders = scene.cylinders.iter().map(of_cloud).collect();
     let seconds = SceneSeconds { read, total: clock.elapsed().as_secs_f64(), ..seconds };
     let illustration =
-        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.to_f64(), POINTS_OF_SCENE));
+        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.points.to_f64(), POINTS_OF_SCENE));
     if let Some(folder) = folder {
         create_folder(folder)?;
-        write_points(folder, &cloud, &scene.labels)?;
+        write_points(folder, &cloud.points, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
     Ok(Scene { cylinders, out, illustration, seconds })

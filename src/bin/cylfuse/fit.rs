@@ -1,7 +1,7 @@
 //! From a file to a measurement and the files about it.
 
 use crate::arguments::FitArguments;
-use crate::cloud::{self, Cloud};
+use crate::cloud::{self, CloudFile};
 use crate::failure::Failure;
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
@@ -137,16 +137,17 @@ pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> Report 
 
 fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
     let clock = Instant::now();
-    let cloud = Cloud::read(path)?;
+    let cloud = CloudFile::read(path)?;
     let read = clock.elapsed().as_secs_f64();
     let mut fitter = settings.fitter()?;
-    fitter.push_points(&cloud.view(), None)?;
+    fitter.push_points(&cloud.view()?, None)?;
     let result = fitter.fit()?;
     let mut measurement = Measurement::new(&settings.options, &result);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
-    measurement.illustration =
-        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.to_f64(), POINTS_OF_CYLINDER));
+    measurement.illustration = settings
+        .illustrate
+        .then(|| Illustration::new(None, (1, 1), &cloud.points.to_f64(), POINTS_OF_CYLINDER));
     Ok(measurement)
 }
 

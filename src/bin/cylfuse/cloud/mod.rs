@@ -20,14 +20,29 @@ pub enum Cloud {
     F64(Vec<[f64; 3]>),
 }
 
-impl Cloud {
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudFile {
+    /// The points, row by row where they are organised.
+    pub points: Cloud,
+    /// The columns of an organised cloud.
+    columns: Option<usize>,
+}
+
+impl From<Cloud> for CloudFile {
+    fn from(points: Cloud) -> Self {
+        Self { points, columns: None }
+    }
+}
+
+impl CloudFile {
     /// Reads a file of the kind that its name says.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().map_or(String::new(), |e| e.to_string_lossy().to_lowercase());
         let parse = match extension.as_str() {
-            "ply" => ply::parse,
+            "ply" => |bytes: &[u8]| ply::parse(bytes).map(Self::from),
             "pcd" => pcd::parse,
-            "xyz" | "txt" | "csv" | "asc" => text::parse,
+            "xyz" | "txt" | "csv" | "asc" => |bytes: &[u8]| text::parse(bytes).map(Self::from),
             _ => {
                 let reason = "is no known kind of point cloud; name a .ply, .pcd or .xyz file";
                 return Err(Failure::bad_cloud(path, reason));
@@ -38,13 +53,16 @@ impl Cloud {
     }
 
     /// The coordinates for the library.
-    pub fn view(&self) -> PointsView<'_> {
-        match self {
+    pub fn view(&self) -> cylfuse::error::Result<PointsView<'_>> {
+        let list = match &self.points {
             Cloud::F32(points) => PointsView::from_f32(points),
             Cloud::F64(points) => PointsView::from_f64(points),
-        }
+        };
+        self.columns.map_or(Ok(list), |columns| list.organised(columns))
     }
+}
 
+impl Cloud {
     /// The coordinates as doubles.
     pub fn to_f64(&self) -> Vec<[f64; 3]> {
         match self {

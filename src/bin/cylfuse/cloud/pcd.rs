@@ -3,7 +3,7 @@
 //! Written here because the one crate for it (`pcd-rs` 0.13) indexes out of bounds on damaged compressed
 //! files, takes memory on the word of the header, and allocates for every point.
 
-use super::{Cloud, little_endian};
+use super::{Cloud, CloudFile, little_endian};
 use std::io::Write;
 
 /// The most that one byte of LZF stands for: a reference of 3 bytes copies at most 264.
@@ -26,6 +26,8 @@ struct Field {
 struct Header {
     axes: [Field; 3],
     points: usize,
+    /// The columns of the grid that WIDTH and HEIGHT tell, where it has all points and more than a row.
+    columns_of_grid: Option<usize>,
     point_size: usize,
     columns: usize,
     data: String,
@@ -34,7 +36,7 @@ struct Header {
 }
 
 /// Reads the points of a PCD file.
-pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
+pub fn parse(bytes: &[u8]) -> Result<CloudFile, String> {
     let header = Header::parse(bytes)?;
     let body = &bytes[header.end..];
     let points = match header.data.as_str() {
@@ -55,11 +57,12 @@ pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
     let float = |field: &Field| field.kind == 'F' && field.size == 4;
     // Text may have more digits than the type that the header names.
     let narrow = header.data != "ascii" && header.axes.iter().all(float);
-    Ok(if narrow {
+    let points = if narrow {
         Cloud::F32(points.iter().map(|p| p.map(|x| x as f32)).collect())
     } else {
         Cloud::F64(points)
-    })
+    };
+    Ok(CloudFile { points, columns: header.columns_of_grid })
 }
 
 impl Header {
@@ -109,6 +112,8 @@ impl Header {
         }
         let area = width.zip(height).and_then(|(width, height)| width.checked_mul(height));
         let points = points.or(area).ok_or("PCD header has neither POINTS nor WIDTH and HEIGHT")?;
+        let is_grid = height.is_some_and(|height| height > 1) && area == Some(points);
+        let columns_of_grid = width.filter(|&width| is_grid && width > 1);
         let (mut offset, mut column) = (0_usize, 0_usize);
         let mut axes = [None; 3];
         for (index, name) in names.iter().enumerate() {
@@ -129,7 +134,7 @@ impl Header {
         let [Some(x), Some(y), Some(z)] = axes else {
             return Err(format!("PCD FIELDS are {}; x, y and z must be among them", names.join(" ")));
         };
-        Ok(Self { axes: [x, y, z], points, point_size: offset, columns: column, data, end })
+        Ok(Self { axes: [x, y, z], points, columns_of_grid, point_size: offset, columns: column, data, end })
     }
 
     /// The bytes of all points, if there are as many.
@@ -266,7 +271,7 @@ mod tests {
     fn what_is_written_is_read_back() {
         let mut file = Vec::new();
         write(&POINTS, &mut file).unwrap();
-        assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()));
+        assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()).into());
         file.pop();
         assert!(parse(&file).unwrap_err().contains("cut off"));
     }
@@ -275,7 +280,7 @@ mod tests {
     fn text_with_other_fields_is_read() {
         let file = "VERSION .7\nFIELDS rgb z y histogram x\nSIZE 4 8 4 4 2\nTYPE F F F F I\nCOUNT 1 1 1 2 1\n\
                     WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n0 3 2 9 9 1\n0 nan 5 9 9 4\n";
-        let Cloud::F64(points) = parse(file.as_bytes()).unwrap() else { panic!("text is f64") };
+        let Cloud::F64(points) = parse(file.as_bytes()).unwrap().points else { panic!("text is f64") };
         assert_eq!(points[0], [1.0, 2.0, 3.0]);
         assert!(points[1][2].is_nan());
     }
@@ -290,9 +295,28 @@ mod tests {
         file.extend((data.len() as u32).to_le_bytes());
         file.extend((columns.len() as u32).to_le_bytes());
         file.extend(data);
-        assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()));
+        assert_eq!(parse(&file).unwrap(), Cloud::F32(POINTS.to_vec()).into());
         for length in 0..file.len() {
             assert!(parse(&file[..length]).is_err());
+        }
+    }
+
+    #[test]
+    fn organised_clouds_keep_their_rows() {
+        let size = |width: usize, height: usize| {
+            let header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
+            let file = format!(
+                "{header}WIDTH {width}\nHEIGHT {height}\nPOINTS 6\nDATA ascii\n{}",
+                "1 2 3\n".repeat(6)
+            );
+            let file = parse(file.as_bytes()).unwrap();
+            let view = file.view().unwrap();
+            (view.width(), view.height())
+        };
+        assert_eq!(size(3, 2), (3, 2));
+        // A list, and a header that contradicts itself.
+        for (width, height) in [(6, 1), (1, 6), (4, 2), (0, 0)] {
+            assert_eq!(size(width, height), (6, 1));
         }
     }
 
