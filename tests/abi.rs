@@ -109,7 +109,10 @@ fn interface_of(name: &str, header: &str) -> PathBuf {
     let source = folder.join("interface.c");
     std::fs::write(&source, header.replace("CYLFUSE_NOEXCEPT;", "{ return 0; }")).unwrap();
     let shared = folder.join("libcylfuse.so");
-    run(c_compiler().args(["-std=c99", "-g", "-shared", "-fPIC", "-o"]).arg(&shared).arg(&source));
+    // The position of this checkout is no part of the interface.
+    let position = format!("-fdebug-prefix-map={}=.", folder.display());
+    let flags = ["-std=c99", "-g", "-shared", "-fPIC", &position, "-o"];
+    run(c_compiler().args(flags).arg(&shared).arg(&source));
     shared
 }
 

@@ -125,7 +125,7 @@ check "pkg-config does not find what is not installed" not pkg-config --exists c
 library_path=$prefix/lib PKG_CONFIG_PATH=$prefix/lib/pkgconfig
 export PKG_CONFIG_PATH
 each_way "moved prefix" -DCMAKE_PREFIX_PATH="$prefix"
-check "another version is refused" not by_cmake -DCMAKE_PREFIX_PATH="$prefix" -DWANTED=0.2
+check "another version is refused" not by_cmake -DCMAKE_PREFIX_PATH="$prefix" -DWANTED=0.1
 unset library_path PKG_CONFIG_PATH
 
 printf '\n-- Debian packages\n'

@@ -26,7 +26,7 @@ import "C"
 
 import "fmt"
 
-// Version is the version of the loaded library, such as "0.1.0".
+// Version is the version of the loaded library, such as "0.2.0".
 func Version() string { return C.GoString(C.cylfuse_version_string()) }
 
 // BuildInfo says how the loaded library was built, for reports of defects.

@@ -74,7 +74,7 @@ func TestAnotherLibrary(t *testing.T) {
 	program := "package main\n\nimport (\n\t\"cylfuse\"\n\t\"fmt\"\n)\n\n" +
 		"func main() {\n\t_, err := cylfuse.NewFitter()\n\tfmt.Print(err)\n}\n"
 	for want, library := range map[string]string{
-		"cylfuse: the library has version 0.0.9, this package needs at least 0.1.0: install the library that belongs to " +
+		"cylfuse: the library has version 0.0.9, this package needs at least 0.2.0: install the library that belongs to " +
 			"the package": "#define ABI 1\n#define NUMBER 9\n",
 		"cylfuse: the library has version 2 of the binary interface, this package needs 1: install the library that " +
 			"belongs to the package": "#define ABI 2\n#define NUMBER 65536\n",

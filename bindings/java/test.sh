@@ -68,7 +68,7 @@ cat >"$project/pom.xml" <<'POM'
     <project.build.sourceEncoding>UTF-8</project.build.sourceEncoding>
   </properties>
   <dependencies>
-    <dependency><groupId>org.cylfuse</groupId><artifactId>cylfuse</artifactId><version>0.1.0</version></dependency>
+    <dependency><groupId>org.cylfuse</groupId><artifactId>cylfuse</artifactId><version>0.2.0</version></dependency>
   </dependencies>
 </project>
 POM

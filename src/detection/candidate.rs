@@ -1,10 +1,11 @@
 //! A surface and the cells that it explains: growth from a start, and what it gains.
 
+use super::effort::Effort;
 use super::grid::{Cell, Grid};
-use super::limb_pairs::{ImageEdges, ON_LIMB};
+use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
 use super::noise::Noise;
 use super::outline::{Side, outline};
-use super::search::{PixelOf, Stopped};
+use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::statistics::median;
@@ -14,6 +15,9 @@ const ROUNDS: usize = 4;
 
 /// Fewest cells that five numbers may be fitted to: twice as many.
 const FEWEST: usize = 10;
+
+/// Most cells that a surface is fitted to, evenly chosen from more: a bound on the time.
+const FITTED: usize = 8000;
 
 /// What the steps of the search work on.
 pub(super) struct Scene<'a> {
@@ -27,8 +31,8 @@ pub(super) struct Scene<'a> {
     pub image: Option<&'a ImageEdges>,
     /// The column and the row of pixels at a place on the plane z = 1.
     pub pixel_of: &'a PixelOf<'a>,
-    /// Whether the search shall end: what it has found by then is of no use.
-    pub stopped: &'a Stopped<'a>,
+    /// What the search has done.
+    pub effort: &'a Effort<'a>,
 }
 
 /// What holds the sides of a cylinder that grows.
@@ -74,6 +78,7 @@ impl Scene<'_> {
 
     /// The gain of a surface over cells.
     pub fn gain(&self, surface: &Surface, cells: &[usize]) -> f64 {
+        self.effort.spend(cells.len());
         let sum: f64 =
             cells.iter().map(|&k| (REACH * REACH - self.misfit(surface, &self.grid.cells[k])).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
@@ -109,8 +114,8 @@ impl Scene<'_> {
             }
             _ => 0.0,
         };
-        let edges = match (surface, self.image) {
-            (Surface::Cylinder(cylinder, _), Some(image)) => image
+        let edges = match surface {
+            Surface::Cylinder(cylinder, _) => self
                 .support(cylinder, self.range(cylinder, cells), ON_LIMB)
                 .map_or(0.0, |support| support.length * GAIN_PER_PIXEL),
             _ => 0.0,
@@ -152,6 +157,7 @@ impl Scene<'_> {
                 }
             }
         }
+        self.effort.spend(cells.len());
         cells
     }
 
@@ -159,9 +165,9 @@ impl Scene<'_> {
     /// its limbs.
     fn tangents(&self, surface: &Surface, cells: &[usize], sides: Sides, mark: &mut Marks) -> Vec<Tangent> {
         let Surface::Cylinder(cylinder, _) = surface else { return Vec::new() };
-        if let (Sides::Edges { reach }, Some(image)) = (sides, self.image) {
+        if let (Sides::Edges { reach }, true) = (sides, self.image.is_some()) {
             let range = self.range(cylinder, cells);
-            let support = image.support(cylinder, range, reach).unwrap_or_default();
+            let support = self.support(cylinder, range, reach).unwrap_or_default();
             if support.covered.iter().all(|&covered| covered >= LEAST_COVERED) {
                 return support.tangents;
             }
@@ -190,9 +196,40 @@ impl Scene<'_> {
         mark: &mut Marks,
     ) -> Option<Surface> {
         let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
-        let surface = fit(surface, &refs, &[], self.optics, 4.0 * REACH, 6)?;
+        let surface = self.fit(surface, &refs, &[], 4.0 * REACH, 6)?;
         let tangents = self.tangents(&surface, cells, sides, mark);
-        fit(&surface, &refs, &tangents, self.optics, REACH, 4)
+        self.fit(&surface, &refs, &tangents, REACH, 4)
+    }
+
+    /// Fits a surface to cells and tangents from a start.
+    pub fn fit(
+        &self,
+        start: &Surface,
+        cells: &[&Cell],
+        tangents: &[Tangent],
+        reach: f64,
+        steps: usize,
+    ) -> Option<Surface> {
+        let stride = cells.len().div_ceil(FITTED).max(1);
+        let thinned: Vec<&Cell>;
+        let cells = if stride == 1 {
+            cells
+        } else {
+            thinned = cells.iter().step_by(stride).copied().collect();
+            &thinned
+        };
+        self.effort.spend(steps * (cells.len() + tangents.len()));
+        if self.effort.is_spent() {
+            return None;
+        }
+        fit(start, cells, tangents, self.optics, reach, steps)
+    }
+
+    /// The edges of the image on the limbs of a cylinder.
+    pub fn support(&self, cylinder: &Cylinder, range: [f64; 2], reach: f64) -> Option<Support> {
+        let image = self.image?;
+        self.effort.spend(2 * image.edges.len());
+        image.support(cylinder, range, reach)
     }
 
     /// Grows a surface from a start that fits some cells.
@@ -209,7 +246,7 @@ impl Scene<'_> {
             Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
             Sides::Outline => Vec::new(),
         };
-        let mut surface = fit(start, &refs, &tangents, self.optics, 4.0 * REACH, 6)?;
+        let mut surface = self.fit(start, &refs, &tangents, 4.0 * REACH, 6)?;
         let mut cells = seeds.to_vec();
         let mut before = 0;
         for _ in 0..ROUNDS {
@@ -219,7 +256,7 @@ impl Scene<'_> {
             }
             let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
             let tangents = self.tangents(&surface, &cells, sides, mark);
-            surface = fit(&surface, &refs, &tangents, self.optics, REACH, 4)?;
+            surface = self.fit(&surface, &refs, &tangents, REACH, 4)?;
             // Two per cent more or fewer cells change nothing.
             if cells.len().abs_diff(before) * 50 <= cells.len() {
                 break;

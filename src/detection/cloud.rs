@@ -61,10 +61,13 @@ pub(crate) fn detect_points_until(
         }
     }
     let nothing = || Detections { cylinders: Vec::new(), labels: vec![0; count], image: None };
+    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    cancelled()?;
     let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
     for &k in &usable {
         points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
     }
+    cancelled()?;
     let Some(image) = Image::new(&points, &usable) else { return Ok(nothing()) };
     let cone = options
         .limits
@@ -78,13 +81,14 @@ pub(crate) fn detect_points_until(
         (k != u32::MAX).then(|| points[k as usize])
     };
     let side = side_of_cells(size).max(LEAST_SIDE);
+    cancelled()?;
     let mut grid = Grid::new(size, image.spacing, side, &point);
     let found = search(&mut grid, image.spacing, None, &turned, stopped)?;
     let ray = |x: usize, y: usize| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
     };
-    let seen = label(&grid, &found, size, image.spacing, &point, &ray);
+    let seen = label(&grid, &found, size, image.spacing, &point, &ray, stopped);
     let mut labels = vec![0; count];
     for &k in &usable {
         let Some(pixel) = image.pixel(&points[k]) else { continue };

@@ -4,7 +4,7 @@ use super::candidate::{Candidate, Marks, Scene, Sides};
 use super::grid::Cell;
 use super::limb_pairs::ON_LIMB;
 use super::outline::{Beyond, outline, passes};
-use super::surface::{REACH, Surface, fit};
+use super::surface::{REACH, Surface};
 use crate::geometry::Cylinder;
 use nalgebra::Vector3;
 
@@ -162,6 +162,9 @@ pub(crate) fn least_before_fit(score: f64) -> f64 {
     score / (score + (1.0 - score) * MOST_BY_FIT)
 }
 
+/// A ray that is met with a cylinder takes as long as so many visits.
+const VISITS_OF_RAY: usize = 2;
+
 impl Evidence {
     /// The probability that there is a cylinder.
     #[must_use]
@@ -223,6 +226,9 @@ impl Scene<'_> {
     /// Everything that speaks for or against a candidate.
     pub fn judge(&self, candidate: &Candidate, mark: &mut Marks) -> Option<Evidence> {
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
+        if self.effort.is_spent() {
+            return None;
+        }
         let gain = self.gain(&candidate.surface, &candidate.cells)
             - self.penalty(&candidate.surface, candidate.cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
@@ -248,6 +254,7 @@ impl Scene<'_> {
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
         let pixels = cylinder.radius / (depth * self.optics.pixel);
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
+        self.effort.spend(candidate.cells.len());
         let sides = outline(self, &cylinder, &candidate.cells, mark);
         let part = |beyond: Beyond| {
             sides.iter().filter(|side| side.beyond == beyond).count() as f64 / sides.len().max(1) as f64
@@ -263,16 +270,16 @@ impl Scene<'_> {
             });
             seen / f64::max(all, 1.0)
         });
-        evidence.limbs = self
-            .image
-            .map(|image| image.support(&cylinder, [first, last], ON_LIMB).unwrap_or_default().covered);
+        evidence.limbs =
+            self.image.map(|_| self.support(&cylinder, [first, last], ON_LIMB).unwrap_or_default().covered);
         self.see_through(&cylinder, candidate, [first, last], &mut evidence);
         // What the sides rule out needs no other surface, which would take most of the time.
         [evidence.over_plane, evidence.over_edge, evidence.over_sphere] = [f64::INFINITY; 3];
         if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
             self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
         }
-        Some(evidence)
+        // Half of the evidence is none.
+        (!self.effort.is_spent()).then_some(evidence)
     }
 
     /// The angle by which the normals of the surface turn over the cells.
@@ -304,7 +311,7 @@ impl Scene<'_> {
         evidence.over_edge = own - self.edge_gain(&cylinder, cells) + numbers;
         let free = |k: usize| self.planes[k] == 0;
         let mut margin = |start: Surface| {
-            let other = fit(&start, &refs, &[], self.optics, REACH, 6)?;
+            let other = self.fit(&start, &refs, &[], REACH, 6)?;
             let other = self.grow(&other, cells, Sides::Outline, &free, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
@@ -351,6 +358,7 @@ impl Scene<'_> {
 
     /// The gain of the plane through cells.
     fn plane_gain(&self, cells: &[usize]) -> f64 {
+        self.effort.spend(cells.len());
         let mut matrix = nalgebra::Matrix3::zeros();
         let mut vector = Vector3::zeros();
         for &k in cells {
@@ -392,8 +400,11 @@ impl Scene<'_> {
         let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         let (mut through, mut on) = (0.0, 0.0);
         let inset = 0.1 * (last - first);
-        for y in low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows) {
-            for x in low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns) {
+        let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
+        let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
+        self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
+        for y in rows {
+            for x in columns.clone() {
                 let cell = grid.at(x, y);
                 if !cell.measured() {
                     continue;

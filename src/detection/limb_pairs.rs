@@ -125,6 +125,9 @@ impl Scene<'_> {
         let mut found = Vec::new();
         let edges = self.image.map_or(&[][..], |image| &image.edges);
         for (k, a) in edges.iter().enumerate() {
+            if self.effort.ask() {
+                break;
+            }
             for b in &edges[k + 1..] {
                 found.extend(self.pair(a, b));
             }

@@ -3,6 +3,7 @@
 mod candidate;
 mod cloud;
 mod edges;
+mod effort;
 mod evidence;
 mod grid;
 mod limb_pairs;
@@ -149,12 +150,16 @@ pub(crate) fn detect_until(
             points.push(point.unwrap_or_default());
         }
     }
+    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    cancelled()?;
     let point = |x: usize, y: usize| {
         let p = points[y * width + x];
         (p.z > 0.0).then(|| p.cast::<f64>())
     };
     let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height)), &point);
+    cancelled()?;
     let edges = image.map(|image| ImageEdges { edges: edges::edges(image, camera), pixel });
+    cancelled()?;
     let pixel_of = |p: &Vector2<f64>| {
         let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
         (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
@@ -162,7 +167,7 @@ pub(crate) fn detect_until(
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
     let found = search::search(&mut grid, pixel, searched, options, stopped)?;
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
-    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray);
+    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray, stopped);
     Ok(Detections { image: edges, ..found })
 }
 

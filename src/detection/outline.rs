@@ -63,6 +63,7 @@ pub(super) fn outline(
     mark: &mut Marks,
 ) -> Vec<Side> {
     let grid = scene.grid;
+    scene.effort.spend(2 * cells.len());
     mark.next();
     let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
     let along = |k: usize| (grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction);

@@ -18,7 +18,7 @@ pub(super) fn join(
 ) {
     found.sort_by(|a, b| b.candidate.gain.total_cmp(&a.candidate.gain));
     let mut first = 0;
-    while first < found.len() && !(scene.stopped)() {
+    while first < found.len() && !scene.effort.is_spent() {
         let mut second = first + 1;
         while second < found.len() {
             if let Some(joint) = joined(scene, &found[first], &found[second], options, marks) {
@@ -95,7 +95,7 @@ pub(super) fn divide(
     marks: &mut Marks,
 ) {
     let mut index = 0;
-    while index < found.len() && !(scene.stopped)() {
+    while index < found.len() && !scene.effort.is_spent() {
         match divided(scene, &found[index], options, marks) {
             // The parts come last, and may be divided again.
             Some(parts) => {

@@ -1,5 +1,6 @@
 //! Large planes: table, walls, faces of boxes, caps. Seeds are blocks of cells; planes grow and then have to be flat.
 
+use super::effort::Effort;
 use super::grid::Grid;
 use super::noise::Noise;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -63,7 +64,7 @@ impl Sums {
 }
 
 /// For each cell of a grid the number of its plane from 1 on, or 0.
-pub(super) fn find_planes(grid: &Grid, noise: &Noise) -> Vec<u16> {
+pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Vec<u16> {
     let (columns, rows) = (grid.columns / BLOCK, grid.rows / BLOCK);
     let blocks: Vec<Option<(Sums, f64)>> =
         (0..columns * rows).map(|k| block(grid, k % columns, k / columns, noise)).collect();
@@ -76,6 +77,9 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise) -> Vec<u16> {
     for seed in order {
         if taken[seed] {
             continue;
+        }
+        if effort.ask() {
+            break;
         }
         let Some((plane, members)) = grow(&blocks, (columns, rows), seed, &taken, noise) else { continue };
         // A seed that leads nowhere is not tried again, its neighbours are.

@@ -2,12 +2,14 @@
 
 use super::DetectionOptions;
 use super::candidate::{Marks, Scene};
+use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
 use super::noise::Noise;
 use super::search::{candidates, distinct};
 use super::surface::{Optics, Surface};
 use super::{parts, planes};
 use crate::camera::Camera;
+use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::{DepthImage, Mask};
 use nalgebra::{Vector2, Vector3};
@@ -16,17 +18,25 @@ use nalgebra::{Vector2, Vector3};
 /// the depth is estimated from all of it.
 const MARGIN: usize = 16;
 
+/// The most that a search may do, patches and all: three times what masks of whole objects take.
+const VISITS_OF_PATCHES: u64 = 2_500_000;
+const VISITS: u64 = 3_000_000;
+
 /// Cells outside of the mask belong to no cylinder: like those of a plane.
 const OUTSIDE: u16 = u16::MAX;
 
 /// The cylinder that explains the depth in a mask best, whatever else is in the mask: caps, inner walls, things in
-/// front. `None` where none explains it better than a plane.
+/// front. `None` where none explains it better than a plane. Asks `stopped` all along.
+///
+/// # Errors
+/// `Cancelled`.
 pub(crate) fn detect_in_mask(
     camera: &Camera,
     depth: &DepthImage,
     mask: &Mask,
     limits: &CylinderLimits,
-) -> Option<Cylinder> {
+    stopped: &dyn Fn() -> bool,
+) -> Result<Option<Cylinder>> {
     let size = camera.size();
     let side = side_of_cells(size);
     let margin = MARGIN * side;
@@ -43,8 +53,9 @@ pub(crate) fn detect_in_mask(
         Some(camera.unproject(&Vector2::new(x as f64, y as f64))? * z)
     };
     let mut grid = Grid::new((right - left, bottom - top), pixel, side, &point);
-    let noise = Noise::estimate(&mut grid)?;
-    let mut planes = planes::find_planes(&grid, &noise);
+    let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };
+    let effort = Effort::new(stopped);
+    let mut planes = planes::find_planes(&grid, &noise, &effort);
     let grid = &grid;
     for (k, plane) in planes.iter_mut().enumerate() {
         let [x, y] = [(k % grid.columns, left), (k / grid.columns, top)]
@@ -53,6 +64,7 @@ pub(crate) fn detect_in_mask(
             *plane = OUTSIDE;
         }
     }
+    effort.limit(VISITS_OF_PATCHES);
     let scene = Scene {
         grid,
         noise,
@@ -60,18 +72,22 @@ pub(crate) fn detect_in_mask(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: None,
         pixel_of: &|_| None,
-        stopped: &|| false,
+        effort: &effort,
     };
     let options =
         DetectionOptions { limits: *limits, min_pixels: 0, min_score: 0.0, ..DetectionOptions::default() };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
     let mut found = distinct(candidates(&scene, &options, &mut explained, &mut marks));
+    effort.limit(VISITS);
     parts::join(&scene, &mut found, &options, &mut marks);
     let worth = |k: usize| found[k].score * found[k].candidate.gain;
-    let best = (0..found.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)))?;
-    match found[best].candidate.surface {
+    if effort.is_stopped() {
+        return Err(Error::Cancelled { iterations: 0 });
+    }
+    let best = (0..found.len()).max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+    Ok(best.and_then(|best| match found[best].candidate.surface {
         Surface::Cylinder(cylinder, _) => Some(cylinder),
         _ => None,
-    }
+    }))
 }

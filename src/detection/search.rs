@@ -1,6 +1,7 @@
 //! The search: patches of several sizes, cylinders grown from them, and the choice among those.
 
 use super::candidate::{Candidate, Marks, Scene, Sides};
+use super::effort::Effort;
 use super::evidence::Evidence;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
@@ -30,9 +31,6 @@ const FEWEST: usize = 12;
 /// The column and the row of pixels at a place on the plane z = 1.
 pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
 
-/// Asked before each candidate.
-pub(super) type Stopped<'a> = dyn Fn() -> bool + 'a;
-
 /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
 /// better explanation wins, unless it is no cylinder.
 const LEAST_SAY: f64 = 0.25;
@@ -59,6 +57,11 @@ const CERTAIN: f64 = 0.9;
 /// two.
 const FAR_FROM_LIMB: f64 = 4.0;
 
+/// Visits up to which each stage may go: pairs, patches, edges, joining, dividing, choice. What one leaves is for the next.
+/// The frames of ../shared/scenes take up to 2.0, 3.2, 3.8, 4.0, 6.3 and 6.3 million; scenes with more bodies than an image
+/// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
+const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
+
 /// A candidate that was judged.
 pub(super) struct Judged {
     pub candidate: Candidate,
@@ -72,11 +75,12 @@ pub(super) fn search(
     pixel: f64,
     image: Option<(&ImageEdges, &PixelOf<'_>)>,
     options: &DetectionOptions,
-    stopped: &Stopped<'_>,
+    stopped: &dyn Fn() -> bool,
 ) -> Result<Vec<Judged>> {
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let effort = Effort::new(stopped);
     let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
-    let planes = planes::find_planes(grid, &noise);
+    let planes = planes::find_planes(grid, &noise, &effort);
     cancelled()?;
     let scene = Scene {
         grid,
@@ -85,18 +89,24 @@ pub(super) fn search(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
-        stopped,
+        effort: &effort,
     };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
+    effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
+    effort.limit(LIMITS[1]);
     let by_depth = candidates(&scene, options, &mut explained, &mut marks);
+    effort.limit(LIMITS[2]);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
     cancelled()?;
     let mut found = distinct(found);
+    effort.limit(LIMITS[3]);
     parts::join(&scene, &mut found, options, &mut marks);
+    effort.limit(LIMITS[4]);
     parts::divide(&scene, &mut found, options, &mut marks);
+    effort.limit(LIMITS[5]);
     let chosen = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
     Ok(chosen)
@@ -180,7 +190,7 @@ pub(super) fn candidates(
                 if cells.len() < FEWEST {
                     continue;
                 }
-                if (scene.stopped)() {
+                if scene.effort.is_spent() {
                     return found;
                 }
                 let Some(start) =
@@ -219,7 +229,7 @@ fn by_edges(
         return moved;
     }
     let free = |k: usize| scene.planes[k] == 0;
-    for judged in found.iter().take_while(|_| !(scene.stopped)()) {
+    for judged in found.iter().take_while(|_| !scene.effort.is_spent()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
         let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
@@ -237,13 +247,15 @@ fn by_pairs(
     explained: &mut [bool],
     marks: &mut Marks,
 ) -> Vec<Judged> {
-    let Some(image) = scene.image else { return Vec::new() };
+    if scene.image.is_none() {
+        return Vec::new();
+    }
     let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
     let mut tried: Vec<Cylinder> = Vec::new();
     let mut grown = 0;
     for pair in scene.pairs() {
-        if grown == MOST_PAIRS || (scene.stopped)() {
+        if grown == MOST_PAIRS || scene.effort.is_spent() {
             break;
         }
         let known = pair.cells.iter().filter(|&&k| explained[k]).count();
@@ -253,7 +265,7 @@ fn by_pairs(
         }
         tried.push(pair.cylinder);
         let range = scene.range(&pair.cylinder, &pair.cells);
-        let support = image.support(&pair.cylinder, range, 2.0 * ON_LIMB).unwrap_or_default();
+        let support = scene.support(&pair.cylinder, range, 2.0 * ON_LIMB).unwrap_or_default();
         if support.covered.iter().sum::<f64>() < COVERED {
             continue;
         }
@@ -324,7 +336,8 @@ fn select(
     chosen
 }
 
-/// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing.
+/// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing. Where the search is
+/// stopped they are of no use.
 pub(super) fn label(
     grid: &Grid,
     found: &[Judged],
@@ -332,11 +345,15 @@ pub(super) fn label(
     pixel: f64,
     point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
     ray: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
+    stopped: &dyn Fn() -> bool,
 ) -> Detections {
     let mut labels = vec![0_u16; width * height];
     let mut nearest = vec![f32::INFINITY; width * height];
     let mut cylinders = Vec::new();
     for (index, judged) in found.iter().enumerate() {
+        if stopped() {
+            break;
+        }
         let Surface::Cylinder(cylinder, _) = judged.candidate.surface else { continue };
         let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);

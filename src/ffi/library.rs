@@ -49,7 +49,7 @@ pub extern "C" fn cylfuse_version_number() -> u32 {
     VERSION_NUMBER
 }
 
-/// The version of the loaded library as text, such as "0.1.0". Static.
+/// The version of the loaded library as text, such as "0.2.0". Static.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_version_string() -> *const c_char {
     VERSION.as_ptr()

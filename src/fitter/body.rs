@@ -1,14 +1,17 @@
 //! Before a fit: what in the mask of each view is the body of the cylinder. The rest is left out of the fit.
 
 use super::edges::UsableEdges;
+use super::objective::Run;
 use super::options::Options;
 use super::start::{SAMPLE, median_distance};
 use super::view::View;
 use crate::camera::Camera;
 use crate::detection::detect_in_mask;
+use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::start::limbs::from_limbs;
 use crate::start::moments::Moments;
+use std::cell::RefCell;
 
 /// Fewest points of a body, as a part of those in the mask: with less the cylinder that was found is hardly the one that
 /// was meant.
@@ -19,16 +22,34 @@ const LEAST_PART: f64 = 0.1;
 const KNOWN: f64 = 0.05;
 
 /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
-pub(super) fn separate(view: &View, options: &Options, start: Option<&Cylinder>) -> Option<View> {
-    let (camera, depth, mask) = (view.camera()?, view.depth()?, view.mask.as_ref()?);
+///
+/// # Errors
+/// `Cancelled`.
+pub(super) fn separate(
+    view: &View,
+    options: &Options,
+    start: Option<&Cylinder>,
+    run: &mut Run<'_>,
+) -> Result<Option<View>> {
+    let (Some(camera), Some(depth), Some(mask)) = (view.camera(), view.depth(), view.mask.as_ref()) else {
+        return Ok(None);
+    };
     // Most masks hold the body alone, and that takes no search.
     let known = known(view, camera, options, start);
     if known.and_then(|cylinder| view.parts(&cylinder, &options.noise)).is_some_and(|parts| parts.all_body())
     {
-        return None;
+        return Ok(None);
     }
-    let cylinder = detect_in_mask(camera, depth, mask, &options.cylinder_limits)?;
-    let parts = view.parts(&cylinder, &options.noise)?;
+    let run = RefCell::new(run);
+    let stopped = || run.borrow_mut().poll().is_break();
+    let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits, &stopped)?;
+    Ok(found.and_then(|cylinder| body(view, options, &cylinder)))
+}
+
+/// The view with the body of a cylinder alone; `None` where all of it is, or too little.
+fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
+    let (camera, mask) = (view.camera()?, view.mask.as_ref()?);
+    let parts = view.parts(cylinder, &options.noise)?;
     if parts.all_body() {
         return None;
     }

@@ -350,6 +350,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         let given = beside.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
         let sides = sides.iter().map(|line| Guides { given: Vec::new(), sides: vec![*line] });
         for single in given.chain(sides) {
+            if self.data.is_long(self.run) {
+                break;
+            }
             if let Ok(fit) = self.attempt(single, &[alone.start])?
                 && best.as_ref().is_none_or(|best| fit.scale() < best.scale())
             {

@@ -162,7 +162,7 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` is called before every iteration and may stop the fit.
+    /// The same; `report` is called before every iteration, and while a start is searched, and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
@@ -170,9 +170,9 @@ impl Fitter {
         let clock = Instant::now();
         let seconds = || clock.elapsed().as_secs_f64();
         self.check_memory(BYTES_OF_FIT)?;
-        let bodies = self.bodies();
-        let data = self.data_of(&bodies)?;
         let mut run = Run::new(report);
+        let bodies = self.bodies(&mut run)?;
+        let data = self.data_of(&bodies)?;
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
@@ -315,11 +315,12 @@ impl Fitter {
     }
 
     /// By view: the part of it that is the body, where its mask holds more. The other objectives take the mask as it is.
-    fn bodies(&self) -> Vec<Option<View>> {
+    fn bodies(&self, run: &mut Run<'_>) -> Result<Vec<Option<View>>> {
         if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
-            return Vec::new();
+            return Ok(Vec::new());
         }
-        self.views.iter().map(|view| body::separate(view, &self.options, self.start.as_ref())).collect()
+        let start = self.start.as_ref();
+        self.views.iter().map(|view| body::separate(view, &self.options, start, run)).collect()
     }
 
     /// The data of the last fit, or of everything that was pushed.

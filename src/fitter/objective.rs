@@ -37,6 +37,14 @@ const SCALE_ROUNDS: usize = 20;
 const MANY_SOLVES: usize = 1500;
 const ORDINARY_SOLVES: usize = 30;
 
+/// Points times solves that count as many, because a solve takes as long as there are points. Frames of depth cameras take up
+/// to 6.3 million, for which a hundred solves are always allowed.
+const MANY_VISITS: usize = 30_000_000;
+const ALWAYS_ALLOWED: usize = 100;
+
+/// Solves that a rough minimum gets after twice as many: enough to tell it from a better one.
+const FEW_SOLVES: usize = 5;
+
 /// Most of what points share, in units of their noise: exact data share nothing, and depth that a filter has smoothed
 /// three times its noise.
 const MOST_SHARED: f64 = 10.0;
@@ -374,9 +382,12 @@ impl Data<'_> {
         solves_before: usize,
         run: &mut Run<'_>,
     ) -> Result<Convergence> {
-        let most = match self.options.limits.max_iterations {
-            most if run.solves > MANY_SOLVES => most.min(ORDINARY_SOLVES),
-            most => most,
+        let all = self.options.limits.max_iterations;
+        let many = self.many_solves();
+        let most = match run.solves {
+            solves if solves > 2 * many && precision == Precision::Rough => all.min(FEW_SOLVES),
+            solves if solves > many => all.min(ORDINARY_SOLVES),
+            _ => all,
         };
         let max_iterations = most.saturating_sub(solves_before);
         let mut limits = IterationLimits { max_iterations, ..self.options.limits };
@@ -393,6 +404,17 @@ impl Data<'_> {
             })?;
         run.solves += convergence.iterations;
         Ok(convergence)
+    }
+
+    /// Solves of one fit that are many.
+    fn many_solves(&self) -> usize {
+        let points = self.views.iter().map(|view| view.points.count()).sum::<usize>().max(1);
+        (MANY_VISITS / points).clamp(ALWAYS_ALLOWED, MANY_SOLVES)
+    }
+
+    /// Whether a fit has taken so long that no more ways to guide it are tried.
+    pub fn is_long(&self, run: &Run<'_>) -> bool {
+        run.solves > 2 * self.many_solves()
     }
 
     fn chart(&self, start: &Cylinder) -> Chart {

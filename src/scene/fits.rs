@@ -78,14 +78,20 @@ impl<'a> Fits<'a> {
         };
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
-        let mut best: Option<(f64, Cylinder)> = None;
-        for factor in radii {
+        let attempts = (MOST_FITS / self.seen.cylinders.len().max(1)).max(1);
+        // The best so far with its start, and its result while no other fit has taken its place in the fitter.
+        let mut best: Option<(f64, Cylinder, Option<FitResult>)> = None;
+        for factor in radii.iter().take(attempts) {
             let radius = factor * found.radius;
             // The wall that is seen stays where it is.
             let away = seen.axis.nearest_to_origin().normalize() * (radius - found.radius);
             let axis = Line { point: seen.axis.point + away, ..seen.axis };
             let start = pose.cylinder(&Cylinder { axis, radius });
-            let result = match fit_from(fitter, &start, poll) {
+            let fitted = fit_from(fitter, &start, poll);
+            if let Some((.., result)) = &mut best {
+                *result = None;
+            }
+            let result = match fitted {
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => continue,
                 Ok(result) => result,
@@ -102,15 +108,15 @@ impl<'a> Fits<'a> {
                 continue;
             }
             let quality = after + 0.5 * result.limbs_located as f64;
-            if quality > best.map_or(0.0, |(most, _)| most) {
-                best = Some((quality, start));
+            if quality > best.as_ref().map_or(0.0, |(most, ..)| *most) {
+                best = Some((quality, start, Some(result)));
                 if held || quality >= COVERED + 1.0 {
                     return Ok(result);
                 }
             }
         }
-        if let Some((_, start)) = best {
-            return fit_from(fitter, &start, poll);
+        if let Some((_, start, result)) = best {
+            return result.map_or_else(|| fit_from(fitter, &start, poll), Ok);
         }
         // The search allows for errors at the limits; what is returned keeps them.
         if !fitter.options().cylinder_limits.contain(&found) {
@@ -146,6 +152,9 @@ fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResul
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
 /// the search for limbs in the image reaches.
 const RADII: [f64; 3] = [1.0, 0.9, 1.1];
+
+/// Fits of a scene, beyond which each cylinder gets one alone: a bound on the time.
+const MOST_FITS: usize = 40;
 
 /// The parts of both limbs together that edges of the image cover where they hold the radius.
 const COVERED: f64 = 1.0;

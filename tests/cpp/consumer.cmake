@@ -1,7 +1,7 @@
 # A project that links the installed library in each way that CMake offers.
 cmake_minimum_required(VERSION 3.16)
 project(consumer C CXX)
-set(WANTED 0.1 CACHE STRING "the version to ask for")
+set(WANTED 0.2 CACHE STRING "the version to ask for")
 find_package(cylfuse ${WANTED} REQUIRED)
 add_executable(consumer_c_shared main.c)
 target_link_libraries(consumer_c_shared cylfuse::cylfuse m)

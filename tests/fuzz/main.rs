@@ -20,14 +20,19 @@
 
 mod calls;
 mod checks;
+mod completion;
 mod detector;
 mod files;
+mod fitter;
 mod found;
+mod grids;
 mod inputs;
+mod lists;
 mod memory;
 mod statuses;
 mod values;
 mod watch;
+mod without_handle;
 
 #[path = "../support/random_views.rs"]
 mod random_views;

@@ -47,9 +47,16 @@ impl Statuses {
         Self(statuses.collect())
     }
 
+    /// Whether the header lists a status for a function.
+    pub fn lists(&self, function: &str, status: i32) -> bool {
+        self.0.get(function).unwrap_or_else(|| panic!("{function} is not in the header")).contains(&status)
+    }
+
     /// Fails when a function returned what it does not list.
     pub fn check(&self, function: &str, status: i32, text: &str) {
-        let listed = self.0.get(function).unwrap_or_else(|| panic!("{function} is not in the header"));
-        assert!(listed.contains(&status), "{function} returned {status} ({text}), which it does not list");
+        assert!(
+            self.lists(function, status),
+            "{function} returned {status} ({text}), which it does not list"
+        );
     }
 }

@@ -9,7 +9,7 @@ namespace Cylfuse
         /// <summary>The version of the binary interface.</summary>
         public static int AbiVersion => (int)Native.Functions.AbiVersion();
 
-        /// <summary>The version as text, such as "0.1.0".</summary>
+        /// <summary>The version as text, such as "0.2.0".</summary>
         public static string VersionString => Text(Native.Functions.VersionString());
 
         /// <summary>The version as a number: major * 65536 + minor * 256 + patch.</summary>

@@ -6,7 +6,7 @@ const koffi = require('koffi');
 
 const ABI_VERSION = 1;
 // The oldest library that knows every field of the structs below: major * 65536 + minor * 256 + patch.
-const OLDEST_VERSION = 0x000100;
+const OLDEST_VERSION = 0x000200;
 
 const pointer = koffi.pointer;
 const vector = koffi.array('double', 3);
@@ -289,7 +289,7 @@ function loadLibrary() {
   if (functions.cylfuse_abi_version() !== ABI_VERSION || functions.cylfuse_version_number() < OLDEST_VERSION) {
     throw new Error(
       `the native library ${file} is version ${functions.cylfuse_version_string()} with version ` +
-        `${functions.cylfuse_abi_version()} of the binary interface, this package needs at least 0.1.0 with version ` +
+        `${functions.cylfuse_abi_version()} of the binary interface, this package needs at least 0.2.0 with version ` +
         `${ABI_VERSION}: install the library that belongs to the package`,
     );
   }

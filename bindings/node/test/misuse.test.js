@@ -220,7 +220,7 @@ test('another library, or none, is refused with a message', () => {
   const older = library(`int cylfuse_abi_version(void) { return 1; } int cylfuse_version_number(void) { return 9; }
     const char *cylfuse_version_string(void) { return "0.0.9"; }`);
   assert.equal(message(older), `Error: the native library ${older} is version 0.0.9 with version 1 of the binary ` +
-    'interface, this package needs at least 0.1.0 with version 1: install the library that belongs to the package');
+    'interface, this package needs at least 0.2.0 with version 1: install the library that belongs to the package');
   fs.rmSync(folder, { recursive: true });
 });
 

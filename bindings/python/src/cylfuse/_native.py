@@ -218,7 +218,7 @@ def make(kind: Type[_S]) -> _S:
 
 
 def version() -> str:
-    """The version of the loaded library, such as "0.1.0"."""
+    """The version of the loaded library, such as "0.2.0"."""
     return str(lib.cylfuse_version_string().decode())
 
 

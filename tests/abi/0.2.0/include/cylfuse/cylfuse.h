@@ -101,13 +101,13 @@
 /** The first part of the version of this header; compare with `cylfuse_version_number()`. */
 #define CYLFUSE_VERSION_MAJOR 0
 /** The second part. */
-#define CYLFUSE_VERSION_MINOR 1
+#define CYLFUSE_VERSION_MINOR 2
 /** The third part. */
 #define CYLFUSE_VERSION_PATCH 0
 /** All three, with points between them. */
-#define CYLFUSE_VERSION_STRING "0.1.0"
+#define CYLFUSE_VERSION_STRING "0.2.0"
 /** major * 65536 + minor * 256 + patch. */
-#define CYLFUSE_VERSION_NUMBER 256
+#define CYLFUSE_VERSION_NUMBER 512
 
 /** Linkage. Define CYLFUSE_STATIC when linking the static library on Windows. */
 #ifndef CYLFUSE_API
@@ -1966,7 +1966,7 @@ CYLFUSE_API uint32_t cylfuse_abi_version(void) CYLFUSE_NOEXCEPT;
 CYLFUSE_API uint32_t cylfuse_version_number(void) CYLFUSE_NOEXCEPT;
 
 /**
- * The version of the loaded library as text, such as "0.1.0". Static.
+ * The version of the loaded library as text, such as "0.2.0". Static.
  */
 CYLFUSE_API const char *cylfuse_version_string(void) CYLFUSE_NOEXCEPT;
 

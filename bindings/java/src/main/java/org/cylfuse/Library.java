@@ -16,7 +16,7 @@ public final class Library {
     /**
      * The version as text.
      *
-     * @return a text such as "0.1.0"
+     * @return a text such as "0.2.0"
      */
     public static String versionString() {
         return NativeFunctions.cylfuse_version_string();

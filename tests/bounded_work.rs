@@ -1,0 +1,89 @@
+//! Frames that show no cylinder, or far too many: the work of fits and searches is bounded, and all along they ask whether to
+//! go on. Counted in questions, which follow the work and not the clock; `examples/bounded_time.rs` prints times.
+#![allow(clippy::unwrap_used)]
+
+#[path = "support/hostile_inputs.rs"]
+mod hostile_inputs;
+
+use cylfuse::error::Error;
+use cylfuse::fitter::{Options, StartKind};
+use cylfuse::scene::{Detector, DetectorOptions, Observer};
+use hostile_inputs::{Hostile, hostile};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+fn input(name: &str) -> Hostile {
+    hostile().into_iter().find(|input| input.name == name).unwrap()
+}
+
+/// How often a fit asked, and whether it was cancelled when it was told to end at a question.
+fn fit(input: &Hostile, start: StartKind, end: usize) -> (usize, bool) {
+    let mut fitter = input.fitter();
+    fitter.set_options(Options { start, ..Options::default() }).unwrap();
+    let mut asked = 0;
+    let outcome = fitter.fit_with(&mut |_| {
+        asked += 1;
+        if asked >= end { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    (asked, matches!(outcome, Err(Error::Cancelled { .. })))
+}
+
+/// The same of a search.
+fn search(input: &Hostile, end: usize) -> (usize, bool) {
+    let asked = AtomicUsize::new(0);
+    let mut observer = Observer {
+        progress: &mut |_| ControlFlow::Continue(()),
+        stopped: &|| asked.fetch_add(1, Ordering::Relaxed) + 1 >= end,
+    };
+    let outcome = Detector::new().detect_with(&input.frame(), &mut observer);
+    (asked.into_inner(), matches!(outcome, Err(Error::Cancelled { .. })))
+}
+
+const NEVER: usize = usize::MAX;
+
+#[test]
+fn the_search_for_the_body_in_a_mask_asks_and_ends() {
+    let input = input("bumps every 12 pixels");
+    // With moments for a start there are no random samples that ask.
+    let (asked, _) = fit(&input, StartKind::Moments, NEVER);
+    assert!((150..1000).contains(&asked), "{asked}");
+    for end in [1, 2, 100, 150] {
+        assert_eq!(fit(&input, StartKind::Moments, end), (end, true));
+    }
+}
+
+#[test]
+fn a_fit_to_dense_depth_that_is_no_cylinder_ends() {
+    for name in ["half cylinders 24 wide and 60 long", "1000 segments", "noise of 0.001"] {
+        let (asked, _) = fit(&input(name), StartKind::Auto, NEVER);
+        assert!(asked < 3000, "{name}: {asked}");
+    }
+}
+
+#[test]
+fn a_search_ends_and_hears_that_it_shall() {
+    let input = input("bumps every 12 pixels");
+    let (asked, cancelled) = search(&input, NEVER);
+    assert!((150..1000).contains(&asked) && !cancelled, "{asked}");
+    for end in [1, 3, 10, 150, asked - 20] {
+        let (asked, cancelled) = search(&input, end);
+        // Those that end it may ask again, but do no more.
+        assert!(cancelled && asked < end + 10, "{end}: {asked}");
+    }
+}
+
+#[test]
+fn a_search_that_is_cut_short_gives_the_same_bits_for_any_number_of_threads() {
+    let input = input("half cylinders 24 wide and 60 long, with an image");
+    let scenes = [1, 2].map(|threads| {
+        let mut detector = Detector::new();
+        detector.set_options(DetectorOptions { threads, ..DetectorOptions::default() }).unwrap();
+        detector.detect(&input.frame()).unwrap()
+    });
+    let cylinders = scenes.each_ref().map(|scene| {
+        scene.cylinders.iter().map(|found| (found.score, found.result.cylinder)).collect::<Vec<_>>()
+    });
+    assert!(cylinders[0].len() > 20);
+    assert_eq!(cylinders[0], cylinders[1]);
+    assert_eq!(scenes[0].labels, scenes[1].labels);
+}
