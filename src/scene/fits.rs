@@ -79,6 +79,7 @@ impl<'a> Fits<'a> {
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
         let mut best: Option<(f64, Cylinder)> = None;
+        let mut plain = None;
         for factor in radii {
             let radius = factor * found.radius;
             // The wall that is seen stays where it is.
@@ -98,7 +99,13 @@ impl<'a> Fits<'a> {
             if fitter.image().is_none() && same {
                 return Ok(result);
             }
-            if !same || result.limbs_located == 0 || after + 0.5 * (result.limbs_located as f64) < before {
+            if !same || result.limbs_located == 0 {
+                continue;
+            }
+            if *factor == 1.0 {
+                plain = Some(start);
+            }
+            if after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
             }
             let quality = after + 0.5 * result.limbs_located as f64;
@@ -117,7 +124,12 @@ impl<'a> Fits<'a> {
             return fit_from(fitter, &found, poll);
         }
         fitter.set_start(Some(found));
-        fitter.keep(&found)
+        let kept = fitter.keep(&found)?;
+        match plain {
+            // Limbs that are located at the cylinder itself draw it away.
+            Some(start) if kept.limbs_located > 0 => fit_from(fitter, &start, poll),
+            _ => Ok(kept),
+        }
     }
 
     fn fitter(&self) -> Result<Fitter> {
