@@ -242,6 +242,48 @@ fn wherever_it_is_stopped_it_says_so() {
     }
 }
 
+/// The values of a binary PGM file, of one byte or two, and its size.
+fn pgm(path: &str) -> (Vec<u16>, (usize, usize)) {
+    let bytes = std::fs::read(format!("{}/tests/data/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let mut rest = &bytes[..];
+    let mut head = Vec::new();
+    while head.len() < 4 {
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap();
+        head.push(std::str::from_utf8(&rest[..end]).unwrap());
+        rest = &rest[end + 1..];
+    }
+    let [width, height, most] = [1, 2, 3].map(|k: usize| head[k].parse::<usize>().unwrap());
+    let wide = if most > 255 { 2 } else { 1 };
+    let values: Vec<u16> = rest
+        .chunks(wide)
+        .map(|value| value.iter().fold(0, |all, &byte| all << 8 | u16::from(byte)))
+        .collect();
+    assert_eq!((head[0], values.len()), ("P5", width * height));
+    (values, (width, height))
+}
+
+/// The depth of a part of an image is no finer than that of the whole: with cells of single pixels the noise looked smaller
+/// than it is, the mask had holes, and a radius of 36.54 ± 0.12 mm came out that no fit stood behind.
+#[test]
+fn a_part_cut_out_of_an_image_gives_what_the_whole_does() {
+    const TRUTH: f64 = 0.03779;
+    let (depth, size) = pgm("can/depth.pgm");
+    let (image, _) = pgm("can/image.pgm");
+    let image: Vec<u8> = image.iter().map(|&value| value as u8).collect();
+    let (width, height) = (size.0 as u32, size.1 as u32);
+    let distortion = Distortion::None;
+    let intrinsics = Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 79.5, cy: 123.5, distortion };
+    let mut frame = Frame::new(Camera::new(intrinsics).unwrap());
+    frame.set_depth(&DepthView::from_u16(&depth, size, 1e-4).unwrap(), &DepthRange::default()).unwrap();
+    frame.set_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();
+    let scene = Detector::new().detect(&frame).unwrap();
+    let [found] = &scene.cylinders[..] else { panic!("{:?}", scene.cylinders) };
+    let radius = found.result.cylinder.radius;
+    let deviation = found.result.uncertainty.unwrap().radius();
+    assert!((radius - TRUTH).abs() < 2.0 * deviation, "{radius} ± {deviation}");
+    assert!((radius / TRUTH - 1.0).abs() < 0.01 && found.score > 0.9, "{radius}, {}", found.score);
+}
+
 #[test]
 fn options_of_the_fits_are_kept_apart() {
     let mut detector = Detector::new();

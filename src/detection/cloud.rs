@@ -80,7 +80,7 @@ pub(crate) fn detect_points_until(
         let k = image.nearest[y * image.width + x];
         (k != u32::MAX).then(|| points[k as usize])
     };
-    let side = side_of_cells(size).max(LEAST_SIDE);
+    let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
     cancelled()?;
     let mut grid = Grid::new(size, image.spacing, side, &point);
     let found = search(&mut grid, image.spacing, None, &turned, stopped)?;

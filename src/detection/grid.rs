@@ -14,6 +14,13 @@ pub(super) const STEEPEST: f64 = 3.5;
 /// pixels lose nothing.
 const CELLS_ACROSS: usize = 214;
 
+/// Cells to a radian, at most: as many as 3 pixels are at a focal length of 570, the usual one for 640 pixels. A part cut out
+/// of an image, and a narrow view whose depth was enlarged to the image, have no finer depth for their fewer cells.
+const CELLS_TO_A_RADIAN: f64 = 190.0;
+
+/// So much coarser than by the size of the image at most: a camera for small things may be narrow and fine.
+const MOST_COARSER: f64 = 2.0;
+
 /// A mean of pixels that see one surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
@@ -40,9 +47,11 @@ impl Cell {
     }
 }
 
-/// Pixels along the side of a cell of an image.
-pub(super) fn side_of_cells((width, height): (usize, usize)) -> usize {
-    (width.max(height) as f64 / CELLS_ACROSS as f64).round().max(1.0) as usize
+/// Pixels along the side of a cell of an image whose pixels have this side on the plane z = 1, infinite where that does not tell how fine the depth is.
+pub(super) fn side_of_cells((width, height): (usize, usize), pixel: f64) -> usize {
+    let of_image = width.max(height) as f64 / CELLS_ACROSS as f64;
+    let of_angle = 1.0 / (CELLS_TO_A_RADIAN * pixel);
+    of_image.max(of_angle.min(MOST_COARSER * of_image.max(1.0))).round().max(1.0) as usize
 }
 
 /// The cells of a depth image, row by row.

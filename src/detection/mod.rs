@@ -94,7 +94,12 @@ impl Detections {
     /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
     #[must_use]
     pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, radius_deviation: f64) -> f64 {
-        let limbs = self.image.as_ref().map(|_| self.covered(detection, fitted));
+        // Edges on the limbs of either speak for a cylinder.
+        let limbs = self.image.as_ref().map(|_| {
+            let [seen, fitted] =
+                [&detection.cylinder, fitted].map(|cylinder| self.covered(detection, cylinder));
+            if seen.iter().sum::<f64>() > fitted.iter().sum() { seen } else { fitted }
+        });
         Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }.score()
     }
 
@@ -156,7 +161,7 @@ pub(crate) fn detect_until(
         let p = points[y * width + x];
         (p.z > 0.0).then(|| p.cast::<f64>())
     };
-    let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height)), &point);
+    let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height), pixel), &point);
     cancelled()?;
     let edges = image.map(|image| ImageEdges { edges: edges::edges(image, camera), pixel });
     cancelled()?;

@@ -38,15 +38,15 @@ pub(crate) fn detect_in_mask(
     stopped: &dyn Fn() -> bool,
 ) -> Result<Option<Cylinder>> {
     let size = camera.size();
-    let side = side_of_cells(size);
+    let intrinsics = camera.intrinsics();
+    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let side = side_of_cells(size, pixel);
     let margin = MARGIN * side;
     let (columns, rows) = mask.bounds();
     // Whole cells of the grid of the image.
     let start = |first: usize| first.saturating_sub(margin) / side * side;
     let (left, top) = (start(columns.start), start(rows.start));
     let (right, bottom) = ((columns.end + margin).min(size.0), (rows.end + margin).min(size.1));
-    let intrinsics = camera.intrinsics();
-    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
     let point = |x: usize, y: usize| -> Option<Vector3<f64>> {
         let (x, y) = (x + left, y + top);
         let z = depth.depth(x, y)?;

@@ -81,6 +81,7 @@ impl<'a> Fits<'a> {
         let attempts = (MOST_FITS / self.seen.cylinders.len().max(1)).max(1);
         // The best so far with its start, and its result while no other fit has taken its place in the fitter.
         let mut best: Option<(f64, Cylinder, Option<FitResult>)> = None;
+        let mut plain = None;
         for factor in radii.iter().take(attempts) {
             let radius = factor * found.radius;
             // The wall that is seen stays where it is.
@@ -104,7 +105,13 @@ impl<'a> Fits<'a> {
             if fitter.image().is_none() && same {
                 return Ok(result);
             }
-            if !same || result.limbs_located == 0 || after + 0.5 * (result.limbs_located as f64) < before {
+            if !same || result.limbs_located == 0 {
+                continue;
+            }
+            if *factor == 1.0 {
+                plain = Some(start);
+            }
+            if after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
             }
             let quality = after + 0.5 * result.limbs_located as f64;
@@ -123,7 +130,12 @@ impl<'a> Fits<'a> {
             return fit_from(fitter, &found, poll);
         }
         fitter.set_start(Some(found));
-        fitter.keep(&found)
+        let kept = fitter.keep(&found)?;
+        match plain {
+            // Limbs that are located at the cylinder itself draw it away.
+            Some(start) if kept.limbs_located > 0 => fit_from(fitter, &start, poll),
+            _ => Ok(kept),
+        }
     }
 
     fn fitter(&self) -> Result<Fitter> {
