@@ -72,9 +72,15 @@ impl Response {
 }
 
 /// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
-/// `deviation` pixels; `None` when the strip is too short.
-pub(super) fn rough_line(strip: &Strip, half_length: f64, reach: f64, deviation: f64) -> Option<RoughLine> {
-    let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * strip.noise();
+/// `deviation` pixels; `None` when the strip is too short. `noise` is that of a pixel of the strip.
+pub(super) fn rough_line(
+    strip: &Strip,
+    noise: f64,
+    half_length: f64,
+    reach: f64,
+    deviation: f64,
+) -> Option<RoughLine> {
+    let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
     let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
     if responses.len() < LEAST_BLOCKS.count() * BLOCK_RUNS.count() {
         return None;

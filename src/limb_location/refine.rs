@@ -77,6 +77,8 @@ pub(super) struct Expected {
     pub half_length: f64,
     /// Standard deviation of the limb about u = 0 at the ends of the strip, in pixels.
     pub deviation: f64,
+    /// Standard deviation of a pixel of the strip.
+    pub noise: f64,
 }
 
 /// One limb to refine.
@@ -105,7 +107,7 @@ impl<'a> Limb<'a> {
         Self {
             strip,
             expected,
-            noise: strip.noise(),
+            noise: expected.noise,
             sharp: SharpProfile::new(radius, shading, SCAN_REACH.get()),
             shading_deviation: shading.deviation,
             background: Background::Flat,

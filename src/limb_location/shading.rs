@@ -159,8 +159,9 @@ impl Shading {
     }
 
     /// From the pixels about the middle line, in runs across it. `limbs` are the two limbs as u = offset +
-    /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle.
-    pub fn observe(strip: &Strip, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
+    /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle. `noise` is that of a
+    /// pixel.
+    pub fn observe(strip: &Strip, noise: f64, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
         let widest = (1.0 - INSIDE.get() / radius).max(0.0).asin();
         let bins = MOST_BINS
             .count()
@@ -168,7 +169,6 @@ impl Shading {
         if bins < LEAST_BINS.count() {
             return None;
         }
-        let noise = strip.noise();
         let mut blocks: Vec<Vec<Option<f64>>> = Vec::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
             let mut sums = vec![(0.0, 0.0); bins];
