@@ -157,7 +157,10 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd
     // The position hardly depends on the blur, so one after the other.
     let blur = match arcs.noise.blur {
         told if told > 0.0 => told,
-        _ => BLURS.into_iter().max_by(|a, b| score(coarse, *a).total_cmp(&score(coarse, *b)))?,
+        _ => {
+            let scores = BLURS.map(|blur| (blur, score(coarse, blur)));
+            scores.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0
+        }
     };
     let side = 0.25 * step;
     let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
@@ -403,14 +406,18 @@ impl Profile {
         let side = 0.25;
         let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
         let score = |k: i64| self.gain(expected + side * k as f64, blur, noise, smooth_step);
-        let highest =
-            |places: &mut dyn Iterator<Item = (i64, f64)>| places.max_by(|a, b| a.1.total_cmp(&b.1));
         // Every other place first: a step is wider than that.
-        let (rough, value) = highest(&mut (-reach..=reach).step_by(2).map(|k| (k, score(k))))?;
-        let beside = [(rough - 1, score(rough - 1)), (rough, value), (rough + 1, score(rough + 1))];
-        let (k, best) = highest(&mut beside.into_iter())?;
+        let places = (-reach..=reach).step_by(2).map(|k| (k, score(k)));
+        let (rough, value) = places.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (below, above) = (score(rough - 1), score(rough + 1));
+        let (k, before, best, after) = if value >= below.max(above) {
+            (rough, below, value, above)
+        } else if above > below {
+            (rough + 1, value, above, score(rough + 2))
+        } else {
+            (rough - 1, score(rough - 2), below, value)
+        };
         let edge = expected + side * k as f64;
-        let (before, after) = (score(k - 1), score(k + 1));
         let curvature = (before - 2.0 * best + after) / (side * side);
         if k.abs() >= reach || best < LEAST_GAIN.get() || !(curvature < 0.0) {
             return None;

@@ -18,6 +18,7 @@ use crate::geometry::Cylinder;
 use crate::limb_location::{Outline, axial_range};
 use crate::residuals::PixelSegment;
 use crate::start::limbs::from_limbs;
+use crate::statistics::at_places;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
@@ -419,11 +420,9 @@ impl ViewData<'_> {
     /// The part of the axis along which there are points.
     fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
         let axis = self.seen(cylinder).axis;
-        let mut positions: Vec<f64> =
-            self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction)).collect();
-        let Some(last) = positions.len().checked_sub(1) else { return [0.0, 0.0] };
-        positions.sort_unstable_by(f64::total_cmp);
+        let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
+        let positions = self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction));
         let trim = (POINTS_TRIM * last as f64) as usize;
-        [positions[trim], positions[last - trim]]
+        at_places(positions, [trim, last - trim])
     }
 }

@@ -107,7 +107,8 @@ pub(super) fn fit_blocks(
     profile: &Table<ShadedRow>,
     line: &StripLine,
 ) -> Vec<Block> {
-    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs));
+    let mut rows = Vec::new();
+    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs, &mut rows));
     sums.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
@@ -119,7 +120,9 @@ pub(super) fn sums_of_blocks(
     line: &StripLine,
     window: &StripLine,
 ) -> Vec<BlockSums> {
-    blocks(strip).filter_map(|runs| BlockSums::new(strip, profile, line, window, runs)).collect()
+    let mut rows = Vec::new();
+    let sums = |runs| BlockSums::new(Gather { strip, profile, line, window, runs, rows: &mut rows });
+    blocks(strip).filter_map(sums).collect()
 }
 
 /// The runs of each block.
@@ -144,45 +147,28 @@ struct ShadedSums {
     count: f64,
     /// Of the positions along the strip.
     s: f64,
-    /// The products; each stands once, in the upper right half.
-    products: [ShadedRow; SHADED],
-    right: ShadedRow,
-    squares: f64,
+    /// The products; each stands once, in the upper right half. The last row and column are those of the values.
+    products: [ShadedRow; SHADED + 1],
 }
 
 impl ShadedSums {
-    fn new(strip: &Strip, profile: &Table<ShadedRow>, line: &StripLine, runs: Range<usize>) -> Option<Self> {
-        let mut sums = Self {
-            count: 0.0,
-            s: 0.0,
-            products: [[0.0; SHADED]; SHADED],
-            right: [0.0; SHADED],
-            squares: 0.0,
-        };
-        Arch::new().dispatch(Gather { sums: &mut sums, strip, profile, line, runs })?;
-        (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
-    }
-
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
-    fn add(&mut self, row: &ShadedRow, value: f64) {
-        for i in 0..SHADED {
-            for k in i..SHADED {
-                self.products[i][k] += row[i] * row[k];
-            }
-        }
-        for k in 0..SHADED {
-            self.right[k] += row[k] * value;
-        }
-        self.squares += value * value;
-        self.count += 1.0;
+    fn new(
+        strip: &Strip,
+        profile: &Table<ShadedRow>,
+        line: &StripLine,
+        runs: Range<usize>,
+        rows: &mut Vec<ShadedRow>,
+    ) -> Option<Self> {
+        let gather = Gather { strip, profile, line, window: line, runs, rows };
+        let Gathered { products, count, s } = Arch::new().dispatch(gather)?;
+        (count >= LEAST_PIXELS.count() as f64).then_some(Self { count, s, products })
     }
 
     /// `None` where the levels are not determined.
     fn fit(&self, noise: f64, background: Background) -> Option<Block> {
         let products = SMatrix::<f64, SHADED, SHADED>::from_fn(|i, k| self.products[i.min(k)][i.max(k)]);
-        let stiffness = background.stiffness(products[(0, 0)], self.right[0], noise);
-        let right = SVector::<f64, SHADED>::from(self.right);
+        let stiffness = background.stiffness(products[(0, 0)], self.products[0][SHADED], noise);
+        let right = SVector::<f64, SHADED>::from_fn(|i, _| self.products[i][SHADED]);
         let of_levels = right.fixed_rows::<LEVELS>(0);
         let mut between_levels = products.fixed_view::<LEVELS, LEVELS>(0, 0).into_owned();
         between_levels[(1, 1)] += stiffness;
@@ -198,7 +184,7 @@ impl ShadedSums {
         let cross = by_parts.fixed_rows::<LEVELS>(0);
         let square: Matrix4<f64> = parts.tr_mul(&by_parts);
         let gradient: Vector4<f64> = parts.tr_mul(&right) - cross.tr_mul(&levels);
-        let squares = (self.squares - of_levels.dot(&levels)).max(0.0);
+        let squares = (self.products[SHADED][SHADED] - of_levels.dot(&levels)).max(0.0);
         let variance = (squares / (self.count - (LEVELS + 2) as f64)).max(noise * noise);
         let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
         let gradient = gradient / variance;
@@ -214,30 +200,90 @@ impl ShadedSums {
     }
 }
 
-/// Adds the pixels of a block to its sums with the widest instructions of the machine; they all round alike. No closure:
-/// what is not inlined here does without them.
-struct Gather<'a> {
-    sums: &'a mut ShadedSums,
+/// Sums over the pixels of a block, with the widest instructions of the machine; they all round alike. No closure: what is
+/// not inlined here does without them.
+struct Gather<'a, const WIDTH: usize> {
     strip: &'a Strip,
-    profile: &'a Table<ShadedRow>,
+    profile: &'a Table<[f64; WIDTH]>,
     line: &'a StripLine,
+    /// The line that the pixels are near.
+    window: &'a StripLine,
     runs: Range<usize>,
+    /// Room for a row a pixel.
+    rows: &'a mut Vec<[f64; WIDTH]>,
 }
 
-impl WithSimd for Gather<'_> {
-    type Output = Option<()>;
+/// The sums of a block.
+struct Gathered<const WIDTH: usize> {
+    /// Of the products of the numbers of a row with each other; the right half is enough. The last number that is not
+    /// always 0 is the value of the pixel.
+    products: [[f64; WIDTH]; WIDTH],
+    count: f64,
+    /// Of the positions along the strip.
+    s: f64,
+}
+
+impl<const WIDTH: usize> WithSimd for Gather<'_, WIDTH> {
+    /// `None` where the profile does not reach.
+    type Output = Option<Gathered<WIDTH>>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Option<()> {
-        let Self { sums, strip, profile, line, runs } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { strip, profile, line, window, runs, rows } = self;
+        let place = if WIDTH == SHADED + 1 { SHADED } else { FUNCTIONS };
+        rows.clear();
+        let mut s = 0.0;
         for run in runs {
-            for pixel in pixels_about(strip.run(run), line) {
-                let row = profile.at(pixel.u - line.at(pixel.s))?;
-                sums.add(&row, pixel.value);
-                sums.s += pixel.s;
+            for pixel in pixels_about(strip.run(run), window) {
+                let mut row = profile.at(pixel.u - line.at(pixel.s))?;
+                row[place] = pixel.value;
+                rows.push(row);
+                s += pixel.s;
             }
         }
-        Some(())
+        let mut products = [[0.0; WIDTH]; WIDTH];
+        add_products::<S, WIDTH, 0>(simd, rows, &mut products);
+        add_products::<S, WIDTH, 4>(simd, rows, &mut products);
+        if WIDTH > 8 {
+            add_products::<S, WIDTH, 8>(simd, rows, &mut products);
+        }
+        Some(Gathered { products, count: rows.len() as f64, s })
+    }
+}
+
+/// The products of four numbers of the rows from `FIRST` on with all from there on: as many sums as the processor holds
+/// at once.
+#[inline(always)]
+fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize>(
+    simd: S,
+    rows: &[[f64; WIDTH]],
+    products: &mut [[f64; WIDTH]; WIDTH],
+) {
+    if !(WIDTH - FIRST).is_multiple_of(S::F64_LANES) {
+        // No vectors, or too wide ones.
+        for row in rows {
+            for i in FIRST..FIRST + 4 {
+                for k in FIRST..WIDTH {
+                    products[i][k] += row[i] * row[k];
+                }
+            }
+        }
+        return;
+    }
+    let mut sums = [[simd.splat_f64s(0.0); WIDTH]; 4];
+    for row in rows {
+        let numbers = S::as_simd_f64s(&row[FIRST..]).0;
+        for (sums, factor) in sums.iter_mut().zip(&row[FIRST..]) {
+            let factor = simd.splat_f64s(*factor);
+            for (sum, number) in sums.iter_mut().zip(numbers) {
+                *sum = simd.add_f64s(*sum, simd.mul_f64s(factor, *number));
+            }
+        }
+    }
+    for (products, sums) in products[FIRST..].iter_mut().zip(sums) {
+        for (product, sum) in S::as_mut_simd_f64s(&mut products[FIRST..]).0.iter_mut().zip(sums) {
+            *product = sum;
+        }
     }
 }
 
@@ -248,30 +294,19 @@ pub(super) struct BlockSums {
     /// Sums of the products of the functions with each other, of the functions with the values, and of the squared
     /// values.
     functions: SMatrix<f64, FUNCTIONS, FUNCTIONS>,
-    right: Functions,
+    right: SVector<f64, FUNCTIONS>,
     squares: f64,
 }
 
 impl BlockSums {
-    fn new(
-        strip: &Strip,
-        profile: &Table<Functions>,
-        line: &StripLine,
-        window: &StripLine,
-        runs: Range<usize>,
-    ) -> Option<Self> {
-        let mut sums =
-            Self { count: 0.0, functions: SMatrix::zeros(), right: Functions::zeros(), squares: 0.0 };
-        for run in runs.map(|k| strip.run(k)) {
-            for pixel in pixels_about(run, window) {
-                let f = profile.at(pixel.u - line.at(pixel.s))?;
-                sums.count += 1.0;
-                sums.functions += f * f.transpose();
-                sums.right += f * pixel.value;
-                sums.squares += pixel.value * pixel.value;
-            }
-        }
-        (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
+    fn new(gather: Gather<'_, 8>) -> Option<Self> {
+        let Gathered { products, count, .. } = Arch::new().dispatch(gather)?;
+        (count >= LEAST_PIXELS.count() as f64).then(|| Self {
+            count,
+            functions: SMatrix::from_fn(|i, k| products[i.min(k)][i.max(k)]),
+            right: SVector::from_fn(|i, _| products[i][FUNCTIONS]),
+            squares: products[FUNCTIONS][FUNCTIONS],
+        })
     }
 
     /// Sum of squared residuals with the best levels for a shading; `None` where the levels are not determined.

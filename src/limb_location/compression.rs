@@ -30,8 +30,8 @@ constants! {
 /// of the image; 0 where none is seen. The blocks must begin in the corner of the image.
 pub(super) fn noise_of_compression(image: &GreyImage) -> f64 {
     let (width, height) = (image.width(), image.height());
-    let rows = excess(width, height, |along, across| f64::from(image.value(along, across)));
-    let columns = excess(height, width, |along, across| f64::from(image.value(across, along)));
+    let rows = excess(width, height, |row| image.row(row).iter().copied());
+    let columns = excess(height, width, |column| (0..height).map(move |row| image.value(column, row)));
     match (rows, columns) {
         (Some(rows), Some(columns)) => {
             ALIKE.get() * 0.5 * std::f64::consts::PI.sqrt() * f64::midpoint(rows, columns)
@@ -42,31 +42,31 @@ pub(super) fn noise_of_compression(image: &GreyImage) -> f64 {
 
 /// By how much the differences at borders exceed those within, along one line of pixels a block; `None` where that may be
 /// chance.
-fn excess(length: usize, lines: usize, value: impl Fn(usize, usize) -> f64) -> Option<f64> {
+fn excess<Line: Iterator<Item = f32>>(
+    length: usize,
+    lines: usize,
+    line: impl Fn(usize) -> Line,
+) -> Option<f64> {
     if length < 2 {
         return None;
     }
-    let lines = || (BLOCK / 2..lines).step_by(BLOCK);
-    let mut differences = Vec::with_capacity(lines().count() * (length - 1));
-    for line in lines() {
-        let mut before = value(0, line);
-        differences.extend((1..length).map(|k| {
-            let here = value(k, line);
-            (here - std::mem::replace(&mut before, here)).abs()
-        }));
+    let chosen = || (BLOCK / 2..lines).step_by(BLOCK);
+    let mut differences: Vec<f32> = Vec::with_capacity(chosen().count() * (length - 1));
+    for chosen in chosen() {
+        let mut values = line(chosen);
+        let Some(mut before) = values.next() else { continue };
+        differences.extend(values.map(|here| (here - std::mem::replace(&mut before, here)).abs()));
     }
-    let most = LARGEST * differences.iter().sum::<f64>() / differences.len() as f64;
+    let sum: f64 = differences.iter().copied().map(f64::from).sum();
+    let most = LARGEST * sum / differences.len() as f64;
     // Number, sum and sum of squares by place in a block.
     let mut places = [[0.0; BLOCK]; 3];
     for line in differences.chunks_exact(length - 1) {
-        for block in line.chunks(BLOCK) {
-            for (k, difference) in block.iter().enumerate() {
-                let d = difference.min(most);
-                places[0][k] += 1.0;
-                places[1][k] += d;
-                places[2][k] += d * d;
-            }
+        let (blocks, rest) = line.as_chunks::<BLOCK>();
+        for block in blocks {
+            add(&mut places, block, most);
         }
+        add(&mut places, rest, most);
     }
     let places: [[f64; 3]; BLOCK] = std::array::from_fn(|k| places.map(|sums| sums[k]));
     let mean_and_variance = |[count, sum, squares]: [f64; 3]| {
@@ -79,6 +79,18 @@ fn excess(length: usize, lines: usize, value: impl Fn(usize, usize) -> f64) -> O
         (mean_and_variance(places[BLOCK - 1]), mean_and_variance(within));
     let excess = border - inside;
     (excess > SIGNIFICANT * (of_border + of_inside).sqrt()).then_some(excess)
+}
+
+/// Adds differences, those beyond the largest one as that, to number, sum and sum of squares by place.
+#[inline]
+fn add(places: &mut [[f64; BLOCK]; 3], differences: &[f32], most: f64) {
+    for (k, difference) in differences.iter().enumerate() {
+        let difference = f64::from(*difference);
+        let d = if difference < most { difference } else { most };
+        places[0][k] += 1.0;
+        places[1][k] += d;
+        places[2][k] += d * d;
+    }
 }
 
 #[cfg(test)]

@@ -72,9 +72,15 @@ impl Response {
 }
 
 /// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
-/// `deviation` pixels; `None` when the strip is too short.
-pub(super) fn rough_line(strip: &Strip, half_length: f64, reach: f64, deviation: f64) -> Option<RoughLine> {
-    let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * strip.noise();
+/// `deviation` pixels; `None` when the strip is too short. `noise` is that of a pixel of the strip.
+pub(super) fn rough_line(
+    strip: &Strip,
+    noise: f64,
+    half_length: f64,
+    reach: f64,
+    deviation: f64,
+) -> Option<RoughLine> {
+    let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
     let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
     if responses.len() < LEAST_BLOCKS.count() * BLOCK_RUNS.count() {
         return None;
@@ -118,14 +124,43 @@ fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
 /// Twice the log-evidence of an edge along a line.
 fn evidence(responses: &[Response], half_length: f64, ends: &[f64; 2]) -> f64 {
     let (middle, slope) = (f64::midpoint(ends[0], ends[1]), (ends[1] - ends[0]) / (2.0 * half_length));
-    let (mut total, mut sum_of_all, mut blocks) = (0.0, 0.0, 0.0);
+    let (mut product, mut sum_of_all, mut blocks) = (Logarithm::default(), 0.0, 0.0);
     for block in responses.chunks(BLOCK_RUNS.count()) {
         let sum: f64 = block.iter().map(|response| response.at(middle + slope * response.s)).sum();
         let t = sum / (block.len() as f64).sqrt();
-        total += (t * t).ln_1p();
+        product.add(1.0 + t * t);
         sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
         blocks += 1.0;
     }
     // Of one polarity, the blocks tell more together than one by one.
-    total + sum_of_all * sum_of_all / blocks
+    product.sum() + sum_of_all * sum_of_all / blocks
+}
+
+/// A sum of logarithms, of which hardly any is computed: the logarithm of a product is their sum.
+struct Logarithm {
+    sum: f64,
+    product: f64,
+}
+
+impl Default for Logarithm {
+    fn default() -> Self {
+        Self { sum: 0.0, product: 1.0 }
+    }
+}
+
+impl Logarithm {
+    /// Adds the logarithm of a number, 1 at least.
+    fn add(&mut self, number: f64) {
+        /// Products beyond it might overflow with the next factor.
+        const LARGE: f64 = 1e150;
+        self.product *= number;
+        if self.product > LARGE {
+            self.sum += self.product.ln();
+            self.product = 1.0;
+        }
+    }
+
+    fn sum(&self) -> f64 {
+        self.sum + self.product.ln()
+    }
 }

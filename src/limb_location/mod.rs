@@ -250,10 +250,11 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbOb
         observations[k].line = Err(NotVisible::TooShort);
         let Some((baseline, strip)) = strip else { continue };
         let (half_length, deviation) = (baseline.half_length, search.deviation[k]);
-        let Some(rough) = rough_line(strip, half_length, search.reach[k], deviation) else { continue };
+        let noise = strip.noise(grid);
+        let Some(rough) = rough_line(strip, noise, half_length, search.reach[k], deviation) else { continue };
         observations[k].line = Err(NotVisible::NoEdge);
         if rough.visible {
-            roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation }));
+            roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation, noise }));
         }
     }
     let shading = inner_shading(grid, &baselines, &roughs, radius);
@@ -311,7 +312,7 @@ fn inner_shading(
         (u0 - slope * s0, slope)
     });
     let strip = Strip::gather(grid, &near_image(grid.camera, &baseline)?, radius);
-    Shading::observe(&strip, limbs, radius)
+    Shading::observe(&strip, strip.noise(grid), limbs, radius)
 }
 
 /// The expected limb lines within the range and the radius of the cylinder in the image, in pixels; `None` when

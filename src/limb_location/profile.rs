@@ -10,7 +10,7 @@
 use super::block::{INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
-use nalgebra::{SVector, Vector2, Vector4};
+use nalgebra::{Vector2, Vector4};
 use pulp::Arch;
 
 constants! {
@@ -24,14 +24,15 @@ constants! {
 pub(super) const FUNCTIONS: usize = 5;
 
 /// The functions of a profile at one u: 1 and the distance from the limb outside; the expected brightness, sin θ and
-/// 1 − cos θ inside.
-pub(super) type Functions = SVector<f64, FUNCTIONS>;
+/// 1 − cos θ inside. The rest is 0, to a whole number of vectors.
+pub(super) type Functions = [f64; 8];
 
 pub(super) const SHADED: usize = 11;
 
 /// The profile of a given shading at one u: 1 and the distance from the limb outside, and the brightness inside, with the
-/// shading; their derivatives in u; their derivatives in the blur; sin θ and 1 − cos θ inside.
-pub(super) type ShadedRow = [f64; SHADED];
+/// shading; their derivatives in u; their derivatives in the blur; sin θ and 1 − cos θ inside. The rest is 0, to a whole
+/// number of vectors.
+pub(super) type ShadedRow = [f64; 12];
 
 /// What a profile is made of, tabulated over u.
 #[derive(Debug, Clone)]
@@ -62,7 +63,7 @@ impl SharpProfile {
         let kernel: Vec<[f64; 2]> = kernel(blur).iter().map(|&[g, slope, _]| [g, slope]).collect();
         self.table(&kernel, margin, |u, [values, slopes]| {
             let [outside, distance] = background(u, blur, values[0], slopes[0]);
-            Functions::new(outside, distance, values[1], values[2], values[3])
+            [outside, distance, values[1], values[2], values[3], 0.0, 0.0, 0.0]
         })
     }
 
@@ -75,11 +76,11 @@ impl SharpProfile {
             let levels = [outside, distance, inside];
             let by_u = [-slopes[0], -outside, slope];
             let by_blur = [-blur_slopes[0], blur * slopes[0], blur_slope];
-            let mut row = [0.0; SHADED];
+            let mut row = [0.0; 12];
             row[..3].copy_from_slice(&levels);
             row[3..6].copy_from_slice(&by_u);
             row[6..9].copy_from_slice(&by_blur);
-            row[9..].copy_from_slice(&[values[2], values[3]]);
+            row[9..SHADED].copy_from_slice(&[values[2], values[3]]);
             row
         })
     }
@@ -152,7 +153,7 @@ fn window(margin: f64) -> (i32, i32) {
 
 impl<Row> Table<Row> {
     /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
-    #[inline]
+    #[inline(always)]
     fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
         let x = (u - self.first) / STEP.get();
         // Rounds towards zero: a negative x is off by its sign alone.
@@ -162,19 +163,10 @@ impl<Row> Table<Row> {
     }
 }
 
-impl Table<Functions> {
-    /// The functions at u; `None` outside the table.
-    #[inline]
-    pub fn at(&self, u: f64) -> Option<Functions> {
-        let (below, above, part) = self.beside(u)?;
-        Some(below + (above - below) * part)
-    }
-}
-
-impl Table<ShadedRow> {
-    /// The profile at u; `None` outside the table.
+impl<const WIDTH: usize> Table<[f64; WIDTH]> {
+    /// The row at u; `None` outside the table.
     #[inline(always)]
-    pub fn at(&self, u: f64) -> Option<ShadedRow> {
+    pub fn at(&self, u: f64) -> Option<[f64; WIDTH]> {
         let (below, above, part) = self.beside(u)?;
         let mut row = *below;
         for (value, above) in row.iter_mut().zip(above) {

@@ -27,8 +27,7 @@ constants! {
     /// Gauss–Newton steps at most; five to eight are usual.
     STEPS = 15.0, "";
 
-    /// Steps after which places of the limbs are compared, and those dropped that are worse than the best by more than
-    /// `AMBIGUOUS`.
+    /// Steps after which a place of the limbs is dropped that is worse than the best so far by more than `AMBIGUOUS`.
     FIRST_STEPS = 4.0, "";
 
     /// The iteration ends when no line moves by more, in pixels.
@@ -78,6 +77,8 @@ pub(super) struct Expected {
     pub half_length: f64,
     /// Standard deviation of the limb about u = 0 at the ends of the strip, in pixels.
     pub deviation: f64,
+    /// Standard deviation of a pixel of the strip.
+    pub noise: f64,
 }
 
 /// One limb to refine.
@@ -106,7 +107,7 @@ impl<'a> Limb<'a> {
         Self {
             strip,
             expected,
-            noise: strip.noise(),
+            noise: expected.noise,
             sharp: SharpProfile::new(radius, shading, SCAN_REACH.get()),
             shading_deviation: shading.deviation,
             background: Background::Flat,
@@ -227,16 +228,23 @@ impl<'a> Limb<'a> {
 
     /// Adds the normal equations of this limb, its unknowns (offset, slope, shading) from `first` on.
     fn add_to(&self, normal: &mut SMatrix<f64, 9, 9>, right: &mut SVector<f64, 9>, first: usize) {
+        // Where the line at the place of a block, the blur and the shading stand, and how the offset and the slope move
+        // the line there.
         for block in &self.blocks {
             let factor = block.weight * (block.sigma * block.sigma) / block.variance();
-            let mut map = SMatrix::<f64, 4, 9>::zeros();
-            map[(0, first)] = 1.0;
-            map[(0, first + 1)] = block.s;
-            map[(1, BLUR)] = 1.0;
-            map[(2, first + 2)] = 1.0;
-            map[(3, first + 3)] = 1.0;
-            *normal += map.transpose() * block.information * map * factor;
-            *right += map.transpose() * block.gradient * factor;
+            let places = [
+                (first, 0, 1.0),
+                (first + 1, 0, block.s),
+                (BLUR, 1, 1.0),
+                (first + 2, 2, 1.0),
+                (first + 3, 3, 1.0),
+            ];
+            for (row, i, of_row) in places {
+                right[row] += block.gradient[i] * of_row * factor;
+                for (column, k, of_column) in places {
+                    normal[(row, column)] += block.information[(i, k)] * of_row * of_column * factor;
+                }
+            }
         }
         let half = self.expected.half_length;
         let of_line = 2.0 / self.expected.deviation.powi(2);
@@ -300,40 +308,16 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
         };
         starts = starts.iter().flat_map(extended).collect();
     }
-    if let [_] = starts[..] {
-        for (limb, scan) in limbs.iter_mut().zip(&scans) {
-            limb.state = scan[0];
-        }
-        return iterate(limbs, &blur, blur.value, STEPS.count());
-    }
     let windows: Vec<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
-    let cost = |limbs: &[Limb<'_>], blur: f64| -> f64 {
-        let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
-            let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
-            limb.cost(
-                &sums_of_blocks(limb.strip, &profile, &limb.state.line, window),
-                &limb.state,
-                limb.background,
-            )
-        };
-        limbs.iter().zip(&windows).map(cost).sum()
-    };
-    let mut begun: Vec<Mode<'_>> = Vec::new();
+    let several = starts.len() > 1;
+    let mut modes: Vec<Mode<'_>> = Vec::new();
     for start in &starts {
         for (limb, state) in limbs.iter_mut().zip(start) {
             limb.state = *state;
         }
-        let blur = iterate(limbs, &blur, blur.value, FIRST_STEPS.count());
-        begun.push(Mode { cost: cost(limbs, blur), limbs: limbs.to_vec(), blur });
-    }
-    let least = begun.iter().map(|mode| mode.cost).fold(f64::INFINITY, f64::min);
-    begun.retain(|mode| mode.cost <= least + AMBIGUOUS.get());
-    let mut modes: Vec<Mode<'_>> = Vec::new();
-    for Mode { limbs: mut places, blur: begun, .. } in begun {
-        let blur = iterate(&mut places, &blur, begun, STEPS.count().saturating_sub(FIRST_STEPS.count()));
-        if !modes.iter().any(|mode| mode.is_at(&places)) {
-            modes.push(Mode { cost: cost(&places, blur), limbs: places, blur });
-        }
+        let Some(blur) = follow(limbs, &blur, &windows, &modes) else { continue };
+        let cost = if several { cost(limbs, blur, &windows) } else { 0.0 };
+        modes.push(Mode { cost, limbs: limbs.to_vec(), blur });
     }
     modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     limbs.clone_from_slice(&modes[0].limbs);
@@ -384,35 +368,68 @@ impl Mode<'_> {
     }
 }
 
-/// Gauss–Newton steps on lines, shading and blur from where they are; returns the blur.
-fn iterate(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, mut blur: f64, steps: usize) -> f64 {
-    for _ in 0..steps {
-        let mut normal = SMatrix::<f64, 9, 9>::zeros();
-        let mut right = SVector::<f64, 9>::zeros();
-        // What is expected keeps the blur where no limb tells, and a missing limb harmless.
-        normal[(BLUR, BLUR)] = expected.weight;
-        right[BLUR] = expected.weight * (expected.value - blur);
-        for k in 4 * limbs.len()..BLUR {
-            normal[(k, k)] = 1.0;
+/// The cost of the limbs over the pixels of some windows.
+fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[StripLine]) -> f64 {
+    let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
+        let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
+        let sums = sums_of_blocks(limb.strip, &profile, &limb.state.line, window);
+        limb.cost(&sums, &limb.state, limb.background)
+    };
+    limbs.iter().zip(windows).map(cost).sum()
+}
+
+/// Gauss–Newton steps from where the limbs are until they have settled; returns the blur. `None` where they come to a
+/// place that is known, or to one that is far worse.
+fn follow(
+    limbs: &mut [Limb<'_>],
+    expected: &ExpectedBlur,
+    windows: &[StripLine],
+    known: &[Mode<'_>],
+) -> Option<f64> {
+    let mut blur = expected.value;
+    for count in 1..=STEPS.count() {
+        let moved = step(limbs, expected, &mut blur);
+        if known.iter().any(|mode| mode.is_at(limbs)) {
+            return None;
         }
-        for (index, limb) in limbs.iter_mut().enumerate() {
-            let profile = limb.sharp.shaded(blur, &limb.state.shading);
-            limb.blocks = fit_blocks(limb.strip, limb.noise, limb.background, &profile, &limb.state.line);
-            limb.weigh();
-            limb.add_to(&mut normal, &mut right, 4 * index);
-        }
-        let Some(inverse) = normal.try_inverse() else { break };
-        let step = inverse * right;
-        let mut moved: f64 = step[BLUR].abs();
-        for (index, limb) in limbs.iter_mut().enumerate() {
-            let covariance = inverse.fixed_view::<2, 2>(4 * index, 4 * index).into_owned();
-            moved = moved.max(limb.take(&step.fixed_rows::<4>(4 * index).into_owned(), covariance));
-        }
-        blur = (blur + step[BLUR].clamp(-LONGEST_STEP.get(), LONGEST_STEP.get()))
-            .clamp(LEAST_BLUR, MOST_BLUR.get());
         if moved < SETTLED.get() {
             break;
         }
+        if count == FIRST_STEPS.count() && !known.is_empty() {
+            let least = known.iter().map(|mode| mode.cost).fold(f64::INFINITY, f64::min);
+            if cost(limbs, blur, windows) > least + AMBIGUOUS.get() {
+                return None;
+            }
+        }
     }
-    blur
+    Some(blur)
+}
+
+/// A Gauss–Newton step on lines, shading and blur; returns by how many pixels it moved them, 0 where nothing is
+/// determined.
+fn step(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: &mut f64) -> f64 {
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    let mut right = SVector::<f64, 9>::zeros();
+    // What is expected keeps the blur where no limb tells, and a missing limb harmless.
+    normal[(BLUR, BLUR)] = expected.weight;
+    right[BLUR] = expected.weight * (expected.value - *blur);
+    for k in 4 * limbs.len()..BLUR {
+        normal[(k, k)] = 1.0;
+    }
+    for (index, limb) in limbs.iter_mut().enumerate() {
+        let profile = limb.sharp.shaded(*blur, &limb.state.shading);
+        limb.blocks = fit_blocks(limb.strip, limb.noise, limb.background, &profile, &limb.state.line);
+        limb.weigh();
+        limb.add_to(&mut normal, &mut right, 4 * index);
+    }
+    let Some(inverse) = normal.try_inverse() else { return 0.0 };
+    let step = inverse * right;
+    let mut moved: f64 = step[BLUR].abs();
+    for (index, limb) in limbs.iter_mut().enumerate() {
+        let covariance = inverse.fixed_view::<2, 2>(4 * index, 4 * index).into_owned();
+        moved = moved.max(limb.take(&step.fixed_rows::<4>(4 * index).into_owned(), covariance));
+    }
+    *blur = (*blur + step[BLUR].clamp(-LONGEST_STEP.get(), LONGEST_STEP.get()))
+        .clamp(LEAST_BLUR, MOST_BLUR.get());
+    moved
 }

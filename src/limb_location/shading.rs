@@ -46,8 +46,11 @@ constants! {
     /// Directions φ₀ that are tried, all around.
     LIGHTS = 48.0, "";
 
-    /// Rounds of reweighting for each of them.
+    /// Most rounds of reweighting for each of them.
     REWEIGHTINGS = 6.0, "";
+
+    /// The rounds end when no median moves by more.
+    SETTLED = 0.01, "σ";
 
     /// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
     /// units of the brightness there: dust, coats of paint, several lamps at once.
@@ -64,7 +67,7 @@ const MATT: f64 = 1e12;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shading {
     coefficients: Vector5<f64>,
-    light: f64,
+    lamp: Lamp,
     covariance: Matrix5<f64>,
     /// How far the brightness at the limbs at φ = −90° and 90° varies with φ₀, a variance.
     spread: [f64; 2],
@@ -94,15 +97,46 @@ impl LimbShading {
     }
 }
 
-fn functions(angle: f64, light: f64) -> Vector5<f64> {
-    // A lamp is mirrored where the normal halves the angle between it and the camera.
-    let gloss = (angle - light / 2.0).cos().max(0.0).powi(GLOSS_EXPONENT.count() as i32);
-    Vector5::new(1.0, angle.cos(), angle.sin(), (angle - light).cos().max(0.0), gloss)
+/// An angle with its cosine and sine.
+#[derive(Debug, Clone, Copy)]
+struct Angle {
+    cos: f64,
+    sin: f64,
+}
+
+impl Angle {
+    fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { cos, sin }
+    }
+
+    /// The cosine of the difference.
+    fn cos_to(&self, other: &Self) -> f64 {
+        self.cos * other.cos + self.sin * other.sin
+    }
+}
+
+/// A lamp: its angle φ₀, and that at which it is mirrored, where the normal halves the angle between it and the camera.
+#[derive(Debug, Clone, Copy)]
+struct Lamp {
+    at: Angle,
+    mirrored: Angle,
+}
+
+impl Lamp {
+    fn new(angle: f64) -> Self {
+        Self { at: Angle::new(angle), mirrored: Angle::new(angle / 2.0) }
+    }
+
+    fn functions(&self, angle: &Angle) -> Vector5<f64> {
+        let gloss = angle.cos_to(&self.mirrored).max(0.0).powi(GLOSS_EXPONENT.count() as i32);
+        Vector5::new(1.0, angle.cos, angle.sin, angle.cos_to(&self.at).max(0.0), gloss)
+    }
 }
 
 impl Shading {
     fn at(&self, angle: f64) -> f64 {
-        functions(angle, self.light).dot(&self.coefficients)
+        self.lamp.functions(&Angle::new(angle)).dot(&self.coefficients)
     }
 
     /// What to expect of the limb at φ = ± 90° of a cylinder of some radius in pixels.
@@ -114,7 +148,7 @@ impl Shading {
         };
         let mean = (0..places).map(|k| self.at(angle(k)).max(0.0)).sum::<f64>() / places as f64;
         let mean = mean.max(DARKEST.get());
-        let at_limb = functions(side * FRAC_PI_2, self.light);
+        let at_limb = self.lamp.functions(&Angle::new(side * FRAC_PI_2));
         let spread = self.spread[usize::from(side > 0.0)];
         let variance = at_limb.dot(&(self.covariance * at_limb)) + spread;
         LimbShading {
@@ -125,8 +159,9 @@ impl Shading {
     }
 
     /// From the pixels about the middle line, in runs across it. `limbs` are the two limbs as u = offset +
-    /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle.
-    pub fn observe(strip: &Strip, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
+    /// slope · s, the one with the smaller u first, and `radius` their mean distance from the middle. `noise` is that of a
+    /// pixel.
+    pub fn observe(strip: &Strip, noise: f64, limbs: [(f64, f64); 2], radius: f64) -> Option<Self> {
         let widest = (1.0 - INSIDE.get() / radius).max(0.0).asin();
         let bins = MOST_BINS
             .count()
@@ -134,7 +169,6 @@ impl Shading {
         if bins < LEAST_BINS.count() {
             return None;
         }
-        let noise = strip.noise();
         let mut blocks: Vec<Vec<Option<f64>>> = Vec::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
             let mut sums = vec![(0.0, 0.0); bins];
@@ -164,8 +198,7 @@ impl Shading {
         if rows.len() < LEAST_BINS.count() {
             return None;
         }
-        let lights = (0..LIGHTS.count()).map(|k| 2.0 * PI * k as f64 / LIGHTS.count() as f64 - PI);
-        let fits: Vec<(f64, Self)> = lights.filter_map(|light| fit(&rows, light, true)).collect();
+        let fits: Vec<(f64, Self)> = lamps().filter_map(|lamp| fit(&rows, &lamp, true)).collect();
         let (least, best) = *fits.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let weights: Vec<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
         let sum: f64 = weights.iter().sum();
@@ -178,9 +211,15 @@ impl Shading {
     }
 }
 
+/// The lamps that are tried.
+fn lamps() -> impl Iterator<Item = Lamp> {
+    let count = LIGHTS.count();
+    (0..count).map(move |k| Lamp::new(2.0 * PI * k as f64 / count as f64 - PI))
+}
+
 /// The median brightness at an angle.
 struct Median {
-    angle: f64,
+    angle: Angle,
     value: f64,
     deviation: f64,
 }
@@ -196,7 +235,7 @@ impl Median {
         let mut sizes: Vec<f64> = values.iter().map(|x| (x - value).abs()).collect();
         // The standard error of a median is √(π/2) times that of a mean.
         let scatter = DEVIATION_OF_MEDIAN * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
-        Some(Self { angle, value, deviation: scatter.hypot(FLOOR.get()) })
+        Some(Self { angle: Angle::new(angle), value, deviation: scatter.hypot(FLOOR.get()) })
     }
 }
 
@@ -218,47 +257,58 @@ fn drop_odd(blocks: &mut Vec<Vec<Option<f64>>>) {
 }
 
 /// The best coefficients for one φ₀, and their cost.
-fn fit(rows: &[Median], light: f64, glossy: bool) -> Option<(f64, Shading)> {
+fn fit(rows: &[Median], lamp: &Lamp, glossy: bool) -> Option<(f64, Shading)> {
     let other = OTHER_LAMPS.get().powi(-2);
     let gloss = if glossy { GLOSS.get().powi(-2) } else { MATT };
     let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.get().powi(-2), gloss));
     let mut coefficients = Vector5::zeros();
-    let mut covariance = Matrix5::zeros();
+    let mut solved = None;
     // In units of the deviation.
     let scaled: Vec<(Vector5<f64>, f64)> = rows
         .iter()
-        .map(|row| (functions(row.angle, light) / row.deviation, row.value / row.deviation))
+        .map(|row| (lamp.functions(&row.angle) / row.deviation, row.value / row.deviation))
         .collect();
-    let mut last = Vec::new();
+    let mut last = vec![f64::INFINITY; rows.len()];
     let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
     let scale = reweighting.fit(rows.len(), |weights, residuals| {
         let (mut normal, mut right) = (prior, Vector5::zeros());
         for ((f, value), weight) in scaled.iter().zip(weights) {
             let weighted = f * *weight;
-            normal += weighted * f.transpose();
+            // The lower half is enough.
+            for (column, factor) in f.iter().enumerate() {
+                for row in column..5 {
+                    normal[(row, column)] += weighted[row] * factor;
+                }
+            }
             right += weighted * *value;
         }
-        covariance = normal.try_inverse()?;
-        coefficients = covariance * right;
-        for ((f, value), residual) in scaled.iter().zip(&mut *residuals) {
+        let cholesky = normal.cholesky()?;
+        coefficients = cholesky.solve(&right);
+        solved = Some(cholesky);
+        let mut moved = 0.0_f64;
+        for (((f, value), residual), last) in scaled.iter().zip(&mut *residuals).zip(&mut last) {
             *residual = value - f.dot(&coefficients);
+            moved = moved.max((*residual - *last).abs());
+            *last = *residual;
         }
-        last.clear();
-        last.extend_from_slice(residuals);
-        Some(Progress::Moved)
+        Some(if moved < SETTLED.get() { Progress::Settled } else { Progress::Moved })
     });
     let scale = scale?.scale;
+    let covariance = solved?.inverse();
     // No lamp takes light away, nor does gloss.
     if coefficients[3] < 0.0 {
         return None;
     }
     if glossy && coefficients[4] < 0.0 {
-        return fit(rows, light, false);
+        return fit(rows, lamp, false);
     }
     // As far as a bin of the scale of its deviation counts.
     let cost: f64 = last.iter().map(|residual| residual.abs().min(TUKEY_EFFICIENT).powi(2)).sum();
     let cost = cost + coefficients.dot(&(prior * coefficients));
-    Some((cost, Shading { coefficients, light, covariance: covariance * (scale * scale), spread: [0.0; 2] }))
+    Some((
+        cost,
+        Shading { coefficients, lamp: *lamp, covariance: covariance * (scale * scale), spread: [0.0; 2] },
+    ))
 }
 
 #[cfg(test)]
@@ -269,15 +319,15 @@ mod tests {
     fn rows(light: f64) -> Vec<Median> {
         let angles = (-12..=12).map(|k| f64::from(k) * 5.0_f64.to_radians());
         let value = |angle: f64| 0.4 + 0.05 * angle.cos() + 0.7 * (angle - light).cos().max(0.0);
-        angles.map(|angle| Median { angle, value: value(angle), deviation: FLOOR.get() }).collect()
+        let median = |angle| Median { angle: Angle::new(angle), value: value(angle), deviation: FLOOR.get() };
+        angles.map(median).collect()
     }
 
     #[test]
     fn one_lamp_is_found_and_continued_to_the_limbs() {
         for light in [-0.9_f64, 0.0, 0.5, 1.2] {
             let rows = rows(light);
-            let lights = (0..LIGHTS.count()).map(|k| 2.0 * PI * k as f64 / LIGHTS.count() as f64 - PI);
-            let fits = lights.filter_map(|light| fit(&rows, light, true));
+            let fits = lamps().filter_map(|lamp| fit(&rows, &lamp, true));
             let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             for side in [-FRAC_PI_2, FRAC_PI_2] {
                 let expected = 0.4 + 0.7 * (side - light).cos().max(0.0);

@@ -92,26 +92,13 @@ pub(super) struct Strip {
     pixels: Vec<StripPixel>,
     /// Where each run ends in `pixels`.
     ends: Vec<usize>,
-    /// Standard deviation of a pixel; 0 = from the pixels.
-    told_noise: f64,
-    /// The least that the pixels are taken to have.
-    least_noise: f64,
-    /// Whether neighbours may be alike by interpolation: an image that is more blurred than its grid asks for.
-    interpolated: bool,
 }
 
 impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
     pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
-        let Grid { image, camera, noise, least_noise } = grid;
-        let interpolated = image.factor() > 1;
-        let mut strip = Self {
-            pixels: Vec::new(),
-            ends: Vec::new(),
-            told_noise: noise.value,
-            least_noise: *least_noise,
-            interpolated,
-        };
+        let Grid { image, camera, .. } = grid;
+        let mut strip = Self { pixels: Vec::new(), ends: Vec::new() };
         let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
             let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
@@ -226,13 +213,14 @@ impl Strip {
     ///
     /// Interpolation makes neighbours alike, and their differences small. By how much, differences over two pixels show
     /// where there is least to be seen: the lower quartile.
-    pub fn noise(&self) -> f64 {
-        let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(self.least_noise);
-        if self.told_noise > 0.0 {
-            return self.told_noise;
+    pub fn noise(&self, grid: &Grid<'_>) -> f64 {
+        if grid.noise.value > 0.0 {
+            return grid.noise.value;
         }
+        let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(grid.least_noise);
         let own = DEVIATION_OF_MEDIAN * median_size(self.second_differences(1)) / 6.0_f64.sqrt();
-        if !self.interpolated {
+        // An image that is more blurred than its grid asks for.
+        if grid.image.factor() == 1 {
             return own.max(floor);
         }
         let [near, far] = [1, 2].map(|step| lower_quartile_size(self.second_differences(step)));

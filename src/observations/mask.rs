@@ -77,7 +77,9 @@ impl Mask {
     /// How many pixels are set.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.pixels.iter().filter(|&&set| set).count()
+        let rows = self.pixels[self.rows.start * self.width..].chunks(self.width).take(self.rows.len());
+        let count = |row: &[bool]| row[self.columns.clone()].iter().map(|&set| u32::from(set)).sum::<u32>();
+        rows.map(|row| count(row) as usize).sum()
     }
 
     /// The set pixels as (column, row), row by row.
@@ -92,6 +94,29 @@ impl Mask {
         (first(&self.rows)..self.rows.end).step_by(stride).flat_map(move |row| {
             let pixels = &self.pixels[row * self.width..(row + 1) * self.width];
             columns.clone().step_by(stride).filter(|&column| pixels[column]).map(move |column| (column, row))
+        })
+    }
+
+    /// The set pixels beside which one that is not set or outside the image is, row by row.
+    pub fn outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.rows.clone().flat_map(move |row| {
+            let line = |row: usize| self.pixels.get(row * self.width..(row + 1) * self.width);
+            let (above, here, below) = (row.checked_sub(1).and_then(line), line(row), line(row + 1));
+            let inner = move |column: usize| {
+                let set = |line: Option<&[bool]>, column: usize| {
+                    line.and_then(|line| line.get(column)).is_some_and(|&set| set)
+                };
+                column > 0
+                    && set(here, column - 1)
+                    && set(here, column + 1)
+                    && set(above, column)
+                    && set(below, column)
+            };
+            let pixels = here.unwrap_or_default();
+            self.columns
+                .clone()
+                .filter(move |&column| pixels[column] && !inner(column))
+                .map(move |column| (column, row))
         })
     }
 
@@ -135,6 +160,9 @@ mod tests {
         assert_eq!(mask.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
         assert_eq!(mask.set_pixels_of_grid(2).collect::<Vec<_>>(), []);
         assert_eq!(mask.count(), 3);
+        assert_eq!(mask.outline().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
+        let whole = Mask::copy(&MaskView::from_u8(&[1; 12], (4, 3)).unwrap()).unwrap();
+        assert_eq!((whole.count(), whole.outline().count()), (12, 10));
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();
         assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");

@@ -154,6 +154,7 @@ impl Parts {
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
+        let outline: Vec<(usize, usize)> = mask.outline().collect();
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
@@ -165,7 +166,7 @@ impl Parts {
             });
             let far_rim = || {
                 let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
-                let position = outline::far_rim(camera, mask, cylinder, outward, before, noise)?;
+                let position = outline::far_rim(camera, mask, &outline, cylinder, outward, before, noise)?;
                 let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
                 let past: Vec<f64> = beyond
                     .iter()

@@ -36,16 +36,17 @@ struct Place {
 }
 
 /// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
-/// or something else does. `before` is what else speaks for the far rim, as the logarithm of odds.
+/// or something else does. `outline` is that of the mask, `before` what else speaks for the far rim, as the logarithm of odds.
 pub(super) fn far_rim(
     camera: &Camera,
     mask: &Mask,
+    outline: &[(usize, usize)],
     cylinder: &Cylinder,
     outward: f64,
     before: f64,
     noise: &ImageNoise,
 ) -> Option<f64> {
-    let places = places(camera, mask, cylinder, outward)?;
+    let places = places(camera, mask, outline, cylinder, outward)?;
     // The raster of the mask comes to its boundary.
     let sigma = noise.boundary.hypot(0.3);
     let walls = [0, 1].map(|wall| {
@@ -93,8 +94,14 @@ fn width(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> f64 {
     2.0 * WIDTH_PART.get() * cylinder.radius * pixel / depth.abs().max(f64::MIN_POSITIVE)
 }
 
-/// The outermost pixels of the mask, by where they are across the axis.
-fn places(camera: &Camera, mask: &Mask, cylinder: &Cylinder, outward: f64) -> Option<Vec<Place>> {
+/// The outermost pixels of the mask, by where they are across the axis. `outline` is that of the mask.
+fn places(
+    camera: &Camera,
+    mask: &Mask,
+    outline: &[(usize, usize)],
+    cylinder: &Cylinder,
+    outward: f64,
+) -> Option<Vec<Place>> {
     let axis = &cylinder.axis;
     let walls = |ray: &Vector3<f64>| {
         let (near, far) = cylinder.intersect_ray(ray)?;
@@ -106,16 +113,7 @@ fn places(camera: &Camera, mask: &Mask, cylinder: &Cylinder, outward: f64) -> Op
         return None;
     }
     let mut outermost: Vec<Option<(f64, Vector2<f64>)>> = vec![None; count];
-    // Left of the first column and above the first row nothing is in the mask.
-    let inner = |&(column, row): &(usize, usize)| {
-        column > 0
-            && row > 0
-            && mask.contains(column - 1, row)
-            && mask.contains(column + 1, row)
-            && mask.contains(column, row - 1)
-            && mask.contains(column, row + 1)
-    };
-    for (column, row) in mask.set_pixels().filter(|pixel| !inner(pixel)) {
+    for &(column, row) in outline {
         let pixel = Vector2::new(column as f64, row as f64);
         let Some(ray) = camera.unproject(&pixel) else { continue };
         let normal = ray.cross(&axis.direction);

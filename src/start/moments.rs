@@ -21,6 +21,9 @@ use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
 type Polynomial = SVector<f64, 10>;
 
+/// Those of the last six of them.
+type Quadratic = SVector<f64, 6>;
+
 /// Points that are added up before their sum joins the total, which keeps the rounding of millions small.
 const BLOCK: usize = 1024;
 
@@ -36,6 +39,9 @@ const REFINED_SEEDS: usize = 6;
 
 /// Limit of Newton steps; quadratic convergence needs about five.
 const NEWTON_STEPS: usize = 30;
+
+/// After a step of this size (radians) the next would be lost in rounding.
+const CONVERGED: f64 = 1e-10;
 
 /// Two minima closer than this (radians) are the same one.
 const SAME_DIRECTION: f64 = 1e-4;
@@ -147,30 +153,31 @@ impl Moments {
     /// `None` when the direction vanishes or is not finite.
     #[cfg(test)]
     pub fn refine(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
-        Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?)))
+        Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?, CONVERGED)))
     }
 
     /// The minima of G that are reached from the lowest local minima of a grid of `seeds` directions on the
     /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
     /// the thinner of two cylinders. The search of the grid takes time with the square of `seeds`; a hundred
-    /// miss few minima.
+    /// miss few minima. A Newton step of less than `converged` (radians) is the last one: the next would be about its
+    /// square.
     #[must_use]
-    pub fn minima(&self, seeds: usize) -> Vec<AlgebraicFit> {
+    pub fn minima(&self, seeds: usize, converged: f64) -> Vec<AlgebraicFit> {
         let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
-        let minima = self.minima_of_grid(&grid, std::f64::consts::TAU);
+        let minima = self.minima_of_grid(&grid, std::f64::consts::TAU, converged);
         self.sorted(&minima)
     }
 
     /// The same within a cone of directions. A minimum on its border is found by a search along it.
     #[must_use]
-    pub fn minima_within(&self, cone: &AxisCone, seeds: usize) -> Vec<AlgebraicFit> {
+    pub fn minima_within(&self, cone: &AxisCone, seeds: usize, converged: f64) -> Vec<AlgebraicFit> {
         let at = |w: Vector2<f64>| self.slice(&cone.direction_at(&w));
         if cone.max_angle == 0.0 {
             return self.sorted(at(Vector2::zeros()).as_slice());
         }
         let grid: Vec<Slice> = disc(seeds).filter_map(|w| at(w * cone.max_angle)).collect();
         let area = std::f64::consts::PI * cone.max_angle * cone.max_angle;
-        let mut minima = self.minima_of_grid(&grid, area);
+        let mut minima = self.minima_of_grid(&grid, area, converged);
         minima.retain(|minimum| cone.contains(&minimum.direction));
         let border = |angle: f64| at(Vector2::new(angle.cos(), angle.sin()) * cone.max_angle);
         minima.extend(lowest_on_circle(border, seeds));
@@ -179,7 +186,7 @@ impl Moments {
 
     /// The minima that Newton's method reaches from the lowest local minima of a grid over some area of the sphere,
     /// in steradian.
-    fn minima_of_grid(&self, grid: &[Slice], area: f64) -> Vec<Slice> {
+    fn minima_of_grid(&self, grid: &[Slice], area: f64, converged: f64) -> Vec<Slice> {
         // One and a half times the distance of neighbours.
         let neighbour = (1.5 * (area / grid.len().max(1) as f64).sqrt()).cos();
         let mut lowest: Vec<&Slice> = grid
@@ -194,7 +201,7 @@ impl Moments {
 
         let mut minima: Vec<Slice> = Vec::new();
         for seed in lowest.into_iter().take(REFINED_SEEDS) {
-            let minimum = self.newton(*seed);
+            let minimum = self.newton(*seed, converged);
             let known =
                 minima.iter().any(|other| other.direction.cross(&minimum.direction).norm() < SAME_DIRECTION);
             if !known {
@@ -215,8 +222,8 @@ impl Moments {
     #[must_use]
     pub fn best(&self, cone: Option<&AxisCone>) -> Option<AlgebraicFit> {
         let minima = match cone {
-            None => self.minima(DEFAULT_SEEDS),
-            Some(cone) => self.minima_within(cone, DEFAULT_SEEDS),
+            None => self.minima(DEFAULT_SEEDS, CONVERGED),
+            Some(cone) => self.minima_within(cone, DEFAULT_SEEDS, CONVERGED),
         };
         minima.into_iter().next()
     }
@@ -230,17 +237,19 @@ impl Moments {
     /// Minimises over (α, β, K) for a direction of unit length.
     fn slice(&self, direction: &Vector3<f64>) -> Option<Slice> {
         let (u, v) = any_orthogonal(direction);
-        let (x, y) = (linear(&u), linear(&v));
-        let square = product(&u, &u) + product(&v, &v);
+        let square = quadratic(&u, &u) + quadratic(&v, &v);
         // Means of x, y and x² + y², and their products about the means.
-        let (weighted_x, weighted_y) = (self.gram * x, self.gram * y);
-        let (mean_x, mean_y) = (weighted_x[0], weighted_y[0]);
-        let mean_square = self.gram.column(0).dot(&square);
-        let xx = weighted_x.dot(&x) - mean_x * mean_x;
-        let xy = weighted_x.dot(&y) - mean_x * mean_y;
-        let yy = weighted_y.dot(&y) - mean_y * mean_y;
-        let xs = weighted_x.dot(&square) - mean_x * mean_square;
-        let ys = weighted_y.dot(&square) - mean_y * mean_square;
+        let means = self.gram.fixed_view::<3, 1>(1, 0);
+        let between = self.gram.fixed_view::<3, 3>(1, 1);
+        let (mean_x, mean_y) = (means.dot(&u), means.dot(&v));
+        let mean_square = self.gram.fixed_view::<6, 1>(4, 0).dot(&square);
+        let (between_x, between_y) = (between * u, between * v);
+        let with_square = self.gram.fixed_view::<3, 6>(1, 4) * square;
+        let xx = between_x.dot(&u) - mean_x * mean_x;
+        let xy = between_x.dot(&v) - mean_x * mean_y;
+        let yy = between_y.dot(&v) - mean_y * mean_y;
+        let xs = with_square.dot(&u) - mean_x * mean_square;
+        let ys = with_square.dot(&v) - mean_y * mean_square;
         // Regular because the cloud is not flat, and no projection is flatter than the cloud.
         let determinant = xx * yy - xy * xy;
         let alpha = 0.5 * (yy * xs - xy * ys) / determinant;
@@ -251,8 +260,10 @@ impl Moments {
             return None;
         }
 
-        let mut residual = square - x * (2.0 * alpha) - y * (2.0 * beta);
-        residual[0] -= constant;
+        let mut residual = Polynomial::zeros();
+        residual[0] = -constant;
+        residual.fixed_rows_mut::<3>(1).copy_from(&((u * alpha + v * beta) * -2.0));
+        residual.fixed_rows_mut::<6>(4).copy_from(&square);
         let weighted_residual = self.gram * residual;
         // Rounding can carry the zero of points without noise below zero.
         let mean_square = residual.dot(&weighted_residual).max(0.0);
@@ -267,31 +278,41 @@ impl Moments {
     /// f = |q|² − h'² − 2α(x − ah) − 2β(y − bh) − K.
     fn derivatives(&self, slice: &Slice) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let Slice { direction, u, v, alpha, beta, .. } = slice;
-        let h = linear(direction);
-        let axial = product(direction, direction);
-        let f_a = (h * *alpha - product(direction, u)) * 2.0;
-        let f_b = (h * *beta - product(direction, v)) * 2.0;
-        let linear_part = SMatrix::<f64, 10, 3>::from_columns(&[
-            linear(u) * -2.0,
-            linear(v) * -2.0,
-            -Polynomial::ith(0, 1.0),
-        ]);
+        let axial = quadratic(direction, direction);
+        let tilt = |across: &Vector3<f64>, shift: f64| {
+            let mut tilt = Polynomial::zeros();
+            tilt.fixed_rows_mut::<3>(1).copy_from(&(direction * (2.0 * shift)));
+            tilt.fixed_rows_mut::<6>(4).copy_from(&(quadratic(direction, across) * -2.0));
+            tilt
+        };
+        let tilts = SMatrix::<f64, 10, 2>::from_columns(&[tilt(u, *alpha), tilt(v, *beta)]);
 
         // E[f f_ij], the part of the Hessian that Gauss and Newton leave out.
-        let curvature = |second: &Polynomial| slice.weighted_residual.dot(second);
-        let aa = curvature(&((axial - product(u, u)) * 2.0));
-        let bb = curvature(&((axial - product(v, v)) * 2.0));
-        let ab = curvature(&(product(u, v) * -2.0));
-        let h_mean = 2.0 * curvature(&h);
+        let curvature = |second: &Quadratic| slice.weighted_residual.fixed_rows::<6>(4).dot(second);
+        let aa = curvature(&((axial - quadratic(u, u)) * 2.0));
+        let bb = curvature(&((axial - quadratic(v, v)) * 2.0));
+        let ab = curvature(&(quadratic(u, v) * -2.0));
+        let h_mean = 2.0 * slice.weighted_residual.fixed_rows::<3>(1).dot(direction);
 
-        let tilts = SMatrix::<f64, 10, 2>::from_columns(&[f_a, f_b]);
         let weighted_tilts = self.gram * tilts;
         let gradient = tilts.transpose() * slice.weighted_residual;
         let tilt_block = tilts.transpose() * weighted_tilts + Matrix2::new(aa, ab, ab, bb);
-        let mut mixed: Matrix3x2<f64> = linear_part.transpose() * weighted_tilts;
+        // The derivatives in α, β and K are −2x, −2y and −1.
+        let across = Matrix3x2::from_columns(&[*u, *v]) * -2.0;
+        let mut mixed = Matrix3x2::zeros();
+        mixed
+            .fixed_view_mut::<2, 2>(0, 0)
+            .copy_from(&(across.transpose() * weighted_tilts.fixed_view::<3, 2>(1, 0)));
+        mixed.fixed_view_mut::<1, 2>(2, 0).copy_from(&-weighted_tilts.row(0));
         mixed[(0, 0)] += h_mean;
         mixed[(1, 1)] += h_mean;
-        let linear_block: Matrix3<f64> = linear_part.transpose() * self.gram * linear_part;
+        let of_shift = across.transpose() * self.gram.fixed_view::<3, 3>(1, 1) * across;
+        let with_constant = across.transpose() * -self.gram.fixed_view::<3, 1>(1, 0);
+        let mut linear_block = Matrix3::zeros();
+        linear_block.fixed_view_mut::<2, 2>(0, 0).copy_from(&of_shift);
+        linear_block.fixed_view_mut::<2, 1>(0, 2).copy_from(&with_constant);
+        linear_block.fixed_view_mut::<1, 2>(2, 0).copy_from(&with_constant.transpose());
+        linear_block[(2, 2)] = self.gram[(0, 0)];
 
         let eliminated = linear_block.cholesky()?.solve(&mixed);
         let hessian = tilt_block - mixed.transpose() * eliminated;
@@ -300,11 +321,9 @@ impl Moments {
 
     /// Newton's method on the sphere, downhill: negative curvature is turned round, and a step that does not
     /// lower G is halved.
-    fn newton(&self, start: Slice) -> Slice {
+    fn newton(&self, start: Slice, converged: f64) -> Slice {
         /// The longest step in radians, about the distance within which a minimum can be followed.
         const LONGEST: f64 = 0.3;
-        /// After a step of this size the next would be lost in rounding.
-        const CONVERGED: f64 = 1e-10;
         // Near the optimum G no longer tells two directions apart but its gradient still does.
         let rounding = 1e-15 * self.gram.amax();
 
@@ -333,7 +352,7 @@ impl Moments {
             .find(|trial| trial.mean_square <= slice.mean_square + rounding);
             let Some(lower) = lower else { break };
             slice = lower;
-            if step.norm() < CONVERGED {
+            if step.norm() < converged {
                 break;
             }
         }
@@ -361,25 +380,16 @@ fn unit_direction(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     unit.iter().all(|x| x.is_finite()).then_some(unit)
 }
 
-/// The polynomial q·a.
-fn linear(a: &Vector3<f64>) -> Polynomial {
-    Polynomial::from_column_slice(&[0.0, a.x, a.y, a.z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-}
-
-/// The polynomial (q·a)(q·b).
-fn product(a: &Vector3<f64>, b: &Vector3<f64>) -> Polynomial {
-    Polynomial::from_column_slice(&[
-        0.0,
-        0.0,
-        0.0,
-        0.0,
+/// The polynomial (q·a)(q·b): the coefficients of its quadratic monomials.
+fn quadratic(a: &Vector3<f64>, b: &Vector3<f64>) -> Quadratic {
+    Quadratic::new(
         a.x * b.x,
         a.x * b.y + a.y * b.x,
         a.x * b.z + a.z * b.x,
         a.y * b.y,
         a.y * b.z + a.z * b.y,
         a.z * b.z,
-    ])
+    )
 }
 
 /// Evenly spread directions of the half sphere z > 0 (Fibonacci).

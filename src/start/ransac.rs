@@ -41,6 +41,9 @@ use std::ops::ControlFlow;
 /// Points that hypotheses are drawn from and scored on, at most: evenly spaced in the order of the input.
 pub const SCORED_POINTS: usize = 2000;
 
+/// Every so many of them tell most bad hypotheses.
+const FEW: usize = 4;
+
 /// Limit of [`RansacOptions::max_iterations`], some tens of seconds.
 pub const LARGEST_MAX_ITERATIONS: usize = 1_000_000;
 
@@ -138,6 +141,9 @@ pub fn ransac(
     let coordinates: Vec<[f64; 3]> = chosen_points.iter().map(|p| (*p).into()).collect();
     let mut cloud = PointCloud::default();
     cloud.push_points(&PointsView::from_f64(&coordinates), None)?;
+    let mut few = PointCloud::default();
+    let coordinates: Vec<[f64; 3]> = coordinates.into_iter().step_by(FEW).collect();
+    few.push_points(&PointsView::from_f64(&coordinates), None)?;
 
     let sampler = Sampler {
         points: &chosen_points,
@@ -149,6 +155,7 @@ pub fn ransac(
     let scorer = Scorer {
         points: &chosen_points,
         term: PointTerm::new(&cloud, None),
+        few: PointTerm::new(&few, None),
         observer_at_origin,
         threshold: options.threshold,
         center: moments.center(),
@@ -243,15 +250,12 @@ impl Search<'_> {
     /// Takes a hypothesis that scores better than the best one so far, and improves it.
     fn consider(&mut self, hypothesis: &Cylinder) -> Result<bool> {
         let Some(cylinder) = self.scorer.within_limits(hypothesis) else { return Ok(false) };
-        let score = self.scorer.score(&cylinder);
-        let beats = |other: &Option<Candidate>| score < other.map_or(f64::INFINITY, |other| other.score);
-        if !beats(&self.best) {
-            return Ok(false);
-        }
+        let so_far = |other: &Option<Candidate>| other.map_or(f64::INFINITY, |other| other.score);
+        let Some(score) = self.scorer.score_below(&cylinder, so_far(&self.best)) else { return Ok(false) };
         let given = Candidate { cylinder, score };
         if self.scorer.is_flat(&cylinder) {
             // Only the answer while there is no other, which is improved then.
-            if beats(&self.flat) {
+            if score < so_far(&self.flat) {
                 let improved = self.improve(&cylinder)?;
                 self.take(improved);
             }
@@ -303,15 +307,15 @@ impl Search<'_> {
         for _ in 0..draws.min(self.options.max_iterations) {
             for hypothesis in self.draw(rng)? {
                 let Some(cylinder) = self.scorer.within_limits(&hypothesis) else { continue };
-                let median = self.scorer.median_distance(&cylinder);
-                if least.is_none_or(|(_, so_far)| median < so_far) {
+                let so_far = least.map_or(f64::INFINITY, |(_, so_far)| so_far);
+                if let Some(median) = self.scorer.median_distance_below(&cylinder, so_far) {
                     least = Some((cylinder, median));
                 }
             }
         }
         self.scorer.threshold = SMALLEST_THRESHOLD * self.scorer.size;
-        // The median is infinite when the observer sees less than half of the points.
-        if let Some((cylinder, median)) = least.filter(|(_, median)| median.is_finite()) {
+        // There is none where the observer sees less than half of the points.
+        if let Some((cylinder, median)) = least {
             let threshold = THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median;
             self.scorer.threshold = self.scorer.threshold.max(threshold);
             let improved = self.improve(&cylinder)?;

@@ -89,7 +89,7 @@ fn points_without_noise_give_the_cylinder_whatever_the_arc_the_place_and_the_uni
 fn newton_goes_downhill_from_everywhere_and_ends_in_one_of_the_minima() {
     let (points, _) = Arc { noise: 5e-4, points: 400, ..Arc::default() }.sample(4);
     let moments = moments_of(&points).unwrap();
-    let minima = moments.minima(DEFAULT_SEEDS);
+    let minima = moments.minima(DEFAULT_SEEDS, CONVERGED);
     assert!(!minima.is_empty() && minima.is_sorted_by(|a, b| a.distance_rms() <= b.distance_rms()));
     assert_eq!(moments.best(None).unwrap(), minima[0]);
     for direction in half_sphere(50) {
@@ -117,7 +117,7 @@ fn newton_leaves_a_saddle() {
     let slice = moments.slice(&Vector3::x()).unwrap();
     let (gradient, hessian) = moments.derivatives(&slice).unwrap();
     assert!(gradient.norm() < 1e-14 && hessian.symmetric_eigenvalues().min() < -0.01);
-    let end = moments.newton(slice);
+    let end = moments.newton(slice, CONVERGED);
     let (gradient, hessian) = moments.derivatives(&end).unwrap();
     assert!(gradient.norm() < 1e-12 && hessian.symmetric_eigenvalues().min() > 0.01);
     assert!(end.mean_square < slice.mean_square);
@@ -164,5 +164,5 @@ fn directions_without_meaning_are_refused() {
     }
     let by_size = [1e-300, 1.0, 1e300].map(|s| moments.evaluate(&(Vector3::x() * s)).unwrap());
     assert!(by_size[0] == by_size[1] && by_size[1] == by_size[2]);
-    assert!(moments.minima(0).is_empty());
+    assert!(moments.minima(0, CONVERGED).is_empty());
 }

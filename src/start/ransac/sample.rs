@@ -14,6 +14,9 @@ pub(super) const PLAIN_SAMPLE: usize = 6;
 /// the cylinder.
 const SEEDS: usize = 12;
 
+/// A step of the fit of a sample below this (radians) is the last one: what is left is far below what noise does.
+const CONVERGED: f64 = 1e-3;
+
 /// Cylinders that are taken from one sample.
 const KEPT: usize = 2;
 
@@ -88,8 +91,10 @@ impl Sampler<'_> {
             }
         }
         let Some(moments) = Moments::new(sample.iter().map(|p| (*p, 1.0))) else { return Vec::new() };
-        let minima =
-            self.cone.map_or_else(|| moments.minima(SEEDS), |cone| moments.minima_within(cone, SEEDS));
+        let minima = match self.cone {
+            None => moments.minima(SEEDS, CONVERGED),
+            Some(cone) => moments.minima_within(cone, SEEDS, CONVERGED),
+        };
         let fits = minima.into_iter().take(KEPT);
         fits.map(|fit| self.on_the_visible_wall(fit.cylinder, &sample)).collect()
     }

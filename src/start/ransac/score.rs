@@ -39,6 +39,8 @@ pub(super) struct Scorer<'a> {
     pub points: &'a [Vector3<f64>],
     /// The same points for sums over them.
     pub term: PointTerm<'a>,
+    /// Every so many of them, which tell most bad cylinders.
+    pub few: PointTerm<'a>,
     /// Whether a point on the hidden wall is an outlier.
     pub observer_at_origin: bool,
     /// Largest distance of an inlier from the surface.
@@ -92,6 +94,19 @@ impl Scorer<'_> {
         self.term.cost(&self.frame(cylinder), loss) / (loss.threshold * loss.threshold)
     }
 
+    /// The score where it is below a limit; `None` where a part of the points shows that it is not.
+    pub fn score_below(&self, cylinder: &Cylinder, limit: f64) -> Option<f64> {
+        /// The part is that far off in so many cases at most: four standard deviations of the mean of numbers between 0
+        /// and 1.
+        const DEVIATIONS: f64 = 4.0;
+        let rough = Self { term: self.few, ..*self }.score(cylinder);
+        let margin = DEVIATIONS * 0.5 / (self.few.count() as f64).sqrt();
+        if rough - margin >= limit {
+            return None;
+        }
+        Some(self.score(cylinder)).filter(|score| *score < limit)
+    }
+
     /// The number of points within the threshold.
     pub fn inliers(&self, cylinder: &Cylinder, points: &[Vector3<f64>], check: Check<'_>) -> Result<usize> {
         let surface = self.surface(cylinder);
@@ -112,14 +127,20 @@ impl Scorer<'_> {
         inliers as f64 / self.points.len() as f64
     }
 
-    /// The median distance over some of the points; infinite when half of them are on the hidden wall.
-    pub fn median_distance(&self, cylinder: &Cylinder) -> f64 {
+    /// The median distance over some of the points where it is below `limit`.
+    pub fn median_distance_below(&self, cylinder: &Cylinder, limit: f64) -> Option<f64> {
         /// The median of so many points is good to 8 % of the noise.
         const ENOUGH: usize = 250;
         let surface = self.surface(cylinder);
         let stride = self.points.len().div_ceil(ENOUGH);
-        median_of(self.points.iter().step_by(stride).map(|p| surface.distance(p)).collect())
-            .unwrap_or(f64::INFINITY)
+        let distances = || self.points.iter().step_by(stride).map(|p| surface.distance(p));
+        // Most samples are worse, which a count tells: no list, no order.
+        let (mut below, mut count) = (0, 0);
+        for distance in distances() {
+            below += usize::from(distance < limit);
+            count += 1;
+        }
+        (below > count / 2).then(|| median_of(distances().collect())).flatten()
     }
 
     /// The median distance of the points within the threshold, if any.
