@@ -259,7 +259,8 @@ fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize>(
     rows: &[[f64; WIDTH]],
     products: &mut [[f64; WIDTH]; WIDTH],
 ) {
-    if (WIDTH - FIRST) % S::F64_LANES != 0 {
+    let vectors = (WIDTH - FIRST) / S::F64_LANES;
+    if vectors * S::F64_LANES != WIDTH - FIRST {
         // No vectors, or too wide ones.
         for row in rows {
             for (products, factor) in products[FIRST..FIRST + 4].iter_mut().zip(&row[FIRST..]) {
