@@ -4,7 +4,8 @@
 #   make install PREFIX=/opt/cylfuse   headers, libraries, pkg-config file, CMake package
 #   make deb                           a pair of Debian packages in $(TARGET)/deb
 #
-# DESTDIR stages an installation; LIBDIR may differ from $(PREFIX)/lib; STRIP=: keeps the line tables.
+# DESTDIR stages an installation; LIBDIR may differ from $(PREFIX)/lib; STRIP=: keeps the line tables; PROFILE=release takes
+# the library of `cargo build --release`, which is not optimised as a whole and compiles faster.
 
 PREFIX ?= /usr/local
 DESTDIR ?=
@@ -12,8 +13,10 @@ LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR = $(PREFIX)/include
 CARGO ?= cargo
 CARGO_FLAGS ?=
+PROFILE ?= dist
 STRIP ?= strip
 TARGET = $(or $(CARGO_TARGET_DIR),target)
+BUILT = $(TARGET)/$(PROFILE)
 
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 # As in build.rs: before 1.0 a minor version may break the interface.
@@ -39,27 +42,27 @@ SUBSTITUTE = sed \
 
 .PHONY: build install install-runtime install-dev deb
 
-LIBRARIES = $(TARGET)/release/libcylfuse.so $(TARGET)/release/libcylfuse.a
+LIBRARIES = $(BUILT)/libcylfuse.so $(BUILT)/libcylfuse.a
 
 build: $(LIBRARIES)
 
 # So that `make && sudo make install` leaves the compiler alone the second time.
 $(LIBRARIES) &: Cargo.toml Cargo.lock build.rs $(shell find src -name '*.rs' -not -path 'src/bin/*')
-	$(CARGO) build --locked --release --lib $(CARGO_FLAGS)
+	$(CARGO) build --locked --profile $(PROFILE) --lib $(CARGO_FLAGS)
 	touch -c $(LIBRARIES)
 
 install: install-runtime install-dev
 
 install-runtime: $(LIBRARIES)
 	install -d $(DESTDIR)$(LIBDIR)
-	install -m 644 $(TARGET)/release/libcylfuse.so $(DESTDIR)$(LIBDIR)/libcylfuse.so.$(VERSION)
+	install -m 644 $(BUILT)/libcylfuse.so $(DESTDIR)$(LIBDIR)/libcylfuse.so.$(VERSION)
 	$(STRIP) --strip-unneeded $(DESTDIR)$(LIBDIR)/libcylfuse.so.$(VERSION)
 	ln -sf libcylfuse.so.$(VERSION) $(DESTDIR)$(LIBDIR)/libcylfuse.so.$(SOVERSION)
 
 install-dev: $(LIBRARIES)
 	install -d $(DESTDIR)$(LIBDIR) $(DESTDIR)$(INCLUDEDIR)/cylfuse $(DESTDIR)$(CMAKEDIR) $(DESTDIR)$(PKGCONFIGDIR)
 	install -m 644 include/cylfuse/*.h include/cylfuse/*.hpp $(DESTDIR)$(INCLUDEDIR)/cylfuse
-	install -m 644 $(TARGET)/release/libcylfuse.a $(DESTDIR)$(LIBDIR)/libcylfuse.a
+	install -m 644 $(BUILT)/libcylfuse.a $(DESTDIR)$(LIBDIR)/libcylfuse.a
 	$(STRIP) --strip-debug $(DESTDIR)$(LIBDIR)/libcylfuse.a
 	ln -sf libcylfuse.so.$(SOVERSION) $(DESTDIR)$(LIBDIR)/libcylfuse.so
 	@echo 'cylfuse.pc and the CMake package, with the paths put in'
@@ -68,4 +71,4 @@ install-dev: $(LIBRARIES)
 	@$(SUBSTITUTE) packaging/cylfuse-config-version.cmake.in > $(DESTDIR)$(CMAKEDIR)/cylfuse-config-version.cmake
 
 deb: $(LIBRARIES)
-	packaging/deb.sh $(VERSION) $(SOVERSION) $(TARGET)/deb
+	PROFILE=$(PROFILE) packaging/deb.sh $(VERSION) $(SOVERSION) $(TARGET)/deb

@@ -9,7 +9,7 @@ trap 'rm -rf "$work"' EXIT
 jobs=$(nproc)
 passed=0 failed=0
 # The library that `cargo test --features cli` builds anyway; the program is no part of it.
-make=(make --no-print-directory CARGO_FLAGS="--features cli")
+make=(make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli")
 
 # check NAME COMMAND...: counts whether the command succeeds, and shows what it printed when it does not.
 check() {

@@ -45,7 +45,7 @@ set_up() {
 }
 check "Sphinx" set_up
 check "library and program" cargo build --locked --release --features cli
-check "installation" make --no-print-directory CARGO_FLAGS="--features cli" install PREFIX="$work/home/cylfuse"
+check "installation" make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli" install PREFIX="$work/home/cylfuse"
 export CYLFUSE_LIBRARY=$target/release/libcylfuse.so
 
 printf '\n-- site\n'

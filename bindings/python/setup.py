@@ -33,8 +33,8 @@ def native_library() -> pathlib.Path:
             raise SystemExit(f"CYLFUSE_LIBRARY is {given}; it must be the absolute path of the shared library")
         return library
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", CRATE / "target"))
-    subprocess.run(["cargo", "build", "--release", "--locked", "--lib"], cwd=CRATE, check=True)
-    return target / "release" / NAME
+    subprocess.run(["cargo", "build", "--profile", "dist", "--locked", "--lib"], cwd=CRATE, check=True)
+    return target / "dist" / NAME
 
 
 class BuildWithLibrary(build_py):

@@ -10,6 +10,7 @@ use crate::observations::PointCloud;
 use crate::statistics::at_places;
 use nalgebra::Vector2;
 use pulp::Arch;
+use std::sync::OnceLock;
 
 /// A correlation below this is taken as the end of the correlated range, and one below so many of its own
 /// standard deviations, 1/√n when there is none: what chance gives few points must not count as correlation.
@@ -49,6 +50,8 @@ pub(super) struct Lattice {
     occupied: Vec<f64>,
     /// How many cells have points.
     taken: f64,
+    /// By axis and distance the pairs of cells with points, once they have been counted.
+    pairs: [[OnceLock<f64>; LONGEST_CORRELATION]; 2],
 }
 
 impl Lattice {
@@ -128,7 +131,7 @@ impl Lattice {
         let occupied: Vec<f64> = shares.iter().map(|&count| f64::from(count.min(1.0))).collect();
         let taken = occupied.iter().sum();
         shares.iter_mut().filter(|share| **share > 1.0).for_each(|share| *share = share.recip());
-        Some(Self { cells, shares, stride, occupied, taken })
+        Some(Self { cells, shares, stride, occupied, taken, pairs: Default::default() })
     }
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
@@ -149,7 +152,8 @@ impl Lattice {
             for k in 1..=LONGEST_CORRELATION {
                 let Some(ahead) = values.get(k * step..) else { break };
                 // Most noise is correlated over few neighbours: counted where it is asked for.
-                let pairs = dot(&self.occupied, &self.occupied[k * step..]);
+                let count = || dot(&self.occupied, &self.occupied[k * step..]);
+                let pairs = *self.pairs[axis][k - 1].get_or_init(count);
                 if pairs < LEAST_PAIRS {
                     break;
                 }

@@ -259,12 +259,13 @@ fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize>(
     rows: &[[f64; WIDTH]],
     products: &mut [[f64; WIDTH]; WIDTH],
 ) {
-    if !(WIDTH - FIRST).is_multiple_of(S::F64_LANES) {
+    let vectors = (WIDTH - FIRST) / S::F64_LANES;
+    if vectors * S::F64_LANES != WIDTH - FIRST {
         // No vectors, or too wide ones.
         for row in rows {
-            for i in FIRST..FIRST + 4 {
-                for k in FIRST..WIDTH {
-                    products[i][k] += row[i] * row[k];
+            for (products, factor) in products[FIRST..FIRST + 4].iter_mut().zip(&row[FIRST..]) {
+                for (product, number) in products[FIRST..].iter_mut().zip(&row[FIRST..]) {
+                    *product += factor * number;
                 }
             }
         }

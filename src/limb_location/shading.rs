@@ -93,7 +93,7 @@ impl LimbShading {
     /// Brightness at the distance w inside the limb in units of the radius, 1 on the mean of the window.
     pub fn at(&self, w: f64) -> f64 {
         let Some((shading, side)) = &self.shading else { return 1.0 };
-        shading.at(side * (1.0 - w.clamp(0.0, 1.0)).asin()).max(0.0) / self.mean
+        shading.at(&Angle::within(*side, w)).max(0.0) / self.mean
     }
 }
 
@@ -108,6 +108,12 @@ impl Angle {
     fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { cos, sin }
+    }
+
+    /// That of the place at the distance `w` inside the limb at ± 90°, in units of the radius.
+    fn within(side: f64, w: f64) -> Self {
+        let across = 1.0 - w.clamp(0.0, 1.0);
+        Self { cos: ((1.0 - across) * (1.0 + across)).sqrt(), sin: side * across }
     }
 
     /// The cosine of the difference.
@@ -135,18 +141,15 @@ impl Lamp {
 }
 
 impl Shading {
-    fn at(&self, angle: f64) -> f64 {
-        self.lamp.functions(&Angle::new(angle)).dot(&self.coefficients)
+    fn at(&self, angle: &Angle) -> f64 {
+        self.lamp.functions(angle).dot(&self.coefficients)
     }
 
     /// What to expect of the limb at φ = ± 90° of a cylinder of some radius in pixels.
     pub fn near_limb(&self, side: f64, radius: f64) -> LimbShading {
         let places = 16;
-        let angle = |k: usize| {
-            let w = INSIDE.get() / radius * (k as f64 + 0.5) / places as f64;
-            side * (1.0 - w.min(1.0)).asin()
-        };
-        let mean = (0..places).map(|k| self.at(angle(k)).max(0.0)).sum::<f64>() / places as f64;
+        let angle = |k: usize| Angle::within(side, INSIDE.get() / radius * (k as f64 + 0.5) / places as f64);
+        let mean = (0..places).map(|k| self.at(&angle(k)).max(0.0)).sum::<f64>() / places as f64;
         let mean = mean.max(DARKEST.get());
         let at_limb = self.lamp.functions(&Angle::new(side * FRAC_PI_2));
         let spread = self.spread[usize::from(side > 0.0)];
@@ -203,7 +206,8 @@ impl Shading {
         let weights: Vec<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
         let sum: f64 = weights.iter().sum();
         let spread = [-FRAC_PI_2, FRAC_PI_2].map(|limb| {
-            let square = |other: &Self| (other.at(limb) - best.at(limb)).powi(2);
+            let limb = Angle::new(limb);
+            let square = |other: &Self| (other.at(&limb) - best.at(&limb)).powi(2);
             let squares = weights.iter().zip(&fits).map(|(weight, (_, other))| weight * square(other));
             squares.sum::<f64>() / sum
         });
@@ -276,8 +280,8 @@ fn fit(rows: &[Median], lamp: &Lamp, glossy: bool) -> Option<(f64, Shading)> {
             let weighted = f * *weight;
             // The lower half is enough.
             for (column, factor) in f.iter().enumerate() {
-                for row in column..5 {
-                    normal[(row, column)] += weighted[row] * factor;
+                for (row, weighted) in weighted.iter().enumerate().skip(column) {
+                    normal[(row, column)] += weighted * factor;
                 }
             }
             right += weighted * *value;
@@ -331,7 +335,8 @@ mod tests {
             let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             for side in [-FRAC_PI_2, FRAC_PI_2] {
                 let expected = 0.4 + 0.7 * (side - light).cos().max(0.0);
-                assert!((shading.at(side) - expected).abs() < 0.05, "{light} {side} {}", shading.at(side));
+                let found = shading.at(&Angle::new(side));
+                assert!((found - expected).abs() < 0.05, "{light} {side} {found}");
             }
             // The window of a limb has the mean 1.
             let near = shading.near_limb(1.0, 30.0);
