@@ -36,7 +36,8 @@ control() {
     printf 'cylfuse (%s) unstable; urgency=medium\n\n  * What has changed is told by the release.\n\n -- %s  %s\n' \
         "$version" "$maintainer" "$date" | gzip -9n > "$staged/usr/share/doc/$name/changelog.gz"
     mkdir -p "$staged/usr/share/lintian/overrides"
-    printf '# There is no address yet.\n%s: bogus-mail-host Maintainer *\n' "$name" > "$staged/usr/share/lintian/overrides/$name"
+    printf '# There is no address yet.\n%s: bogus-mail-host Maintainer *\n%s: bogus-mail-host-in-debian-changelog *\n' \
+        "$name" "$name" > "$staged/usr/share/lintian/overrides/$name"
     {
         printf 'Package: %s\nSource: cylfuse\nVersion: %s\nArchitecture: %s\n' "$name" "$version" "$architecture"
         printf 'Multi-Arch: same\nMaintainer: %s\nDepends: %s\n' "$maintainer" "$2"

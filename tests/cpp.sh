@@ -133,6 +133,7 @@ check "make deb" "${make[@]}" deb
 packages=${CARGO_TARGET_DIR:-target}/deb
 as_root=()
 [ "$(id -u)" = 0 ] || as_root=(sudo)
+check "lintian finds nothing" lintian --fail-on error,warning "$packages"/*.deb
 check "the packages install" "${as_root[@]}" dpkg -i "$packages"/*.deb
 each_way "Debian packages"
 check "the packages go" "${as_root[@]}" dpkg -P libcylfuse-dev "libcylfuse${soname#libcylfuse.so.}"

@@ -3,7 +3,7 @@
 set -euo pipefail
 missing=()
 for package in build-essential valgrind cmake clang doxygen pkg-config libclang-dev libopencv-dev libpcl-dev \
-    abigail-tools; do
+    abigail-tools lintian; do
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
 done
 if [ ${#missing[@]} -gt 0 ]; then

@@ -1,8 +1,8 @@
 //! Before a fit: what in the mask of each view is the body of the cylinder. The rest is left out of the fit.
 
 use super::edges::UsableEdges;
-use super::objective::Run;
 use super::options::Options;
+use super::run::Run;
 use super::start::{SAMPLE, median_distance};
 use super::view::View;
 use crate::camera::Camera;

@@ -7,9 +7,10 @@
 use super::data::{Data, ViewData};
 use super::guides::{Guides, Sides, nearest_to_limbs};
 use super::held::{Held, HeldView};
-use super::objective::{Minimum, Precision, Run};
+use super::objective::{Minimum, Precision};
 use super::options::{EdgeUse, StartKind};
 use super::result::Flags;
+use super::run::Run;
 use super::start::Candidate;
 use super::uncertainty::DISAGREEMENT;
 use crate::camera::Camera;
@@ -351,7 +352,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         let given = beside.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
         let sides = sides.iter().map(|line| Guides { given: Vec::new(), sides: vec![*line] });
         for single in given.chain(sides) {
-            if self.data.is_long(self.run) {
+            if self.run.is_long(self.data) {
                 break;
             }
             if let Ok(fit) = self.attempt(single, &[alone.start])?

@@ -3,8 +3,9 @@
 use super::data::{Data, ViewData};
 use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
 use super::held::{Held, HeldView};
-use super::objective::{Minimum, Precision, Run};
+use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
+use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, locate_limbs};

@@ -2,7 +2,8 @@
 
 use super::data::Data;
 use super::held::Held;
-use super::objective::{Minimum, Precision, Run};
+use super::objective::{Minimum, Precision};
+use super::run::Run;
 use super::start::Candidate;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;

@@ -4,6 +4,7 @@ use super::correlation::Lattice;
 use super::data::{Data, ViewData};
 use super::held::Held;
 use super::options::ChartChoice;
+use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::noise::SHARED_RANGE;
@@ -11,10 +12,9 @@ use crate::residuals::{
     Bend, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
-use crate::solver::{Convergence, Domain, Iteration, IterationLimits, Termination, minimise};
+use crate::solver::{Convergence, Domain, IterationLimits, Termination, minimise};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use std::cell::Cell;
-use std::ops::ControlFlow;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
 const SCALE_TOLERANCE: f64 = 1e-4;
@@ -30,20 +30,6 @@ const INFORMATION_TOLERANCE: f64 = 0.1;
 
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
-
-/// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
-/// flat, take two thirds as many; without the limit a hundred guides that contradict the points would each be followed to
-/// the end.
-const MANY_SOLVES: usize = 1500;
-const ORDINARY_SOLVES: usize = 30;
-
-/// Points times solves that count as many, because a solve takes as long as there are points. Frames of depth cameras take up
-/// to 6.3 million, for which a hundred solves are always allowed.
-const MANY_VISITS: usize = 30_000_000;
-const ALWAYS_ALLOWED: usize = 100;
-
-/// Solves that a rough minimum gets after twice as many: enough to tell it from a better one.
-const FEW_SOLVES: usize = 5;
 
 /// Most of what points share, in units of their noise: exact data share nothing, and depth that a filter has smoothed
 /// three times its noise.
@@ -66,25 +52,6 @@ enum Purpose<'a> {
     Minimum(&'a [Cell<Option<Bend>>]),
     /// They always count.
     Covariance,
-}
-
-/// A fit under way: who hears of every linear solve and may stop it, and how many there were.
-pub(super) struct Run<'a> {
-    report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-    /// The last iteration that was reported.
-    last: Iteration,
-    solves: usize,
-}
-
-impl<'a> Run<'a> {
-    pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
-        Self { report, last: Iteration::before_start(), solves: 0 }
-    }
-
-    /// Asks whether to go on while there is no new iteration to report.
-    pub fn poll(&mut self) -> ControlFlow<()> {
-        (self.report)(&self.last)
-    }
 }
 
 /// A minimum.
@@ -382,13 +349,7 @@ impl Data<'_> {
         solves_before: usize,
         run: &mut Run<'_>,
     ) -> Result<Convergence> {
-        let all = self.options.limits.max_iterations;
-        let many = self.many_solves();
-        let most = match run.solves {
-            solves if solves > 2 * many && precision == Precision::Rough => all.min(FEW_SOLVES),
-            solves if solves > many => all.min(ORDINARY_SOLVES),
-            _ => all,
-        };
+        let most = run.most_solves(self, precision);
         let max_iterations = most.saturating_sub(solves_before);
         let mut limits = IterationLimits { max_iterations, ..self.options.limits };
         if precision == Precision::Rough {
@@ -396,25 +357,12 @@ impl Data<'_> {
         }
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
-        let Run { report, last, .. } = &mut *run;
         let convergence =
             minimise(objective, &self.within_limits(start), &domain, &limits, &mut |iteration| {
-                *last = *iteration;
-                report(iteration)
+                run.tell(iteration)
             })?;
-        run.solves += convergence.iterations;
+        run.count(convergence.iterations);
         Ok(convergence)
-    }
-
-    /// Solves of one fit that are many.
-    fn many_solves(&self) -> usize {
-        let points = self.views.iter().map(|view| view.points.count()).sum::<usize>().max(1);
-        (MANY_VISITS / points).clamp(ALWAYS_ALLOWED, MANY_SOLVES)
-    }
-
-    /// Whether a fit has taken so long that no more ways to guide it are tried.
-    pub fn is_long(&self, run: &Run<'_>) -> bool {
-        run.solves > 2 * self.many_solves()
     }
 
     fn chart(&self, start: &Cylinder) -> Chart {

@@ -2,8 +2,8 @@
 
 use super::data::{Data, ViewData};
 use super::held::Held;
-use super::objective::Run;
 use super::options::StartKind;
+use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::start::limbs::from_limbs;

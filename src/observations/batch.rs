@@ -1,6 +1,6 @@
 //! Usable points on their way into a cloud.
 
-use super::points::Dropped;
+use super::dropped::Dropped;
 use crate::error::{Error, Result};
 use crate::statistics::median;
 use nalgebra::Vector3;

@@ -5,6 +5,7 @@
 
 mod batch;
 mod depth;
+mod dropped;
 mod frame;
 mod image;
 mod mask;
@@ -17,11 +18,12 @@ mod strided;
 mod views;
 
 pub use depth::{DepthImage, DepthRange};
+pub use dropped::Dropped;
 pub use frame::{DepthCamera, Frame};
 pub use image::GreyImage;
 pub use mask::Mask;
 pub(crate) use points::check_weights;
-pub use points::{Dropped, Offsets, PointCloud};
+pub use points::{Offsets, PointCloud};
 pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;

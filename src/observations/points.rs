@@ -1,55 +1,13 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
 use super::batch::Batch;
+use super::dropped::Dropped;
 use super::mask::Mask;
 use super::strided::Scalar;
 use super::views::PointsView;
 use crate::error::{Error, Result};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
-
-/// How many points were left out, by reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Dropped {
-    /// A coordinate or weight is not finite.
-    pub not_finite: usize,
-    /// The weight is 0.
-    pub zero_weight: usize,
-    /// The mask is zero there.
-    pub outside_mask: usize,
-    /// No depth was measured there: zero, negative or not finite.
-    pub no_depth: usize,
-    /// The depth is outside the range that was asked for.
-    pub out_of_range: usize,
-    /// The camera model has no ray for the pixel.
-    pub outside_camera: usize,
-    /// The mask is set there, but the colour camera sees something nearer.
-    pub hidden: usize,
-}
-
-impl Dropped {
-    /// All of them.
-    #[must_use]
-    pub fn total(&self) -> usize {
-        self.not_finite
-            + self.zero_weight
-            + self.outside_mask
-            + self.no_depth
-            + self.out_of_range
-            + self.outside_camera
-            + self.hidden
-    }
-
-    pub(crate) fn add(&mut self, other: &Dropped) {
-        self.not_finite += other.not_finite;
-        self.zero_weight += other.zero_weight;
-        self.outside_mask += other.outside_mask;
-        self.no_depth += other.no_depth;
-        self.out_of_range += other.out_of_range;
-        self.outside_camera += other.outside_camera;
-        self.hidden += other.hidden;
-    }
-}
 
 /// Weights are kept as f32.
 const LARGEST_WEIGHT: f64 = f32::MAX as f64;

@@ -109,7 +109,9 @@ pub fn hostile() -> Vec<Hostile> {
         ("stripes of 36 pixels aslant", grey(|x, y| stripes(x, y, 36.0, 0.3))),
         (
             "squares of 16 pixels",
-            grey(|x, y| (stripes(x, y, 32.0, 0.0) - stripes(x, y, 32.0, 1.5708)).abs() + 60.0),
+            grey(|x, y| {
+                (stripes(x, y, 32.0, 0.0) - stripes(x, y, 32.0, std::f64::consts::FRAC_PI_2)).abs() + 60.0
+            }),
         ),
         ("rays", grey(|x, y| 127.0 + 120.0 * (60.0 * (y - 240.0).atan2(x - 320.0)).sin().signum())),
         ("noise", random),
