@@ -25,6 +25,8 @@ const STRAY: f64 = 0.002;
 struct Viewpoint {
     rotation: Matrix3<f64>,
     origin: Vector3<f64>,
+    /// Whether it is that of the sensor.
+    of_sensor: bool,
 }
 
 /// Finds all cylinders in a cloud; labels are by point, row by row.
@@ -60,7 +62,7 @@ pub(crate) fn detect_points_until(
             points.push(point);
         }
     }
-    let nothing = || Detections { cylinders: Vec::new(), labels: vec![0; count], image: None };
+    let nothing = || Detections { labels: vec![0; count], ..Detections::default() };
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;
     let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
@@ -107,7 +109,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
         detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
-    Ok(Detections { cylinders, labels, image: None })
+    Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, image: None })
 }
 
 /// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points
@@ -119,7 +121,7 @@ fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
     let seen = |p: &Vector3<f64>| p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z;
     let front = usable.iter().filter(|&&k| seen(&points[k])).count();
     if front as f64 >= 0.98 * usable.len() as f64 {
-        return Some(Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros() });
+        return Some(Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros(), of_sensor: true });
     }
     let middle = Vector3::from_fn(|axis, _| {
         let mut values: Vec<f64> = usable.iter().map(|&k| points[k][axis]).collect();
@@ -146,7 +148,7 @@ fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
     }
     let (x, y) = crate::geometry::any_orthogonal(&z);
     let rotation = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
-    (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size) })
+    (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size), of_sensor: false })
 }
 
 /// For each pixel on the plane z = 1 the point that is seen there.

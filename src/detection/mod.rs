@@ -20,6 +20,7 @@ pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
 pub(crate) use evidence::least_before_fit;
+pub(crate) use outline::passes;
 pub(crate) use region::detect_in_mask;
 
 use crate::camera::Camera;
@@ -85,6 +86,8 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
+    /// Whether the origin is where everything was seen from.
+    pub(crate) from_origin: bool,
     /// What scores after a fit need of the image.
     image: Option<ImageEdges>,
 }

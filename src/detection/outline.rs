@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 /// Where a ray passes a cylinder: across the axis in radii, −1 to 1 on the body, and the point next to the axis along
 /// it.
-pub(super) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<(f64, f64)> {
+pub(crate) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<(f64, f64)> {
     let ray = Vector3::new(x, y, 1.0);
     let axis = &cylinder.axis;
     let normal = ray.cross(&axis.direction);

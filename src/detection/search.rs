@@ -412,5 +412,5 @@ pub(super) fn label(
     for (index, detection) in cylinders.iter_mut().enumerate() {
         detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
-    Detections { cylinders, labels, image: None }
+    Detections { cylinders, labels, from_origin: true, image: None }
 }

@@ -1,7 +1,7 @@
 //! The fit of one region.
 
 use super::{DetectorOptions, Found, mask_of};
-use crate::detection::{Detection, Detections};
+use crate::detection::{Detection, Detections, passes};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -48,12 +48,49 @@ impl<'a> Fits<'a> {
         detection: &Detection,
         poll: &Poll<'_>,
     ) -> Result<Found> {
-        let mut fitter = self.fitter()?;
-        let mask = mask_of(&self.seen.labels, index);
-        fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))?;
-        let result = self.fit_or_keep(&mut fitter, detection, &RigidMotion::identity(), poll)?;
-        let score = self.seen.score_of_fit(detection, &result.cylinder, radius_deviation(&result));
+        let region = mask_of(&self.seen.labels, index);
+        let fit = |mask: &[u8]| {
+            let mut fitter = self.fitter()?;
+            fitter.push_points(points, Some(&MaskView::from_u8(mask, self.size)?))?;
+            let result = self.fit_or_keep(&mut fitter, detection, &RigidMotion::identity(), poll)?;
+            Ok((fitter, result))
+        };
+        let middle = |cylinder: &Cylinder| self.middle(points, &region, cylinder);
+        let mut mask = middle(&detection.cylinder);
+        let (mut fitter, mut result) = fit(mask.as_deref().unwrap_or(&region))?;
+        // Which points lie in the middle follows from the radius.
+        for _ in 1..ROUNDS.min(self.attempts()) {
+            let next = middle(&result.cylinder);
+            if next.is_none() || next == mask {
+                break;
+            }
+            mask = next;
+            (fitter, result) = fit(mask.as_deref().unwrap_or(&region))?;
+        }
+        // The score asks how well all points of the region determine the radius.
+        let mut whole = self.fitter()?;
+        whole.push_points(points, Some(&MaskView::from_u8(&region, self.size)?))?;
+        let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
+        let score = self.seen.score_of_fit(detection, &result.cylinder, deviation);
         Ok(found(fitter, score, detection, result))
+    }
+
+    /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
+    /// where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and where little or
+    /// less than half of the region would be left.
+    fn middle(&self, points: &PointsView<'_>, region: &[u8], cylinder: &Cylinder) -> Option<Vec<u8>> {
+        if !self.seen.from_origin || cylinder.contains_origin() {
+            return None;
+        }
+        let inner = |index: usize| {
+            let p = points.points.at(index % self.size.0, index / self.size.0);
+            passes(cylinder, p.x / p.z, p.y / p.z).is_some_and(|(across, _)| across.abs() <= MIDDLE)
+        };
+        let middle: Vec<u8> =
+            region.iter().enumerate().map(|(k, &inside)| u8::from(inside != 0 && inner(k))).collect();
+        let count = |mask: &[u8]| mask.iter().filter(|&&inside| inside != 0).count();
+        let left = count(&middle);
+        (left >= FEWEST && 2 * left > count(region)).then_some(middle)
     }
 
     /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is
@@ -78,7 +115,7 @@ impl<'a> Fits<'a> {
         };
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
-        let attempts = (MOST_FITS / self.seen.cylinders.len().max(1)).max(1);
+        let attempts = self.attempts();
         // The best so far with its start, and its result while no other fit has taken its place in the fitter.
         let mut best: Option<(f64, Cylinder, Option<FitResult>)> = None;
         let mut plain = None;
@@ -138,6 +175,11 @@ impl<'a> Fits<'a> {
         }
     }
 
+    /// How many fits a cylinder may take.
+    fn attempts(&self) -> usize {
+        (MOST_FITS / self.seen.cylinders.len().max(1)).max(1)
+    }
+
     fn fitter(&self) -> Result<Fitter> {
         let cylinder_limits = self.options.search.limits;
         let mut fitter = Fitter::new();
@@ -164,6 +206,16 @@ fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResul
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
 /// the search for limbs in the image reaches.
 const RADII: [f64; 3] = [1.0, 0.9, 1.1];
+
+/// How far from the axis points of a cloud are fitted, in radii. On ../shared/scenes, fits to the true regions between 1, 0.85 and
+/// 0.7 radii find pipes 5.9, 2.0 and −0.9 % too wide, cylinders on tables 3.3, 1.1 and −0.8 %.
+const MIDDLE: f64 = 0.7;
+
+/// Fewest points in the middle of a region that are fitted alone.
+const FEWEST: usize = 50;
+
+/// Fits to the middle of a region, at most: the radius settles in three or four.
+const ROUNDS: usize = 4;
 
 /// Fits of a scene, beyond which each cylinder gets one alone: a bound on the time.
 const MOST_FITS: usize = 40;

@@ -133,7 +133,8 @@ pub struct Found {
     /// Pixels of its region; points for a cloud.
     pub pixels: usize,
     /// The fit of its region. Where neither depth nor image tell more than the search knew, what a fit would report for the
-    /// cylinder that the search found.
+    /// cylinder that the search found. Of a cloud that was seen from its origin, the fit takes the points within 0.7 radii of the
+    /// axis alone: next to limbs sensors draw them out.
     pub result: FitResult,
     /// Its visible piece. `BadState` for a cloud: ends need a camera.
     pub extent: Result<Extent>,
