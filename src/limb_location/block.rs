@@ -15,6 +15,9 @@ constants! {
     /// coefficients describe.
     pub(super) INSIDE = 3.5, "px";
 
+    /// The part of the reach of the profile that a smaller window has.
+    NEAR_PART = 0.5, "";
+
     /// Standard deviation by which the limb in one block may be off for reasons other than noise, in pixels.
     BLOCK_FLOOR = 0.05, "px";
 
@@ -46,6 +49,28 @@ impl Background {
             Self::Flat => 1e12,
             Self::Sloped => (noise / (SLOPE.get() * (sum / count).abs().max(noise))).powi(2),
         }
+    }
+}
+
+/// How far from a line its pixels are looked at, in pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Window {
+    pub outside: f64,
+    pub inside: f64,
+}
+
+impl Window {
+    /// As far as the profile reaches.
+    pub fn full() -> Self {
+        Self { outside: OUTSIDE.get(), inside: INSIDE.get() }
+    }
+
+    /// Windows that leave out the outer part of the background, the inner part of the surface, and both.
+    pub fn smaller() -> [Self; 3] {
+        let Self { outside, inside } = Self::full();
+        let [near_outside, near_inside] = [outside, inside].map(|reach| NEAR_PART.get() * reach);
+        [(near_outside, inside), (outside, near_inside), (near_outside, near_inside)]
+            .map(|(outside, inside)| Self { outside, inside })
     }
 }
 
@@ -98,16 +123,17 @@ impl Block {
     }
 }
 
-/// The blocks of a limb with a given line, from the pixels between `OUTSIDE` and `INSIDE` of it. `noise` is the standard
-/// deviation of a pixel.
+/// The blocks of a limb with a given line, from the pixels in a window about it. `noise` is the standard deviation of a
+/// pixel.
 pub(super) fn fit_blocks(
     strip: &Strip,
     noise: f64,
     background: Background,
     profile: &Table<ShadedRow>,
     line: &StripLine,
+    window: Window,
 ) -> Vec<Block> {
-    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs));
+    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, window, runs));
     sums.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
@@ -129,12 +155,15 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
         .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
 }
 
-/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line. Where white was cut off the profile is not what the
-/// light was.
-fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> impl Iterator<Item = &'a StripPixel> {
-    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE.get());
+/// The pixels of a run in a window about a line. Where white was cut off the profile is not what the light was.
+fn pixels_about<'a>(
+    run: &'a [StripPixel],
+    line: &StripLine,
+    window: Window,
+) -> impl Iterator<Item = &'a StripPixel> {
+    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -window.outside);
     let run = &run[first..];
-    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE.get())];
+    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= window.inside)];
     about.iter().filter(|pixel| !pixel.saturated)
 }
 
@@ -151,7 +180,13 @@ struct ShadedSums {
 }
 
 impl ShadedSums {
-    fn new(strip: &Strip, profile: &Table<ShadedRow>, line: &StripLine, runs: Range<usize>) -> Option<Self> {
+    fn new(
+        strip: &Strip,
+        profile: &Table<ShadedRow>,
+        line: &StripLine,
+        window: Window,
+        runs: Range<usize>,
+    ) -> Option<Self> {
         let mut sums = Self {
             count: 0.0,
             s: 0.0,
@@ -159,7 +194,7 @@ impl ShadedSums {
             right: [0.0; SHADED],
             squares: 0.0,
         };
-        Arch::new().dispatch(Gather { sums: &mut sums, strip, profile, line, runs })?;
+        Arch::new().dispatch(Gather { sums: &mut sums, strip, profile, line, window, runs })?;
         (sums.count >= LEAST_PIXELS.count() as f64).then_some(sums)
     }
 
@@ -221,6 +256,7 @@ struct Gather<'a> {
     strip: &'a Strip,
     profile: &'a Table<ShadedRow>,
     line: &'a StripLine,
+    window: Window,
     runs: Range<usize>,
 }
 
@@ -229,9 +265,9 @@ impl WithSimd for Gather<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Option<()> {
-        let Self { sums, strip, profile, line, runs } = self;
+        let Self { sums, strip, profile, line, window, runs } = self;
         for run in runs {
-            for pixel in pixels_about(strip.run(run), line) {
+            for pixel in pixels_about(strip.run(run), line, window) {
                 let row = profile.at(pixel.u - line.at(pixel.s))?;
                 sums.add(&row, pixel.value);
                 sums.s += pixel.s;
@@ -263,7 +299,7 @@ impl BlockSums {
         let mut sums =
             Self { count: 0.0, functions: SMatrix::zeros(), right: Functions::zeros(), squares: 0.0 };
         for run in runs.map(|k| strip.run(k)) {
-            for pixel in pixels_about(run, window) {
+            for pixel in pixels_about(run, window, Window::full()) {
                 let f = profile.at(pixel.u - line.at(pixel.s))?;
                 sums.count += 1.0;
                 sums.functions += f * f.transpose();
