@@ -4,7 +4,7 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{EdgeUse, ObjectiveKind, Options};
+use cylfuse::fitter::{EdgeUse, Flags, ObjectiveKind, Options};
 use cylfuse::observations::ImageView;
 use std::path::Path;
 
@@ -31,6 +31,24 @@ fn located_limbs_pull_a_wrong_edge_back() {
     assert_eq!(fit(true, 0.0).limbs_located, 2);
     assert_eq!(fit(false, 0.0).limbs_located, 0);
     assert!(change(true) < 0.2 * change(false), "{} {}", change(true), change(false));
+}
+
+#[test]
+fn depth_that_is_shifted_is_noticed_and_keeps_the_radius() {
+    let fit = |columns: usize| {
+        let mut inputs = frames::Inputs::read(&sample());
+        inputs.depth.rotate_right(columns);
+        let mut fitter = inputs.fitter();
+        inputs.push_image(&mut fitter);
+        fitter.push_edges(&inputs.edges).unwrap();
+        fitter.fit().unwrap()
+    };
+    let (right, shifted) = (fit(0), fit(2));
+    assert!(!right.flags.contains(Flags::DEPTH_SHIFTED) && shifted.flags.contains(Flags::DEPTH_SHIFTED));
+    let moved = shifted.shift.unwrap().pixels - right.shift.unwrap().pixels;
+    // Two columns are a little less across an axis that is not upright.
+    assert!((moved - 1.95).abs() < 0.1, "{moved}");
+    assert!((shifted.cylinder.radius / right.cylinder.radius - 1.0).abs() < 0.002);
 }
 
 #[test]

@@ -64,6 +64,8 @@ const (
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
 	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
+	// FlagDepthShifted: depth and image are shifted against each other across the axis.
+	FlagDepthShifted Flags = C.CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED
 )
 
 // Has says whether all of these warnings are there.

@@ -1136,6 +1136,11 @@ typedef uint32_t cylfuse_result_flags;
  * are independent, or some degree of freedom is not determined.
  */
 #define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
+/**
+ * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
+ * the points lie beside the middle of the limbs by more than 3 standard deviations.
+ */
+#define CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED 65536
 
 /**
  * Why an iteration ended.

@@ -231,4 +231,7 @@ impl cylfuse_result_flags {
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
     /// are independent, or some degree of freedom is not determined.
     pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
+    /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
+    /// the points lie beside the middle of the limbs by more than 3 standard deviations.
+    pub const DEPTH_SHIFTED: cylfuse_result_flags = cylfuse_result_flags(65536);
 }

@@ -91,7 +91,7 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii) = data.uncertainty(held, cylinder, scales, &objective);
+    let (uncertainty, radii, shift) = data.uncertainty(held, cylinder, scales, &objective);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held);
@@ -106,6 +106,7 @@ pub(super) fn describe(
     if radii.is_some_and(|radii| radii.disagree()) {
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
+    flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
     let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();
@@ -116,6 +117,7 @@ pub(super) fn describe(
         cylinder: data.canonical(cylinder),
         uncertainty,
         radii,
+        shift,
         start: start.cylinder,
         start_kind: start.kind,
         termination: None,

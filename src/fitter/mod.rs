@@ -35,7 +35,7 @@ pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
-pub use uncertainty::{RadiusComparison, Uncertainty};
+pub use uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 pub(crate) use view::View;
 
 use crate::error::{Error, Result};

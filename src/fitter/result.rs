@@ -1,7 +1,7 @@
 //! What a fit returns.
 
 use super::options::StartKind;
-use super::uncertainty::{RadiusComparison, Uncertainty};
+use super::uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 use crate::geometry::Cylinder;
 use crate::observations::Dropped;
 use crate::solver::Termination;
@@ -45,6 +45,9 @@ bitflags::bitflags! {
         /// The data do not tell how uncertain the result is: fewer than eight points are independent, or some degree of
         /// freedom is not determined.
         const UNCERTAINTY_UNKNOWN = 1 << 15;
+        /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
+        /// [`FitResult::shift`].
+        const DEPTH_SHIFTED = 1 << 16;
     }
 }
 
@@ -71,6 +74,8 @@ pub struct FitResult {
     /// The radius by the points and by the limbs; `None` without an uncertainty, where the points alone determine no
     /// cylinder, and where limbs add nothing.
     pub radii: Option<RadiusComparison>,
+    /// The shift between depth and image across the axis; `None` unless both limbs of a single view were located.
+    pub shift: Option<ImageShift>,
     /// The model that the iteration started from, moved into the limits.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.

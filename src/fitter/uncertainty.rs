@@ -22,6 +22,14 @@ const KNOWN_TO: f64 = 1e-9;
 /// correlation know of, and a flag that is raised by them says nothing.
 pub(super) const DISAGREEMENT: f64 = 4.0;
 
+/// Standard deviation of the shift between depth and image of a camera that is calibrated, in pixels of the drawing:
+/// registrations are good to half a pixel.
+const USUAL_SHIFT: f64 = 0.25;
+
+/// Depth and image are shifted when the shift is more than this many standard deviations: of 189 twin and recorded frames
+/// that are not, the largest is at 2.8.
+const SHIFTED: f64 = 3.0;
+
 /// Limbs that add a smaller part than this to what is known of the radius have no radius of their own.
 const LEAST_SHARE: f64 = 1e-3;
 
@@ -38,13 +46,13 @@ impl Data<'_> {
         cylinder: &Cylinder,
         scales: &Scales,
         objective: &Sum<'_>,
-    ) -> (Option<Uncertainty>, Option<RadiusComparison>) {
+    ) -> (Option<Uncertainty>, Option<RadiusComparison>, Option<ImageShift>) {
         let frame = self.frame(&self.canonical(cylinder));
         let minimises = self.count() > 0 && self.options.method.minimises();
         if !minimises || self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
-            return (None, None);
+            return (None, None, None);
         }
-        let Some(sandwich) = objective.sandwich(&frame) else { return (None, None) };
+        let Some(sandwich) = objective.sandwich(&frame) else { return (None, None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich
@@ -53,7 +61,45 @@ impl Data<'_> {
         let radii = (uncertainty.is_some() && held.has_limbs())
             .then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit))
             .flatten();
-        (uncertainty, radii)
+        let shift = uncertainty.and_then(|_| self.image_shift(held, &sandwich, &frame, scales));
+        (uncertainty, radii, shift)
+    }
+
+    /// The shift between depth and image, where both limbs of a single view were located.
+    fn image_shift(
+        &self,
+        held: &Held,
+        sandwich: &Sandwich,
+        frame: &LocalFrame,
+        scales: &Scales,
+    ) -> Option<ImageShift> {
+        let ([view], [of_view]) = (&self.views[..], &held.views[..]) else { return None };
+        if of_view.located < 2 || !view.observed {
+            return None;
+        }
+        let camera = view.camera()?;
+        let eye = view.into_view.inverse().point(&Vector3::zeros());
+        let Cylinder { axis, .. } = frame.cylinder;
+        let center = axis.nearest_to(&self.center);
+        let across = axis.direction.cross(&(center - eye)).try_normalize(0.0)?;
+        let e = Tangent::new(across.dot(&frame.u), across.dot(&frame.v), 0.0, 0.0, 0.0);
+        let Contrast { points, limbs } = Contrast::new(&e, sandwich)?;
+        let pixel = |at: f64| camera.ideal_pixel(&view.into_view.point(&(center + across * at)));
+        let step = DIFFERENCE_STEP * frame.cylinder.radius;
+        let pixels = self.unit * (pixel(step)? - pixel(-step)?).norm() / (2.0 * step);
+        let usual = USUAL_SHIFT * view.noise.pixel;
+        let of_noise = pixels * points.deviation.hypot(limbs.deviation);
+        let mut shift =
+            ImageShift { pixels: pixels * (points.step - limbs.step), deviation: of_noise.hypot(usual) };
+        if shift.pixels.abs() > of_noise {
+            // Between points and limbs the residuals of a shift pass for noise. Where the points have the axis they do not.
+            let [here, there] = [scales, &self.scales(&moved_across(frame, &across, points.step))]
+                .map(|scales| scales.views[0])
+                .map(|scales| scales.point / scales.independent_points.sqrt());
+            let part = (there / here).min(1.0);
+            shift.deviation = (part * of_noise).hypot(usual);
+        }
+        (shift.pixels.is_finite() && shift.deviation.is_finite()).then_some(shift)
     }
 }
 
@@ -171,6 +217,13 @@ impl Uncertainty {
     }
 }
 
+/// A cylinder moved across its axis by a step in units of its frame.
+fn moved_across(frame: &LocalFrame, across: &Vector3<f64>, step: f64) -> Cylinder {
+    let mut cylinder = frame.cylinder;
+    cylinder.axis.point += across * (step * frame.unit);
+    cylinder
+}
+
 /// The root of the larger eigenvalue.
 fn larger_deviation(covariance: &Matrix2<f64>) -> f64 {
     covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
@@ -207,44 +260,85 @@ impl RadiusComparison {
     }
 
     /// `None` where the points alone determine no cylinder or the limbs add nothing to the radius.
-    ///
-    /// With A = A_p + A_l, one Newton step from the result leads to the minimum of the points, r_p, and to that of
-    /// everything, r_f. With k = 1 − (A⁻¹)ᵣᵣ / (A_p⁻¹)ᵣᵣ, the part of the information on the radius that the limbs
-    /// bring, r_f = (1 − k) r_p + k r_l defines r_l. So much of r_p is taken out that the two are uncorrelated.
     fn new(radius: f64, sandwich: &Sandwich, unit: f64) -> Option<Self> {
+        let Contrast { points, limbs } = Contrast::new(&Tangent::ith(4, 1.0), sandwich)?;
+        let comparison = Self {
+            from_points: radius + unit * points.step,
+            from_points_deviation: unit * points.deviation,
+            from_limbs: radius + unit * limbs.step,
+            from_limbs_deviation: unit * limbs.deviation,
+        };
+        comparison.z_score().is_finite().then_some(comparison)
+    }
+}
+
+/// How far the points are from where the limbs are, across the axis: depth and image that are shifted against each other,
+/// by a wrong registration or wrong principal points. Along the axis nothing tells it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageShift {
+    /// The shift in pixels of the image, from the middle of the limbs to the image of the axis by the points. Positive
+    /// towards d̂ × ĉ, with the direction d̂ of the axis in the coordinates of the view and the direction ĉ from the
+    /// camera to it.
+    pub pixels: f64,
+    /// Its standard deviation, for the noise of points and limbs and what is usual between calibrated cameras.
+    pub deviation: f64,
+}
+
+impl ImageShift {
+    /// Whether it is more than noise and what is usual.
+    pub(super) fn is_wrong(&self) -> bool {
+        self.pixels.abs() > SHIFTED * self.deviation
+    }
+}
+
+/// What the points alone and what the limbs say of one combination of the degrees of freedom, as steps from the result to
+/// first order.
+struct Contrast {
+    points: Said,
+    limbs: Said,
+}
+
+struct Said {
+    step: f64,
+    deviation: f64,
+}
+
+impl Contrast {
+    /// With A = A_p + A_l, one Newton step from the result leads to the minimum of the points, x_p, and to that of
+    /// everything, x_f. With k = 1 − (eᵀA⁻¹e) / (eᵀA_p⁻¹e), the part of the information on the combination e that the limbs
+    /// bring, x_f = (1 − k) x_p + k x_l defines x_l. So much of x_p is taken out that the two are uncorrelated.
+    fn new(e: &Tangent, sandwich: &Sandwich) -> Option<Self> {
         let Sandwich { points, image } = sandwich;
         let of_points = points.derivative.cholesky()?;
         let of_all = sandwich.derivative().cholesky()?;
-        let e = Tangent::ith(4, 1.0);
-        // Rows of A_p⁻¹ and A⁻¹.
-        let (row_points, row_all) = (of_points.solve(&e), of_all.solve(&e));
-        let share = 1.0 - row_all[4] / row_points[4];
+        // eᵀA_p⁻¹ and eᵀA⁻¹.
+        let (row_points, row_all) = (of_points.solve(e), of_all.solve(e));
+        let share = 1.0 - row_all.dot(e) / row_points.dot(e);
         if !(share >= LEAST_SHARE) {
             return None;
         }
         let step_points = -row_points.dot(&points.gradient);
         let step_all = -row_all.dot(&(points.gradient + image.gradient));
-        let step_limbs = step_points + (step_all - step_points) / share;
         let variance = |row: &Tangent, covariance: &TangentMap| row.dot(&(covariance * row));
-        // How r_l follows from the gradient of the points and from that of the limbs.
+        // How x_l follows from the gradient of the points and from that of the limbs.
         let by_limbs = row_all / share;
         let by_points = row_points * (1.0 - 1.0 / share) + by_limbs;
         let limbs_variance =
             variance(&by_points, &points.covariance) + variance(&by_limbs, &image.covariance);
-        let comparison = Self {
-            from_points: radius + unit * step_points,
-            from_points_deviation: unit * variance(&row_points, &points.covariance).sqrt(),
-            from_limbs: radius + unit * step_limbs,
-            from_limbs_deviation: unit * limbs_variance.sqrt(),
-        };
-        comparison.z_score().is_finite().then_some(comparison)
+        Some(Self {
+            points: Said { step: step_points, deviation: variance(&row_points, &points.covariance).sqrt() },
+            limbs: Said {
+                step: step_points + (step_all - step_points) / share,
+                deviation: limbs_variance.sqrt(),
+            },
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::TangentMap;
+    use crate::residuals::SandwichPart;
 
     fn uncertainty() -> Uncertainty {
         let cylinder =
@@ -261,6 +355,29 @@ mod tests {
         let (point, direction) = (cylinder.axis.nearest_to(center), cylinder.axis.direction);
         let numbers = point.iter().chain(&direction).copied().chain([cylinder.radius]);
         SVector::from_iterator(numbers)
+    }
+
+    #[test]
+    fn points_and_limbs_say_what_each_of_them_alone_would() {
+        let part = |derivative: TangentMap, minimum: Tangent| SandwichPart {
+            gradient: -(derivative * minimum),
+            derivative,
+            covariance: derivative,
+        };
+        // The limbs tell one combination only, across the axis.
+        let across = Tangent::new(0.6, 0.8, 0.0, 0.0, 0.0);
+        let root = TangentMap::from_fn(|row, column| ((2 * row + 3 * column) as f64).cos());
+        let of_points = root * root.transpose() + TangentMap::identity();
+        let minimum_of_points = Tangent::new(0.3, -0.2, 0.1, 0.4, -0.5);
+        let sandwich = Sandwich {
+            points: part(of_points, minimum_of_points),
+            image: part(across * across.transpose() * 25.0, across * 2.0),
+        };
+        let Contrast { points, limbs } = Contrast::new(&across, &sandwich).unwrap();
+        assert!((points.step - minimum_of_points.dot(&across)).abs() < 1e-12);
+        assert!((limbs.step - 2.0).abs() < 1e-12 && (limbs.deviation - 0.2).abs() < 1e-12);
+        let shift = ImageShift { pixels: points.step - limbs.step, deviation: 0.5 };
+        assert!(shift.is_wrong() && !ImageShift { deviation: 1.0, ..shift }.is_wrong());
     }
 
     #[test]

@@ -15,6 +15,9 @@ constants! {
     /// coefficients describe.
     pub(super) INSIDE = 3.5, "px";
 
+    /// The part of the reach of the profile that a smaller window has.
+    NEAR_PART = 0.5, "";
+
     /// Standard deviation by which the limb in one block may be off for reasons other than noise, in pixels.
     BLOCK_FLOOR = 0.05, "px";
 
@@ -46,6 +49,28 @@ impl Background {
             Self::Flat => 1e12,
             Self::Sloped => (noise / (SLOPE.get() * (sum / count).abs().max(noise))).powi(2),
         }
+    }
+}
+
+/// How far from a line its pixels are looked at, in pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Window {
+    pub outside: f64,
+    pub inside: f64,
+}
+
+impl Window {
+    /// As far as the profile reaches.
+    pub fn full() -> Self {
+        Self { outside: OUTSIDE.get(), inside: INSIDE.get() }
+    }
+
+    /// Windows that leave out the outer part of the background, the inner part of the surface, and both.
+    pub fn smaller() -> [Self; 3] {
+        let Self { outside, inside } = Self::full();
+        let [near_outside, near_inside] = [outside, inside].map(|reach| NEAR_PART.get() * reach);
+        [(near_outside, inside), (outside, near_inside), (near_outside, near_inside)]
+            .map(|(outside, inside)| Self { outside, inside })
     }
 }
 
@@ -98,17 +123,19 @@ impl Block {
     }
 }
 
-/// The blocks of a limb with a given line, from the pixels between `OUTSIDE` and `INSIDE` of it. `noise` is the standard
-/// deviation of a pixel.
+/// The blocks of a limb with a given line, from the pixels in a window about it. `noise` is the standard deviation of a
+/// pixel.
 pub(super) fn fit_blocks(
     strip: &Strip,
     noise: f64,
     background: Background,
     profile: &Table<ShadedRow>,
     line: &StripLine,
+    window: Window,
 ) -> Vec<Block> {
     let mut rows = Vec::new();
-    let sums = blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, runs, &mut rows));
+    let sums =
+        blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, window, runs, &mut rows));
     sums.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
@@ -121,7 +148,17 @@ pub(super) fn sums_of_blocks(
     window: &StripLine,
 ) -> Vec<BlockSums> {
     let mut rows = Vec::new();
-    let sums = |runs| BlockSums::new(Gather { strip, profile, line, window, runs, rows: &mut rows });
+    let sums = |runs| {
+        BlockSums::new(Gather {
+            strip,
+            profile,
+            line,
+            near: window,
+            window: Window::full(),
+            runs,
+            rows: &mut rows,
+        })
+    };
     blocks(strip).filter_map(sums).collect()
 }
 
@@ -132,12 +169,15 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
         .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
 }
 
-/// The pixels of a run between `OUTSIDE` and `INSIDE` of a line. Where white was cut off the profile is not what the
-/// light was.
-fn pixels_about<'a>(run: &'a [StripPixel], line: &StripLine) -> impl Iterator<Item = &'a StripPixel> {
-    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -OUTSIDE.get());
+/// The pixels of a run in a window about a line. Where white was cut off the profile is not what the light was.
+fn pixels_about<'a>(
+    run: &'a [StripPixel],
+    line: &StripLine,
+    window: Window,
+) -> impl Iterator<Item = &'a StripPixel> {
+    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -window.outside);
     let run = &run[first..];
-    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= INSIDE.get())];
+    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= window.inside)];
     about.iter().filter(|pixel| !pixel.saturated)
 }
 
@@ -156,10 +196,11 @@ impl ShadedSums {
         strip: &Strip,
         profile: &Table<ShadedRow>,
         line: &StripLine,
+        window: Window,
         runs: Range<usize>,
         rows: &mut Vec<ShadedRow>,
     ) -> Option<Self> {
-        let gather = Gather { strip, profile, line, window: line, runs, rows };
+        let gather = Gather { strip, profile, line, near: line, window, runs, rows };
         let Gathered { products, count, s } = Arch::new().dispatch(gather)?;
         (count >= LEAST_PIXELS.count() as f64).then_some(Self { count, s, products })
     }
@@ -207,7 +248,8 @@ struct Gather<'a, const WIDTH: usize> {
     profile: &'a Table<[f64; WIDTH]>,
     line: &'a StripLine,
     /// The line that the pixels are near.
-    window: &'a StripLine,
+    near: &'a StripLine,
+    window: Window,
     runs: Range<usize>,
     /// Room for a row a pixel.
     rows: &'a mut Vec<[f64; WIDTH]>,
@@ -229,12 +271,12 @@ impl<const WIDTH: usize> WithSimd for Gather<'_, WIDTH> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { strip, profile, line, window, runs, rows } = self;
+        let Self { strip, profile, line, near, window, runs, rows } = self;
         let place = if WIDTH == SHADED + 1 { SHADED } else { FUNCTIONS };
         rows.clear();
         let mut s = 0.0;
         for run in runs {
-            for pixel in pixels_about(strip.run(run), window) {
+            for pixel in pixels_about(strip.run(run), near, window) {
                 let mut row = profile.at(pixel.u - line.at(pixel.s))?;
                 row[place] = pixel.value;
                 rows.push(row);

@@ -370,7 +370,7 @@ fn judged(
     let center = -covariance[(0, 1)] / of_slope;
     let of_offset = covariance[(0, 0)] + covariance[(0, 1)] * center;
     let half = (of_offset / of_slope).sqrt();
-    let sigma = (2.0 * of_offset + LINE_FLOOR.get() * LINE_FLOOR.get()).sqrt();
+    let sigma = (2.0 * (of_offset + limb.misfit) + LINE_FLOOR.get().powi(2)).sqrt();
     let at_ends = (of_offset + of_slope * (baseline.half_length + center.abs()).powi(2)).sqrt();
     if at_ends.is_nan() || at_ends > LARGEST_DEVIATION.get() * noise.endpoint || half.is_nan() {
         return Err(NotVisible::Uncertain);

@@ -27,6 +27,8 @@ struct Scene {
     background: f64,
     /// The part of the light that a shadow on the background takes away at the limb; it fades over some pixels.
     shadow: f64,
+    /// Pixels beside the limbs that a hard shadow covers, which takes a quarter of the light.
+    hard_shadow: f64,
     /// Whether a label of dark patches is on the surface.
     label: bool,
     /// Image rows hidden by something dark.
@@ -44,6 +46,7 @@ impl Scene {
             albedo: 150.0,
             background: 40.0,
             shadow: 0.0,
+            hard_shadow: 0.0,
             label: false,
             occluded: 0..0,
         }
@@ -62,7 +65,8 @@ impl Scene {
                 normal.dot(&axis.point).abs() / normal.norm() - self.cylinder.radius
             });
             let pixels = apart * self.camera.intrinsics().fx / axis.point.z;
-            return self.background * (1.0 - self.shadow * (1.0 - pixels / SHADOW).max(0.0));
+            let hard = if pixels < self.hard_shadow { 0.75 } else { 1.0 };
+            return self.background * hard * (1.0 - self.shadow * (1.0 - pixels / SHADOW).max(0.0));
         };
         let position = (p - axis.point).dot(&axis.direction);
         if !(self.range[0]..=self.range[1]).contains(&position) {
@@ -241,6 +245,18 @@ fn white_that_was_cut_off_does_not_move_the_limbs() {
 #[test]
 fn a_shadow_that_fades_beside_the_limbs_does_not_move_them() {
     Scene { background: 220.0, shadow: 0.5, ..Scene::new() }.check(0.35);
+}
+
+#[test]
+fn the_deviation_of_a_line_says_that_a_hard_shadow_ends_beside_it() {
+    for width in [2.5, 3.0, 3.5] {
+        let scene = Scene { hard_shadow: width, background: 220.0, ..Scene::new() };
+        for (k, limb) in scene.locate().iter().enumerate() {
+            for (error, deviation) in scene.errors(k, &limb.line.unwrap()) {
+                assert!(error.abs() < 3.0 * deviation, "a shadow of {width} px: {error} +- {deviation}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -92,6 +92,9 @@ namespace Cylfuse
         /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than
         /// eight points are independent, or some degree of freedom is not determined.</summary>
         UncertaintyUnknown = 32768,
+        /// <summary>Depth and image are shifted against each other across the axis, by a wrong registration or wrong
+        /// principal points.</summary>
+        DepthShifted = 65536,
     }
 
     /// <summary>Which residuals to list.</summary>

@@ -21,7 +21,7 @@ const enumerations = {
     'edges-ignored': 1, 'segments-unusable': 2, 'edges-cross': 4, 'edges-coincide': 8, 'edges-behind': 16,
     'scale-held': 32, 'weak-radius': 64, 'resolution-lost': 128, 'not-converged': 256, 'hidden-wall': 512,
     'camera-inside': 1024, 'points-not-finite': 2048, 'points-and-limbs-disagree': 4096, 'radius-at-limit': 8192,
-    'axis-at-limit': 16384, 'uncertainty-unknown': 32768,
+    'axis-at-limit': 16384, 'uncertainty-unknown': 32768, 'depth-shifted': 65536,
   },
   residualKind: { points: 1, edges: 2 },
   layout: { packed: 0, organised: 1 },

@@ -333,6 +333,8 @@ class ResultFlags(IntFlag):
     AXIS_AT_LIMIT = 16384
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768
+    #: Depth and image are shifted against each other across the axis.
+    DEPTH_SHIFTED = 65536
 
     @property
     def names(self) -> list[str]:

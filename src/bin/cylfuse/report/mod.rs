@@ -215,9 +215,18 @@ fn explain(flag: Flags, result: &FitResult) -> String {
             return format!("{} points are not finite and were left out", result.dropped.not_finite);
         }
         Flags::POINTS_AND_LIMBS_DISAGREE => return disagreement(result),
+        Flags::DEPTH_SHIFTED => return shifted(result),
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()
+}
+
+/// The shift in words.
+fn shifted(result: &FitResult) -> String {
+    let numbers = result
+        .shift
+        .map_or_else(String::new, |shift| format!(": {:.2} ± {:.2} px", shift.pixels, shift.deviation));
+    format!("depth and image are shifted against each other across the axis{numbers}")
 }
 
 /// The two radii in words.

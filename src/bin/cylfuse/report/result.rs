@@ -2,7 +2,7 @@
 
 use super::CylinderValues;
 use cylfuse::fitter::Termination;
-use cylfuse::fitter::{FitResult, Method, ObjectiveKind, Options, RadiusComparison, StartKind};
+use cylfuse::fitter::{FitResult, ImageShift, Method, ObjectiveKind, Options, RadiusComparison, StartKind};
 use cylfuse::geometry::CylinderLimits;
 use cylfuse::observations::Dropped;
 use serde::Serialize;
@@ -43,6 +43,7 @@ pub struct ResultValues {
     gradient_norm: f64,
     step_norm: Option<f64>,
     radii: Option<RadiiValues>,
+    shift: Option<ShiftValues>,
     /// What the cylinder keeps; none without limits.
     limits: Option<LimitsValues>,
     start: CylinderValues,
@@ -79,6 +80,19 @@ struct DroppedValues {
     out_of_range: usize,
     outside_camera: usize,
     hidden: usize,
+}
+
+/// The shift between depth and image across the axis, in pixels.
+#[derive(Debug, Serialize)]
+struct ShiftValues {
+    pixels: f64,
+    deviation: f64,
+}
+
+impl From<&ImageShift> for ShiftValues {
+    fn from(&ImageShift { pixels, deviation }: &ImageShift) -> Self {
+        Self { pixels, deviation }
+    }
 }
 
 /// The radius by the points and by the limbs, each with its standard deviation.
@@ -158,6 +172,7 @@ impl ResultValues {
             gradient_norm: result.gradient_norm,
             step_norm: iterated.then_some(result.step_norm),
             radii: result.radii.as_ref().map(RadiiValues::from),
+            shift: result.shift.as_ref().map(ShiftValues::from),
             limits: LimitsValues::new(&options.cylinder_limits),
             start: (&result.start).into(),
             start_kind: match result.start_kind {

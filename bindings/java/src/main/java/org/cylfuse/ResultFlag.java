@@ -47,7 +47,11 @@ public enum ResultFlag {
      * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
      * are independent, or some degree of freedom is not determined.
      */
-    UNCERTAINTY_UNKNOWN(32768);
+    UNCERTAINTY_UNKNOWN(32768),
+    /**
+     * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points.
+     */
+    DEPTH_SHIFTED(65536);
 
     private final int value;
 
