@@ -58,10 +58,8 @@ constants! {
     /// Places this close to each other are one, in pixels.
     SAME_PLACE = 0.1, "px";
 
-    /// A line that moves by more standard deviations when less of its surroundings is looked at meets something else.
-    SIGNIFICANT = 2.0, "σ";
-
-    /// The standard deviation of its offset then, in parts of what it moves: the windows show a part of what is wrong.
+    /// The standard deviation of the offset of a line that moves when less of its surroundings is looked at, in parts of
+    /// what it moves: the windows show a part of what is wrong.
     LEFT_OUT = 1.4, "";
 
     /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
@@ -357,7 +355,7 @@ fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
         for (limb, near) in limbs.iter_mut().zip(&near) {
             let moved = near.state.line.offset - limb.state.line.offset;
             let variance = (near.covariance[(0, 0)] - limb.covariance[(0, 0)]).max(0.0);
-            let more = moved * moved - SIGNIFICANT.get().powi(2) * variance;
+            let more = moved * moved - variance;
             limb.misfit = limb.misfit.max(more * LEFT_OUT.get().powi(2));
         }
     }
