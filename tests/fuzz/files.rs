@@ -1,6 +1,6 @@
 //! Damaged files for the readers of the command line: frame files, images, point clouds.
 
-use crate::cloud::Cloud;
+use crate::cloud::CloudFile;
 use crate::frame::Frame;
 use crate::memory::{held, most_held, reset_most_held};
 use crate::random_views::Dice;
@@ -171,7 +171,7 @@ impl Files {
         let before = held();
         reset_most_held();
         let outcome = if frame.is_empty() {
-            Cloud::read(&path).map(|cloud| drop(cloud.to_f64()))
+            CloudFile::read(&path).and_then(|cloud| Ok(cloud.view().map(drop)?))
         } else {
             let frame = Frame::read(&self.folder.join(frame), true);
             frame.and_then(|frame| Ok(frame.views.iter().try_for_each(|view| view.observed().map(drop))?))
@@ -233,7 +233,7 @@ fn samples_are_read() {
         Frame::read(&samples.join(name), true).unwrap_or_else(|failure| panic!("{failure:?}"));
     }
     for name in CLOUDS {
-        let cloud = Cloud::read(&samples.join(name)).unwrap_or_else(|failure| panic!("{failure:?}"));
-        assert_eq!(cloud.to_f64().len(), 20, "{name}");
+        let cloud = CloudFile::read(&samples.join(name)).unwrap_or_else(|failure| panic!("{failure:?}"));
+        assert_eq!(cloud.points.to_f64().len(), 20, "{name}");
     }
 }

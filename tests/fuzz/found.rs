@@ -1,6 +1,6 @@
 //! What the cases found, each as a test that failed first.
 
-use crate::cloud::Cloud;
+use crate::cloud::CloudFile;
 use cylfuse::ffi::*;
 use std::ptr::{null, null_mut};
 
@@ -83,7 +83,7 @@ fn models_whose_gradient_no_number_holds_are_an_error() {
 fn messages_about_files_are_one_line() {
     let path = std::env::temp_dir().join(format!("cylfuse-line-{}.ply", std::process::id()));
     std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex x\nproperty float x\nend_header\n").unwrap();
-    let failure = Cloud::read(&path).unwrap_err();
+    let failure = CloudFile::read(&path).unwrap_err();
     std::fs::remove_file(&path).unwrap();
     assert!(!failure.message.contains('\n'), "{failure:?}");
 }
