@@ -233,7 +233,7 @@ fn the_rounds_of_the_scale_share_the_solves() {
     let cylinder_limits = CylinderLimits { radius_min: 1e-9, radius_max: 1e-9, axis };
     fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
     let count = reports(&mut fitter);
-    assert!(count < 4000, "{count}");
+    assert!(count < 4500, "{count}");
 }
 
 #[test]
@@ -319,7 +319,7 @@ fn fitter_of(view: &mut View, dice: &mut Dice) -> Result<Fitter, Error> {
 
 #[test]
 fn a_fit_ends_however_many_guides_contradict_the_points() {
-    // A hundred minima in flat valleys: more than 5,000 solves without a limit.
+    // A hundred minima in flat valleys: more than 5,000 solves without a limit. Questions whether to go on count, too.
     let mut dice = Dice::new(3592 * 7919);
     let mut view = View::new(&mut dice);
     let count = reports(&mut fitter_of(&mut view, &mut dice).unwrap());
