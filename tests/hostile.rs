@@ -233,7 +233,7 @@ fn the_rounds_of_the_scale_share_the_solves() {
     let cylinder_limits = CylinderLimits { radius_min: 1e-9, radius_max: 1e-9, axis };
     fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
     let count = reports(&mut fitter);
-    assert!(count < 4500, "{count}");
+    assert!(count < 4000, "{count}");
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn a_fit_ends_however_many_guides_contradict_the_points() {
     let mut dice = Dice::new(3592 * 7919);
     let mut view = View::new(&mut dice);
     let count = reports(&mut fitter_of(&mut view, &mut dice).unwrap());
-    assert!(count < 4000, "{count}");
+    assert!(count < 4500, "{count}");
 }
 
 /// Everything that a caller does with one view; the error of what was refused.
