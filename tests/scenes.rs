@@ -11,6 +11,7 @@ use cylfuse::fitter::{ObjectiveKind, Options};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits, RigidMotion};
 use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView, PointsView};
 use cylfuse::scene::{Detector, DetectorOptions, Observer, Progress, Scene};
+use image::DynamicImage;
 use nalgebra::{Rotation3, Vector2, Vector3};
 use random_views::{Dice, View};
 use std::ops::ControlFlow;
@@ -242,33 +243,18 @@ fn wherever_it_is_stopped_it_says_so() {
     }
 }
 
-/// The values of a binary PGM file, of one byte or two, and its size.
-fn pgm(path: &str) -> (Vec<u16>, (usize, usize)) {
-    let bytes = std::fs::read(format!("{}/tests/data/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let mut rest = &bytes[..];
-    let mut head = Vec::new();
-    while head.len() < 4 {
-        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap();
-        head.push(std::str::from_utf8(&rest[..end]).unwrap());
-        rest = &rest[end + 1..];
-    }
-    let [width, height, most] = [1, 2, 3].map(|k: usize| head[k].parse::<usize>().unwrap());
-    let wide = if most > 255 { 2 } else { 1 };
-    let values: Vec<u16> = rest
-        .chunks(wide)
-        .map(|value| value.iter().fold(0, |all, &byte| all << 8 | u16::from(byte)))
-        .collect();
-    assert_eq!((head[0], values.len()), ("P5", width * height));
-    (values, (width, height))
+/// A file of `tests/data`.
+fn picture(path: &str) -> DynamicImage {
+    image::open(format!("{}/tests/data/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// The camera of `tests/data/can`, its depth in 0.1 mm, and the true radius of the can.
 fn can() -> (Camera, Vec<u16>, f64) {
-    let (depth, (width, height)) = pgm("can/depth.pgm");
-    let (width, height) = (width as u32, height as u32);
+    let depth = picture("can/depth.pgm").into_luma16();
+    let (width, height) = depth.dimensions();
     let distortion = Distortion::None;
     let intrinsics = Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 79.5, cy: 123.5, distortion };
-    (Camera::new(intrinsics).unwrap(), depth, 0.03779)
+    (Camera::new(intrinsics).unwrap(), depth.into_raw(), 0.03779)
 }
 
 /// The depth of a part of an image is no finer than that of the whole: with cells of single pixels the noise looked smaller
@@ -276,8 +262,8 @@ fn can() -> (Camera, Vec<u16>, f64) {
 #[test]
 fn a_part_cut_out_of_an_image_gives_what_the_whole_does() {
     let (camera, depth, truth) = can();
-    let (image, size) = pgm("can/image.pgm");
-    let image: Vec<u8> = image.iter().map(|&value| value as u8).collect();
+    let image = picture("can/image.pgm").into_luma8();
+    let size = camera.size();
     let mut frame = Frame::new(camera);
     frame.set_depth(&DepthView::from_u16(&depth, size, 1e-4).unwrap(), &DepthRange::default()).unwrap();
     frame.set_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();

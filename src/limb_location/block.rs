@@ -139,25 +139,17 @@ pub(super) fn fit_blocks(
     sums.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
-/// What the blocks say about levels and shading with a given line, from the pixels between `OUTSIDE` and `INSIDE` of
-/// `window`: the costs of different lines can be compared over the same window only.
+/// What the blocks say about levels and shading with a given line, from the pixels about the line `near`: the
+/// costs of different lines can be compared over the same pixels only.
 pub(super) fn sums_of_blocks(
     strip: &Strip,
     profile: &Table<Functions>,
     line: &StripLine,
-    window: &StripLine,
+    near: &StripLine,
 ) -> Vec<BlockSums> {
     let mut rows = Vec::new();
     let sums = |runs| {
-        BlockSums::new(Gather {
-            strip,
-            profile,
-            line,
-            near: window,
-            window: Window::full(),
-            runs,
-            rows: &mut rows,
-        })
+        BlockSums::new(Gather { strip, profile, line, near, window: Window::full(), runs, rows: &mut rows })
     };
     blocks(strip).filter_map(sums).collect()
 }
