@@ -1751,7 +1751,8 @@ typedef struct cylfuse_detection {
      */
     double score;
     /**
-     * Pixels of its region; points for a cloud.
+     * Pixels of its region; points for a cloud. Of a cloud that was seen from its origin the fit takes those within 0.7
+     * radii of the axis, where these are most: next to limbs sensors draw points out.
      */
     uint64_t pixels;
     /**

@@ -332,7 +332,8 @@ pub struct cylfuse_detection_progress {
 pub struct cylfuse_detection {
     /// The probability that there is a cylinder.
     pub score: f64,
-    /// Pixels of its region; points for a cloud.
+    /// Pixels of its region; points for a cloud. Of a cloud that was seen from its origin the fit takes those within 0.7
+    /// radii of the axis, where these are most: next to limbs sensors draw points out.
     pub pixels: u64,
     /// The cylinder that was fitted, as in its `cylfuse_cylinder_estimate`.
     pub model: cylfuse_cylinder,
