@@ -66,6 +66,8 @@ const (
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
 	// FlagDepthShifted: depth and image are shifted against each other across the axis.
 	FlagDepthShifted Flags = C.CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED
+	// FlagMaskEndsWithDepth: a mask holds the pixels that have depth and no others, so its sides are no hint where the limbs are.
+	FlagMaskEndsWithDepth Flags = C.CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH
 )
 
 // Has says whether all of these warnings are there.

@@ -94,6 +94,8 @@ pub struct Case {
     pub gamma: f64,
     /// Pixels by which the mask is dilated, or eroded where negative.
     pub grow: i32,
+    /// Whether only the pixels that have depth are in the mask.
+    pub of_depth: bool,
     /// Whether the fit knows the mask, or has the points of the mask only.
     pub mask: bool,
     pub options: Options,
@@ -108,6 +110,7 @@ impl Default for Case {
             disturbance: Disturbance::None,
             gamma: 1.0,
             grow: 0,
+            of_depth: false,
             mask: true,
             options,
         }
@@ -171,6 +174,9 @@ impl Frame {
     pub fn fitter(&self, case: &Case) -> Fitter {
         let mut inputs = self.inputs.clone();
         inputs.mask = grown(&inputs.mask, inputs.size, case.grow);
+        if case.of_depth {
+            inputs.mask.iter_mut().zip(&inputs.depth).for_each(|(set, depth)| *set &= u8::from(*depth > 0));
+        }
         let mut fitter = inputs.fitter();
         fitter.push_edges(&self.edges(case.edges)).unwrap();
         if case.image {

@@ -121,6 +121,12 @@ pub fn objects(sets: &Sets) {
         print(&format!("{name}, odd"), &half(1), &targets);
         print(name, &all.iter().collect::<Vec<_>>(), &targets);
     }
+    print_head("objects, mask of the pixels that have depth");
+    for (image, name) in [(true, "image and mask"), (false, "mask alone")] {
+        let case = Case { edges: Edges::None, image, of_depth: true, ..Case::default() };
+        let all = fit_all(sets, name, &sets.objects, &case);
+        print(name, &all.iter().collect::<Vec<_>>(), &[Target::NONE; 4]);
+    }
     print_head("real2, mask of the whole object");
     for (image, name) in [(true, "image and mask"), (false, "mask alone")] {
         let case = Case { edges: Edges::None, image, ..Case::default() };

@@ -80,6 +80,11 @@ pub fn no_edges(sets: &Sets) {
         let case = Case { edges: Edges::None, grow, ..Case::default() };
         print_row(name, &fit_all(sets, name, &sets.paper, &case), &targets);
     }
+    for image in [true, false] {
+        let case = Case { edges: Edges::None, image, of_depth: true, ..Case::default() };
+        let name = if image { "pixels with depth" } else { "pixels with depth, no image" };
+        print_row(name, &fit_all(sets, name, &sets.paper, &case), &[Target::NONE; 4]);
+    }
     let case = Case { edges: Edges::None, image: false, ..Case::default() };
     print_row("no image", &fit_all(sets, "no image", &sets.paper, &case), &[Target::NONE; 4]);
     let case = Case { edges: Edges::None, mask: false, ..Case::default() };

@@ -1141,6 +1141,12 @@ typedef uint32_t cylfuse_result_flags;
  * the points lie beside the middle of the limbs by more than 3 standard deviations.
  */
 #define CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED 65536
+/**
+ * A mask holds the pixels that have depth and no others, although depth is missing around it, as it is beside the limbs
+ * of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the
+ * cylinder of a first fit; a mask of the whole surface is more certain.
+ */
+#define CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH 131072
 
 /**
  * Why an iteration ended.

@@ -138,6 +138,7 @@ enum class ResultFlags : cylfuse_result_flags {
     AxisAtLimit = CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT,
     UncertaintyUnknown = CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN,
     DepthShifted = CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED,
+    MaskEndsWithDepth = CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH,
 };
 
 /** Both. */

@@ -111,8 +111,8 @@ impl Fitter {
         let mut views = Vec::new();
         for (index, view) in self.views().iter().enumerate() {
             let selected = index == self.selected_view();
-            let own = region.as_ref().filter(|_| selected).map(Region::mask);
-            let Some((camera, mask)) = view.camera().zip(own.or(view.mask.as_ref())) else { continue };
+            let own = region.as_ref().filter(|_| selected && mask.is_some()).map(Region::mask);
+            let Some((camera, mask)) = view.camera().zip(own.or(self.fitted_mask(index))) else { continue };
             views.extend(self.ends_of(index, camera, mask, &cylinder, limbs_known));
         }
         if views.is_empty() {

@@ -234,4 +234,8 @@ impl cylfuse_result_flags {
     /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
     /// the points lie beside the middle of the limbs by more than 3 standard deviations.
     pub const DEPTH_SHIFTED: cylfuse_result_flags = cylfuse_result_flags(65536);
+    /// A mask holds the pixels that have depth and no others, although depth is missing around it, as it is beside the limbs
+    /// of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the
+    /// cylinder of a first fit; a mask of the whole surface is more certain.
+    pub const MASK_ENDS_WITH_DEPTH: cylfuse_result_flags = cylfuse_result_flags(131072);
 }

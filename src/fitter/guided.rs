@@ -236,7 +236,10 @@ impl<'a> View<'_, 'a, '_, '_> {
             guided
         } else {
             let (view, noise) = (self.view().view, self.view().noise);
-            let outline = view.body().and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
+            // An image tells where the limbs beside such sides are.
+            let sides_tell = view.image().is_some() || !view.mask_ends_with_depth();
+            let body = view.body().filter(|_| sides_tell);
+            let outline = body.and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
             match outline {
                 Some(outline) => self.by_mask(camera, &outline, &given, candidates, first)?,
                 None => self.by_segments(camera, &given, candidates, first)?,

@@ -19,6 +19,7 @@ mod located;
 mod minimum;
 mod objective;
 mod options;
+mod outline;
 mod result;
 mod run;
 mod selection;
@@ -42,6 +43,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
+use crate::observations::Mask;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
 use data::Data;
@@ -172,13 +174,21 @@ impl Fitter {
         let seconds = || clock.elapsed().as_secs_f64();
         self.check_memory(BYTES_OF_FIT)?;
         let mut run = Run::new(report);
-        let bodies = self.bodies(&mut run)?;
-        let data = self.data_of(&bodies)?;
-        if run.poll().is_break() {
-            return Err(Error::Cancelled { iterations: 0 });
-        }
         let mut started = 0.0;
-        let fit = fit::fit(&data, &mut run, || started = seconds())?;
+        let (mut bodies, mut fit) = self.fit_views(Vec::new(), &mut run, || started = seconds())?;
+        let ends_with_depth = self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth);
+        for factor in outline::RADII.into_iter().filter(|_| ends_with_depth) {
+            let drawn = self.drawn_again(&fit.cylinder, factor);
+            if drawn.iter().all(Option::is_none) {
+                break;
+            }
+            match self.fit_views(drawn, &mut run, || {}) {
+                Ok(again) => (bodies, fit) = again,
+                Err(error @ Error::Cancelled { .. }) => return Err(error),
+                Err(_) => break,
+            }
+        }
+        let data = self.data_of(&bodies)?;
         let ended = seconds();
         let mut result =
             describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
@@ -187,6 +197,7 @@ impl Fitter {
             result.seconds.start = started;
             result.seconds.solve = ended - started;
         }
+        result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
         result.seconds.total = seconds();
         self.made_with = Some(MadeWith { held: fit.held, bodies });
         self.result = Some(result);
@@ -315,13 +326,58 @@ impl Fitter {
         asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
-    /// By view: the part of it that is the body, where its mask holds more. The other objectives take the mask as it is.
-    fn bodies(&self, run: &mut Run<'_>) -> Result<Vec<Option<View>>> {
-        if self.options.method != Method::Fused || self.options.objective != ObjectiveKind::Robust {
+    /// A fit of the views, of which some are `drawn` again, and by view what was fitted of it where that is not the view
+    /// as it was pushed.
+    fn fit_views(
+        &self,
+        drawn: Vec<Option<View>>,
+        run: &mut Run<'_>,
+        started: impl FnOnce(),
+    ) -> Result<(Vec<Option<View>>, fit::Fit)> {
+        let bodies = self.bodies(drawn, run)?;
+        let data = self.data_of(&bodies)?;
+        if run.poll().is_break() {
+            return Err(Error::Cancelled { iterations: 0 });
+        }
+        let fit = fit::fit(&data, run, started)?;
+        Ok((bodies, fit))
+    }
+
+    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
+    fn drawn_again(&self, cylinder: &Cylinder, factor: f64) -> Vec<Option<View>> {
+        let again = |view: &View| {
+            let needed = view.image().is_some() && view.mask_ends_with_depth();
+            let seen = view.pose().inverse().cylinder(cylinder);
+            needed.then(|| view.with_sides_of(&seen, factor)).flatten()
+        };
+        self.views.iter().map(again).collect()
+    }
+
+    /// Whether a fit asks what in a mask is the body. The other objectives take the mask as it is.
+    fn takes_bodies(&self) -> bool {
+        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Robust
+    }
+
+    /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
+    /// its mask holds more, or the view that was drawn again.
+    fn bodies(&self, drawn: Vec<Option<View>>, run: &mut Run<'_>) -> Result<Vec<Option<View>>> {
+        if !self.takes_bodies() {
             return Ok(Vec::new());
         }
         let start = self.start.as_ref();
-        self.views.iter().map(|view| body::separate(view, &self.options, start, run)).collect()
+        let mut drawn = drawn.into_iter();
+        let body = |view: &View| {
+            let drawn = drawn.next().flatten();
+            let body = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
+            Ok(body.or(drawn))
+        };
+        self.views.iter().map(body).collect()
+    }
+
+    /// The mask of a view as the last fit took it.
+    pub(crate) fn fitted_mask(&self, view: usize) -> Option<&Mask> {
+        let of_fit = self.made_with.as_ref().and_then(|made_with| made_with.bodies.get(view)?.as_ref());
+        of_fit.unwrap_or(&self.views[view]).mask.as_ref()
     }
 
     /// The data of the last fit, or of everything that was pushed.

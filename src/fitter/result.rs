@@ -48,6 +48,9 @@ bitflags::bitflags! {
         /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
         /// [`FitResult::shift`].
         const DEPTH_SHIFTED = 1 << 16;
+        /// A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
+        /// where the limbs are. With an image they were drawn again about the cylinder of a first fit.
+        const MASK_ENDS_WITH_DEPTH = 1 << 17;
     }
 }
 

@@ -120,6 +120,38 @@ impl Mask {
         })
     }
 
+    /// The pixels that are not set beside one that is, row by row.
+    pub fn surroundings(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let wider =
+            |range: &Range<usize>, end: usize| range.start.saturating_sub(1)..(range.end + 1).min(end);
+        let (columns, rows) = (wider(&self.columns, self.width), wider(&self.rows, self.height));
+        let beside = |column: usize, row: usize| {
+            let set = |column, row| self.contains(column, row);
+            // Left of the first column and above the first row lies outside.
+            set(column.wrapping_sub(1), row)
+                || set(column + 1, row)
+                || set(column, row.wrapping_sub(1))
+                || set(column, row + 1)
+        };
+        rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
+            .filter(move |&(column, row)| !self.contains(column, row) && beside(column, row))
+    }
+
+    /// The mask with the pixels (column, row) of the image that belong to it, too.
+    #[must_use]
+    pub fn extended(&self, belongs: impl Fn((usize, usize)) -> bool) -> Self {
+        let mut extended = self.clone();
+        for index in 0..self.pixels.len() {
+            let (column, row) = (index % self.width, index / self.width);
+            if !self.pixels[index] && belongs((column, row)) {
+                extended.pixels[index] = true;
+                extended.columns = extended.columns.start.min(column)..extended.columns.end.max(column + 1);
+                extended.rows = extended.rows.start.min(row)..extended.rows.end.max(row + 1);
+            }
+        }
+        extended
+    }
+
     /// The columns and rows beyond which no pixel is set.
     #[must_use]
     pub fn bounds(&self) -> (Range<usize>, Range<usize>) {
@@ -163,6 +195,13 @@ mod tests {
         assert_eq!(mask.outline().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
         let whole = Mask::copy(&MaskView::from_u8(&[1; 12], (4, 3)).unwrap()).unwrap();
         assert_eq!((whole.count(), whole.outline().count()), (12, 10));
+        assert_eq!(whole.surroundings().count(), 0);
+        assert_eq!(mask.surroundings().collect::<Vec<_>>(), [(0, 0), (2, 0), (1, 1)]);
+        let extended = mask.extended(|(column, row)| column + row == 3);
+        assert_eq!(extended.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
+        let extended = mask.extended(|(column, row)| column + row < 2);
+        assert_eq!(extended.set_pixels().collect::<Vec<_>>(), [(0, 0), (1, 0), (0, 1), (2, 1)]);
+        assert_eq!(extended.bounds(), (0..3, 0..2));
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();
         assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");

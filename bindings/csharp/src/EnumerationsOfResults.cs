@@ -95,6 +95,9 @@ namespace Cylfuse
         /// <summary>Depth and image are shifted against each other across the axis, by a wrong registration or wrong
         /// principal points.</summary>
         DepthShifted = 65536,
+        /// <summary>A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are
+        /// no hint where the limbs are.</summary>
+        MaskEndsWithDepth = 131072,
     }
 
     /// <summary>Which residuals to list.</summary>

@@ -335,6 +335,8 @@ class ResultFlags(IntFlag):
     UNCERTAINTY_UNKNOWN = 32768
     #: Depth and image are shifted against each other across the axis.
     DEPTH_SHIFTED = 65536
+    #: A mask holds the pixels that have depth and no others: its sides are no hint where the limbs are.
+    MASK_ENDS_WITH_DEPTH = 131072
 
     @property
     def names(self) -> list[str]:

@@ -216,6 +216,9 @@ fn explain(flag: Flags, result: &FitResult) -> String {
         }
         Flags::POINTS_AND_LIMBS_DISAGREE => return disagreement(result),
         Flags::DEPTH_SHIFTED => return shifted(result),
+        Flags::MASK_ENDS_WITH_DEPTH => {
+            "the mask ends where the depth does; its sides are no hint where the limbs are"
+        }
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()

@@ -51,7 +51,12 @@ public enum ResultFlag {
     /**
      * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points.
      */
-    DEPTH_SHIFTED(65536);
+    DEPTH_SHIFTED(65536),
+    /**
+     * A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
+     * where the limbs are.
+     */
+    MASK_ENDS_WITH_DEPTH(131072);
 
     private final int value;
 
