@@ -147,6 +147,7 @@ impl WithSimd for Derivatives<'_> {
     type Output = ();
 
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "eight places of the image and three of the gradient")]
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { values, height, gradient } = self;
         let width = gradient.width;
@@ -165,7 +166,7 @@ impl WithSimd for Derivatives<'_> {
                 let gx = 3.0 * (c[k] - a[k] + i[k] - g[k]) + 10.0 * (f[k] - d[k]);
                 let gy = 3.0 * (g[k] - a[k] + i[k] - c[k]) + 10.0 * (h[k] - b[k]);
                 (x[k], y[k]) = (gx, gy);
-                // Exact but for the rounding of sum and root, as no hypotenuse by f32 is.
+                // In f64 the squares are exact, and do not overflow.
                 let [gx, gy] = [gx, gy].map(f64::from);
                 magnitudes[k] = (gx * gx + gy * gy).sqrt() as f32;
             }
