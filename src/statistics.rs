@@ -33,12 +33,17 @@ fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     f64::from_bits(nth(&mut sizes, place))
 }
 
+const SIGN: u64 = 1 << 63;
+
+/// The bits of a number, in the order of `f64::total_cmp`: those of negative ones are turned round.
+pub(crate) fn ordered(number: f64) -> u64 {
+    let bits = number.to_bits();
+    if bits & SIGN == 0 { bits | SIGN } else { !bits }
+}
+
 /// The numbers at some places of the ordered list, of which there must be as many.
 pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
-    const SIGN: u64 = 1 << 63;
-    // Bits in the order of the numbers: those of negative ones are turned round.
-    let mut ordered: Vec<u64> =
-        numbers.map(f64::to_bits).map(|bits| if bits & SIGN == 0 { bits | SIGN } else { !bits }).collect();
+    let mut ordered: Vec<u64> = numbers.map(ordered).collect();
     places.map(|place| {
         let bits = nth(&mut ordered, place);
         f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })

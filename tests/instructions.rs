@@ -1,4 +1,5 @@
-//! How many instructions whole fits take, by valgrind's callgrind, against the numbers in `tests/data/instructions.txt`.
+//! How many instructions whole fits and detections take, by valgrind's callgrind, against the numbers in
+//! `tests/data/instructions.txt`.
 //! A clock can't tell a change of 3 % on a shared machine; this can.
 //!
 //! The numbers belong to a compiler, a C library and a processor with AVX2, up to which valgrind follows the choice of
@@ -13,7 +14,7 @@ mod frames;
 mod support;
 
 use cylfuse::fitter::{Fitter, Options, StartKind};
-use cylfuse::observations::{DepthRange, DepthView, MaskView};
+use cylfuse::observations::{DepthRange, DepthView, MaskView, PointsView};
 use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
@@ -30,7 +31,7 @@ const CASE: &str = "CYLFUSE_INSTRUCTIONS_OF";
 
 type Case = (&'static str, fn());
 
-const CASES: [Case; 10] = [
+const CASES: [Case; 13] = [
     ("robust, image and edges", || repeated(fits::framed(true, true))),
     ("robust, image and mask", || repeated(fits::framed(true, false))),
     ("robust, edges", || repeated(fits::framed(false, true))),
@@ -47,6 +48,15 @@ const CASES: [Case; 10] = [
         repeated(fits::noisy(5_000, true, fits::paper(StartKind::Model)));
     }),
     ("depth image with mask pushed", pushed),
+    ("scene with image", || detected(true)),
+    ("scene without image", || detected(false)),
+    ("scene as a cloud", || {
+        let (detector, points) = (fits::detector(), fits::cloud_of_scene());
+        let points = PointsView::from_f64(&points);
+        counted_by_callgrind(|| {
+            black_box(detector.detect_points(&points).unwrap());
+        });
+    }),
 ];
 
 /// What callgrind counts.
@@ -70,6 +80,13 @@ fn pushed() {
     let mask = MaskView::from_u8(&inputs.mask, inputs.size).unwrap();
     counted_by_callgrind(|| {
         fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+    });
+}
+
+fn detected(image: bool) {
+    let (detector, frame) = (fits::detector(), fits::scene(image));
+    counted_by_callgrind(|| {
+        black_box(detector.detect(&frame).unwrap());
     });
 }
 

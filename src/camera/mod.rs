@@ -257,13 +257,21 @@ impl Camera {
 
     /// The ray with z = 1 that the pixel of the (distorted) image sees, for pixels in the image and beyond its
     /// border. `None` when no ray of the valid field goes there, or not finite.
+    #[inline]
     #[must_use]
     pub fn unproject(&self, pixel: &Vector2<f64>) -> Option<Vector3<f64>> {
         let distorted = finite(self.on_image_plane(pixel))?;
+        if matches!(self.lens, Lens::Pinhole) {
+            return Some(ray_through(&distorted));
+        }
+        self.unproject_through_lens(pixel, &distorted)
+    }
+
+    fn unproject_through_lens(&self, pixel: &Vector2<f64>, distorted: &Vector2<f64>) -> Option<Vector3<f64>> {
         let ideal = match &self.lens {
-            Lens::Pinhole => return Some(ray_through(&distorted)),
-            Lens::BrownConrady(lens) => lens.undistort(&distorted)?,
-            Lens::KannalaBrandt(lens) => lens.undistort(&distorted),
+            Lens::Pinhole => *distorted,
+            Lens::BrownConrady(lens) => lens.undistort(distorted)?,
+            Lens::KannalaBrandt(lens) => lens.undistort(distorted),
         };
         // The lens gives the best ray of its valid field, which for a pixel outside is not the ray of that
         // pixel: only this comparison tells the two apart.
@@ -328,6 +336,7 @@ impl Camera {
         Vector2::new(fx * plane.x + cx, fy * plane.y + cy)
     }
 
+    #[inline]
     fn on_image_plane(&self, pixel: &Vector2<f64>) -> Vector2<f64> {
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         Vector2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy)
@@ -340,10 +349,12 @@ fn on_unit_plane(p: &Vector3<f64>) -> Option<Vector2<f64>> {
 }
 
 /// The ray through a point of the plane z = 1.
+#[inline]
 fn ray_through(plane: &Vector2<f64>) -> Vector3<f64> {
     Vector3::new(plane.x, plane.y, 1.0)
 }
 
+#[inline]
 fn finite(v: Vector2<f64>) -> Option<Vector2<f64>> {
     (v.x.is_finite() && v.y.is_finite()).then_some(v)
 }

@@ -4,7 +4,7 @@ use super::effort::Effort;
 use super::grid::{Cell, Grid};
 use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
 use super::noise::Noise;
-use super::outline::{Side, outline};
+use super::outline::{Normals, Side, outline};
 use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
@@ -25,6 +25,8 @@ pub(super) struct Scene<'a> {
     pub noise: Noise,
     /// Number of the plane of each cell plus 1; 0 for none.
     pub planes: &'a [u16],
+    /// The normals at the cells.
+    pub normals: Normals,
     /// How the scene was measured.
     pub optics: Optics,
     /// The image, where there is one.
@@ -67,20 +69,22 @@ pub(super) struct Candidate {
 }
 
 impl Scene<'_> {
-    /// Squared distance of a cell from the surface in standard deviations, infinite on the wall that is not seen.
-    pub fn misfit(&self, surface: &Surface, cell: &Cell) -> f64 {
-        let (place, distance, sigma, _) = surface.residual(cell, self.optics.pixel);
-        if !surface.faces(&cell.point, &place.normal) {
-            return f64::INFINITY;
+    /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
+    pub fn misfit(&self, surface: &Surface) -> impl Fn(&Cell) -> f64 {
+        let (surface, pixel, inside) = (*surface, self.optics.pixel, surface.contains_origin());
+        move |cell| {
+            let (place, distance, variance) = surface.residual(cell, pixel);
+            // The observer sees the near wall from outside, the far one from inside.
+            let seen = (place.normal.dot(&cell.point) < 0.0) != inside;
+            if seen { distance * distance / variance } else { f64::INFINITY }
         }
-        (distance / sigma).powi(2)
     }
 
     /// The gain of a surface over cells.
     pub fn gain(&self, surface: &Surface, cells: &[usize]) -> f64 {
         self.effort.spend(cells.len());
-        let sum: f64 =
-            cells.iter().map(|&k| (REACH * REACH - self.misfit(surface, &self.grid.cells[k])).max(0.0)).sum();
+        let misfit = self.misfit(surface);
+        let sum: f64 = cells.iter().map(|&k| (REACH * REACH - misfit(&self.grid.cells[k])).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
     }
 
@@ -137,9 +141,10 @@ impl Scene<'_> {
         mark: &mut Marks,
     ) -> Vec<usize> {
         mark.next();
+        let misfit = self.misfit(surface);
         let on = |k: usize| {
             let cell = &self.grid.cells[k];
-            cell.measured() && free(k) && self.misfit(surface, cell) <= REACH * REACH
+            cell.measured() && free(k) && misfit(cell) <= REACH * REACH
         };
         let mut cells = Vec::new();
         for &k in seeds {

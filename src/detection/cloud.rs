@@ -1,7 +1,7 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
 use super::grid::{Grid, side_of_cells};
-use super::search::{label, search};
+use super::search::{count_pixels, label, search};
 use super::{DetectionOptions, Detections};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Line};
@@ -102,13 +102,13 @@ pub(crate) fn detect_points_until(
         }
     }
     let mut cylinders = seen.cylinders;
-    for (index, detection) in cylinders.iter_mut().enumerate() {
+    for detection in &mut cylinders {
         let Cylinder { axis, radius } = detection.cylinder;
         let back = viewpoint.rotation.transpose();
         let axis = Line { point: back * axis.point + viewpoint.origin, direction: back * axis.direction };
         detection.cylinder = Cylinder { axis, radius };
-        detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
     }
+    count_pixels(&mut cylinders, &labels);
     Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, image: None })
 }
 

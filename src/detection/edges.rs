@@ -4,6 +4,7 @@
 use crate::camera::Camera;
 use crate::observations::GreyImage;
 use nalgebra::{Matrix2, Vector2};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Pixels across the longer side of the image in which edges are looked for: larger ones are averaged in boxes.
 const PIXELS_ACROSS: f64 = 640.0;
@@ -46,10 +47,11 @@ impl Edge {
     }
 }
 
-/// The gradient of an image.
+/// The gradient of an image: its parts along rows and columns, and its magnitudes.
 struct Gradient {
     width: usize,
-    vectors: Vec<Vector2<f32>>,
+    x: Vec<f32>,
+    y: Vec<f32>,
     magnitudes: Vec<f32>,
 }
 
@@ -59,13 +61,20 @@ impl Gradient {
     fn stands_out(&self, k: usize) -> bool {
         let (x, y) = ((k % self.width) as f32, (k / self.width) as f32);
         let height = self.magnitudes.len() / self.width;
-        let unit = self.vectors[k] / self.magnitudes[k];
-        (-BESIDE..=BESIDE).all(|step| {
-            let place =
-                [x + unit.x * step as f32, y + unit.y * step as f32].map(|t| t.round().max(0.0) as usize);
+        let unit = self.unit(k);
+        // Rounds as `f32::round` does, which is a call; the conversion holds what is below 0 at 0.
+        let rounded = |t: f32| t as u32 + u32::from(t - (t as u32) as f32 >= 0.5);
+        (-BESIDE..=BESIDE).filter(|&step| step != 0).all(|step| {
+            let place = [x + unit.x * step as f32, y + unit.y * step as f32].map(|t| rounded(t) as usize);
             let other = place[1].min(height - 1) * self.width + place[0].min(self.width - 1);
             2.0 * self.magnitudes[k] >= self.magnitudes[other]
         })
+    }
+
+    /// The direction of a gradient.
+    #[inline]
+    fn unit(&self, k: usize) -> Vector2<f32> {
+        Vector2::new(self.x[k], self.y[k]) / self.magnitudes[k]
     }
 }
 
@@ -75,14 +84,18 @@ pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
     let gradient = gradient(&reduced(image, factor), image.width() / factor, image.height() / factor);
     let mut found = Vec::new();
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
-    let mut free: Vec<bool> = (0..gradient.magnitudes.len())
-        .map(|k| gradient.magnitudes[k] > threshold && gradient.stands_out(k))
-        .collect();
-    let mut order: Vec<usize> = (0..free.len()).filter(|&k| free[k]).collect();
-    order
-        .sort_unstable_by(|&a, &b| gradient.magnitudes[b].total_cmp(&gradient.magnitudes[a]).then(a.cmp(&b)));
+    let mut free = vec![false; gradient.magnitudes.len()];
+    let mut order: Vec<u64> = Vec::new();
+    for (k, &magnitude) in gradient.magnitudes.iter().enumerate() {
+        if magnitude > threshold && gradient.stands_out(k) {
+            free[k] = true;
+            order.push(u64::from(!magnitude.to_bits()) << 32 | k as u64);
+        }
+    }
+    // The strongest first, those alike in their order: numbers without sign are ordered as their bits are.
+    order.sort_unstable();
     let mut region = Vec::new();
-    for seed in order {
+    for seed in order.into_iter().map(|key| key as u32 as usize) {
         if !free[seed] {
             continue;
         }
@@ -115,40 +128,81 @@ fn reduced(image: &GreyImage, factor: usize) -> Vec<f32> {
 
 /// Scharr's derivatives; zero along the border.
 fn gradient(values: &[f32], width: usize, height: usize) -> Gradient {
-    let mut vectors = vec![Vector2::zeros(); values.len()];
-    let mut magnitudes = vec![0.0; values.len()];
-    for y in 1..height.saturating_sub(1) {
-        for x in 1..width.saturating_sub(1) {
-            let k = y * width + x;
-            let at = |dx: isize, dy: isize| {
-                values[k.wrapping_add_signed(dy * width as isize).wrapping_add_signed(dx)]
+    let none = || vec![0.0; values.len()];
+    let mut gradient = Gradient { width, x: none(), y: none(), magnitudes: none() };
+    if width > 2 {
+        Arch::new().dispatch(Derivatives { values, height, gradient: &mut gradient });
+    }
+    gradient
+}
+
+/// The derivatives of all rows but the first and the last, with the widest vector instructions of the machine.
+struct Derivatives<'a> {
+    values: &'a [f32],
+    height: usize,
+    gradient: &'a mut Gradient,
+}
+
+impl WithSimd for Derivatives<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "eight places of the image and three of the gradient")]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { values, height, gradient } = self;
+        let width = gradient.width;
+        let inner = width - 2;
+        for row in 1..height.saturating_sub(1) {
+            let line = |row: usize| {
+                let line = &values[row * width..(row + 1) * width];
+                [0, 1, 2].map(|first| &line[first..first + inner])
             };
-            let gx = 3.0 * (at(1, -1) - at(-1, -1) + at(1, 1) - at(-1, 1)) + 10.0 * (at(1, 0) - at(-1, 0));
-            let gy = 3.0 * (at(-1, 1) - at(-1, -1) + at(1, 1) - at(1, -1)) + 10.0 * (at(0, 1) - at(0, -1));
-            vectors[k] = Vector2::new(gx, gy);
-            magnitudes[k] = gx.hypot(gy);
+            let ([a, b, c], [d, _, f], [g, h, i]) = (line(row - 1), line(row), line(row + 1));
+            let own = row * width + 1..row * width + 1 + inner;
+            let x = &mut gradient.x[own.clone()];
+            let y = &mut gradient.y[own.clone()];
+            let magnitudes = &mut gradient.magnitudes[own];
+            for k in 0..inner {
+                let gx = 3.0 * (c[k] - a[k] + i[k] - g[k]) + 10.0 * (f[k] - d[k]);
+                let gy = 3.0 * (g[k] - a[k] + i[k] - c[k]) + 10.0 * (h[k] - b[k]);
+                (x[k], y[k]) = (gx, gy);
+                // In f64 the squares are exact, and do not overflow.
+                let [gx, gy] = [gx, gy].map(f64::from);
+                magnitudes[k] = (gx * gx + gy * gy).sqrt() as f32;
+            }
         }
     }
-    Gradient { width, vectors, magnitudes }
 }
 
 /// From where on a gradient is none of noise; `None` where the image is flat.
 fn threshold(magnitudes: &[f32]) -> Option<f32> {
-    let mut sorted = magnitudes.to_vec();
-    if sorted.is_empty() {
-        return None;
-    }
-    let quarter = sorted.len() / 4;
-    let quartile = *sorted.select_nth_unstable_by(quarter, f32::total_cmp).1;
-    let largest = magnitudes.iter().copied().fold(0.0, f32::max);
+    let quartile = lower_quartile(magnitudes)?;
+    let largest = magnitudes.iter().fold(0.0, |largest, &size| if size > largest { size } else { largest });
     // Images without noise have no quartile.
     let threshold = (SIGNIFICANT / QUARTILE) as f32 * quartile;
     (largest > 0.0).then_some(threshold.max(0.01 * largest))
 }
 
+/// The number without sign that a quarter of those in a list lie below; `None` of no numbers.
+fn lower_quartile(numbers: &[f32]) -> Option<f32> {
+    // They are ordered as their bits are: counted by the upper half of these, then looked for among those that share it.
+    let upper = |number: &f32| (number.to_bits() >> 16) as usize;
+    let mut counts = vec![0_usize; 1 << 16];
+    numbers.iter().for_each(|number| counts[upper(number)] += 1);
+    let mut place = numbers.len() / 4;
+    let of_quartile = counts.iter().position(|&count| {
+        let there = place < count;
+        place -= if there { 0 } else { count };
+        there
+    })?;
+    let mut alike: Vec<u32> =
+        numbers.iter().filter(|number| upper(number) == of_quartile).map(|number| number.to_bits()).collect();
+    Some(f32::from_bits(*alike.select_nth_unstable(place).1))
+}
+
 /// The pixels around a seed with gradients of one direction.
 fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<usize>) {
-    let unit = |k: usize| gradient.vectors[k] / gradient.magnitudes[k];
+    let unit = |k: usize| gradient.unit(k);
     region.clear();
     region.push(seed);
     free[seed] = false;

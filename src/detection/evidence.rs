@@ -235,13 +235,14 @@ impl Scene<'_> {
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut squares = 0.0;
+        let misfit = self.misfit(&candidate.surface);
         for &k in &candidate.cells {
             let cell = &self.grid.cells[k];
-            let (across, _) = passes(&cylinder, cell.x, cell.y)?;
+            let across = passes(&cylinder, cell.x, cell.y)?;
             let along = candidate.surface.place(&cell.point).along;
             (first, last) = (first.min(along), last.max(along));
             (left, right) = (left.min(across), right.max(across));
-            squares += self.misfit(&candidate.surface, cell).min(REACH * REACH);
+            squares += misfit(cell).min(REACH * REACH);
         }
         if cylinder.contains_origin() {
             // From inside, rays pass the axis at any distance; the turn of the wall tells how much of it is seen.
@@ -343,7 +344,7 @@ impl Scene<'_> {
             .iter()
             .map(|&k| {
                 let cell = &self.grid.cells[k];
-                (passes(cylinder, cell.x, cell.y).map_or(0.0, |p| p.0), k)
+                (passes(cylinder, cell.x, cell.y).unwrap_or(0.0), k)
             })
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -410,16 +411,19 @@ impl Scene<'_> {
                     continue;
                 }
                 let ray = Vector3::new(cell.x, cell.y, 1.0);
-                let Some((across, along)) = passes(cylinder, cell.x, cell.y) else { continue };
-                if across.abs() > 0.8 || along < first + inset || along > last - inset {
+                if !passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() <= 0.8) {
                     continue;
                 }
                 let Some(hit) = cylinder.first_hit(&ray) else { continue };
+                let along = (hit - cylinder.axis.point).dot(&cylinder.axis.direction);
+                if along < first + inset || along > last - inset {
+                    continue;
+                }
                 let normal = candidate.surface.place(&hit).normal;
-                let (_, _, sigma, _) =
+                let (_, _, variance) =
                     candidate.surface.residual(&Cell { point: hit, ..*cell }, self.optics.pixel);
                 let behind = (cell.point.z - hit.z) * normal.dot(&ray).abs();
-                let tolerance = (1.3 * REACH * sigma).max(LID * cylinder.radius);
+                let tolerance = (1.3 * REACH * variance.sqrt()).max(LID * cylinder.radius);
                 if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
                     through += 1.0;
                 } else if behind.abs() <= tolerance {

@@ -72,7 +72,7 @@ impl Grid {
         (width, height): (usize, usize),
         spacing: f64,
         side: usize,
-        point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
+        point: &impl Fn(usize, usize) -> Option<Vector3<f64>>,
     ) -> Self {
         let (columns, rows) = (width / side, height / side);
         let spacing = spacing * side as f64;
@@ -96,10 +96,21 @@ impl Grid {
         if 3 * pixels.len() < full {
             return Cell::EMPTY;
         }
-        depths.clear();
-        depths.extend(pixels.iter().map(|p| p.z));
-        let middle = median(depths);
-        let reach = 0.5 * STEEPEST * spacing * middle;
+        let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+        for p in pixels {
+            near = if p.z < near { p.z } else { near };
+            far = if p.z > far { p.z } else { far };
+        }
+        let reach_at = |middle: f64| 0.5 * STEEPEST * spacing * middle;
+        // Most cells see one surface: what is within reach of the nearest of them is within that of the middle one, too.
+        let (middle, reach) = if far - near <= reach_at(near) {
+            (near, reach_at(near))
+        } else {
+            depths.clear();
+            depths.extend(pixels.iter().map(|p| p.z));
+            let middle = median(depths);
+            (middle, reach_at(middle))
+        };
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);
         for p in pixels {
             if (p.z - middle).abs() <= reach {
@@ -126,21 +137,21 @@ impl Grid {
             return false;
         }
         let depth = a.point.z.min(b.point.z);
-        let across = (a.x - b.x).hypot(a.y - b.y).max(self.spacing);
+        let (right, down) = (a.x - b.x, a.y - b.y);
+        let across = (right * right + down * down).sqrt().max(self.spacing);
         (a.point.z - b.point.z).abs() <= STEEPEST * across * depth + 3.0 * (a.sigma + b.sigma)
     }
 
-    /// The neighbours of a cell above, below, left and right.
-    pub fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> {
+    /// The neighbours of a cell left, right, above and below; beyond the border the cell itself.
+    #[inline]
+    pub fn neighbours(&self, index: usize) -> [usize; 4] {
         let (column, row) = (index % self.columns, index / self.columns);
         let columns = self.columns;
         [
-            (column > 0).then(|| index - 1),
-            (column + 1 < columns).then_some(index + 1),
-            (row > 0).then(|| index - columns),
-            (row + 1 < self.rows).then_some(index + columns),
+            if column > 0 { index - 1 } else { index },
+            if column + 1 < columns { index + 1 } else { index },
+            if row > 0 { index - columns } else { index },
+            if row + 1 < self.rows { index + columns } else { index },
         ]
-        .into_iter()
-        .flatten()
     }
 }

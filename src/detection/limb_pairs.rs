@@ -84,7 +84,7 @@ impl ImageEdges {
                 image(&limb.nearest_to(&(cylinder.axis.point + cylinder.axis.direction * along)))
             };
             let (start, end) = (at(first)?, at(last)?);
-            let (across, _) = passes(cylinder, start.x, start.y)?;
+            let across = passes(cylinder, start.x, start.y)?;
             let side = usize::from(across > 0.0);
             let length = (end - start).norm();
             if !(length > self.pixel) {

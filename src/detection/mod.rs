@@ -8,6 +8,7 @@ mod evidence;
 mod grid;
 mod limb_pairs;
 mod noise;
+mod normal_equations;
 mod outline;
 mod parts;
 mod patch;
@@ -151,12 +152,12 @@ pub(crate) fn detect_until(
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
     let mut points: Vec<Vector3<f32>> = Vec::with_capacity(width * height);
     for row in 0..height {
-        for column in 0..width {
+        points.extend((0..width).map(|column| {
             let point = depth.depth(column, row).and_then(|z| {
                 camera.unproject(&Vector2::new(column as f64, row as f64)).map(|ray| (ray * z).cast::<f32>())
             });
-            points.push(point.unwrap_or_default());
-        }
+            point.unwrap_or_default()
+        }));
     }
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;

@@ -5,24 +5,25 @@ use super::grid::Cell;
 use super::surface::Surface;
 use crate::geometry::Cylinder;
 use nalgebra::Vector3;
+use std::cell::OnceCell;
 
-/// Where a ray passes a cylinder: across the axis in radii, −1 to 1 on the body, and the point next to the axis along
-/// it.
-pub(crate) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<(f64, f64)> {
-    let ray = Vector3::new(x, y, 1.0);
-    let axis = &cylinder.axis;
-    let normal = ray.cross(&axis.direction);
+/// Where a ray passes a cylinder across the axis, in radii: −1 to 1 on the body.
+#[inline]
+pub(crate) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<f64> {
+    let normal = Vector3::new(x, y, 1.0).cross(&cylinder.axis.direction);
     let norm = normal.norm();
     if norm < 1e-9 {
         return None;
     }
-    let across = normal.dot(&axis.point) / (norm * cylinder.radius);
-    let along = match cylinder.first_hit(&ray) {
-        Some(hit) => (hit - axis.point).dot(&axis.direction),
-        // The foot of the common perpendicular on the axis.
-        None => (ray * axis.nearest_on_ray(&ray) - axis.point).dot(&axis.direction),
-    };
-    Some((across, along))
+    Some(normal.dot(&cylinder.axis.point) / (norm * cylinder.radius))
+}
+
+/// Where a ray meets a cylinder along the axis, or passes it.
+pub(super) fn meets(cylinder: &Cylinder, ray: &Vector3<f64>) -> f64 {
+    let axis = &cylinder.axis;
+    // The foot of the common perpendicular on the axis, where the ray passes.
+    let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
+    (point - axis.point).dot(&axis.direction)
 }
 
 /// What follows the outermost cell of a line across the axis.
@@ -36,6 +37,19 @@ pub(super) enum Beyond {
     Missing,
     /// Something nearer, the border of the image, or an edge where another surface begins.
     Hidden,
+}
+
+/// The normals at the cells of a grid, each once it is asked for.
+pub(super) struct Normals(Vec<OnceCell<Option<Vector3<f64>>>>);
+
+impl Normals {
+    pub fn new(cells: usize) -> Self {
+        Self(vec![OnceCell::new(); cells])
+    }
+
+    fn at(&self, k: usize, compute: impl FnOnce() -> Option<Vector3<f64>>) -> Option<Vector3<f64>> {
+        *self.0[k].get_or_init(compute)
+    }
 }
 
 /// The end of a line across the axis at one side.
@@ -78,7 +92,7 @@ pub(super) fn outline(
     let mut outermost: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; count];
     for &k in cells {
         let cell = &grid.cells[k];
-        let Some((across, _)) = passes(cylinder, cell.x, cell.y) else { continue };
+        let Some(across) = passes(cylinder, cell.x, cell.y) else { continue };
         let line = (((along(k) - first) / width * count as f64) as usize).min(count - 1);
         for (side, across) in [(0, -across), (1, across)] {
             if outermost[line][side].is_none_or(|(best, _)| across > best) {
@@ -96,11 +110,11 @@ impl Scene<'_> {
         let grid = self.grid;
         let cell = &grid.cells[k];
         // The direction across the axis in the image: that in which the position across grows.
-        let here = passes(cylinder, cell.x, cell.y).map_or(0.0, |p| p.0);
+        let here = passes(cylinder, cell.x, cell.y).unwrap_or(0.0);
         let step = grid.spacing;
-        let slope = |x: f64, y: f64| passes(cylinder, x, y).map_or(0.0, |p| p.0) - here;
+        let slope = |x: f64, y: f64| passes(cylinder, x, y).unwrap_or(0.0) - here;
         let (mut dx, mut dy) = (slope(cell.x + step, cell.y), slope(cell.x, cell.y + step));
-        let norm = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let norm = (dx * dx + dy * dy).sqrt().max(f64::MIN_POSITIVE);
         (dx, dy) = (sign * dx / norm, sign * dy / norm);
         let ray = |cell: &Cell| {
             let half = 0.5 * step * cell.fill;
@@ -129,7 +143,7 @@ impl Scene<'_> {
                 let farther = cell.point.z > grid.cells[before].point.z;
                 return end(if farther { Beyond::Farther } else { Beyond::Hidden }, before);
             }
-            let Some(normal) = self.normal(next) else {
+            let Some(normal) = self.normals.at(next, || self.normal(next)) else {
                 before = next;
                 continue;
             };
@@ -138,8 +152,8 @@ impl Scene<'_> {
             let steep = normal.dot(&cell.point.normalize()).abs() < 0.3;
             if place.distance > 0.0 && !steep && -normal.dot(&place.normal) > 0.3 {
                 // A single cell within the outline may be the last of the cylinder itself.
-                smooth +=
-                    if passes(cylinder, cell.x, cell.y).is_some_and(|p| p.0.abs() > 1.0) { 2 } else { 1 };
+                let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
+                smooth += if past { 2 } else { 1 };
                 if smooth >= 2 {
                     return end(Beyond::Smooth, k);
                 }

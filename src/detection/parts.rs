@@ -71,7 +71,8 @@ fn joined(
     let mut best: Option<(f64, Surface, Vec<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
-        let on = |&k: &usize| scene.misfit(&surface, &scene.grid.cells[k]) <= REACH * REACH;
+        let misfit = scene.misfit(&surface);
+        let on = |&k: &usize| misfit(&scene.grid.cells[k]) <= REACH * REACH;
         let on: Vec<usize> = cells.iter().copied().filter(on).collect();
         let worth = scene.worth(&surface, &on, marks);
         if best.as_ref().is_none_or(|(most, ..)| worth > *most) {

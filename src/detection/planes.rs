@@ -1,5 +1,6 @@
 //! Large planes: table, walls, faces of boxes, caps. Seeds are blocks of cells; planes grow and then have to be flat.
 
+use super::candidate::Marks;
 use super::effort::Effort;
 use super::grid::Grid;
 use super::noise::Noise;
@@ -74,6 +75,7 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Ve
     let mut taken = vec![false; blocks.len()];
     let mut owner = vec![0_u16; grid.cells.len()];
     let mut number = 0_u16;
+    let (mut seen_blocks, mut seen_cells) = (Marks::new(blocks.len()), Marks::new(grid.cells.len()));
     for seed in order {
         if taken[seed] {
             continue;
@@ -81,15 +83,17 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Ve
         if effort.ask() {
             break;
         }
-        let Some((plane, members)) = grow(&blocks, (columns, rows), seed, &taken, noise) else { continue };
+        let Some((plane, members)) = grow(&blocks, (columns, rows), seed, &taken, noise, &mut seen_blocks)
+        else {
+            continue;
+        };
         // A seed that leads nowhere is not tried again, its neighbours are.
         taken[seed] = true;
         if members.len() * BLOCK * BLOCK < FEWEST {
             continue;
         }
-        let Some(found) = settle(grid, noise, plane, (seed % columns, seed / columns), &owner) else {
-            continue;
-        };
+        let place = (seed % columns, seed / columns);
+        let Some(found) = settle(grid, noise, plane, place, &owner, &mut seen_cells) else { continue };
         let Some(next) = number.checked_add(1) else { break };
         number = next;
         members.iter().for_each(|&k| taken[k] = true);
@@ -123,12 +127,13 @@ fn grow(
     seed: usize,
     taken: &[bool],
     noise: &Noise,
+    seen: &mut Marks,
 ) -> Option<(Vector3<f64>, Vec<usize>)> {
     let mut sums = blocks[seed]?.0;
     let (mut plane, _) = sums.solve()?;
     let mut members = vec![seed];
-    let mut seen = vec![false; blocks.len()];
-    seen[seed] = true;
+    seen.next();
+    seen.set(seed);
     let (mut next, mut solved_at) = (0, 1);
     while next < members.len() {
         let k = members[next];
@@ -141,14 +146,14 @@ fn grow(
             (row + 1 < rows).then_some(k + columns),
         ];
         for neighbour in around.into_iter().flatten() {
-            if seen[neighbour] || taken[neighbour] {
+            if seen.has(neighbour) || taken[neighbour] {
                 continue;
             }
             let Some((block, _)) = &blocks[neighbour] else { continue };
             // The mean square distance of the block from the plane, by its sums.
             let square = block.squares - 2.0 * plane.dot(&block.vector) + plane.dot(&(block.matrix * plane));
             if square / block.count <= (2.0 * noise.deviation).powi(2) {
-                seen[neighbour] = true;
+                seen.set(neighbour);
                 members.push(neighbour);
                 sums.join(block);
             }
@@ -168,11 +173,12 @@ fn settle(
     mut plane: Vector3<f64>,
     (column, row): (usize, usize),
     owner: &[u16],
+    seen: &mut Marks,
 ) -> Option<Vec<usize>> {
     let mut cells = Vec::new();
     let mut spread = 0.0;
     for _ in 0..2 {
-        cells = flood(grid, noise, &plane, (column, row), owner);
+        cells = flood(grid, noise, &plane, (column, row), owner, seen);
         if cells.len() < FEWEST {
             return None;
         }
@@ -197,6 +203,7 @@ fn flood(
     plane: &Vector3<f64>,
     (column, row): (usize, usize),
     owner: &[u16],
+    seen: &mut Marks,
 ) -> Vec<usize> {
     let near = |k: usize| {
         let cell = &grid.cells[k];
@@ -204,13 +211,13 @@ fn flood(
             && cell.measured()
             && (plane.dot(&Vector3::new(1.0, cell.x, cell.y)) - cell.w).abs() <= REACH * noise.deviation
     };
-    let mut seen = vec![false; grid.cells.len()];
+    seen.next();
     let mut cells = Vec::new();
     for y in row * BLOCK..(row + 1) * BLOCK {
         for x in column * BLOCK..(column + 1) * BLOCK {
             let k = y * grid.columns + x;
             if near(k) {
-                seen[k] = true;
+                seen.set(k);
                 cells.push(k);
             }
         }
@@ -220,11 +227,8 @@ fn flood(
         let k = cells[next];
         next += 1;
         for neighbour in grid.neighbours(k) {
-            if !seen[neighbour] {
-                seen[neighbour] = true;
-                if near(neighbour) {
-                    cells.push(neighbour);
-                }
+            if seen.set(neighbour) && near(neighbour) {
+                cells.push(neighbour);
             }
         }
     }

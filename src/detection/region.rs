@@ -5,6 +5,7 @@ use super::candidate::{Marks, Scene};
 use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
 use super::noise::Noise;
+use super::outline::Normals;
 use super::search::{candidates, distinct};
 use super::surface::{Optics, Surface};
 use super::{parts, planes};
@@ -69,6 +70,7 @@ pub(crate) fn detect_in_mask(
         grid,
         noise,
         planes: &planes,
+        normals: Normals::new(grid.cells.len()),
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: None,
         pixel_of: &|_| None,

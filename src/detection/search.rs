@@ -6,7 +6,7 @@ use super::evidence::Evidence;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
-use super::outline::passes;
+use super::outline::{Normals, meets, passes};
 use super::surface::{Optics, REACH, Surface};
 use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
 use crate::error::{Error, Result};
@@ -86,6 +86,7 @@ pub(super) fn search(
         grid,
         noise,
         planes: &planes,
+        normals: Normals::new(grid.cells.len()),
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
@@ -336,6 +337,14 @@ fn select(
     chosen
 }
 
+/// Counts the pixels or points with the labels of cylinders.
+pub(super) fn count_pixels(cylinders: &mut [Detection], labels: &[u16]) {
+    cylinders.iter_mut().for_each(|detection| detection.pixels = 0);
+    for &label in labels.iter().filter(|&&label| label != 0) {
+        cylinders[usize::from(label) - 1].pixels += 1;
+    }
+}
+
 /// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing. Where the search is
 /// stopped they are of no use.
 pub(super) fn label(
@@ -375,8 +384,12 @@ pub(super) fn label(
                 low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width)
             {
                 let Some(ray) = ray(x, y) else { continue };
-                let Some((across, along)) = passes(&cylinder, ray.x, ray.y) else { continue };
-                if across.abs() > 1.0 || along < first - pad || along > last + pad {
+                // Most rays pass it, and only of the others is it asked where along the axis they meet it.
+                if !passes(&cylinder, ray.x, ray.y).is_some_and(|across| across.abs() <= 1.0) {
+                    continue;
+                }
+                let along = meets(&cylinder, &ray);
+                if along < first - pad || along > last + pad {
                     continue;
                 }
                 let misfit = match point(x, y) {
@@ -390,8 +403,8 @@ pub(super) fn label(
                             sigma: 1.5 * sigma,
                             fill: 1.0,
                         };
-                        let (_, distance, sigma, _) = judged.candidate.surface.residual(&cell, pixel);
-                        (distance / sigma).abs()
+                        let (_, distance, variance) = judged.candidate.surface.residual(&cell, pixel);
+                        distance.abs() / variance.sqrt()
                     }
                 };
                 let k = y * width + x;
@@ -409,8 +422,6 @@ pub(super) fn label(
             evidence: judged.evidence,
         });
     }
-    for (index, detection) in cylinders.iter_mut().enumerate() {
-        detection.pixels = labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
-    }
+    count_pixels(&mut cylinders, &labels);
     Detections { cylinders, labels, from_origin: true, image: None }
 }

@@ -1,14 +1,16 @@
 //! Cylinders, cones and spheres through cells: signed distances, and their fits by Gauss–Newton steps.
 
 use super::grid::Cell;
+use super::normal_equations::{self, Cells, NormalEquations};
 use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
+use pulp::Scalar;
 
 /// Cells farther from a surface than this many standard deviations do not belong to it.
 pub(super) const REACH: f64 = 3.0;
 
 /// How far a cell may be off across the line of sight, in pixels: matching windows and mixed pixels move outlines.
-const LATERAL_PIXELS: f64 = 0.5;
+pub(super) const LATERAL_PIXELS: f64 = 0.5;
 
 /// A surface of revolution about a line, or of a sphere.
 #[derive(Debug, Clone, Copy)]
@@ -35,15 +37,7 @@ pub(super) struct Place {
 
 impl Surface {
     pub fn place(&self, p: &Vector3<f64>) -> Place {
-        match self {
-            Self::Cylinder(cylinder, _) => place_at_axis(cylinder, 0.0, p),
-            Self::Cone(cylinder, taper) => place_at_axis(cylinder, *taper, p),
-            Self::Sphere(center, radius) => {
-                let offset = p - center;
-                let norm = offset.norm().max(f64::MIN_POSITIVE);
-                Place { distance: norm - radius, normal: offset / norm, along: 0.0 }
-            }
-        }
+        normal_equations::place(Scalar, self, (*p).into()).into()
     }
 
     /// The numbers that a fit finds.
@@ -60,20 +54,6 @@ impl Surface {
         match self {
             Self::Cylinder(cylinder, _) | Self::Cone(cylinder, _) => any_orthogonal(&cylinder.axis.direction),
             Self::Sphere(..) => (Vector3::x(), Vector3::y()),
-        }
-    }
-
-    /// The derivative of the distance by the parameters.
-    fn gradient(&self, place: &Place, (u, v): (&Vector3<f64>, &Vector3<f64>)) -> SVector<f64, 6> {
-        match self {
-            Self::Cylinder(..) | Self::Cone(..) => {
-                let (nu, nv) = (place.normal.dot(u), place.normal.dot(v));
-                SVector::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, -place.along])
-            }
-            Self::Sphere(..) => {
-                let n = &place.normal;
-                SVector::from([-n.x, -n.y, -n.z, -1.0, 0.0, 0.0])
-            }
         }
     }
 
@@ -127,23 +107,19 @@ impl Surface {
         }
     }
 
-    /// Whether the observer at the origin sees this wall at a point with this outward normal: from outside the near
-    /// wall.
-    pub fn faces(&self, p: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
-        let inside = match self {
+    /// Whether the observer at the origin is inside.
+    pub fn contains_origin(&self) -> bool {
+        match self {
             Self::Cylinder(cylinder, _) | Self::Cone(cylinder, _) => cylinder.contains_origin(),
             Self::Sphere(center, radius) => center.norm() <= *radius,
-        };
-        (normal.dot(p) < 0.0) != inside
+        }
     }
 }
 
-fn place_at_axis(cylinder: &Cylinder, taper: f64, p: &Vector3<f64>) -> Place {
-    let offset = p - cylinder.axis.point;
-    let along = offset.dot(&cylinder.axis.direction);
-    let across = offset - cylinder.axis.direction * along;
-    let norm = across.norm().max(f64::MIN_POSITIVE);
-    Place { distance: norm - cylinder.radius - taper * along, normal: across / norm, along }
+impl From<normal_equations::PlaceOf<f64>> for Place {
+    fn from(place: normal_equations::PlaceOf<f64>) -> Self {
+        Self { distance: place.distance, normal: place.normal.into(), along: place.along }
+    }
 }
 
 /// A ray that touches a cylinder, beside a limb.
@@ -179,30 +155,12 @@ pub(super) const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
 pub(super) const OUTLINE_PIXELS: f64 = 1.5;
 
 impl Surface {
-    /// How a bias at the limbs shows at a place: its sixth power of the position across, which vanishes in the middle,
-    /// and is 0.1 at 0.7 radii.
-    fn bias_shape(&self, place: &Place, ray: &Vector3<f64>) -> f64 {
-        let Self::Cylinder(cylinder, _) = self else { return 0.0 };
-        let d = &cylinder.axis.direction;
-        let along = ray.dot(d);
-        let flat = (ray.norm_squared() - along * along).max(f64::MIN_POSITIVE);
-        let cosine = place.normal.dot(ray);
-        (1.0 - cosine * cosine / flat).max(0.0).powi(3)
-    }
-
-    /// The place of a cell, its distance from where the surface is measured, the standard deviation of that, and the
-    /// share of the bias in it.
-    pub fn residual(&self, cell: &Cell, pixel: f64) -> (Place, f64, f64, f64) {
-        let place = self.place(&cell.point);
-        let ray = Vector3::new(cell.x, cell.y, 1.0);
-        let along = place.normal.dot(&ray);
-        let length = ray.norm_squared();
-        let lateral = LATERAL_PIXELS * pixel * cell.point.z;
-        let across = ((length - along * along) / length).max(0.0);
-        let variance = along * along * cell.sigma * cell.sigma + lateral * lateral * across;
-        let shape = self.bias_shape(&place, &ray);
-        let bias = if let Self::Cylinder(_, bias) = self { *bias } else { 0.0 };
-        (place, place.distance - bias * shape, variance.sqrt(), shape)
+    /// The place of a cell, its distance from where the surface is measured, and the variance of that.
+    #[inline]
+    pub fn residual(&self, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
+        let Cell { x, y, point, sigma, .. } = *cell;
+        let residual = normal_equations::residual(Scalar, self, pixel, point.into(), [x, y], sigma);
+        (residual.place.into(), residual.distance, residual.variance)
     }
 }
 
@@ -221,35 +179,14 @@ pub(super) fn fit(
         center += cell.point / cells.len() as f64;
     }
     let mut surface = start.at(&center);
+    let cells = Cells::new(cells, optics);
     for _ in 0..steps {
         if !(surface.radius() > 0.0 && surface.radius().is_finite()) {
             return None;
         }
-        let mut matrix = SMatrix::<f64, 6, 6>::zeros();
-        let mut vector = SVector::<f64, 6>::zeros();
-        let mut count = 0;
         let (u, v) = surface.across();
-        for cell in cells {
-            let (place, distance, sigma, shape) = surface.residual(cell, optics.pixel);
-            let ratio = distance / sigma;
-            if ratio.abs() > reach {
-                continue;
-            }
-            count += 1;
-            // Tukey's weight: what is nearly out counts little.
-            let part = 1.0 - (ratio / reach).powi(2);
-            let weight = part * part / (sigma * sigma * optics.cells_per_sample);
-            let mut row = surface.gradient(&place, (&u, &v));
-            if matches!(surface, Surface::Cylinder(..)) {
-                row[5] = -shape;
-            }
-            for i in 0..6 {
-                for j in 0..=i {
-                    matrix[(i, j)] += weight * row[i] * row[j];
-                }
-            }
-            vector += row * (weight * distance);
-        }
+        let NormalEquations { mut matrix, mut vector, count } =
+            cells.normal_equations(&surface, (&u, &v), reach);
         if count < 8 {
             return None;
         }
@@ -265,8 +202,9 @@ pub(super) fn fit(
                 }
                 let part = 1.0 - (ratio / reach).powi(2);
                 let weight = weight * part * part / (sigma * sigma);
-                let mut row = surface.gradient(&place, (&u, &v));
-                row[5] = 0.0;
+                let (nu, nv) = (place.normal.dot(&u), place.normal.dot(&v));
+                let row =
+                    SVector::<f64, 6>::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, 0.0]);
                 for i in 0..6 {
                     for j in 0..=i {
                         matrix[(i, j)] += weight * row[i] * row[j];

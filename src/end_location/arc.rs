@@ -215,16 +215,21 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
         if crossing.across < LEAST_SINE.get() * crossing.along {
             continue;
         }
-        let at = |pixels: f64| surface.pixel(angle, rough.position + outward * pixels / crossing.across);
+        let place = surface.pixels(angle);
+        let at = |pixels: f64| place(rough.position + outward * pixels / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
         if !at(-WINDOW_PIXELS.get()).is_some_and(|pixel| arcs.masked(&pixel)) {
             continue;
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
-        let samples: Option<Vec<f64>> = (-reach..=reach)
-            .map(|k| at(SAMPLE_PIXELS.get() * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel)))
-            .collect();
-        let Some(samples) = samples else { continue };
+        let count = 2 * reach as usize + 1;
+        let mut samples = Vec::with_capacity(count);
+        samples.extend((-reach..=reach).map_while(|k| {
+            at(SAMPLE_PIXELS.get() * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel))
+        }));
+        if samples.len() < count {
+            continue;
+        }
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
         profiles.push(Profile::new(angle, crossing.across, cap, samples, reach as f64));
     }
@@ -250,11 +255,14 @@ fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> 
 
 /// The brightness between pixels, bilinear.
 fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
-    let (x, y) = (pixel.x.floor(), pixel.y.floor());
-    if !(x >= 0.0 && y >= 0.0 && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
+    // Not negative, numbers become those below them; `f64::floor` is a call.
+    let (column, row) = (pixel.x as u32, pixel.y as u32);
+    let (x, y) = (f64::from(column), f64::from(row));
+    let inside = pixel.x >= 0.0 && pixel.y >= 0.0;
+    if !(inside && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
         return None;
     }
-    let (column, row) = (x as usize, y as usize);
+    let (column, row) = (column as usize, row as usize);
     let (right, down) = (pixel.x - x, pixel.y - y);
     let value = |column: usize, row: usize| f64::from(image.value(column, row));
     let line = |row: usize| value(column, row) * (1.0 - right) + value(column + 1, row) * right;

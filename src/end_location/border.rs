@@ -2,6 +2,7 @@
 
 use super::silhouette::Silhouette;
 use nalgebra::Vector2;
+use std::ops::Range;
 
 constants! {
     /// How many rows and columns along the border are looked at: beside a limb, where the line of sight grazes the
@@ -19,6 +20,11 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     // A pixel of the border may lie so far from the mask and still show the cylinder.
     let near = noise.beyond()[0].round() as i64;
     let border = (BORDER_PIXELS.get() * noise.pixel).round() as usize;
+    let around = |range: Range<usize>, size: usize| {
+        range.start.saturating_sub(near as usize)..(range.end + near as usize).min(size)
+    };
+    let (columns, rows) = mask.bounds();
+    let (columns, rows) = (around(columns, width), around(rows, height));
     let near_mask = |column: usize, row: usize| {
         let span = -near..=near;
         span.clone().any(|down| {
@@ -28,11 +34,16 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
             })
         })
     };
-    let beside_border =
-        |column: usize, row: usize| column.min(width - 1 - column).min(row).min(height - 1 - row) < border;
-    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    // The pixels beside the border, without those that are nowhere near the mask.
+    let (left, right) = (border.min(columns.end), (width - border.min(width)).max(border).max(columns.start));
+    let pixels = rows.flat_map(|row| {
+        let inner = row >= border && row + border < height;
+        let [first, second] =
+            if inner { [columns.start..left, right..columns.end] } else { [columns.clone(), 0..0] };
+        first.chain(second).map(move |column| (column, row))
+    });
     let mut last: Option<f64> = None;
-    for (column, row) in pixels.filter(|&(column, row)| beside_border(column, row)) {
+    for (column, row) in pixels {
         let ray = surface.camera.unproject(&Vector2::new(column as f64, row as f64));
         let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
         let position = (point - axis.point).dot(&axis.direction);

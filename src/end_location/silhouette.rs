@@ -142,9 +142,10 @@ impl<'a> Silhouette<'a> {
         let steps = ((extreme - middle).abs() / step + beyond).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
-        let last = (0..=steps).rev().find(|&k| {
-            self.surface.pixel(angle, position(k)).is_some_and(|pixel| contains(self.mask, &pixel))
-        })?;
+        let pixel = self.surface.pixels(angle);
+        let last = (0..=steps)
+            .rev()
+            .find(|&k| pixel(position(k)).is_some_and(|pixel| contains(self.mask, &pixel)))?;
         Some(position(last) + 0.5 * outward * step)
     }
 

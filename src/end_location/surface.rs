@@ -44,6 +44,13 @@ impl<'a> Surface<'a> {
         self.camera.project(&self.point(angle, position))
     }
 
+    /// The same for all positions on the generator at an angle.
+    pub fn pixels(&self, angle: f64) -> impl Fn(f64) -> Option<Vector2<f64>> {
+        let Cylinder { axis, radius } = self.cylinder;
+        let from_axis = self.normal(angle) * *radius;
+        move |position| self.camera.project(&(axis.point + axis.direction * position + from_axis))
+    }
+
     /// The angle of the limbs, at which the surface turns away: cos = r / ‖c‖.
     pub fn limb_angle(&self) -> f64 {
         self.frame.sin_gamma.acos()

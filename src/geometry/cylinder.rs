@@ -84,6 +84,7 @@ impl Cylinder {
 
     /// The two parameters t of the ray t · `ray` from the origin where it meets the surface, in ascending
     /// order; `None` when it passes by or runs parallel to the axis.
+    #[inline]
     #[must_use]
     pub fn intersect_ray(&self, ray: &Vector3<f64>) -> Option<(f64, f64)> {
         let d = &self.axis.direction;
@@ -108,6 +109,7 @@ impl Cylinder {
 
     /// The point where a ray from the origin first meets the surface in front of the observer. From inside
     /// the pipe that is its far wall.
+    #[inline]
     #[must_use]
     pub fn first_hit(&self, ray: &Vector3<f64>) -> Option<Vector3<f64>> {
         let (near, far) = self.intersect_ray(ray)?;

@@ -29,6 +29,7 @@ impl Line {
     }
 
     /// The point c of the line nearest to the origin.
+    #[inline]
     #[must_use]
     pub fn nearest_to_origin(&self) -> Vector3<f64> {
         // Subtracting twice removes what rounding leaves along the direction when the point is far away.

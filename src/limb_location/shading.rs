@@ -279,9 +279,9 @@ fn fit(rows: &[Median], lamp: &Lamp, glossy: bool) -> Option<(f64, Shading)> {
         for ((f, value), weight) in scaled.iter().zip(weights) {
             let weighted = f * *weight;
             // The lower half is enough.
-            for (column, factor) in f.iter().enumerate() {
-                for (row, weighted) in weighted.iter().enumerate().skip(column) {
-                    normal[(row, column)] += weighted * factor;
+            for column in 0..5 {
+                for row in column..5 {
+                    normal[(row, column)] += weighted[row] * f[column];
                 }
             }
             right += weighted * *value;

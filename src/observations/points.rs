@@ -279,24 +279,33 @@ impl PointCloud {
             mask.check_size("organised cloud", (width, height))?;
         }
         let mut batch = Batch::grid(width, height);
-        // Rows of no points are as many as the caller likes.
-        for row in 0..if width == 0 { 0 } else { height } {
-            for column in 0..width {
-                let (point, weight) = (view.points.at(column, row), view.weight(column, row));
-                let index = row * width + column;
-                if mask.is_some_and(|mask| !mask.contains(column, row)) {
-                    batch.dropped.outside_mask += 1;
-                } else if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
-                    batch.dropped.not_finite += 1;
-                } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
-                    return Err(bad_weight(index, weight));
-                } else if weight as f32 == 0.0 {
-                    batch.dropped.zero_weight += 1;
-                } else {
-                    batch.push(point, weight, index)?;
-                    if let Some(normals) = &view.normals {
-                        batch.push_normal(&normals.at(column, row))?;
-                    }
+        let take = |batch: &mut Batch, column: usize, row: usize| -> Result<()> {
+            let (point, weight) = (view.points.at(column, row), view.weight(column, row));
+            let index = row * width + column;
+            if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
+                batch.dropped.not_finite += 1;
+            } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
+                return Err(bad_weight(index, weight));
+            } else if weight as f32 == 0.0 {
+                batch.dropped.zero_weight += 1;
+            } else {
+                batch.push(point, weight, index)?;
+                if let Some(normals) = &view.normals {
+                    batch.push_normal(&normals.at(column, row))?;
+                }
+            }
+            Ok(())
+        };
+        if let Some(mask) = mask {
+            batch.dropped.outside_mask = batch.given - mask.count();
+            for (column, row) in mask.set_pixels() {
+                take(&mut batch, column, row)?;
+            }
+        } else {
+            // Rows of no points are as many as the caller likes.
+            for row in 0..if width == 0 { 0 } else { height } {
+                for column in 0..width {
+                    take(&mut batch, column, row)?;
                 }
             }
         }

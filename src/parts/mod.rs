@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
 use nalgebra::{Vector2, Vector3};
 
 constants! {
@@ -144,7 +144,8 @@ impl Parts {
             .set_pixels_of_grid(stride)
             .filter_map(|pixel| Sight::new(camera, depth, cylinder, pixel))
             .collect();
-        sights.sort_by(|a, b| a.position.total_cmp(&b.position));
+        // Numbers are moved about in place of whole sights.
+        sights.sort_by_cached_key(|sight| ordered(sight.position));
         let reach = reach(cylinder, sights.iter().map(|sight| sight.distance));
         let votes: Vec<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
         let (first, last) = most(&votes)?;

@@ -84,7 +84,7 @@ impl<'a> Fits<'a> {
         }
         let inner = |index: usize| {
             let p = points.points.at(index % self.size.0, index / self.size.0);
-            passes(cylinder, p.x / p.z, p.y / p.z).is_some_and(|(across, _)| across.abs() <= MIDDLE)
+            passes(cylinder, p.x / p.z, p.y / p.z).is_some_and(|across| across.abs() <= MIDDLE)
         };
         let middle: Vec<u8> =
             region.iter().enumerate().map(|(k, &inside)| u8::from(inside != 0 && inner(k))).collect();

@@ -4,9 +4,12 @@
 
 use crate::frames::Inputs;
 use crate::support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
+use cylfuse::camera::Camera;
 use cylfuse::fitter::{Fitter, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::Cylinder;
-use nalgebra::Vector3;
+use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
+use cylfuse::scene::{Detector, DetectorOptions};
+use nalgebra::{Vector2, Vector3};
 
 /// The options of a fit on one core.
 pub fn on_one_core(options: Options) -> Options {
@@ -41,6 +44,38 @@ pub fn noisy(points: usize, edges: bool, options: Options) -> Fitter {
 /// A frame of 4,211 points on a cylinder.
 pub fn frame() -> Inputs {
     Inputs::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames/r40_a20_f0"))
+}
+
+/// A frame of two cylinders on a table, with or without its image.
+pub fn scene(image: bool) -> Frame {
+    let inputs = Inputs::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scene"));
+    let mut frame = Frame::new(Camera::new(inputs.intrinsics).unwrap());
+    let depth = DepthView::from_u16(&inputs.depth, inputs.size, inputs.depth_scale).unwrap();
+    frame.set_depth(&depth, &DepthRange::default()).unwrap();
+    if image {
+        frame.set_image(&ImageView::from_u8(&inputs.image, inputs.size).unwrap()).unwrap();
+    }
+    frame
+}
+
+/// The points of that frame.
+pub fn cloud_of_scene() -> Vec<[f64; 3]> {
+    let frame = scene(false);
+    let (camera, depth) = (frame.camera().unwrap(), frame.depth().unwrap());
+    let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));
+    let point = |(column, row): (usize, usize)| {
+        let ray = camera.unproject(&Vector2::new(column as f64, row as f64))?;
+        Some((ray * depth.depth(column, row)?).into())
+    };
+    pixels.filter_map(point).collect()
+}
+
+/// A detector on one core.
+pub fn detector() -> Detector {
+    let mut detector = Detector::new();
+    let fit = on_one_core(Options::default());
+    detector.set_options(DetectorOptions { fit, threads: 1, ..DetectorOptions::default() }).unwrap();
+    detector
 }
 
 /// A fitter with that frame, with or without its image and edges.

@@ -50,6 +50,7 @@ pub struct Inputs {
     pub size: (usize, usize),
     pub depth: Vec<u16>,
     pub depth_scale: f64,
+    /// Empty where the frame has none.
     pub mask: Vec<u8>,
     pub image: Vec<u8>,
     pub edges: Vec<EdgeSegment>,
@@ -63,7 +64,8 @@ impl Inputs {
         let coefficients: Vec<f64> =
             camera["distortion"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
         let open = |key: &str| image::open(folder.join(frame[key].as_str().unwrap())).unwrap();
-        let (depth, mask) = (open("depth").into_luma16(), open("mask").into_luma8());
+        let depth = open("depth").into_luma16();
+        let mask = frame["mask"].as_str().map(|_| open("mask").into_luma8().into_raw());
         let end = |q: &Value| Vector2::new(q[0].as_f64().unwrap(), q[1].as_f64().unwrap());
         let edge = |e: &Value| EdgeSegment { endpoints: [end(&e[0]), end(&e[1])], weight: 1.0 };
         Self {
@@ -79,7 +81,7 @@ impl Inputs {
             size: (depth.width() as usize, depth.height() as usize),
             depth: depth.into_raw(),
             depth_scale: frame["depth_scale"].as_f64().unwrap(),
-            mask: mask.into_raw(),
+            mask: mask.unwrap_or_default(),
             image: open("image").into_luma8().into_raw(),
             edges: frame["edges"].as_array().map_or_else(Vec::new, |edges| edges.iter().map(edge).collect()),
         }

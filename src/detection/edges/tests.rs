@@ -53,3 +53,21 @@ fn shading_beside_a_limb_does_not_hide_it() {
     let edges = found(|x| 60.0 + if x < 60.0 { 0.0 } else { (30.0 + 4.0 * (x - 60.0)).min(150.0) });
     assert!(covered(&edges, 59.5) > 100.0, "{edges:?}");
 }
+
+#[test]
+fn the_lower_quartile_is_that_of_the_ordered_list() {
+    let mut state = 7_u32;
+    for count in [1, 2, 5, 1000] {
+        let numbers: Vec<f32> = (0..count)
+            .map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // Many share the upper half of their bits, some all of them.
+                1.0 + (state >> 20) as f32 * 1e-6
+            })
+            .collect();
+        let mut ordered = numbers.clone();
+        ordered.sort_by(f32::total_cmp);
+        assert_eq!(lower_quartile(&numbers), Some(ordered[count / 4]));
+    }
+    assert_eq!(lower_quartile(&[]), None);
+}
