@@ -21,7 +21,7 @@ pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
 pub(crate) use evidence::least_before_fit;
-pub(crate) use outline::passes;
+pub(crate) use outline::{meets, passes};
 pub(crate) use region::detect_in_mask;
 
 use crate::camera::Camera;

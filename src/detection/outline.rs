@@ -19,7 +19,7 @@ pub(crate) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<f64> {
 }
 
 /// Where a ray meets a cylinder along the axis, or passes it.
-pub(super) fn meets(cylinder: &Cylinder, ray: &Vector3<f64>) -> f64 {
+pub(crate) fn meets(cylinder: &Cylinder, ray: &Vector3<f64>) -> f64 {
     let axis = &cylinder.axis;
     // The foot of the common perpendicular on the axis, where the ray passes.
     let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));

@@ -2,9 +2,9 @@
 //! lie within the limbs; they are drawn again about the cylinder that was fitted.
 
 use super::view::View;
-use crate::detection::passes;
+use crate::detection::{meets, passes};
 use crate::geometry::Cylinder;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 constants! {
     /// The part of the pixels of a mask that may lack depth where the mask is one of the pixels that have depth,
@@ -43,21 +43,21 @@ impl View {
     /// view, whose radius is `factor` times as large. `None` where nobody can tell.
     pub fn with_sides_of(&self, cylinder: &Cylinder, factor: f64) -> Option<View> {
         let (camera, mask, depth) = (self.camera()?, self.mask.as_ref()?, self.depth()?);
-        let seen = |(column, row): (usize, usize)| {
-            let ray = camera.unproject(&Vector2::new(column as f64, row as f64))?;
-            passes(cylinder, ray.x, ray.y)
-        };
-        let mut along: Vec<f64> = mask.outline().filter_map(|pixel| Some(seen(pixel)?.1)).collect();
+        let ray = |(column, row): (usize, usize)| camera.unproject(&Vector2::new(column as f64, row as f64));
+        let outline = mask.outline().filter_map(ray);
+        let mut along: Vec<f64> = outline.map(|ray| meets(cylinder, &ray)).collect();
         let last = along.len().checked_sub(1)?;
         let out = (TRIM * last as f64) as usize;
         let low = *along.select_nth_unstable_by(out, f64::total_cmp).1;
         let high = *along.select_nth_unstable_by(last - out, f64::total_cmp).1;
-        let pixel = cylinder.axis.point.z / (camera.intrinsics().fx * cylinder.radius);
+        let pixel = cylinder.axis.nearest_to_origin().norm() / (camera.intrinsics().fx * cylinder.radius);
         let widest = factor + MARGIN.get() * pixel;
-        let belongs = |(column, row): (usize, usize)| {
-            depth.depth(column, row).is_none()
-                && seen((column, row))
-                    .is_some_and(|(across, along)| across.abs() <= widest && (low..=high).contains(&along))
+        let between = |ray: &Vector3<f64>| {
+            passes(cylinder, ray.x, ray.y).is_some_and(|across| across.abs() <= widest)
+                && (low..=high).contains(&meets(cylinder, ray))
+        };
+        let belongs = |pixel: (usize, usize)| {
+            depth.depth(pixel.0, pixel.1).is_none() && ray(pixel).is_some_and(|ray| between(&ray))
         };
         let mask = Some(mask.extended(belongs));
         Some(View { mask, body: None, ..self.clone() })
