@@ -240,12 +240,15 @@ fn locate(
     }
 }
 
+/// So many of its deviations from where the depth has an end an arc may be that of the end.
+const AGREEING: f64 = 2.0;
+
 /// An arc and what the depth says of an end inside a mask, where rims and seams make arcs, too: position and standard
-/// deviation. By how far they are apart beyond the deviation of the depth, by so much the arc may be another one.
+/// deviation. By how far they are apart beyond that the arc may be another one.
 fn with_depth(depth: &RoughEnd, arc: &ArcEnd) -> (f64, f64) {
     let apart = arc.position - depth.position;
     let of_depth = depth.deviation * depth.deviation;
-    let of_arc = arc.deviation * arc.deviation + (apart * apart - of_depth).max(0.0);
+    let of_arc = arc.deviation * arc.deviation + (apart * apart - AGREEING * AGREEING * of_depth).max(0.0);
     let part = of_depth / (of_depth + of_arc);
     // Of both together, and of which it is.
     (depth.position + part * apart, (part * of_arc + part * (1.0 - part) * apart * apart).sqrt())
