@@ -13,6 +13,13 @@ const DRAWN_PIXELS: f64 = 640.0 * 480.0;
 /// field of view, twenty degrees and more.
 pub(crate) const SHARED_RANGE: f64 = 1.0 / 3.0;
 
+/// The same in standard deviations of where the points are: what filters and scattered light do to depth differs from one
+/// end of a body to the other, as what is beside them does.
+pub(crate) const SHARED_SPREADS: f64 = 2.0;
+
+/// A shift of all points across the line of sight in parts of an offset along it: a quarter of a pixel of a depth camera.
+pub(crate) const SHARED_ACROSS: f64 = 0.4;
+
 constants! {
     /// The default of [`NoiseModel::edge_endpoint`].
     EDGE_ENDPOINT = 0.5, "drawn px";

@@ -21,9 +21,9 @@ use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage}
 use crate::parts::{BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
-use arc::ArcSearch;
+use arc::{ArcEnd, ArcSearch};
 use nalgebra::Vector2;
-use silhouette::Silhouette;
+use silhouette::{RoughEnd, Silhouette};
 use surface::Surface;
 use surroundings::Surroundings;
 
@@ -217,14 +217,18 @@ fn locate(
     }
     let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
     match arc {
-        Some(arc) => End {
-            position: arc.position,
-            deviation: Some(arc.deviation),
-            state,
-            source: EndSource::Image,
-            rim: told.is_some(),
-            samples: arc.samples,
-        },
+        Some(arc) => {
+            let (position, deviation) =
+                if told.is_some() { with_depth(&rough, &arc) } else { (arc.position, arc.deviation) };
+            End {
+                position,
+                deviation: Some(deviation),
+                state,
+                source: EndSource::Image,
+                rim: told.is_some(),
+                samples: arc.samples,
+            }
+        }
         None => End {
             position: rough.position,
             deviation: Some(rough.deviation),
@@ -233,5 +237,34 @@ fn locate(
             rim: told.is_some(),
             samples: Vec::new(),
         },
+    }
+}
+
+/// So many of its deviations from where the depth has an end an arc may be that of the end.
+const AGREEING: f64 = 2.0;
+
+/// An arc and what the depth says of an end inside a mask, where rims and seams make arcs, too: position and standard
+/// deviation. By how far they are apart beyond that the arc may be another one.
+fn with_depth(depth: &RoughEnd, arc: &ArcEnd) -> (f64, f64) {
+    let apart = arc.position - depth.position;
+    let of_depth = depth.deviation * depth.deviation;
+    let of_arc = arc.deviation * arc.deviation + (apart * apart - AGREEING * AGREEING * of_depth).max(0.0);
+    let part = of_depth / (of_depth + of_arc);
+    // Of both together, and of which it is.
+    (depth.position + part * apart, (part * of_arc + part * (1.0 - part) * apart * apart).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arc_far_from_what_the_depth_says_of_an_end_gives_way_to_it() {
+        let depth = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
+        let arc = |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: Vec::new() };
+        let (position, deviation) = with_depth(&depth, &arc(8e-4));
+        assert!((position - 0.1008).abs() < 2e-5 && deviation < 2e-4, "{position} {deviation}");
+        let (position, deviation) = with_depth(&depth, &arc(4e-3));
+        assert!((0.1..0.1005).contains(&position) && deviation > 1e-3, "{position} {deviation}");
     }
 }

@@ -14,6 +14,10 @@ use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 /// How many standard deviations a limb may be from that of a rough fit at most.
 const REACH_DEVIATIONS: f64 = 4.0;
 
+/// What a bend of the profile by two standard deviations leaves of one in the residuals: points up to 70 degrees from the
+/// middle of a profile keep a quarter of it when the axis moves with the radius.
+const BENT: f64 = 0.5;
+
 /// A minimum and what it is held to.
 pub(super) struct Located {
     pub minimum: Minimum,
@@ -132,7 +136,8 @@ fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) 
     let held = held(data, guided, lines);
     match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
         Ok(minimum) => {
-            let agrees = minimum.scale() <= CONTRADICTION * guided.minimum.scale();
+            let bent = BENT * data.largest_bend(&guided.minimum);
+            let agrees = minimum.scale() <= CONTRADICTION * guided.minimum.scale().hypot(bent);
             Ok(agrees.then_some(Located { minimum, held }))
         }
         Err(error @ Error::Cancelled { .. }) => Err(error),

@@ -7,7 +7,7 @@ use super::options::ChartChoice;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
-use crate::noise::SHARED_RANGE;
+use crate::noise::{SHARED_ACROSS, SHARED_RANGE, SHARED_SPREADS};
 use crate::residuals::{
     Bend, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
@@ -287,19 +287,32 @@ impl Data<'_> {
     }
 
     /// The errors that the points of a view share; `None` where they are not what an observer outside sees.
-    fn shared_errors(
+    pub fn shared_errors(
         &self,
         view: &ViewData<'_>,
         near: &LocalFrame,
         scales: &RobustScales,
     ) -> Option<SharedErrors> {
-        let part = self.options.noise.depth_shared;
-        if !view.observed || near.cylinder.contains_origin() || part == 0.0 {
+        if !view.observed || near.cylinder.contains_origin() {
             return None;
         }
+        let size = self.shared_size(view, scales.point).filter(|&size| size > 0.0)?;
         let distance = view.into_view.point(&self.center).norm();
-        let size = (part * distance).min(MOST_SHARED * scales.point);
-        Some(SharedErrors { bend: size, offset: size, tilt: size / (SHARED_RANGE * distance) })
+        let range = (SHARED_RANGE * distance).min(SHARED_SPREADS * self.unit);
+        Some(SharedErrors { bend: size, offset: size, across: SHARED_ACROSS * size, tilt: size / range })
+    }
+
+    /// The standard deviation of an offset that all points of a view share, whose noise is `scale`.
+    fn shared_size(&self, view: &ViewData<'_>, scale: f64) -> Option<f64> {
+        let distance = view.into_view.point(&self.center).norm();
+        let size = (self.options.noise.depth_shared * distance).min(MOST_SHARED * scale);
+        view.observed.then_some(size)
+    }
+
+    /// The largest standard deviation of a bend that the points of a view share.
+    pub fn largest_bend(&self, minimum: &Minimum) -> f64 {
+        let of_view = |(view, scales): (&ViewData<'_>, &RobustScales)| self.shared_size(view, scales.point);
+        self.views.iter().zip(&minimum.scales.views).filter_map(of_view).fold(0.0, f64::max)
     }
 
     /// The objective at a cylinder and its scales, with all that its covariance takes.

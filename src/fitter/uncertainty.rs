@@ -88,7 +88,12 @@ impl Data<'_> {
         let step = DIFFERENCE_STEP * frame.cylinder.radius;
         let pixels = self.unit * (pixel(step)? - pixel(-step)?).norm() / (2.0 * step);
         let usual = USUAL_SHIFT * view.noise.pixel;
-        let of_noise = pixels * points.deviation.hypot(limbs.deviation);
+        // The shift that is usual is counted by itself.
+        let near = frame.moved(&view.into_view);
+        let shared = self.shared_errors(view, &near, &scales.views[0]);
+        let usual_of_points = shared.map_or(0.0, |shared| shared.across / self.unit);
+        let of_points = (points.deviation.powi(2) - usual_of_points.powi(2)).max(0.0).sqrt();
+        let of_noise = pixels * of_points.hypot(limbs.deviation);
         let mut shift =
             ImageShift { pixels: pixels * (points.step - limbs.step), deviation: of_noise.hypot(usual) };
         if shift.pixels.abs() > of_noise {

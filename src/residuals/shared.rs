@@ -6,8 +6,8 @@
 //! With b ~ N(0, τ²) the cost of a cylinder X is that of the best b, min P(X_b) + κ b², κ = σ² / (N τ²) with the
 //! variance σ² / N that a cost of 1 stands for.
 //!
-//! An offset along the ray and a tilt of all points move the axis, and nothing tells them: they are in the covariance
-//! alone.
+//! An offset along the ray, a shift across it and a tilt of all points move the axis, and nothing tells them: they are in
+//! the covariance alone.
 
 use super::point_terms::{LossInFrame, Points};
 use super::terms::{Row, Source, Term};
@@ -23,6 +23,8 @@ pub struct SharedErrors {
     pub bend: f64,
     /// Of the distance from the observer.
     pub offset: f64,
+    /// Of a shift across the line of sight and the axis.
+    pub across: f64,
     /// Of the tilt of all points together, in radians.
     pub tilt: f64,
 }
@@ -236,8 +238,11 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
         let Bent { b, direction, frame: bent, .. } = self.bent(frame);
         let SandwichPart { gradient, derivative, covariance } = self.points.sandwich(&bent)?;
         let ray = frame.cylinder.axis.point.normalize() * (self.shared.offset / frame.unit);
+        let across = frame.cylinder.axis.direction.cross(&frame.cylinder.axis.point).normalize()
+            * (self.shared.across / frame.unit);
         let shared = [
             Tangent::new(ray.dot(&frame.u), ray.dot(&frame.v), 0.0, 0.0, 0.0),
+            Tangent::new(across.dot(&frame.u), across.dot(&frame.v), 0.0, 0.0, 0.0),
             Tangent::ith(2, self.shared.tilt),
             Tangent::ith(3, self.shared.tilt),
         ];

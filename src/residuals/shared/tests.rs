@@ -34,7 +34,7 @@ fn term(cloud: &PointCloud, bend: f64) -> SharingPoints<'_, Robust> {
         loss: Robust { scale: 5e-4, observed: true },
         independent_points: 200.0,
     };
-    let shared = SharedErrors { bend, offset: 7e-4, tilt: 0.003 };
+    let shared = SharedErrors { bend, offset: 7e-4, across: 3e-4, tilt: 0.003 };
     let near = LocalFrame::new(&can(), &can().axis.point, 0.05);
     SharingPoints::new(points, shared, 5e-4_f64.powi(2) / 200.0, true, None, &near).unwrap()
 }
@@ -118,4 +118,21 @@ fn the_variance_of_the_radius_grows_by_that_of_the_bend() {
     let own = variance(term.points.sandwich(&frame).unwrap());
     let all = variance(term.sandwich(&frame).unwrap());
     assert!(((all - own) / 1e-6 - 1.0).abs() < 0.01, "{all} {own}");
+}
+
+#[test]
+fn a_shift_across_the_line_of_sight_adds_its_variance_there() {
+    let cloud = cloud(0.0);
+    let frame = LocalFrame::new(&can(), &can().axis.point, 0.05);
+    let aside = can().axis.direction.cross(&can().axis.point).normalize();
+    let aside = Tangent::new(aside.dot(&frame.u), aside.dot(&frame.v), 0.0, 0.0, 0.0);
+    let variance = |across: f64| {
+        let mut term = term(&cloud, 1e-3);
+        term.shared.across = across;
+        let part = term.sandwich(&frame).unwrap();
+        let inverse = part.derivative.try_inverse().unwrap();
+        aside.dot(&(inverse * part.covariance * inverse * aside))
+    };
+    let added = variance(3e-4) - variance(0.0);
+    assert!((added / (3e-4_f64 / 0.05).powi(2) - 1.0).abs() < 0.02, "{added}");
 }
