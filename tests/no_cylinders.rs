@@ -37,9 +37,9 @@ fn complaint(name: &str, depth: &[u16]) -> Option<String> {
     (!all.is_empty()).then(|| format!("{name}: {}", all.join("; ")))
 }
 
-/// Scenes of 20 in which something is found by depth alone. None is the goal (docs/measurements.md): frustums and
-/// scraps pass for cylinders with a score just above a half.
-const MOST: usize = 4;
+/// Scenes of 20 in which something is found by depth alone. None is the goal (docs/measurements.md): a frustum
+/// passes for a cylinder with a score of 0.54.
+const MOST: usize = 1;
 
 /// Boxes, spheres, frustums, planes and some of everything, twice each by both sensors.
 #[test]

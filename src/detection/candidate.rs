@@ -168,7 +168,13 @@ impl Scene<'_> {
 
     /// What touches the sides of a cylinder: the outline of its cells where nothing nearer hides it, or the edges on
     /// its limbs.
-    fn tangents(&self, surface: &Surface, cells: &[usize], sides: Sides, mark: &mut Marks) -> Vec<Tangent> {
+    pub fn tangents(
+        &self,
+        surface: &Surface,
+        cells: &[usize],
+        sides: Sides,
+        mark: &mut Marks,
+    ) -> Vec<Tangent> {
         let Surface::Cylinder(cylinder, _) = surface else { return Vec::new() };
         if let (Sides::Edges { reach }, true) = (sides, self.image.is_some()) {
             let range = self.range(cylinder, cells);

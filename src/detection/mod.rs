@@ -94,17 +94,22 @@ pub struct Detections {
 }
 
 impl Detections {
-    /// The score of a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
+    /// What speaks for a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
     /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
     #[must_use]
-    pub fn score_of_fit(&self, detection: &Detection, fitted: &Cylinder, radius_deviation: f64) -> f64 {
+    pub fn evidence_of_fit(
+        &self,
+        detection: &Detection,
+        fitted: &Cylinder,
+        radius_deviation: f64,
+    ) -> Evidence {
         // Edges on the limbs of either speak for a cylinder.
         let limbs = self.image.as_ref().map(|_| {
             let [seen, fitted] =
                 [&detection.cylinder, fitted].map(|cylinder| self.covered(detection, cylinder));
             if seen.iter().sum::<f64>() > fitted.iter().sum() { seen } else { fitted }
         });
-        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }.score()
+        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
@@ -122,7 +127,7 @@ impl Detections {
 }
 
 /// Finds all cylinders in a depth image, and in the image that belongs to it where there is one. A fit to its region tells
-/// more of each: see [`Detections::score_of_fit`].
+/// more of each: see [`Detections::evidence_of_fit`].
 ///
 /// # Errors
 /// `InvalidArgument`.

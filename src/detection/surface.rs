@@ -164,6 +164,54 @@ impl Surface {
     }
 }
 
+/// By how much the radius of a cylinder seems to grow along its axis, and the standard deviation of that: one step from the
+/// cylinder to the cone that explains cells and sides best, the bias at the limbs among the unknowns.
+pub(super) fn slope(
+    surface: &Surface,
+    cells: &[&Cell],
+    tangents: &[Tangent],
+    optics: Optics,
+) -> Option<[f64; 2]> {
+    let mut center = Vector3::zeros();
+    for cell in cells {
+        center += cell.point / cells.len() as f64;
+    }
+    let surface = surface.at(&center);
+    let Surface::Cylinder(cylinder, bias) = surface else { return None };
+    let mut matrix = SMatrix::<f64, 7, 7>::zeros();
+    let mut vector = SVector::<f64, 7>::zeros();
+    let (u, v) = surface.across();
+    let radius = cylinder.radius;
+    let pixel = optics.pixel * center.z;
+    let mut add = |place: &Place, distance: f64, sigma: f64, shape: f64, weight: f64| {
+        let ratio = distance / (REACH * sigma);
+        if ratio.abs() < 1.0 {
+            let part = 1.0 - ratio * ratio;
+            let weight = weight * part * part / (sigma * sigma);
+            let own = surface.gradient(place, (&u, &v));
+            // Tilts and slopes in radii: all numbers are lengths.
+            let along = [own[2], own[3], -place.along].map(|row| row / radius);
+            let row = SVector::from([own[0], own[1], along[0], along[1], own[4], -shape, along[2]]);
+            matrix += row * row.transpose() * weight;
+            vector += row * (weight * distance);
+        }
+    };
+    for cell in cells {
+        let (place, distance, sigma, shape) = surface.residual(cell, optics.pixel);
+        add(&place, distance, sigma, shape, 1.0 / optics.cells_per_sample);
+    }
+    for Tangent { ray, inset, deviation, weight } in tangents {
+        let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
+        add(&place, place.distance + inset * pixel, deviation * pixel, 0.0, *weight);
+    }
+    let sigma = BIAS_PIXELS * pixel;
+    matrix[(5, 5)] += 1.0 / (sigma * sigma);
+    vector[5] += bias / (sigma * sigma);
+    let inverse = matrix.cholesky()?.inverse();
+    let step = -(inverse * vector);
+    Some([step[6] / radius, inverse[(6, 6)].sqrt() / radius])
+}
+
 /// Fits a surface to cells from a start. Cells beyond `reach` standard deviations do not count; `reach` shrinks to
 /// [`REACH`] within the steps.
 pub(super) fn fit(

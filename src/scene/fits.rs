@@ -1,7 +1,7 @@
 //! The fit of one region.
 
 use super::{DetectorOptions, Found, mask_of};
-use crate::detection::{Detection, Detections, passes};
+use crate::detection::{Detection, Detections, Evidence, passes};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -36,8 +36,8 @@ impl<'a> Fits<'a> {
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
         let result = self.fit_or_keep(&mut fitter, detection, frame.pose(), poll)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let score = self.seen.score_of_fit(detection, &fitted, radius_deviation(&result));
-        Ok(found(fitter, score, detection, result))
+        let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result));
+        Ok(found(fitter, evidence, detection, result))
     }
 
     /// The fit of a region of a cloud.
@@ -71,8 +71,8 @@ impl<'a> Fits<'a> {
         let mut whole = self.fitter()?;
         whole.push_points(points, Some(&MaskView::from_u8(&region, self.size)?))?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
-        let score = self.seen.score_of_fit(detection, &result.cylinder, deviation);
-        Ok(found(fitter, score, detection, result))
+        let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation);
+        Ok(found(fitter, evidence, detection, result))
     }
 
     /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
@@ -194,13 +194,13 @@ fn radius_deviation(result: &FitResult) -> f64 {
     deviation / result.cylinder.radius
 }
 
-fn found(mut fitter: Fitter, score: f64, detection: &Detection, result: FitResult) -> Found {
+fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: FitResult) -> Found {
     let (extent, arcs) = match fitter.extent_and_arcs(None, None) {
         Ok((extent, mut arcs)) => (Ok(extent), arcs.pop().unwrap_or_default()),
         Err(error) => (Err(error), Default::default()),
     };
     fitter.swap_mask(None);
-    Found { score, pixels: detection.pixels, result, extent, arcs, fitter }
+    Found { score: evidence.score(), evidence, pixels: detection.pixels, result, extent, arcs, fitter }
 }
 
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than

@@ -6,7 +6,7 @@
 mod fits;
 
 use crate::detection::{
-    Detection, DetectionOptions, Detections, detect_points_until, detect_until, least_before_fit,
+    Detection, DetectionOptions, Detections, Evidence, detect_points_until, detect_until, least_before_fit,
 };
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
@@ -130,6 +130,8 @@ pub struct Detector {
 pub struct Found {
     /// The probability that there is a cylinder.
     pub score: f64,
+    /// What speaks for it.
+    pub evidence: Evidence,
     /// Pixels of its region; points for a cloud.
     pub pixels: usize,
     /// The fit of its region. Where neither depth nor image tell more than the search knew, what a fit would report for the
