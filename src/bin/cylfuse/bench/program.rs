@@ -1,4 +1,4 @@
-//! The Point Cloud Library, by a program of its own: `tests/cpp/bench_pcl.cpp`.
+//! Other libraries, each by a program of its own: `tests/cpp/bench_pcl.cpp`, `tests/cpp/bench_cgal.cpp`.
 
 use crate::failure::Failure;
 use cylfuse::geometry::Cylinder;
@@ -7,33 +7,61 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The program.
-pub struct Pcl {
-    program: PathBuf,
+/// A program that finds cylinders in a cloud by another library: it reads x, y, z of all points as 32-bit numbers and prints
+/// point, direction and radius of each cylinder on a line.
+pub struct Program {
+    /// What the library is called.
+    pub library: &'static str,
+    path: PathBuf,
 }
 
-impl Pcl {
+impl Program {
     /// The program at a path.
     ///
     /// # Errors
     /// `FILE_NOT_READABLE`.
-    pub fn new(program: &Path) -> Result<Self, Failure> {
+    pub fn new(library: &'static str, path: &Path) -> Result<Self, Failure> {
         // A name without a folder would be sought elsewhere.
-        let program = program.canonicalize().map_err(|error| Failure::not_readable(program, &error))?;
-        Ok(Self { program })
+        let path = path.canonicalize().map_err(|error| Failure::not_readable(path, &error))?;
+        Ok(Self { library, path })
     }
 
-    /// The cylinder through a cloud: the program reads x, y, z of all points as 32-bit numbers and prints point,
-    /// direction and radius.
+    /// The cylinder through a cloud.
     ///
     /// # Errors
-    /// `PCL` with what went wrong.
+    /// `OTHER_LIBRARY` with what went wrong.
     pub fn fit(&self, points: impl Iterator<Item = Vector3<f64>>) -> Result<Cylinder, Failure> {
-        let said = |what: String| Failure { status: "PCL", message: what };
-        let broken = |error: std::io::Error| said(format!("the program for PCL does not run: {error}"));
+        match self.run(&[], points)?[..] {
+            [cylinder] => Ok(cylinder),
+            ref all => Err(self.failure(format!("{} cylinders where one was asked for", all.len()))),
+        }
+    }
+
+    /// All cylinders of a scene, best first.
+    ///
+    /// # Errors
+    /// `OTHER_LIBRARY` with what went wrong.
+    pub fn detect(&self, points: impl Iterator<Item = Vector3<f64>>) -> Result<Vec<Cylinder>, Failure> {
+        self.run(&["scene"], points)
+    }
+
+    fn failure(&self, what: String) -> Failure {
+        Failure {
+            status: "OTHER_LIBRARY",
+            message: format!("{}, {}: {what}", self.library, self.path.display()),
+        }
+    }
+
+    fn run(
+        &self,
+        arguments: &[&str],
+        points: impl Iterator<Item = Vector3<f64>>,
+    ) -> Result<Vec<Cylinder>, Failure> {
+        let broken = |error: std::io::Error| self.failure(format!("the program does not run: {error}"));
         let bytes: Vec<u8> =
             points.flat_map(|p| [p.x, p.y, p.z]).flat_map(|x| (x as f32).to_le_bytes()).collect();
-        let mut child = Command::new(&self.program)
+        let mut child = Command::new(&self.path)
+            .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -43,11 +71,17 @@ impl Pcl {
             input.write_all(&bytes).map_err(broken)?;
         }
         let output = child.wait_with_output().map_err(broken)?;
+        if !output.status.success() {
+            return Err(self.failure(format!("{} with {} points", output.status, bytes.len() / 12)));
+        }
         let text = String::from_utf8_lossy(&output.stdout);
-        let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-        let [px, py, pz, dx, dy, dz, radius] = numbers[..] else {
-            return Err(said(format!("no cylinder of {} points", bytes.len() / 12)));
+        let cylinder = |line: &str| {
+            let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let [px, py, pz, dx, dy, dz, radius] = numbers[..] else {
+                return Err(self.failure(format!("not point, direction and radius: {line}")));
+            };
+            Ok(Cylinder::new(Vector3::new(px, py, pz), Vector3::new(dx, dy, dz), radius)?)
         };
-        Ok(Cylinder::new(Vector3::new(px, py, pz), Vector3::new(dx, dy, dz), radius)?)
+        text.lines().map(cylinder).collect()
     }
 }
