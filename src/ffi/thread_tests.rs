@@ -31,10 +31,8 @@ impl Shared {
     fn new() -> Self {
         let mut fitter = null_mut();
         // SAFETY: room for a pointer.
-        assert_eq!(
-            unsafe { cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &raw mut fitter) },
-            cylfuse_status::OK
-        );
+        let made = unsafe { cylfuse_fitter_create(CYLFUSE_ABI_VERSION, &raw mut fitter) };
+        assert_eq!(made, cylfuse_status::OK);
         Self(fitter)
     }
 

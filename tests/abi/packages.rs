@@ -22,10 +22,13 @@ struct Struct {
 
 type Layout = BTreeMap<String, Struct>;
 
+/// Name and offset of a field, and its size where the line says it.
+type Line = (String, usize, Option<usize>);
+
 /// Reads lines `name size` of structs, below each `    name offset size` of its fields. Without the size of a field it
 /// reaches to the next: tests/abi_layout.rs checks that nothing lies between.
 fn parse(text: &str) -> Layout {
-    let mut structs: Vec<(String, usize, Vec<(String, usize, Option<usize>)>)> = Vec::new();
+    let mut structs: Vec<(String, usize, Vec<Line>)> = Vec::new();
     for line in text.lines() {
         let mut words = line.split_whitespace();
         let name = words.next().unwrap().to_string();
@@ -37,9 +40,8 @@ fn parse(text: &str) -> Layout {
             structs.push((name, first, Vec::new()));
         }
     }
-    let field_ends = |size: usize, fields: &[(String, usize, Option<usize>)], k: usize| {
-        fields.get(k + 1).map_or(size, |(_, offset, _)| *offset)
-    };
+    let field_ends =
+        |size: usize, fields: &[Line], k: usize| fields.get(k + 1).map_or(size, |(_, offset, _)| *offset);
     let read = structs.into_iter().map(|(name, size, fields)| {
         let placed = fields.iter().enumerate().map(|(k, (name, offset, own))| {
             let size = own.unwrap_or(field_ends(size, &fields, k) - offset);

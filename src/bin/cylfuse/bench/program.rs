@@ -33,7 +33,7 @@ impl Program {
     pub fn fit(&self, points: impl Iterator<Item = Vector3<f64>>) -> Result<Cylinder, Failure> {
         match self.run(&[], points)?[..] {
             [cylinder] => Ok(cylinder),
-            ref all => Err(self.failure(format!("{} cylinders where one was asked for", all.len()))),
+            ref all => Err(self.failure(&format!("{} cylinders where one was asked for", all.len()))),
         }
     }
 
@@ -45,7 +45,7 @@ impl Program {
         self.run(&["scene"], points)
     }
 
-    fn failure(&self, what: String) -> Failure {
+    fn failure(&self, what: &str) -> Failure {
         Failure {
             status: "OTHER_LIBRARY",
             message: format!("{}, {}: {what}", self.library, self.path.display()),
@@ -57,7 +57,7 @@ impl Program {
         arguments: &[&str],
         points: impl Iterator<Item = Vector3<f64>>,
     ) -> Result<Vec<Cylinder>, Failure> {
-        let broken = |error: std::io::Error| self.failure(format!("the program does not run: {error}"));
+        let broken = |error: std::io::Error| self.failure(&format!("the program does not run: {error}"));
         let bytes: Vec<u8> =
             points.flat_map(|p| [p.x, p.y, p.z]).flat_map(|x| (x as f32).to_le_bytes()).collect();
         let mut child = Command::new(&self.path)
@@ -72,13 +72,13 @@ impl Program {
         }
         let output = child.wait_with_output().map_err(broken)?;
         if !output.status.success() {
-            return Err(self.failure(format!("{} with {} points", output.status, bytes.len() / 12)));
+            return Err(self.failure(&format!("{} with {} points", output.status, bytes.len() / 12)));
         }
         let text = String::from_utf8_lossy(&output.stdout);
         let cylinder = |line: &str| {
             let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             let [px, py, pz, dx, dy, dz, radius] = numbers[..] else {
-                return Err(self.failure(format!("not point, direction and radius: {line}")));
+                return Err(self.failure(&format!("not point, direction and radius: {line}")));
             };
             Ok(Cylinder::new(Vector3::new(px, py, pz), Vector3::new(dx, dy, dz), radius)?)
         };
