@@ -101,6 +101,7 @@ void test_plan(void);
 void test_memory(void);
 void test_batch(void);
 void test_views(void);
+void test_lists(void);
 void test_readers(void);
 void test_detector(void);
 void test_detector_calls(void);

@@ -159,6 +159,7 @@ int main(void)
     test_memory();
     test_batch();
     test_views();
+    test_lists();
     test_readers();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
