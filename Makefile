@@ -3,6 +3,7 @@
 #   make                               builds the shared and the static library
 #   make install PREFIX=/opt/cylfuse   headers, libraries, pkg-config file, CMake package
 #   make deb                           a pair of Debian packages in $(TARGET)/deb
+#   make sbom                          what the library is made of, as a CycloneDX bill of materials in $(TARGET)
 #
 # DESTDIR stages an installation; LIBDIR may differ from $(PREFIX)/lib; STRIP=: keeps the line tables; PROFILE=release takes
 # the library of `cargo build --release`, which is not optimised as a whole and compiles faster.
@@ -40,7 +41,7 @@ SUBSTITUTE = sed \
 	-e 's|@SYSTEM_LIBRARIES@|$(SYSTEM_LIBRARIES)|g' \
 	-e 's|@SYSTEM_LIBRARY_FLAGS@|$(addprefix -l,$(SYSTEM_LIBRARIES))|g'
 
-.PHONY: build install install-runtime install-dev deb
+.PHONY: build install install-runtime install-dev deb sbom
 
 LIBRARIES = $(BUILT)/libcylfuse.so $(BUILT)/libcylfuse.a
 
@@ -72,3 +73,6 @@ install-dev: $(LIBRARIES)
 
 deb: $(LIBRARIES)
 	PROFILE=$(PROFILE) packaging/deb.sh $(VERSION) $(SOVERSION) $(TARGET)/deb
+
+sbom:
+	packaging/sbom.sh $(TARGET)/cylfuse-$(VERSION).cdx.json

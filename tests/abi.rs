@@ -8,6 +8,8 @@
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 mod common;
+#[path = "abi/packages.rs"]
+mod packages;
 
 use common::{c_compiler, cpp_compiler, header, library, root, run, scratch};
 use std::path::{Path, PathBuf};

@@ -5,25 +5,26 @@ source "$(dirname "$0")/../test_functions.sh"
 here=$repository/bindings/csharp
 export CYLFUSE_REPOSITORY=$repository
 assemblies=/usr/lib/mono/4.5
-require mcs mono-mcs mono mono-runtime $assemblies/System.Core.dll libmono-system-core4.0-cil \
+require mcs mono-mcs mono mono-runtime nuget nuget strip binutils $assemblies/System.Core.dll libmono-system-core4.0-cil \
     $assemblies/System.Json.dll libmono-system-json4.0-cil cc build-essential python3 python3
 
 "$here/build.sh" "$build"
 compile() { mcs -langversion:7 -warnaserror -r:"$build/Cylfuse.dll" -r:System.Core.dll "$@"; }
 
-# The program of the README in an empty folder with what the package brings: it finds the library without CYLFUSE_LIBRARY.
+# The program of the README in an empty project with the package installed: assembly and native library lie beside the
+# program, as a build puts them there, and it finds the library without CYLFUSE_LIBRARY.
+"$here/package.sh" "$CYLFUSE_LIBRARY" "$build" >/dev/null
 project="$build/an empty project é"
-native=$project/runtimes/linux-$([ "$(uname -m)" = aarch64 ] && echo arm64 || echo x64)/native
-mkdir -p "$native"
-cp "$CYLFUSE_LIBRARY" "$native/libcylfuse.so"
-cp "$build/Cylfuse.dll" "$project"
+mkdir "$project"
+nuget install Cylfuse -Source "$build" -OutputDirectory "$project/packages" >"$build/nuget.log" || { cat "$build/nuget.log"; exit 1; }
+cp -r "$project"/packages/Cylfuse.*/lib/net45/Cylfuse.dll "$project"/packages/Cylfuse.*/runtimes "$project"
 block() { awk -v number="$1" '/^```/ { inside = /csharp/ && ++count == number; next } inside' "$here/README.md"; }
 {
     echo 'using System; using System.Collections.Generic; static class Smallest { static void Main() {'
     block 1
     echo '} }'
 } >"$project/smallest.cs"
-compile -out:"$project/smallest.exe" "$project/smallest.cs"
+mcs -langversion:7 -warnaserror -r:"$project/Cylfuse.dll" -r:System.Core.dll -out:"$project/smallest.exe" "$project/smallest.cs"
 # The ones with a camera and with views compile.
 {
     echo 'using Cylfuse; static class WithCamera {'

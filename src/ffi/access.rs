@@ -34,6 +34,63 @@ impl Access {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::UnsafeCell;
+    use std::sync::Barrier;
+    use std::thread;
+
+    /// What a handle holds, in two parts that only differ while a writer is in.
+    #[derive(Default)]
+    struct Guarded {
+        access: Access,
+        numbers: UnsafeCell<[u64; 2]>,
+    }
+
+    // SAFETY: the numbers are only touched by those whom `access` lets in.
+    unsafe impl Sync for Guarded {}
+
+    impl Guarded {
+        fn numbers(&self) -> *mut [u64; 2] {
+            self.numbers.get()
+        }
+    }
+
+    /// Miri and ThreadSanitizer see it when a reader or writer does not wait for the memory of the one before.
+    #[test]
+    fn threads_see_what_the_writer_before_them_wrote() {
+        let (guarded, written) = (Guarded::default(), AtomicU32::new(0));
+        let turns = if cfg!(miri) { 50 } else { 500_000 };
+        let all_are_there = Barrier::new(4);
+        let write = || {
+            all_are_there.wait();
+            for _ in 0..turns {
+                if guarded.access.try_write() {
+                    // SAFETY: nobody else is in.
+                    unsafe { (*guarded.numbers()).iter_mut().for_each(|number| *number += 1) };
+                    guarded.access.end_write();
+                    written.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        };
+        let read = || {
+            all_are_there.wait();
+            for _ in 0..turns {
+                if guarded.access.try_read() {
+                    // SAFETY: no writer is in.
+                    let [one, other] = unsafe { *guarded.numbers() };
+                    guarded.access.end_read();
+                    assert_eq!(one, other);
+                }
+            }
+        };
+        thread::scope(|scope| {
+            scope.spawn(write);
+            scope.spawn(read);
+            scope.spawn(read);
+            write();
+        });
+        let written = u64::from(written.into_inner());
+        assert!(written > 0 && guarded.numbers.into_inner() == [written; 2]);
+    }
 
     #[test]
     fn readers_keep_writers_out_and_a_writer_everyone() {

@@ -51,6 +51,8 @@ mod solve;
 mod status;
 mod structs;
 mod texts;
+#[cfg(test)]
+mod thread_tests;
 mod views;
 
 pub use apply::*;

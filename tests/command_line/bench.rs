@@ -94,3 +94,37 @@ fn bad_options_are_said() {
     let missing = run(["bench", "--pcl", "no/such/program"]);
     assert!(missing.code == 1 && missing.stderr.contains("no/such/program"), "{}", missing.stderr);
 }
+
+#[cfg(unix)]
+#[test]
+fn other_libraries_come_by_programs() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = TempDir::new().unwrap();
+    let program = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, format!("#!/bin/sh\ncat > /dev/null\n{text}\n")).unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let two = "[ \"$1\" = scene ] || exit 1; echo 9 9 9 0 1 0 0.1; echo 8 8 8 0 1 0 0.1";
+    let (pcl, cgal) = (program("pcl", two), program("cgal", "exit 0"));
+    let options = ["--smallest", "--only", "scenes", "--pcl", &pcl, "--cgal", &cgal];
+    bench(folder.path(), &options);
+    let csv = &numbers(folder.path())["scenes"];
+    let row = |method: &str| {
+        let own = csv.lines().find(|line| line.contains(method)).unwrap();
+        own.split(',').map(str::to_owned).collect::<Vec<_>>()
+    };
+    // As many to find for all; the cylinders of the first are wrong, the second has none.
+    let own = row("without image");
+    assert!(row("PCL")[2] == own[2] && row("CGAL")[2] == own[2] && own[2] != "0", "{csv}");
+    assert_eq!([&row("PCL")[3..5], &row("CGAL")[3..5]].concat(), ["0", "2", "0", "0"]);
+    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    assert!(page.contains("<dt>CGAL</dt><dd>compared</dd>"));
+    for text in ["exit 1", "echo nonsense"] {
+        let broken = program("broken", text);
+        let out = folder.path().to_str().unwrap();
+        let run = run(["bench", "--smallest", "--only", "scenes", "--cgal", &broken, "--out", out]);
+        assert!(run.code == 1 && run.stderr.contains("OTHER_LIBRARY"), "{}", run.stderr);
+    }
+}

@@ -1,9 +1,10 @@
 // Both classes on the same clouds, as a table: compare_with_pcl FOLDER...
 //
 // Each folder is a frame with depth.png, mask.png, frame.json and, for the errors, truth.json. Points only: the depth
-// inside the mask. Both at 5 mm; PCL with normals from 50 neighbours, normal distance weight 0.1, at most 10,000
-// iterations, radius 5 to 150 mm, coefficients optimised. A third row has the edges that OpenCV's line detector proposes
-// in image.png, without locating the limbs any further.
+// inside the mask. Both with the settings of pcl_pipeline.hpp. A third row has the edges that OpenCV's line detector
+// proposes in image.png, without locating the limbs any further.
+#include "pcl_pipeline.hpp"
+
 #include <cylfuse/opencv.hpp>
 #include <cylfuse/pcl.hpp>
 
@@ -15,7 +16,7 @@
 #include <cstdio>
 #include <fstream>
 
-using Cloud = pcl::PointCloud<pcl::PointXYZ>;
+using namespace pcl_pipeline;
 
 struct Frame {
     cv::Mat depth, mask, image;
@@ -77,32 +78,12 @@ struct Outcome {
     double seconds;
 };
 
-static Outcome segment(pcl::SACSegmentationFromNormals<pcl::PointXYZ, pcl::Normal> &segmentation,
-                       const Cloud::Ptr &cloud, bool with_normals)
+static Outcome timed(Segmentation &segmentation, const Cloud::Ptr &cloud, bool with_normals)
 {
     const auto start = std::chrono::steady_clock::now();
-    if (with_normals) {
-        pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
-        const pcl::PointCloud<pcl::Normal>::Ptr normals(new pcl::PointCloud<pcl::Normal>);
-        estimation.setSearchMethod(pcl::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
-        estimation.setInputCloud(cloud);
-        estimation.setKSearch(50);
-        estimation.compute(*normals);
-        segmentation.setInputNormals(normals);
-    }
-    segmentation.setOptimizeCoefficients(true);
-    segmentation.setModelType(pcl::SACMODEL_CYLINDER);
-    segmentation.setMethodType(pcl::SAC_RANSAC);
-    segmentation.setNormalDistanceWeight(0.1);
-    segmentation.setMaxIterations(10000);
-    segmentation.setDistanceThreshold(0.005);
-    segmentation.setRadiusLimits(0.005, 0.15);
-    segmentation.setInputCloud(cloud);
-    pcl::PointIndices inliers;
-    pcl::ModelCoefficients coefficients;
-    segmentation.segment(inliers, coefficients);
+    const Segment found = segment(segmentation, cloud, with_normals ? normals_of(cloud) : nullptr);
     const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-    return {cylfuse::to_cylinder(coefficients), time.count()};
+    return {cylfuse::to_cylinder(found.coefficients), time.count()};
 }
 
 static double mean(const std::vector<double> &values)
@@ -131,8 +112,8 @@ try {
         const std::string folder(argv[k]);
         const Frame frame(folder);
         const Cloud::Ptr cloud = frame.cloud();
-        pcl::SACSegmentationFromNormals<pcl::PointXYZ, pcl::Normal> theirs;
-        const Outcome outcomes[2] = {segment(theirs, cloud, true), segment(ours, cloud, false)};
+        Segmentation theirs;
+        const Outcome outcomes[2] = {timed(theirs, cloud, true), timed(ours, cloud, false)};
         for (int of = 0; of < 2; ++of) {
             seconds[of].push_back(outcomes[of].seconds);
         }

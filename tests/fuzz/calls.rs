@@ -212,11 +212,16 @@ pub fn run(
         }));
         if let Ok((made, fits)) = outcome {
             done = (done.0 + made, done.1 + fits, done.2 + 1);
-            let kept = held() - before;
-            // The first cases fill what a thread keeps for its next calls. What one thread takes another gives back.
-            if kept > 0 && case > first + 3 && !may_use_threads(case) {
-                eprintln!("case {case} keeps {kept} bytes");
-                failed.push(case);
+            // What one thread takes another gives back. What a thread keeps for its next calls, such as the memory of
+            // products of matrices, is not taken a second time.
+            if held() > before && !may_use_threads(case) {
+                let again = held();
+                watch.run(case, || body(case, &mut arena, &statuses));
+                let kept = held() - again;
+                if kept > 0 {
+                    eprintln!("case {case} keeps {kept} bytes");
+                    failed.push(case);
+                }
             }
         } else {
             eprintln!("^ in case {case}");

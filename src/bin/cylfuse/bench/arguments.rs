@@ -40,6 +40,10 @@ pub struct BenchArguments {
     #[arg(long, value_name = "PROGRAM")]
     pub pcl: Option<PathBuf>,
 
+    /// The program bench_cgal of tests/cpp, to compare the detection in scenes with CGAL; left out without it.
+    #[arg(long, value_name = "PROGRAM")]
+    pub cgal: Option<PathBuf>,
+
     /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

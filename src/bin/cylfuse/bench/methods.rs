@@ -1,6 +1,6 @@
 //! The ways to fit that are compared, and the errors of their results.
 
-use super::pcl::Pcl;
+use super::program::Program;
 use super::sample::Sample;
 use crate::failure::Failure;
 use cylfuse::extent::Extent;
@@ -124,7 +124,7 @@ pub struct Variation<'a> {
 ///
 /// # Errors
 /// Those of the fit.
-pub fn fit(sample: &Sample, method: Method, pcl: Option<&Pcl>) -> Result<Outcome, Failure> {
+pub fn fit(sample: &Sample, method: Method, pcl: Option<&Program>) -> Result<Outcome, Failure> {
     match (method, pcl) {
         (Method::Pcl, Some(pcl)) => {
             let mut fitter = sample.fitter(Some(&[]))?;

@@ -5,9 +5,9 @@ mod experiments;
 mod folder;
 mod methods;
 mod page;
-mod pcl;
 mod picture;
 mod plot;
+mod program;
 mod published;
 mod sample;
 mod stage;
@@ -21,7 +21,7 @@ use experiments::{EXPERIMENTS, Experiment};
 use indicatif::ProgressBar;
 use methods::Method;
 use page::Section;
-use pcl::Pcl;
+use program::Program;
 use sample::Sample;
 use stage::OnBoard;
 use std::io::Write;
@@ -56,8 +56,10 @@ impl Scale {
 pub struct Bench {
     /// How much is done.
     pub scale: Scale,
-    /// PCL, if there is any.
-    pub pcl: Option<Pcl>,
+    /// The Point Cloud Library, if there is any.
+    pub pcl: Option<Program>,
+    /// CGAL, if there is any.
+    pub cgal: Option<Program>,
     seed: u64,
     threads: usize,
     progress: ProgressBar,
@@ -151,7 +153,8 @@ pub fn run(arguments: &BenchArguments) -> Result<String, Failure> {
     };
     let mut bench = Bench {
         scale,
-        pcl: arguments.pcl.as_deref().map(Pcl::new).transpose()?,
+        pcl: arguments.pcl.as_deref().map(|path| Program::new("PCL", path)).transpose()?,
+        cgal: arguments.cgal.as_deref().map(|path| Program::new("CGAL", path)).transpose()?,
         seed: arguments.seed,
         threads: arguments.threads,
         progress: ProgressBar::hidden(),
@@ -177,13 +180,17 @@ pub fn run(arguments: &BenchArguments) -> Result<String, Failure> {
 }
 
 fn write(arguments: &BenchArguments, bench: &Bench, sections: &[Section]) -> Result<String, Failure> {
-    let pcl = if bench.pcl.is_some() { "compared" } else { "left out: no program was named by --pcl" };
+    let compared = |program: &Option<Program>, option: &str| match program {
+        Some(_) => "compared".to_string(),
+        None => format!("left out: no program was named by {option}"),
+    };
     let facts = [
         ("command", command()),
         ("version", format!("cylfuse {}, commit {}", env!("CARGO_PKG_VERSION"), env!("CYLFUSE_COMMIT"))),
         ("machine", machine()),
         ("seed", arguments.seed.to_string()),
-        ("PCL", pcl.to_string()),
+        ("PCL", compared(&bench.pcl, "--pcl")),
+        ("CGAL", compared(&bench.cgal, "--cgal")),
     ];
     let page = page::page("What cylfuse measures, and how well", &facts, sections);
     let path = arguments.out.join("index.html");

@@ -2,14 +2,16 @@
 
 use crate::bench::Bench;
 use crate::bench::page::{Csv, Section, digits, paragraph, shown, table};
+use crate::bench::program::Program;
 use crate::bench::stage;
 use crate::bench::statistics::Summary;
 use crate::failure::Failure;
+use cylfuse::camera::Camera;
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
 use cylfuse::scene::Detector;
 use cylfuse::twin::{ActiveStereo, DEPTH_UNIT, DepthSensor, Kind, TimeOfFlight, capture, random_scene};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// What counts as a hit: the angle of the axes in degrees, the distance of the axes in true radii at the middle of what is
 /// seen, the relative error of the radius.
@@ -130,6 +132,21 @@ fn sets() -> [(&'static str, Kind, DepthSensor); 4] {
     ]
 }
 
+/// The other libraries that are compared.
+fn programs(bench: &Bench) -> impl Iterator<Item = &Program> {
+    bench.pcl.iter().chain(&bench.cgal)
+}
+
+/// The points of a depth image.
+fn cloud(camera: &Camera, depth: &[u16]) -> impl Iterator<Item = Vector3<f64>> {
+    let (width, _) = camera.size();
+    let seen = depth.iter().enumerate().filter(|(_, z)| **z > 0);
+    seen.filter_map(move |(k, z)| {
+        let ray = camera.unproject(&Vector2::new((k % width) as f64, (k / width) as f64))?;
+        Some(ray * (f64::from(*z) * DEPTH_UNIT / ray.z))
+    })
+}
+
 fn jobs(bench: &Bench) -> Vec<(usize, usize)> {
     let count = |set: usize| bench.scale.of([20, 12, 8, 8][set], 1, usize::from(set == 1));
     (0..sets().len()).flat_map(|set| (0..count(set)).map(move |k| (set, k))).collect()
@@ -162,7 +179,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             middle: bottle.center,
             countable: false,
         }));
-        let mut both = Vec::new();
+        let mut scored = Vec::new();
         for with_image in [true, false] {
             let mut frame = Frame::new(options.camera.clone());
             frame.set_depth(&DepthView::from_u16(&taken.depth, size, DEPTH_UNIT)?, &DepthRange::default())?;
@@ -171,18 +188,23 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             }
             let scene = Detector::new().detect(&frame)?;
             let found: Vec<Cylinder> = scene.cylinders.iter().map(|one| one.result.cylinder).collect();
-            both.push(truths.score(&found));
+            scored.push(truths.score(&found));
         }
-        Ok((*set, both))
+        let points = || cloud(&options.camera, &taken.depth);
+        for program in programs(bench) {
+            scored.push(truths.score(&program.detect(points())?));
+        }
+        Ok((*set, scored))
     })?;
     let mut csv = Csv::new(
         "scenes",
-        "set,image,to_find,found,wrong,E_r_median_pct,E_r_90_pct,E_o_median_deg,E_o_90_deg",
+        "set,method,to_find,found,wrong,E_r_median_pct,E_r_90_pct,E_o_median_deg,E_o_90_deg",
     );
     let mut table_rows = Vec::new();
     for (index, (name, _, _)) in sets().iter().enumerate() {
-        for (which, image) in ["with image", "without image"].iter().enumerate() {
-            let own = rows.iter().filter(|(set, _)| *set == index).map(|(_, both)| &both[which]);
+        let methods = ["with image", "without image"].into_iter();
+        for (which, method) in methods.chain(programs(bench).map(|program| program.library)).enumerate() {
+            let own = rows.iter().filter(|(set, _)| *set == index).map(|(_, scored)| &scored[which]);
             let frames = own.clone().count();
             if frames == 0 {
                 continue;
@@ -193,12 +215,12 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             let numbers = [radius.median, radius.ninety, axis.median, axis.ninety].map(digits).join(",");
             let (found, missed) = (hits.found.len(), hits.missed);
             csv.push(&format!(
-                "{},{image},{},{found},{},{numbers}",
+                "{},{method},{},{found},{},{numbers}",
                 name.replace(',', ""),
                 found + missed,
                 hits.wrong
             ));
-            let first = format!("{frames} of {name}, {image}");
+            let first = format!("{frames} of {name}, {method}");
             table_rows.push(std::iter::once(first).chain(hits.cells()).collect());
         }
     }
@@ -206,7 +228,8 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
     let body = paragraph(
         "Random scenes of the twin, searched without mask or edge. A hit: axes within 5°, the found axis within half a radius \
          of the true one at the middle of what is seen, radii within 15 %; each cylinder once. Recall counts those of which \
-         enough is seen (900 pixels, 540 of them with depth); hits on others and on bottles count neither way.",
+         enough is seen (900 pixels, 540 of them with depth); hits on others and on bottles count neither way. PCL and CGAL, \
+         where they are there, get the points of the depth alone and work as tests/cpp/bench_pcl.cpp and bench_cgal.cpp say.",
     ) + &table(&head, &table_rows);
     Ok(Section { name: "scenes", title: "Whole scenes".into(), body, numbers: vec![csv], said: None })
 }
