@@ -3,7 +3,7 @@
 use super::grid::Cell;
 use super::normal_equations::{self, Cells, NormalEquations};
 use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::Scalar;
 
 /// Cells farther from a surface than this many standard deviations do not belong to it.
@@ -188,17 +188,20 @@ pub(super) fn slope(
         if ratio.abs() < 1.0 {
             let part = 1.0 - ratio * ratio;
             let weight = weight * part * part / (sigma * sigma);
-            let own = surface.gradient(place, (&u, &v));
+            let (nu, nv) = (place.normal.dot(&u), place.normal.dot(&v));
             // Tilts and slopes in radii: all numbers are lengths.
-            let along = [own[2], own[3], -place.along].map(|row| row / radius);
-            let row = SVector::from([own[0], own[1], along[0], along[1], own[4], -shape, along[2]]);
+            let along = place.along / radius;
+            let row = SVector::from([-nu, -nv, -nu * along, -nv * along, -1.0, -shape, -along]);
             matrix += row * row.transpose() * weight;
             vector += row * (weight * distance);
         }
     };
     for cell in cells {
-        let (place, distance, sigma, shape) = surface.residual(cell, optics.pixel);
-        add(&place, distance, sigma, shape, 1.0 / optics.cells_per_sample);
+        let Cell { x, y, point, sigma, .. } = **cell;
+        let residual =
+            normal_equations::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
+        let sigma = residual.variance.sqrt();
+        add(&residual.place.into(), residual.distance, sigma, residual.shape, 1.0 / optics.cells_per_sample);
     }
     for Tangent { ray, inset, deviation, weight } in tangents {
         let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));

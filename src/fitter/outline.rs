@@ -6,17 +6,15 @@ use crate::detection::{meets, passes};
 use crate::geometry::Cylinder;
 use nalgebra::{Vector2, Vector3};
 
-constants! {
-    /// The part of the pixels of a mask that may lack depth where the mask is one of the pixels that have depth,
-    MOST_WITHIN = 0.001, "";
+/// The part of the pixels of a mask that may lack depth where the mask is one of the pixels that have depth,
+const MOST_WITHIN: f64 = 0.001;
 
-    /// and the part of the pixels around it that lack depth then at least. Of 282 masks of whole lateral surfaces or
-    /// objects, drawn by hand or rendered, none has both.
-    LEAST_AROUND = 0.2, "";
+/// and the part of the pixels around it that lack depth then at least. Of 282 masks of whole lateral surfaces or objects,
+/// drawn by hand or rendered, none has both.
+const LEAST_AROUND: f64 = 0.2;
 
-    /// The drawn sides lie so far outside those of the cylinder, in pixels.
-    MARGIN = 1.5, "px";
-}
+/// The drawn sides lie so far outside those of the cylinder, in pixels.
+const MARGIN: f64 = 1.5;
 
 /// The radii about which the sides are drawn, one fit after the other, as parts of that of the fit before. The first fit
 /// took the sides of the mask for limbs.
@@ -35,8 +33,8 @@ impl View {
             });
             without as f64 / count.max(1) as f64
         };
-        part_without(&mut mask.set_pixels()) <= MOST_WITHIN.get()
-            && part_without(&mut mask.surroundings()) >= LEAST_AROUND.get()
+        part_without(&mut mask.set_pixels()) <= MOST_WITHIN
+            && part_without(&mut mask.surroundings()) >= LEAST_AROUND
     }
 
     /// The view with a mask that goes on, over pixels without depth, to the sides of a cylinder in the coordinates of the
@@ -51,7 +49,7 @@ impl View {
         let low = *along.select_nth_unstable_by(out, f64::total_cmp).1;
         let high = *along.select_nth_unstable_by(last - out, f64::total_cmp).1;
         let pixel = cylinder.axis.nearest_to_origin().norm() / (camera.intrinsics().fx * cylinder.radius);
-        let widest = factor + MARGIN.get() * pixel;
+        let widest = factor + MARGIN * pixel;
         let between = |ray: &Vector3<f64>| {
             passes(cylinder, ray.x, ray.y).is_some_and(|across| across.abs() <= widest)
                 && (low..=high).contains(&meets(cylinder, ray))
