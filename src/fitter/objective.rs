@@ -7,7 +7,6 @@ use super::options::ChartChoice;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
-use crate::noise::{SHARED_ACROSS, SHARED_RANGE, SHARED_SPREADS};
 use crate::residuals::{
     Bend, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
@@ -298,8 +297,7 @@ impl Data<'_> {
         }
         let size = self.shared_size(view, scales.point).filter(|&size| size > 0.0)?;
         let distance = view.into_view.point(&self.center).norm();
-        let range = (SHARED_RANGE * distance).min(SHARED_SPREADS * self.unit);
-        Some(SharedErrors { bend: size, offset: size, across: SHARED_ACROSS * size, tilt: size / range })
+        Some(SharedErrors::of_offset(size, distance, self.unit))
     }
 
     /// The standard deviation of an offset that all points of a view share, whose noise is `scale`.

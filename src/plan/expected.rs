@@ -8,9 +8,11 @@ use super::view::SeenPoint;
 use super::{Deviations, Plan};
 use crate::error::{Error, Result};
 use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
-use crate::noise::{NoiseModel, SHARED_RANGE};
-use crate::residuals::{ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, near_wall};
-use nalgebra::{Matrix2, SMatrix, SVector};
+use crate::noise::NoiseModel;
+use crate::residuals::{
+    ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, near_wall,
+};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 
 /// What a located limb scatters by in units of the Cramér–Rao bound: blur, levels and shading are found from the same pixels.
 /// By captures of the twin with steps of 10 and 25 times the noise.
@@ -100,7 +102,7 @@ impl Plan {
                 remedy: "plan a shorter distance or a camera of more pixels; pixels whose noise is alike count once",
             });
         }
-        let mut information = self.of_points(&frame, &limbs, &seen, share)?;
+        let mut information = self.of_points(&frame, &seen, share)?;
         self.add_limbs(&mut information, &frame, &limbs)?;
         let arcs = [-0.5, 0.5].map(|part| self.arc(&cylinder, &limbs, part * self.length));
         let place = PLACE_LOSS * self.step.place(1.0);
@@ -137,13 +139,7 @@ impl Plan {
     }
 
     /// The points, and the errors that they share.
-    fn of_points(
-        &self,
-        frame: &LocalFrame,
-        limbs: &LimbFrame,
-        seen: &[SeenPoint],
-        share: f64,
-    ) -> Result<Information> {
+    fn of_points(&self, frame: &LocalFrame, seen: &[SeenPoint], share: f64) -> Result<Information> {
         let rows = PointRows::new(frame);
         let points: Vec<(Tangent, f64)> = (seen.iter())
             .map(|seen| (rows.row(&seen.point).1, self.depth.at(seen.point.z) * seen.across / frame.unit))
@@ -165,15 +161,12 @@ impl Plan {
             information.add(&six(jacobian, jacobian.dot(&bend)), stated, own, own);
         }
         let part = NoiseModel::default().depth_shared;
-        let size = part * self.distance / frame.unit;
-        let ray = limbs.toward * size;
-        let tilt = part / SHARED_RANGE;
-        let shared = [
-            Tangent::new(ray.dot(&frame.u), ray.dot(&frame.v), 0.0, 0.0, 0.0),
-            Tangent::ith(2, tilt),
-            Tangent::ith(3, tilt),
-        ];
-        for step in shared {
+        let count = seen.len() as f64;
+        let middle = seen.iter().map(|seen| seen.point).sum::<Vector3<f64>>() / count;
+        let spread = seen.iter().map(|seen| (seen.point - middle).norm_squared()).sum::<f64>() / count;
+        let shared = SharedErrors::of_offset(part * self.distance, self.distance, spread.sqrt());
+        let size = shared.bend / frame.unit;
+        for step in shared.steps(frame) {
             let error = information.matrix * six(&step, 0.0);
             information.total += error * error.transpose();
         }

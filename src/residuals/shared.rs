@@ -13,6 +13,7 @@ use super::point_terms::{LossInFrame, Points};
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::noise::{SHARED_ACROSS, SHARED_RANGE, SHARED_SPREADS};
 use nalgebra::Vector3;
 use std::cell::Cell;
 
@@ -27,6 +28,26 @@ pub struct SharedErrors {
     pub across: f64,
     /// Of the tilt of all points together, in radians.
     pub tilt: f64,
+}
+
+impl SharedErrors {
+    /// Those of points whose offset has this standard deviation, at a distance from the observer, whose standard deviation
+    /// from their middle is `spread`.
+    #[must_use]
+    pub fn of_offset(offset: f64, distance: f64, spread: f64) -> Self {
+        let range = (SHARED_RANGE * distance).min(SHARED_SPREADS * spread);
+        Self { bend: offset, offset, across: SHARED_ACROSS * offset, tilt: offset / range }
+    }
+
+    /// By how much offset, shift across and tilt move the axis: one standard deviation of each.
+    #[must_use]
+    pub fn steps(&self, frame: &LocalFrame) -> [Tangent; 4] {
+        let axis = &frame.cylinder.axis;
+        let ray = axis.point.normalize() * (self.offset / frame.unit);
+        let across = axis.direction.cross(&axis.point).normalize() * (self.across / frame.unit);
+        let shift = |step: Vector3<f64>| Tangent::new(step.dot(&frame.u), step.dot(&frame.v), 0.0, 0.0, 0.0);
+        [shift(ray), shift(across), Tangent::ith(2, self.tilt), Tangent::ith(3, self.tilt)]
+    }
 }
 
 /// Points with errors that they share, seen from the origin.
@@ -237,16 +258,7 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
         let stiffness = self.stiffness();
         let Bent { b, direction, frame: bent, .. } = self.bent(frame);
         let SandwichPart { gradient, derivative, covariance } = self.points.sandwich(&bent)?;
-        let ray = frame.cylinder.axis.point.normalize() * (self.shared.offset / frame.unit);
-        let across = frame.cylinder.axis.direction.cross(&frame.cylinder.axis.point).normalize()
-            * (self.shared.across / frame.unit);
-        let shared = [
-            Tangent::new(ray.dot(&frame.u), ray.dot(&frame.v), 0.0, 0.0, 0.0),
-            Tangent::new(across.dot(&frame.u), across.dot(&frame.v), 0.0, 0.0, 0.0),
-            Tangent::ith(2, self.shared.tilt),
-            Tangent::ith(3, self.shared.tilt),
-        ];
-        let by_shared = shared.map(|step| derivative * step);
+        let by_shared = self.shared.steps(frame).map(|step| derivative * step);
         let column = derivative * direction;
         let square = direction.dot(&column) + stiffness;
         let reduce = TangentMap::identity() - column * direction.transpose() / square;
