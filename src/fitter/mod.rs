@@ -171,35 +171,25 @@ impl Fitter {
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
         let clock = Instant::now();
-        let seconds = || clock.elapsed().as_secs_f64();
         self.check_memory(BYTES_OF_FIT)?;
         let mut run = Run::new(report);
-        let mut started = 0.0;
-        let (mut bodies, mut fit) = self.fit_views(Vec::new(), &mut run, || started = seconds())?;
-        let ends_with_depth = self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth);
-        for factor in outline::RADII.into_iter().filter(|_| ends_with_depth) {
-            let drawn = self.drawn_again(&fit.cylinder, factor);
-            if drawn.iter().all(Option::is_none) {
-                break;
+        let (mut made_with, mut result) = self.fit_views(Vec::new(), &mut run, &clock)?;
+        if self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth) {
+            for factor in outline::RADII {
+                let drawn = self.drawn_again(&result.cylinder, factor);
+                if drawn.iter().all(Option::is_none) {
+                    break;
+                }
+                match self.fit_views(drawn, &mut run, &clock) {
+                    Ok(again) => (made_with, result) = again,
+                    Err(error @ Error::Cancelled { .. }) => return Err(error),
+                    Err(_) => break,
+                }
             }
-            match self.fit_views(drawn, &mut run, || {}) {
-                Ok(again) => (bodies, fit) = again,
-                Err(error @ Error::Cancelled { .. }) => return Err(error),
-                Err(_) => break,
-            }
+            result.flags |= Flags::MASK_ENDS_WITH_DEPTH;
         }
-        let data = self.data_of(&bodies)?;
-        let ended = seconds();
-        let mut result =
-            describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
-        if let Some(convergence) = &fit.convergence {
-            result.add_convergence(convergence);
-            result.seconds.start = started;
-            result.seconds.solve = ended - started;
-        }
-        result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
-        result.seconds.total = seconds();
-        self.made_with = Some(MadeWith { held: fit.held, bodies });
+        result.seconds.total = clock.elapsed().as_secs_f64();
+        self.made_with = Some(made_with);
         self.result = Some(result);
         Ok(result)
     }
@@ -326,21 +316,30 @@ impl Fitter {
         asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
-    /// A fit of the views, of which some are `drawn` again, and by view what was fitted of it where that is not the view
-    /// as it was pushed.
+    /// A fit of the views, of which some are `drawn` again.
     fn fit_views(
         &self,
         drawn: Vec<Option<View>>,
         run: &mut Run<'_>,
-        started: impl FnOnce(),
-    ) -> Result<(Vec<Option<View>>, fit::Fit)> {
+        clock: &Instant,
+    ) -> Result<(MadeWith, FitResult)> {
+        let seconds = || clock.elapsed().as_secs_f64();
         let bodies = self.bodies(drawn, run)?;
         let data = self.data_of(&bodies)?;
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
-        let fit = fit::fit(&data, run, started)?;
-        Ok((bodies, fit))
+        let mut started = 0.0;
+        let fit = fit::fit(&data, run, || started = seconds())?;
+        let ended = seconds();
+        let mut result =
+            describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
+        if let Some(convergence) = &fit.convergence {
+            result.add_convergence(convergence);
+            result.seconds.start = started;
+            result.seconds.solve = ended - started;
+        }
+        Ok((MadeWith { held: fit.held, bodies }, result))
     }
 
     /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.

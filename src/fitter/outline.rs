@@ -27,14 +27,15 @@ impl View {
     /// Whether the mask holds the pixels that have depth and no others: it ends where the depth does.
     pub fn mask_ends_with_depth(&self) -> bool {
         let (Some(mask), Some(depth)) = (&self.mask, self.depth()) else { return false };
-        let part_without = |pixels: &mut dyn Iterator<Item = (usize, usize)>| {
-            let (count, without) = pixels.fold((0_usize, 0_usize), |(count, without), (column, row)| {
-                (count + 1, without + usize::from(depth.depth(column, row).is_none()))
-            });
-            without as f64 / count.max(1) as f64
-        };
-        part_without(&mut mask.set_pixels()) <= MOST_WITHIN
-            && part_without(&mut mask.surroundings()) >= LEAST_AROUND
+        let lacks_depth = |&(column, row): &(usize, usize)| depth.depth(column, row).is_none();
+        let allowed = (MOST_WITHIN * mask.count() as f64) as usize;
+        if mask.set_pixels().filter(lacks_depth).nth(allowed).is_some() {
+            return false;
+        }
+        let (around, lacking) = mask.surroundings().fold((0_usize, 0_usize), |(around, lacking), pixel| {
+            (around + 1, lacking + usize::from(lacks_depth(&pixel)))
+        });
+        lacking > 0 && lacking as f64 >= LEAST_AROUND * around as f64
     }
 
     /// The view with a mask that goes on, over pixels without depth, to the sides of a cylinder in the coordinates of the
