@@ -448,7 +448,7 @@ func TestNames(t *testing.T) {
 		ColourBGRA.String():                                    "BGRA",
 		(InputPoints | InputImage).String():                    "points, image",
 		FlagUncertaintyUnknown.String():                        "uncertainty unknown",
-		(FlagEdgesIgnored | FlagNotConverged | 1<<17).String(): "edges ignored, not converged, 17",
+		(FlagEdgesIgnored | FlagNotConverged | 1<<30).String(): "edges ignored, not converged, 30",
 		Flags(0).String():                                      "",
 	} {
 		if got != want {
