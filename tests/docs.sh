@@ -38,7 +38,9 @@ set_up() {
         DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends python3-venv
     fi
     tests/packages.sh || return 1
-    cmp -s docs/site/requirements.txt "$environment/requirements.txt" && return
+    # An environment that was moved does not run.
+    "$environment/bin/sphinx-build" --version > /dev/null 2>&1 &&
+        cmp -s docs/site/requirements.txt "$environment/requirements.txt" && return
     rm -rf "$environment"
     python3 -m venv "$environment" && "$environment/bin/pip" install -q -r docs/site/requirements.txt &&
         cp docs/site/requirements.txt "$environment"
