@@ -4,13 +4,8 @@
 set -euo pipefail
 file=$(realpath -m "$1")
 cd "$(dirname "$0")/.."
-version=0.5.9
-export PATH=$PWD/target/tools/bin:$PATH
-if ! cargo cyclonedx --version >/dev/null 2>&1; then
-    # Without optimisation: it is built in a third of the time, and runs for a second.
-    CARGO_TARGET_DIR=target/tools/build cargo install --locked --debug --version "$version" --root target/tools cargo-cyclonedx
-    rm -rf target/tools/build
-fi
+source packaging/cargo_tool.sh
+cargo_tool cyclonedx 0.5.9
 # No time and no random number: the same sources give the same file.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || echo 0)}
 export SOURCE_DATE_EPOCH

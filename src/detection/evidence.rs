@@ -48,8 +48,9 @@ pub struct Evidence {
     pub radius_deviation: Option<f64>,
     /// The taper of the best cone: change of radius over the length, by the radius.
     pub taper: f64,
-    /// By how much the radius seems to grow along the axis, and the standard deviation of that, by the depth.
-    pub slope: [f64; 2],
+    /// By how much the radius seems to grow along the axis, and the standard deviation of that, by the depth; `None` where it
+    /// does not tell, and with an image, where limbs do.
+    pub slope: Option<[f64; 2]>,
     /// The radius in pixels.
     pub radius_pixels: f64,
 }
@@ -202,7 +203,7 @@ impl Evidence {
     #[must_use]
     pub fn terms_of_depth(&self, deviation: f64) -> [f64; 10] {
         let [least, most] = DEVIATIONS;
-        let [slope, uncertainty] = self.slope.map(f64::abs);
+        let [slope, uncertainty] = self.slope.unwrap_or([0.0, f64::INFINITY]).map(f64::abs);
         let sphere = self.over_sphere.clamp(-MOST_ODDS, MOST_ODDS);
         [
             self.shape(),
@@ -254,7 +255,15 @@ impl Evidence {
 }
 
 impl Scene<'_> {
-    /// Everything that speaks for or against a candidate.
+    /// By how much the radius of a candidate seems to grow along its axis: [`Evidence::slope`].
+    pub fn slope(&self, candidate: &Candidate, mark: &mut Marks) -> Option<[f64; 2]> {
+        let cells: Vec<&Cell> = candidate.cells.iter().map(|&k| &self.grid.cells[k]).collect();
+        let tangents = self.tangents(&candidate.surface, &candidate.cells, candidate.sides, mark);
+        self.effort.spend(cells.len() + tangents.len());
+        slope(&candidate.surface, &cells, &tangents, self.optics)
+    }
+
+    /// What speaks for or against a candidate, but for the slope, which only the score of a fit asks for.
     pub fn judge(&self, candidate: &Candidate, mark: &mut Marks) -> Option<Evidence> {
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
         if self.effort.is_spent() {
@@ -287,11 +296,6 @@ impl Scene<'_> {
         let pixels = cylinder.radius / (depth * self.optics.pixel);
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
         evidence.radius_pixels = pixels;
-        let refs: Vec<&Cell> = candidate.cells.iter().map(|&k| &self.grid.cells[k]).collect();
-        let tangents = self.tangents(&candidate.surface, &candidate.cells, candidate.sides, mark);
-        self.effort.spend(refs.len() + tangents.len());
-        evidence.slope =
-            slope(&candidate.surface, &refs, &tangents, self.optics).unwrap_or([0.0, f64::INFINITY]);
         self.effort.spend(candidate.cells.len());
         let sides = outline(self, &cylinder, &candidate.cells, mark);
         let part = |beyond: Beyond| {

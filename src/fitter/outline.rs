@@ -4,6 +4,7 @@
 use super::view::View;
 use crate::detection::{meets, passes};
 use crate::geometry::Cylinder;
+use crate::limb_location::axial_range;
 use nalgebra::{Vector2, Vector3};
 
 /// The part of the pixels of a mask that may lack depth where the mask is one of the pixels that have depth,
@@ -43,12 +44,8 @@ impl View {
     pub fn with_sides_of(&self, cylinder: &Cylinder, factor: f64) -> Option<View> {
         let (camera, mask, depth) = (self.camera()?, self.mask.as_ref()?, self.depth()?);
         let ray = |(column, row): (usize, usize)| camera.unproject(&Vector2::new(column as f64, row as f64));
-        let outline = mask.outline().filter_map(ray);
-        let mut along: Vec<f64> = outline.map(|ray| meets(cylinder, &ray)).collect();
-        let last = along.len().checked_sub(1)?;
-        let out = (TRIM * last as f64) as usize;
-        let low = *along.select_nth_unstable_by(out, f64::total_cmp).1;
-        let high = *along.select_nth_unstable_by(last - out, f64::total_cmp).1;
+        let outline = mask.outline().map(|(column, row)| Vector2::new(column as f64, row as f64));
+        let [low, high] = axial_range(camera, cylinder, outline, TRIM)?;
         let pixel = cylinder.axis.nearest_to_origin().norm() / (camera.intrinsics().fx * cylinder.radius);
         let widest = factor + MARGIN * pixel;
         let between = |ray: &Vector3<f64>| {
