@@ -2,6 +2,8 @@
 # Builds the site and runs the programs on its pages. Ends with `docs: N passed, N failed`.
 # tests/docs.sh [FOLDER]: leaves the site in the folder (target/site); FOLDER/index.html is its first page.
 set -uo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
 root=$PWD
 target=${CARGO_TARGET_DIR:-$root/target}
