@@ -70,7 +70,7 @@ def test_dask_on_two_workers() -> None:
 
     names = sorted(path.name for path in FRAMES.iterdir())
     frames = [*names, "nowhere", *names, f"dark {names[0]}", "deadly"]
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
         rows = fit_frames(client, frames, load_or_fail)
     assert [row["frame"] for row in rows] == frames
     assert "FileNotFoundError" in rows[len(names)]["error"]
