@@ -3,6 +3,8 @@
 # must meet bit by bit, then each language. Each installs what it needs from Debian, PyPI and npm.
 # bindings/test.sh [LANGUAGE...]: only these.
 set -euo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 here=$(cd "$(dirname "$0")" && pwd)
 repository=$(cd "$here/.." && pwd)
 

@@ -1,6 +1,8 @@
 # What the test.sh of a language needs; it sources this file. CYLFUSE_LIBRARY names the native library, else it is
 # built.
 set -euo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 conformance=$repository/bindings/conformance
 

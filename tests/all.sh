@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Every check there is, with its own set-up. Needs a Rust toolchain and Debian's package manager.
 set -euo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
 
 step() { printf '\n== %s\n' "$*"; }

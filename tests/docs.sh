@@ -2,6 +2,8 @@
 # Builds the site and runs the programs on its pages. Ends with `docs: N passed, N failed`.
 # tests/docs.sh [FOLDER]: leaves the site in the folder (target/site); FOLDER/index.html is its first page.
 set -uo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
 root=$PWD
 target=${CARGO_TARGET_DIR:-$root/target}
@@ -121,6 +123,7 @@ project docs/start/c.md c fit_frame.c
 check "C" radius_is '^radius (39\.9|40\.0)' "$folder" "$(block docs/start/c.md sh 2)"
 project docs/start/cpp.md cpp fit_frame.cpp
 check "C++" radius_is '^radius (39\.9|40\.0)' "$folder" "$(block docs/start/cpp.md sh 2)"
+check "C++ by pkg-config" radius_is '^radius (39\.9|40\.0)' "$folder" "$(block docs/start/cpp.md sh 3)"
 project docs/start/opencv.md cpp fit_frame.cpp
 check "OpenCV" radius_is '^radius 37\.[6-9]' "$folder" "$(block docs/start/opencv.md sh 1 | sed "s|path/to/cylfuse|$root|")"
 check "OpenCV's overlay" test -s "$folder/overlay.png"

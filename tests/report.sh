@@ -3,6 +3,8 @@
 # Ends with `report: N passed, N failed`. Installs chromium and Node from Debian, the driver of the browser from npm.
 # tests/report.sh [FOLDER]: leaves pages and their pictures in the folder.
 set -euo pipefail
+# Messages and numbers of tools as they are read here.
+export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
 
 missing=()

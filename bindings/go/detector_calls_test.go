@@ -167,12 +167,10 @@ func TestForgottenDetectorsAreFreed(t *testing.T) {
 	for round := 0; round < 5; round++ {
 		forget(5)
 	}
-	before := residentMegabytes(t)
-	for round := 0; round < 30; round++ {
-		forget(5)
-	}
 	// Their labels would be 88 MB.
-	if growth := residentMegabytes(t) - before; growth > 60 {
-		t.Errorf("%.1f MB more after 150 forgotten detectors", growth)
-	}
+	memoryStaysFlat(t, 60, func() {
+		for round := 0; round < 30; round++ {
+			forget(5)
+		}
+	})
 }

@@ -20,7 +20,7 @@ export CYLFUSE_GO_MODULE=$build/module CYLFUSE_CONFORMANCE_OUTPUT=$build/results
 go vet ./... || failed=1
 # tests OPTION...: runs tests, and sums up what they print.
 tests() {
-    go test -count=1 -v "$@" . 2>&1 | awk '
+    go test -count=1 -timeout=60m -v "$@" . 2>&1 | awk '
         1; /^--- PASS/ { passed++ } /^--- FAIL/ { failed++ }
         END { printf "%d passed, %d failed\n", passed, failed }'
 }

@@ -11,9 +11,6 @@ require javac openjdk-17-jdk-headless javadoc openjdk-17-jdk-headless mvn maven 
     $plugins/maven-compiler-plugin libmaven-compiler-plugin-java \
     $plugins/maven-jar-plugin libmaven-jar-plugin-java $plugins/maven-install-plugin libmaven-install-plugin-java
 
-# Java takes the encoding of the names of files from it.
-export LC_ALL=C.UTF-8
-
 javadoc -Xdoclint:all -Werror -quiet -encoding UTF-8 -cp /usr/share/java/jna.jar -d "$build/documentation" \
     "$here"/src/main/java/org/cylfuse/*.java
 

@@ -60,6 +60,13 @@ fn files_that_are_no_json_are_refused() {
         std::fs::write(&frame, content).unwrap();
         fails(&frame, &[], "BAD_FRAME", &["frame.json"]);
     }
+    // An image that is named in place of its frame.
+    fails(
+        &data("r40_a20_f0").join("depth.png"),
+        &[],
+        "BAD_FRAME",
+        &["depth.png", "name a frame.json or a folder"],
+    );
     std::fs::write(&frame, format!("{whole} x")).unwrap();
     fails(&frame, &[], "BAD_FRAME", &["trailing characters"]);
     std::fs::write(&frame, [0xff, 0xfe, 0x00]).unwrap();

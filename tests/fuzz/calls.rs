@@ -1,8 +1,7 @@
 //! Sequences of calls: the handles of a case, what is checked after every call, and the run over all cases.
 
-use crate::inputs::{Source, may_use_threads};
+use crate::inputs::{Source, draw_view, may_use_threads};
 use crate::memory::{Arena, held};
-use crate::random_views::View;
 use crate::statuses::Statuses;
 use crate::{setting, watch};
 use cylfuse::ffi::*;
@@ -147,7 +146,7 @@ impl<'a> Case<'a> {
     }
 
     fn new_view(&mut self) {
-        self.source.view = View::new(&mut self.source.dice);
+        self.source.view = draw_view(&mut self.source.dice);
         self.source.view.spoil(&mut self.source.dice);
     }
 

@@ -51,6 +51,10 @@ impl View {
     pub fn new(dice: &mut Dice) -> Self {
         let size = [(64, 48), (96, 64), (160, 120), (1, 64), (64, 1), (1, 1), (7, 5)]
             [dice.below(7).min(if dice.one_in(3) { 6 } else { 2 })];
+        Self::of_size(dice, size)
+    }
+
+    pub fn of_size(dice: &mut Dice, size: (usize, usize)) -> Self {
         let f = size.0.max(size.1) as f64 * dice.between(0.4, 2.0);
         let distortion = match dice.below(4) {
             0 => Distortion::BrownConrady([

@@ -304,11 +304,8 @@ namespace Cylfuse.Tests
         {
             PointCloud cloud = PointCloud.From(new double[480, 640, 3]);
             Forget(cloud, 40);
-            long before = LifetimeTests.ResidentKilobytes();
-            for (int round = 0; round < 15; round++) Forget(cloud, 10);
-            long growth = LifetimeTests.ResidentKilobytes() - before;
             // Their labels alone would be 88 MB.
-            Check.That(growth < 60 * 1024, $"memory grew by {growth} kB");
+            LifetimeTests.MemoryStaysFlat(60, () => { for (int round = 0; round < 15; round++) Forget(cloud, 10); });
         }
 
         private static void Forget(PointCloud cloud, int count)

@@ -80,19 +80,13 @@ namespace Cylfuse.Tests
         public static void TenThousandCyclesLeaveMemoryFlat()
         {
             Cycle(Cycles / 5, true);
-            long before = ResidentKilobytes();
-            Cycle(Cycles, true);
-            long growth = ResidentKilobytes() - before;
-            Check.That(growth < 16 * 1024, $"memory grew by {growth} kB");
+            MemoryStaysFlat(16, () => Cycle(Cycles, true));
         }
 
         public static void TheGarbageCollectorFreesWhatWasNotDisposed()
         {
             Cycle(Cycles / 5, false);
-            long before = ResidentKilobytes();
-            Cycle(Cycles, false);
-            long growth = ResidentKilobytes() - before;
-            Check.That(growth < 16 * 1024, $"memory grew by {growth} kB");
+            MemoryStaysFlat(16, () => Cycle(Cycles, false));
         }
 
         private static void Cycle(int count, bool dispose)
@@ -119,10 +113,7 @@ namespace Cylfuse.Tests
         public static void FramesAreFreedWithTheirFitters()
         {
             CycleFrames(200);
-            long before = ResidentKilobytes();
-            CycleFrames(1000);
-            long growth = ResidentKilobytes() - before;
-            Check.That(growth < 16 * 1024, $"memory grew by {growth} kB");
+            MemoryStaysFlat(16, () => CycleFrames(1000));
         }
 
         private static void CycleFrames(int count)
@@ -143,7 +134,21 @@ namespace Cylfuse.Tests
             GC.WaitForPendingFinalizers();
         }
 
-        internal static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
+        /// <summary>A leak shows every time, what a collector is late with does not.</summary>
+        internal static void MemoryStaysFlat(int megabytes, Action use)
+        {
+            long growth = 0;
+            for (int round = 0; round < 3; round++)
+            {
+                long before = ResidentKilobytes();
+                use();
+                growth = ResidentKilobytes() - before;
+                if (growth < megabytes * 1024) return;
+            }
+            Check.That(false, $"memory grew by {growth} kB");
+        }
+
+        private static long ResidentKilobytes() => File.ReadLines("/proc/self/status")
             .Where(line => line.StartsWith("VmRSS:"))
             .Select(line => long.Parse(line.Split(new[] { ' ', '\t' },
                 StringSplitOptions.RemoveEmptyEntries)[1])).Single();

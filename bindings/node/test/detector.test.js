@@ -3,7 +3,7 @@
 const assert = require('node:assert/strict');
 const { test } = require('node:test');
 const cylfuse = require('..');
-const { pair, collect } = require('./support.js');
+const { pair, collect, memoryStaysFlat } = require('./support.js');
 
 const coded = (code, message = /./) => (error) => error.code === code && message.test(error.message);
 const scene = pair();
@@ -264,7 +264,6 @@ test('a search leaves the event loop free, and refuses other calls meanwhile', a
 });
 
 test('forgotten detectors are freed, and one that searches is not', async () => {
-  const megabytes = () => process.memoryUsage().rss / 2 ** 20;
   const forget = async (count) => {
     for (let k = 0; k < count; k += 1) {
       const detector = new cylfuse.Detector();
@@ -276,10 +275,9 @@ test('forgotten detectors are freed, and one that searches is not', async () => 
   };
   const searching = new cylfuse.Detector().detectPoints(points);
   await forget(3);
-  const before = megabytes();
-  for (let round = 0; round < 10; round += 1) await forget(5);
   // Their labels alone would be 29 MB, and the images of their search far more.
-  const growth = megabytes() - before;
-  assert.ok(growth < 25, `${growth.toFixed(1)} MB more`);
+  await memoryStaysFlat(25, async () => {
+    for (let round = 0; round < 10; round += 1) await forget(5);
+  });
   assert.equal((await searching).length, 2);
 });

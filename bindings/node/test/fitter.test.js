@@ -8,7 +8,7 @@ const { Worker } = require('node:worker_threads');
 const cylfuse = require('..');
 const native = require('../lib/native.js');
 const { enumerations } = require('../lib/names.js');
-const { frame, pipe, camera, can, collect } = require('./support.js');
+const { frame, pipe, camera, can, collect, memoryStaysFlat } = require('./support.js');
 
 const root = path.join(__dirname, '..', '..', '..');
 const coded = (code, message = /./) => (error) => {
@@ -354,8 +354,6 @@ test('eight workers at once', async () => {
   }
 });
 
-const megabytes = () => process.memoryUsage().rss / 2 ** 20;
-
 test('memory stays flat over 10,000 fitters', async () => {
   const xyz = pipe();
   const cycles = async (count) => {
@@ -369,11 +367,8 @@ test('memory stays flat over 10,000 fitters', async () => {
     await collect();
   };
   await cycles(3000);
-  const before = megabytes();
-  await cycles(10000);
   // A fitter and its points take 7 kB at least: a leak of all would be 70 MB.
-  const growth = megabytes() - before;
-  assert.ok(growth < 25, `${growth.toFixed(1)} MB more`);
+  await memoryStaysFlat(25, () => cycles(10000));
 });
 
 test('forgotten fitters are freed', async () => {
@@ -389,9 +384,8 @@ test('forgotten fitters are freed', async () => {
     await collect();
   };
   await forget(100);
-  const before = megabytes();
-  for (let round = 0; round < 20; round += 1) await forget(100);
   // Their points would be 288 MB.
-  const growth = megabytes() - before;
-  assert.ok(growth < 72, `${growth.toFixed(1)} MB more`);
+  await memoryStaysFlat(72, async () => {
+    for (let round = 0; round < 20; round += 1) await forget(100);
+  });
 });

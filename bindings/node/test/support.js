@@ -1,5 +1,6 @@
 'use strict';
 
+const assert = require('node:assert/strict');
 const fs = require('node:fs');
 const path = require('node:path');
 const zlib = require('node:zlib');
@@ -134,4 +135,17 @@ async function collect() {
   }
 }
 
-module.exports = { frame, pipe, pair, camera, can, collect };
+/** Runs something that shall keep less than so much memory. A leak shows every time, what a collector is late with does not. */
+async function memoryStaysFlat(megabytes, use) {
+  const resident = () => process.memoryUsage().rss / 2 ** 20;
+  let growth;
+  for (let round = 0; round < 3; round += 1) {
+    const before = resident();
+    await use();
+    growth = resident() - before;
+    if (growth < megabytes) return;
+  }
+  assert.fail(`${growth.toFixed(1)} MB more`);
+}
+
+module.exports = { frame, pipe, pair, camera, can, collect, memoryStaysFlat };

@@ -272,12 +272,12 @@ def test_a_search_in_another_thread() -> None:
 
     def wait(_: cylfuse.DetectionProgress) -> None:
         running.set()
-        assert go_on.wait(60)
+        assert go_on.wait(900)
 
     with cylfuse.Detector() as detector, make_frame() as frame, ThreadPoolExecutor(1) as pool:
         detector.on_progress(wait)
         search = pool.submit(detector.detect, frame)
-        assert running.wait(60)
+        assert running.wait(900)
         for call in (lambda: detector.detect(frame), lambda: detector.labels, lambda: detector.options):
             with pytest.raises(cylfuse.BusyError):
                 call()
@@ -325,5 +325,5 @@ def loop():
 threading.Thread(target=loop, daemon=True).start()
 running.wait()
 """
-    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=900)
     assert run.returncode == 0, run.stderr

@@ -40,13 +40,13 @@ def test_a_second_call_from_another_thread_raises() -> None:
 
     def wait(_: cylfuse.Progress) -> None:
         running.set()
-        assert go_on.wait(60)
+        assert go_on.wait(900)
 
     fitter.push_points(pipe())
     fitter.on_progress(wait)
     with ThreadPoolExecutor(1) as pool:
         fit = pool.submit(fitter.fit)
-        assert running.wait(60)
+        assert running.wait(900)
         for call in (fitter.fit, fitter.clear, lambda: fitter.push_points(pipe()), lambda: fitter.counts):
             with pytest.raises(cylfuse.BusyError):
                 call()
@@ -63,14 +63,14 @@ def test_close_waits_for_the_call_that_runs() -> None:
 
     def wait(_: cylfuse.Progress) -> None:
         running.set()
-        assert go_on.wait(60)
+        assert go_on.wait(900)
 
     fitter.push_points(pipe())
     fitter.on_progress(wait)
     finalizer = fitter._handle.finalizer
     with ThreadPoolExecutor(1) as pool:
         fit = pool.submit(fitter.fit)
-        assert running.wait(60)
+        assert running.wait(900)
         fitter.close()
         assert finalizer.alive
         with pytest.raises(cylfuse.StateError, match="closed"):
@@ -138,7 +138,7 @@ def test_ctrl_c_comes_out_of_a_call_with_callbacks(kind: str) -> None:
     begun, points = threading.Event(), pipe() + 1e-3 * np.sin(np.arange(600)).reshape(-1, 3)
 
     def interrupt() -> None:
-        begun.wait(60)
+        begun.wait(900)
         os.kill(os.getpid(), signal.SIGINT)
 
     hook = sys.unraisablehook
@@ -150,10 +150,12 @@ def test_ctrl_c_comes_out_of_a_call_with_callbacks(kind: str) -> None:
             fitter.on_log(lambda level, text: begun.set(), "debug")
         thread = threading.Thread(target=interrupt)
         thread.start()
-        # Python notices the signal when the next callback begins; a fit has many.
+        # Python notices the signal when the next callback begins; a fit has many. The last fit is for a signal that came
+        # when none ran.
         with pytest.raises(KeyboardInterrupt):
-            for _ in range(2000):
+            while thread.is_alive():
                 fitter.fit()
+            fitter.fit()
         thread.join()
         assert sys.unraisablehook is hook
         assert fitter.fit().model.radius == pytest.approx(0.5, rel=0.1)
@@ -264,10 +266,15 @@ def test_ten_thousand_fitters_leave_no_memory(close: bool) -> None:
                 fitter.close()
 
     cycle(1000)
-    before = resident()
-    cycle(10_000)
-    # A leak of 100 bytes a cycle would be a million.
-    assert resident() - before < 1_000_000
+    growths = []
+    # A leak of 100 bytes a cycle would be a million, every time; the system joins pages when it likes.
+    for _ in range(3):
+        before = resident()
+        cycle(10_000)
+        growths.append(resident() - before)
+        if growths[-1] < 1_000_000:
+            return
+    pytest.fail(f"memory grew by {growths}")
 
 
 def test_many_frames_in_order_with_their_failures() -> None:

@@ -240,6 +240,12 @@ fn parse(path: &Path) -> Result<Content, Failure> {
         let reason = format!("has more than {MAX_FRAME_FILE} bytes; a frame file is a small JSON file");
         return Err(Failure::bad_frame(path, reason));
     }
+    // An image or a cloud was named.
+    if text.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
+        let reason = "is no frame file, which is a JSON object in {}; name a frame.json or a folder that has one, or a cloud \
+                      after --points";
+        return Err(Failure::bad_frame(path, reason));
+    }
     let several = serde_json::from_slice(&text).is_ok_and(|probe: Probe| probe.views.is_some());
     if several {
         deserialize(path, &text).map(Content::Several)

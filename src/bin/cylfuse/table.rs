@@ -123,7 +123,9 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
         drawn.set_cell_alignment(CellAlignment::Right);
     }
     let milliseconds = scene.seconds.total * 1000.0;
-    format!("{frame}: {} cylinders, {milliseconds:.0} ms\n{table}\n", scene.cylinders.len())
+    let count = scene.cylinders.len();
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms\n{table}\n")
 }
 
 /// The folder of a frame.json says which frame it is.

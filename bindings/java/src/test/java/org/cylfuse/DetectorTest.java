@@ -331,13 +331,12 @@ public class DetectorTest {
     public void theCleanerFreesDetectors() throws IOException {
         PointCloud cloud = PointCloud.of(java.nio.DoubleBuffer.wrap(new double[3 * 640 * 480]), 640, 480, 0, 0, 0);
         forget(cloud, 40);
-        long before = LifetimeTest.residentKilobytes();
-        for (int round = 0; round < 15; round++) {
-            forget(cloud, 10);
-        }
-        long growth = LifetimeTest.residentKilobytes() - before;
         // Their labels alone would be 88 MB.
-        assertTrue("memory grew by " + growth + " kB", growth < 60 * 1024);
+        LifetimeTest.memoryStaysFlat(60, () -> {
+            for (int round = 0; round < 15; round++) {
+                forget(cloud, 10);
+            }
+        });
     }
 
     private static void forget(PointCloud cloud, int count) {
