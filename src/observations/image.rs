@@ -2,6 +2,7 @@
 
 use super::views::{ImageFormat, ImageView};
 use crate::error::{Error, Result};
+use std::sync::OnceLock;
 
 /// A grey image. Values are linear in light; their unit has no meaning.
 #[derive(Debug, Clone)]
@@ -10,6 +11,8 @@ pub struct GreyImage {
     height: usize,
     values: Vec<f32>,
     saturation: Saturation,
+    /// What was found out about its compression: many fits may share an image.
+    compression: OnceLock<f64>,
 }
 
 /// Which pixels are as bright as their format allows, and stand for any light from there on.
@@ -48,7 +51,7 @@ impl GreyImage {
                     marked.push(color.contains(&u8::MAX));
                 }
             }
-            return Ok(Self { width, height, values, saturation: Saturation::Marked(marked) });
+            return Ok(Self::new(width, height, values, Saturation::Marked(marked)));
         }
         for row in 0..rows {
             view.read_row(row, &mut values);
@@ -66,7 +69,11 @@ impl GreyImage {
             decode(&mut values, view)?;
         }
         let white = if cut { largest(&values) } else { f32::INFINITY };
-        Ok(Self { width, height, values, saturation: Saturation::From(white) })
+        Ok(Self::new(width, height, values, Saturation::From(white)))
+    }
+
+    fn new(width: usize, height: usize, values: Vec<f32>, saturation: Saturation) -> Self {
+        Self { width, height, values, saturation, compression: OnceLock::new() }
     }
 
     /// Columns.
@@ -107,6 +114,11 @@ impl GreyImage {
                 marked[row * self.width + column]
             }
         }
+    }
+
+    /// What `find` finds out about the compression of the image, which is asked once.
+    pub(crate) fn compression(&self, find: impl FnOnce() -> f64) -> f64 {
+        *self.compression.get_or_init(find)
     }
 
     /// One row.
