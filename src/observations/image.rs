@@ -182,6 +182,16 @@ mod tests {
     }
 
     #[test]
+    fn what_was_found_about_the_compression_is_not_asked_again() {
+        let image = GreyImage::copy(&ImageView::from_u8(&[1; 6], (3, 2)).unwrap()).unwrap();
+        assert_eq!(image.compression(|| 3.0), 3.0);
+        assert_eq!(image.compression(|| unreachable!()), 3.0);
+        // Another image has another compression.
+        let other = GreyImage::copy(&ImageView::from_u8(&[1; 6], (3, 2)).unwrap()).unwrap();
+        assert_eq!(other.compression(|| 4.0), 4.0);
+    }
+
+    #[test]
     fn a_gamma_is_taken_away_in_every_format() {
         let light = |view: Result<ImageView<'_>>| {
             let image = GreyImage::copy(&view.unwrap().with_gamma(2.0).unwrap()).unwrap();
