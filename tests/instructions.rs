@@ -4,7 +4,7 @@
 //!
 //! The numbers belong to a compiler, a C library and a processor with AVX2, up to which valgrind follows the choice of
 //! vector instructions. Elsewhere the test says so and passes. After a change that is meant:
-//! `CYLFUSE_WRITE_INSTRUCTIONS=1 cargo test --release --features cli,twin --test instructions`.
+//! `CYLFUSE_WRITE_INSTRUCTIONS=1 cargo test --release --features bench --test instructions`.
 #![allow(clippy::unwrap_used)]
 
 #[path = "support/fits.rs"]

@@ -69,6 +69,8 @@ pub struct EndSearch<'a> {
     pub camera: &'a Camera,
     /// The mask of the visible surface.
     pub mask: &'a Mask,
+    /// Whether all of it is known to be that surface; otherwise the depth tells.
+    pub whole: bool,
     /// The depth image, which tells what an end is.
     pub depth: Option<&'a DepthImage>,
     /// The grey image, on the grid of the mask.
@@ -128,7 +130,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 #[must_use]
 pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
-    let parts = search.depth.and_then(|depth| {
+    let parts = search.depth.filter(|_| !search.whole).and_then(|depth| {
         Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)
             .filter(|parts| !parts.all_body())
     });
@@ -199,7 +201,8 @@ fn locate(
 ) -> End {
     let of_depth = told.and_then(|end| silhouette.of_depth(end));
     let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
-        return extreme(silhouette.extreme(outward), outward, surroundings);
+        let extreme = extreme(silhouette.extreme(outward), outward, surroundings);
+        return End { rim: told.is_some(), ..extreme };
     };
     let state = surroundings.state(rough.position, outward);
     let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
@@ -211,7 +214,7 @@ fn locate(
             deviation,
             state,
             source: EndSource::Border,
-            rim: false,
+            rim: told.is_some(),
             samples: Vec::new(),
         };
     }

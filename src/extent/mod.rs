@@ -169,6 +169,7 @@ impl Fitter {
         let search = EndSearch {
             camera,
             mask,
+            whole: false,
             depth: view.depth(),
             image: view.image(),
             tolerance: depth_tolerance(&view.cloud, &seen),

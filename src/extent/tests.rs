@@ -147,6 +147,7 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
     let search = EndSearch {
         camera: &camera,
         mask: fitter.mask().unwrap(),
+        whole: false,
         depth: fitter.depth(),
         image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),

@@ -43,7 +43,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     let Located { mut minimum, mut held } = located;
     for _ in 0..ARC_ROUNDS {
         let before = *minimum.cylinder();
-        held = with_arcs(data, &without, &before);
+        held = with_arcs(data, &without, &held, &before);
         if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
@@ -60,16 +60,19 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     Ok(Located { minimum, held })
 }
 
-/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours.
-fn with_arcs(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Held {
-    let views = data.views.iter().zip(&held.views).map(|(view, held)| {
-        let arcs = arcs(view, held, &view.seen(cylinder)).unwrap_or_default();
+/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours. `last` is what
+/// was held before.
+fn with_arcs(data: &Data<'_>, held: &Held, last: &Held, cylinder: &Cylinder) -> Held {
+    let views = data.views.iter().zip(&held.views).zip(&last.views).map(|((view, held), last)| {
+        // Only a mask that ends with the body gives arcs; it does so about a cylinder that turned a little, too.
+        let whole = !last.arcs.ends.is_empty();
+        let arcs = arcs(view, held, whole, &view.seen(cylinder)).unwrap_or_default();
         HeldView { arcs, ..held.clone() }
     });
     Held { views: views.collect(), ..held.clone() }
 }
 
-fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<ArcTerm> {
+fn arcs(view: &ViewData<'_>, held: &HeldView, whole: bool, cylinder: &Cylinder) -> Option<ArcTerm> {
     if cylinder.contains_origin() {
         return None;
     }
@@ -77,6 +80,7 @@ fn arcs(view: &ViewData<'_>, held: &HeldView, cylinder: &Cylinder) -> Option<Arc
     let search = EndSearch {
         camera,
         mask: view.view.mask.as_ref()?,
+        whole,
         depth: view.view.depth(),
         image: Some(view.view.image()?),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),

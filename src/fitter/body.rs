@@ -9,7 +9,6 @@ use crate::camera::Camera;
 use crate::detection::detect_in_mask;
 use crate::error::Result;
 use crate::geometry::Cylinder;
-use crate::start::limbs::from_limbs;
 use crate::start::moments::Moments;
 use std::cell::RefCell;
 
@@ -21,7 +20,16 @@ const LEAST_PART: f64 = 0.1;
 /// as near as the surface is looked for where the parts of a mask are told.
 const KNOWN: f64 = 0.05;
 
-/// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
+/// What is known of a view before a fit.
+#[derive(Default)]
+pub(super) struct Separated {
+    /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
+    pub body: Option<View>,
+    /// The cylinder of the two segments of a view that stays what it is, where it was asked for.
+    pub of_limbs: Option<Cylinder>,
+}
+
+/// Separates the body in the mask of a view from the rest.
 ///
 /// # Errors
 /// `Cancelled`.
@@ -30,20 +38,21 @@ pub(super) fn separate(
     options: &Options,
     start: Option<&Cylinder>,
     run: &mut Run<'_>,
-) -> Result<Option<View>> {
+) -> Result<Separated> {
     let (Some(camera), Some(depth), Some(mask)) = (view.camera(), view.depth(), view.mask.as_ref()) else {
-        return Ok(None);
+        return Ok(Separated::default());
     };
     // Most masks hold the body alone, and that takes no search.
-    let known = known(view, camera, options, start);
-    if known.and_then(|cylinder| view.parts(&cylinder, &options.noise)).is_some_and(|parts| parts.all_body())
-    {
-        return Ok(None);
+    let Known { cylinder, of_limbs } = known(view, camera, options, start);
+    let parts = cylinder.and_then(|cylinder| view.parts(&cylinder, &options.noise));
+    if parts.is_some_and(|parts| parts.all_body()) {
+        return Ok(Separated { body: None, of_limbs });
     }
     let run = RefCell::new(run);
     let stopped = || run.borrow_mut().poll().is_break();
     let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits, &stopped)?;
-    Ok(found.and_then(|cylinder| body(view, options, &cylinder)))
+    let body = found.and_then(|cylinder| body(view, options, &cylinder));
+    Ok(Separated { of_limbs: of_limbs.filter(|_| body.is_none()), body })
 }
 
 /// The view with the body of a cylinder alone; `None` where all of it is, or too little.
@@ -67,21 +76,27 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
     })
 }
 
+/// A cylinder that is known before it is searched, on which the points lie.
+struct Known {
+    cylinder: Option<Cylinder>,
+    of_limbs: Option<Cylinder>,
+}
+
 /// The start model, the cylinder of two segments or that of the moments of the points, where the points lie on it.
-fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Option<Cylinder> {
+fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Known {
     let sample = view.cloud.sample(SAMPLE);
     let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
     let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
-    let of_limbs = || {
-        let noise = options.noise.in_image(camera.size());
-        let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
-        let [first, second] = &edges.rays[..] else { return None };
-        from_limbs(first, second, &sample).filter(explains)
-    };
+    if given.is_some() {
+        return Known { cylinder: given, of_limbs: None };
+    }
+    let noise = options.noise.in_image(camera.size());
+    let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
+    let of_limbs = if edges.segments.len() == 2 { edges.cylinder(&sample) } else { None };
     let of_moments = || {
         let points = sample.iter().map(|p| (*p, 1.0));
         let fit = Moments::new(points)?.best(options.cylinder_limits.cone())?;
         Some(fit.cylinder).filter(explains)
     };
-    given.or_else(of_limbs).or_else(of_moments)
+    Known { cylinder: of_limbs.filter(explains).or_else(of_moments), of_limbs }
 }

@@ -64,6 +64,8 @@ pub(super) struct ViewData<'a> {
     pub lattice: Option<Lattice>,
     /// The given segments that can be limbs.
     pub edges: UsableEdges,
+    /// The cylinder of two of them, where it is known already.
+    pub of_limbs: Option<Cylinder>,
     /// Whether the origin of the view is an observer that sees the points.
     pub observed: bool,
     /// The noise model in pixels of the image.
@@ -389,6 +391,7 @@ impl<'a> ViewData<'a> {
             ),
             lattice: Lattice::of_cloud(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
+            of_limbs: None,
             observed,
             noise,
         }

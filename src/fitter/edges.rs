@@ -6,6 +6,7 @@ use crate::geometry::Cylinder;
 use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::{LimbPair, PixelSegment, PixelTerm};
+use crate::start::limbs::from_limbs;
 use nalgebra::{Vector2, Vector3};
 
 /// The usable segments, without distortion.
@@ -62,6 +63,18 @@ impl UsableEdges {
         }
         let lines = PixelTerm::new(self.segments.clone(), camera.line_projection());
         Some(lines.distances(seen)?.into_iter().flatten().collect())
+    }
+
+    /// The cylinder of the two longest segments, which say most about the limbs, and of some points.
+    pub fn cylinder(&self, points: &[Vector3<f64>]) -> Option<Cylinder> {
+        let mut order: Vec<usize> = (0..self.segments.len()).collect();
+        let length = |k: &usize| {
+            let [a, b] = self.segments[*k].endpoints;
+            (a - b).norm()
+        };
+        order.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        let [first, second, ..] = order[..] else { return None };
+        from_limbs(&self.rays[first], &self.rays[second], points)
     }
 
     /// Drops all segments.

@@ -324,8 +324,12 @@ impl Fitter {
         clock: &Instant,
     ) -> Result<(MadeWith, FitResult)> {
         let seconds = || clock.elapsed().as_secs_f64();
-        let bodies = self.bodies(drawn, run)?;
-        let data = self.data_of(&bodies)?;
+        let (bodies, of_limbs): (Vec<_>, Vec<_>) =
+            self.separated(drawn, run)?.into_iter().map(|view| (view.body, view.of_limbs)).unzip();
+        let mut data = self.data_of(&bodies)?;
+        for view in &mut data.views {
+            view.of_limbs = of_limbs.get(view.index).copied().flatten();
+        }
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
@@ -359,7 +363,7 @@ impl Fitter {
 
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
     /// its mask holds more, or the view that was drawn again.
-    fn bodies(&self, drawn: Vec<Option<View>>, run: &mut Run<'_>) -> Result<Vec<Option<View>>> {
+    fn separated(&self, drawn: Vec<Option<View>>, run: &mut Run<'_>) -> Result<Vec<body::Separated>> {
         if !self.takes_bodies() {
             return Ok(Vec::new());
         }
@@ -367,8 +371,8 @@ impl Fitter {
         let mut drawn = drawn.into_iter();
         let body = |view: &View| {
             let drawn = drawn.next().flatten();
-            let body = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
-            Ok(body.or(drawn))
+            let separated = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
+            Ok(body::Separated { body: separated.body.or(drawn), ..separated })
         };
         self.views.iter().map(body).collect()
     }

@@ -6,7 +6,6 @@ use super::options::StartKind;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
-use crate::start::limbs::from_limbs;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacFit, RansacOptions, ransac};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
@@ -86,19 +85,11 @@ impl Data<'_> {
         ransac(&points, normals.as_deref(), observed, &options, &mut || run.poll())
     }
 
-    /// The starts from the two longest segments of each view, which say most about the limbs.
+    /// The starts from the two longest segments of each view.
     fn limbs_starts(&self) -> Vec<Candidate> {
         let start = |view: &ViewData<'_>| {
-            let edges = &view.edges;
-            let mut order: Vec<usize> = (0..edges.segments.len()).collect();
-            let length = |k: &usize| {
-                let [a, b] = edges.segments[*k].endpoints;
-                (a - b).norm()
-            };
-            order.sort_by(|a, b| length(b).total_cmp(&length(a)));
-            let [first, second, ..] = order[..] else { return None };
-            let sample = view.view.cloud.sample(SAMPLE);
-            let found = from_limbs(&edges.rays[first], &edges.rays[second], &sample)?;
+            let sample = || view.view.cloud.sample(SAMPLE);
+            let found = view.of_limbs.or_else(|| view.edges.cylinder(&sample()))?;
             let cylinder = self.within_limits(&view.into_view.inverse().cylinder(&found));
             Some(Candidate { kind: StartKind::Limbs, cylinder })
         };

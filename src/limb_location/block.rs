@@ -133,10 +133,12 @@ pub(super) fn fit_blocks(
     line: &StripLine,
     window: Window,
 ) -> Vec<Block> {
-    let mut rows = Vec::new();
+    let mut rows = Vec::with_capacity(strip.pixels_of_block());
     let sums =
         blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, window, runs, &mut rows));
-    sums.filter_map(|sums| sums.fit(noise, background)).collect()
+    let mut blocks = Vec::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
+    blocks.extend(sums.filter_map(|sums| sums.fit(noise, background)));
+    blocks
 }
 
 /// What the blocks say about levels and shading with a given line, from the pixels about the line `near`: the
@@ -147,11 +149,13 @@ pub(super) fn sums_of_blocks(
     line: &StripLine,
     near: &StripLine,
 ) -> Vec<BlockSums> {
-    let mut rows = Vec::new();
+    let mut rows = Vec::with_capacity(strip.pixels_of_block());
     let sums = |runs| {
         BlockSums::new(Gather { strip, profile, line, near, window: Window::full(), runs, rows: &mut rows })
     };
-    blocks(strip).filter_map(sums).collect()
+    let mut of_blocks = Vec::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
+    of_blocks.extend(blocks(strip).filter_map(sums));
+    of_blocks
 }
 
 /// The runs of each block.

@@ -30,14 +30,12 @@ constants! {
 /// of the image; 0 where none is seen. The blocks must begin in the corner of the image.
 pub(super) fn noise_of_compression(image: &GreyImage) -> f64 {
     let (width, height) = (image.width(), image.height());
-    let rows = excess(width, height, |row| image.row(row).iter().copied());
-    let columns = excess(height, width, |column| (0..height).map(move |row| image.value(column, row)));
-    match (rows, columns) {
-        (Some(rows), Some(columns)) => {
-            ALIKE.get() * 0.5 * std::f64::consts::PI.sqrt() * f64::midpoint(rows, columns)
-        }
-        _ => 0.0,
-    }
+    let excess = image.compression(|| {
+        let rows = excess(width, height, |row| image.row(row).iter().copied());
+        let columns = excess(height, width, |column| (0..height).map(move |row| image.value(column, row)));
+        rows.zip(columns).map_or(0.0, |(rows, columns)| f64::midpoint(rows, columns))
+    });
+    ALIKE.get() * 0.5 * std::f64::consts::PI.sqrt() * excess
 }
 
 /// By how much the differences at borders exceed those within, along one line of pixels a block; `None` where that may be

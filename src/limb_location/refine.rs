@@ -7,7 +7,7 @@
 
 use super::block::{Background, Block, BlockSums, LimbState, StripLine, Window, fit_blocks, sums_of_blocks};
 use super::consensus::RoughLine;
-use super::profile::SharpProfile;
+use super::profile::{ShadedRow, SharpProfile, Table};
 use super::shading::LimbShading;
 use super::strip::Strip;
 use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
@@ -348,10 +348,11 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
 /// another body comes in they move, by about as much as they are wrong. The difference of an efficient estimate and of one
 /// from a part of the same data has the difference of their variances (Hausman, Econometrica 46, 1978).
 fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
+    let profiles = profiles(limbs, blur);
     for window in Window::smaller() {
         let mut near = limbs.to_vec();
         let mut blur = blur;
-        step(&mut near, expected, &mut blur, window);
+        step(&mut near, &profiles, expected, &mut blur, window);
         for (limb, near) in limbs.iter_mut().zip(&near) {
             let moved = near.state.line.offset - limb.state.line.offset;
             let variance = (near.covariance[(0, 0)] - limb.covariance[(0, 0)]).max(0.0);
@@ -413,7 +414,7 @@ fn follow(
 ) -> Option<f64> {
     let mut blur = expected.value;
     for count in 1..=STEPS.count() {
-        let moved = step(limbs, expected, &mut blur, Window::full());
+        let moved = step(limbs, &profiles(limbs, blur), expected, &mut blur, Window::full());
         if known.iter().any(|mode| mode.is_at(limbs)) {
             return None;
         }
@@ -430,9 +431,20 @@ fn follow(
     Some(blur)
 }
 
-/// A Gauss–Newton step on lines, shading and blur; returns by how many pixels it moved them, 0 where nothing is
-/// determined.
-fn step(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: &mut f64, window: Window) -> f64 {
+/// The profiles of limbs.
+fn profiles(limbs: &[Limb<'_>], blur: f64) -> Vec<Table<ShadedRow>> {
+    limbs.iter().map(|limb| limb.sharp.shaded(blur, &limb.state.shading)).collect()
+}
+
+/// A Gauss–Newton step on lines, shading and blur from where the limbs have these profiles; returns by how many pixels it
+/// moved them, 0 where nothing is determined.
+fn step(
+    limbs: &mut [Limb<'_>],
+    profiles: &[Table<ShadedRow>],
+    expected: &ExpectedBlur,
+    blur: &mut f64,
+    window: Window,
+) -> f64 {
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     let mut right = SVector::<f64, 9>::zeros();
     // What is expected keeps the blur where no limb tells, and a missing limb harmless.
@@ -441,9 +453,8 @@ fn step(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: &mut f64, window:
     for k in 4 * limbs.len()..BLUR {
         normal[(k, k)] = 1.0;
     }
-    for (index, limb) in limbs.iter_mut().enumerate() {
-        let profile = limb.sharp.shaded(*blur, &limb.state.shading);
-        limb.blocks = fit_blocks(limb.strip, limb.noise, limb.background, &profile, &limb.state.line, window);
+    for ((index, limb), profile) in limbs.iter_mut().enumerate().zip(profiles) {
+        limb.blocks = fit_blocks(limb.strip, limb.noise, limb.background, profile, &limb.state.line, window);
         limb.weigh();
         limb.add_to(&mut normal, &mut right, 4 * index);
     }

@@ -4,6 +4,7 @@
 //! its ideal pixel. Interpolation would blur the image by an amount that changes with the position between
 //! pixel centres, and the location of an edge to a few hundredths of a pixel hangs on the blur.
 
+use super::consensus::BLOCK_RUNS;
 use crate::camera::Camera;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
@@ -98,7 +99,6 @@ impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
     pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
         let Grid { image, camera, .. } = grid;
-        let mut strip = Self { pixels: Vec::new(), ends: Vec::new() };
         let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
         let vertex = |k: usize| {
             let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
@@ -109,24 +109,29 @@ impl Strip {
         let Some(chord) =
             ends.0.zip(ends.1).map(|(a, b)| b - a).or_else(|| Some(middle? - ends.0.or(ends.1)?))
         else {
-            return strip;
+            return Self { pixels: Vec::new(), ends: Vec::new() };
         };
         let steep = chord.y.abs() >= chord.x.abs();
         // The image axis along which runs follow each other, and the one within a run.
         let split = |p: &Vector2<f64>| if steep { (p.y, p.x) } else { (p.x, p.y) };
         let (_, slant) = split(&chord.normalize());
         let reach = half_width / (1.0 - slant * slant).sqrt();
+        let (width, height) = (image.width(), image.height());
+        let (most_runs, most_pixels) = if steep { (height, width) } else { (width, height) };
+        let room = |length: f64, most: usize| (length + 2.0).min(most as f64) as usize;
+        let runs = room(2.0 * baseline.half_length, most_runs);
+        let pixels = runs * room(2.0 * reach, most_pixels);
+        let mut strip = Self { pixels: Vec::with_capacity(pixels), ends: Vec::with_capacity(runs) };
         for k in 0..pieces {
             let (Some(a), Some(b)) = (vertex(k), vertex(k + 1)) else { continue };
             let ((a_run, a_cross), (b_run, b_cross)) = (split(&a), split(&b));
             let (low, high) = (a_run.min(b_run), a_run.max(b_run));
             let count = if steep { image.height() } else { image.width() };
-            let mut runs: Vec<usize> =
-                (low.ceil().max(0.0) as usize..count).take_while(|&run| (run as f64) < high).collect();
-            if b_run < a_run {
-                runs.reverse();
-            }
-            for run in runs {
+            // From the first run at or after the lower vertex to the last one before the upper.
+            let runs = low.ceil().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count);
+            let reversed = b_run < a_run;
+            for k in 0..runs.len() {
+                let run = if reversed { runs.end - 1 - k } else { runs.start + k };
                 let part = (run as f64 - a_run) / (b_run - a_run);
                 strip.add_run(grid, baseline, steep, run, a_cross + part * (b_cross - a_cross), reach);
             }
@@ -199,6 +204,11 @@ impl Strip {
     /// How many runs there are.
     pub fn len(&self) -> usize {
         self.ends.len()
+    }
+
+    /// About the most pixels of a block.
+    pub fn pixels_of_block(&self) -> usize {
+        self.runs().take(BLOCK_RUNS.count()).map(<[StripPixel]>::len).sum()
     }
 
     /// One run.

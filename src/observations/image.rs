@@ -2,6 +2,7 @@
 
 use super::views::{ImageFormat, ImageView};
 use crate::error::{Error, Result};
+use std::sync::OnceLock;
 
 /// A grey image. Values are linear in light; their unit has no meaning.
 #[derive(Debug, Clone)]
@@ -10,6 +11,8 @@ pub struct GreyImage {
     height: usize,
     values: Vec<f32>,
     saturation: Saturation,
+    /// What was found out about its compression: many fits may share an image.
+    compression: OnceLock<f64>,
 }
 
 /// Which pixels are as bright as their format allows, and stand for any light from there on.
@@ -48,7 +51,7 @@ impl GreyImage {
                     marked.push(color.contains(&u8::MAX));
                 }
             }
-            return Ok(Self { width, height, values, saturation: Saturation::Marked(marked) });
+            return Ok(Self::new(width, height, values, Saturation::Marked(marked)));
         }
         for row in 0..rows {
             view.read_row(row, &mut values);
@@ -66,7 +69,11 @@ impl GreyImage {
             decode(&mut values, view)?;
         }
         let white = if cut { largest(&values) } else { f32::INFINITY };
-        Ok(Self { width, height, values, saturation: Saturation::From(white) })
+        Ok(Self::new(width, height, values, Saturation::From(white)))
+    }
+
+    fn new(width: usize, height: usize, values: Vec<f32>, saturation: Saturation) -> Self {
+        Self { width, height, values, saturation, compression: OnceLock::new() }
     }
 
     /// Columns.
@@ -107,6 +114,11 @@ impl GreyImage {
                 marked[row * self.width + column]
             }
         }
+    }
+
+    /// What `find` finds out about the compression of the image, which is asked once.
+    pub(crate) fn compression(&self, find: impl FnOnce() -> f64) -> f64 {
+        *self.compression.get_or_init(find)
     }
 
     /// One row.
@@ -167,6 +179,16 @@ mod tests {
         let view = ImageView::from_f32(&[0.0, 1.0, f32::NAN, 2.0], (2, 2)).unwrap();
         let error = GreyImage::copy(&view).unwrap_err();
         assert_eq!(error.to_string(), "image value at column 0, row 1 is NaN; it must be finite");
+    }
+
+    #[test]
+    fn what_was_found_about_the_compression_is_not_asked_again() {
+        let image = GreyImage::copy(&ImageView::from_u8(&[1; 6], (3, 2)).unwrap()).unwrap();
+        assert_eq!(image.compression(|| 3.0), 3.0);
+        assert_eq!(image.compression(|| unreachable!()), 3.0);
+        // Another image has another compression.
+        let other = GreyImage::copy(&ImageView::from_u8(&[1; 6], (3, 2)).unwrap()).unwrap();
+        assert_eq!(other.compression(|| 4.0), 4.0);
     }
 
     #[test]
