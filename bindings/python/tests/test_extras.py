@@ -64,12 +64,16 @@ def load_or_fail(name: str) -> dict[str, Any]:
 
 def test_dask_on_two_workers() -> None:
     pytest.importorskip("distributed")
+    import dask
     from distributed import Client, LocalCluster
 
     from cylfuse.dask import fit_frames
 
     names = sorted(path.name for path in FRAMES.iterdir())
     frames = [*names, "nowhere", *names, f"dark {names[0]}", "deadly"]
+    # A worker that is killed while it starts again is given up, and with both gone Dask waits for ever: one death will do.
+    dask.config.set({"distributed.scheduler.allowed-failures": 0})
+    # Any port that is free.
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
         rows = fit_frames(client, frames, load_or_fail)
     assert [row["frame"] for row in rows] == frames
