@@ -14,15 +14,16 @@ mod parts;
 mod patch;
 mod planes;
 mod region;
+mod score;
 mod search;
 mod surface;
 
 pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
-pub(crate) use evidence::least_before_fit;
 pub(crate) use outline::{meets, passes};
 pub(crate) use region::detect_in_mask;
+pub(crate) use score::least_before_fit;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};

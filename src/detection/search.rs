@@ -330,9 +330,7 @@ fn select(
             continue;
         }
         judged.candidate.cells.iter().for_each(|&k| taken[k] = true);
-        if scene.image.is_none() {
-            judged.evidence.slope = scene.slope(&judged.candidate, marks);
-        }
+        judged.evidence.slope = scene.slope(&judged.candidate, marks);
         chosen.push(judged);
     }
     chosen.sort_by(|a, b| b.score.total_cmp(&a.score));

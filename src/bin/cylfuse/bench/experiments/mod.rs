@@ -9,9 +9,11 @@ mod sensors;
 mod starts;
 mod sweeps;
 mod time;
+mod truths;
 mod weights;
 
-pub use scenes::{HEAD as SCENES_HEAD, Hits, Target, Truths};
+pub use scenes::HEAD as SCENES_HEAD;
+pub use truths::{Hits, Target, Truths};
 
 use super::Bench;
 use super::methods::{Errors, METRICS, Method};
