@@ -79,7 +79,10 @@ fn searched(kind: Kind, sensor: DepthSensor, seed: u64) -> Searched {
     let rows = [false, true].map(|use_image| {
         let image = frame.image().filter(|_| use_image);
         let seen = detect(&camera(), frame.depth_on_image().unwrap(), image, &search).unwrap();
-        let before = seen.cylinders.iter().map(|one| Row { cylinder: one.cylinder, evidence: one.evidence });
+        // The search takes its choice before it knows the slope.
+        let unsloped = |evidence| Evidence { slope: None, ..evidence };
+        let before = seen.cylinders.iter().map(|one| (one.cylinder, unsloped(one.evidence)));
+        let before = before.map(|(cylinder, evidence)| Row { cylinder, evidence });
         let mut detector = Detector::new();
         detector.set_options(DetectorOptions { search, use_image, ..DetectorOptions::default() }).unwrap();
         let found = detector.detect(&frame).unwrap().cylinders;

@@ -55,20 +55,16 @@ const DEPTH: Weights =
     Weights { terms: [0.61, 0.63, -3.8, 0.49, -0.82, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], constant: -0.23 };
 
 /// Depth alone, after a fit.
-const DEPTH_FITTED: Weights = Weights {
-    terms: [0.01, 0.539, -3.475, 0.331, -2.66, 0.0, -0.811, -1.645, -13.037, 0.053, 2.18, 0.039],
-    constant: -0.772,
-};
+const DEPTH_FITTED: Weights =
+    Weights { terms: [-0.067, 0.512, -3.629, 0.295, -3.062, 0.0, -0.779, -1.584, -15.192, 0.095, 2.398, 0.099], constant: -0.608 };
 
 /// Depth and image, before a fit.
 const IMAGE: Weights =
     Weights { terms: [0.74, 0.7, -4.53, 0.46, -0.87, 2.31, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], constant: -0.51 };
 
 /// Depth and image, after a fit.
-const IMAGE_FITTED: Weights = Weights {
-    terms: [0.314, 0.457, -4.064, 0.344, -1.658, 1.28, -0.568, -0.81, -22.557, 0.055, 2.464, -0.202],
-    constant: -1.753,
-};
+const IMAGE_FITTED: Weights =
+    Weights { terms: [0.304, 0.472, -4.46, 0.4, -1.83, 1.144, -0.769, -0.824, -22.344, 0.03, 2.566, -0.542], constant: -1.05 };
 
 /// A fit multiplies the odds of a cylinder by less than this in 99.8 of 100 candidates in those scenes.
 const MOST_BY_FIT: f64 = 13.0;
