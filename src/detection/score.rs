@@ -55,16 +55,20 @@ const DEPTH: Weights =
     Weights { terms: [0.61, 0.63, -3.8, 0.49, -0.82, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], constant: -0.23 };
 
 /// Depth alone, after a fit.
-const DEPTH_FITTED: Weights =
-    Weights { terms: [-0.067, 0.512, -3.629, 0.295, -3.062, 0.0, -0.779, -1.584, -15.192, 0.095, 2.398, 0.099], constant: -0.608 };
+const DEPTH_FITTED: Weights = Weights {
+    terms: [-0.067, 0.512, -3.629, 0.295, -3.062, 0.0, -0.779, -1.584, -15.192, 0.095, 2.398, 0.099],
+    constant: -0.608,
+};
 
 /// Depth and image, before a fit.
 const IMAGE: Weights =
     Weights { terms: [0.74, 0.7, -4.53, 0.46, -0.87, 2.31, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], constant: -0.51 };
 
 /// Depth and image, after a fit.
-const IMAGE_FITTED: Weights =
-    Weights { terms: [0.304, 0.472, -4.46, 0.4, -1.83, 1.144, -0.769, -0.824, -22.344, 0.03, 2.566, -0.542], constant: -1.05 };
+const IMAGE_FITTED: Weights = Weights {
+    terms: [0.304, 0.472, -4.46, 0.4, -1.83, 1.144, -0.769, -0.824, -22.344, 0.03, 2.566, -0.542],
+    constant: -1.05,
+};
 
 /// A fit multiplies the odds of a cylinder by less than this in 99.8 of 100 candidates in those scenes.
 const MOST_BY_FIT: f64 = 13.0;
