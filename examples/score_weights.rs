@@ -3,6 +3,8 @@
 //! those scenes, a fifth of which is left out of the regression in turn.
 #![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
 
+#[path = "../tests/support/parallel.rs"]
+mod parallel;
 #[allow(dead_code, reason = "shared with the command bench, which uses all of it")]
 #[path = "../src/bin/cylfuse/bench/experiments/truths.rs"]
 mod truths;
@@ -17,7 +19,6 @@ use cylfuse::twin::{
     random_scene,
 };
 use nalgebra::{DMatrix, DVector};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use truths::{Hits, Truths};
 
 /// Kinds, sensors by name, and seeds of the scenes: as many tables and pipes to one by time of flight as in ../shared/scenes, and
@@ -92,28 +93,13 @@ fn searched(kind: Kind, sensor: DepthSensor, seed: u64) -> Searched {
     Searched { truths: Truths::new(&scene, &taken), rows }
 }
 
-/// All scenes, on as many threads as the machine has.
+/// All scenes.
 fn all() -> Vec<Searched> {
     let jobs: Vec<_> = sets()
         .into_iter()
         .flat_map(|(kind, sensor, seeds)| seeds.map(move |seed| (kind, sensor, seed)))
         .collect();
-    let next = AtomicUsize::new(0);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut done: Vec<(usize, Searched)> = std::thread::scope(|scope| {
-        let run = || {
-            let mut done = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some((kind, sensor, seed)) = jobs.get(index) else { return done };
-                done.push((index, searched(*kind, *sensor, *seed)));
-            }
-        };
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
-        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
-    });
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, searched)| searched).collect()
+    parallel::map(&jobs, |(kind, sensor, seed)| searched(*kind, *sensor, *seed))
 }
 
 /// The candidates of a stage in some scenes as terms with a 1 behind, whether there is a cylinder, and as how many each counts.
@@ -206,16 +192,12 @@ fn left_out(scenes: &[Searched], image: usize, stage: usize) -> String {
     )
 }
 
-/// By how much fits multiply the odds: the most in 99.8 of 100 candidates.
-fn most_by_fit(scenes: &[Searched], image: usize, before: &[f64], after: &[f64]) -> f64 {
+/// By how much fits multiply the odds, by the weights that stand in the code: the most in 99.8 of 100 candidates.
+fn most_by_fit(scenes: &[Searched], image: usize) -> f64 {
     let rows = scenes.iter().flat_map(|scene| &scene.rows[image][1]);
-    let odds = |score: f64| score / (1.0 - score);
-    let mut factors: Vec<f64> = rows
-        .map(|row| {
-            let unfitted = Evidence { radius_deviation: None, slope: None, ..row.evidence };
-            odds(score(after, &row.evidence)) / odds(score(before, &unfitted))
-        })
-        .collect();
+    let odds = |evidence: Evidence| evidence.score() / (1.0 - evidence.score());
+    let unfitted = |evidence| Evidence { radius_deviation: None, slope: None, ..evidence };
+    let mut factors: Vec<f64> = rows.map(|row| odds(row.evidence) / odds(unfitted(row.evidence))).collect();
     factors.sort_by(f64::total_cmp);
     factors[(factors.len() as f64 * 0.998) as usize]
 }
@@ -223,9 +205,9 @@ fn most_by_fit(scenes: &[Searched], image: usize, before: &[f64], after: &[f64])
 fn main() {
     let scenes = all();
     for (image, name) in ["depth", "image"].into_iter().enumerate() {
-        let [before, after] = [0, 1].map(|stage| regression(&candidates(scenes.iter(), image, stage)));
-        for (stage, weights) in [&before, &after].into_iter().enumerate() {
+        for stage in [0, 1] {
             let rows = candidates(scenes.iter(), image, stage);
+            let weights = regression(&rows);
             let wrong = rows.iter().filter(|row| row.1 == 0.0).count();
             println!(
                 "{name}, {} a fit: {} candidates, {wrong} wrong",
@@ -237,9 +219,6 @@ fn main() {
             println!("    terms: [{}],\n    constant: {constant:.3},", terms.join(", "));
             println!("  left out: {}", left_out(&scenes, image, stage));
         }
-        println!(
-            "  a fit multiplies the odds by {:.1} at most",
-            most_by_fit(&scenes, image, &before, &after)
-        );
+        println!("  a fit multiplies the odds by {:.1} at most", most_by_fit(&scenes, image));
     }
 }

@@ -6,6 +6,8 @@
 
 #[path = "../tests/support/frames.rs"]
 mod frames;
+#[path = "../tests/support/parallel.rs"]
+mod parallel;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
@@ -17,7 +19,8 @@ mod disturbance;
 mod frame;
 
 use cylfuse::constant::Constant;
-use frame::{Case, Frame, map, read_set};
+use frame::{Case, Frame, read_set};
+use parallel::map;
 use std::path::{Path, PathBuf};
 
 /// The mean errors of a set, and how many fits failed.

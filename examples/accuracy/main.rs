@@ -5,6 +5,8 @@
 
 #[path = "../../tests/support/frames.rs"]
 mod frames;
+#[path = "../../tests/support/parallel.rs"]
+mod parallel;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 

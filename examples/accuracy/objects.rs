@@ -1,7 +1,8 @@
 //! Masks of whole objects: caps, lids, rims, inner walls and things in front are in the mask.
 
 use crate::Sets;
-use crate::frame::{Case, Edges, Frame, map};
+use crate::frame::{Case, Edges, Frame};
+use crate::parallel::map;
 use crate::table::{Target, print_head, print_row, print_targets};
 use cylfuse::error::Error;
 use cylfuse::fitter::FitResult;

@@ -2,7 +2,8 @@
 
 use crate::Sets;
 use crate::disturbance::Disturbance;
-use crate::frame::{Case, Edges, Errors, Frame, GIVEN, map};
+use crate::frame::{Case, Edges, Errors, Frame, GIVEN};
+use crate::parallel::map;
 use crate::scaled::{SAME, Scale};
 use crate::shared_errors;
 use crate::table::{Summary, Target, columns, print_head, print_row, print_targets};

@@ -1,8 +1,9 @@
 //! Several views of one cylinder, their depth not registered to the image: `../shared/views`.
 
 use crate::Sets;
-use crate::frame::{Errors, map};
+use crate::frame::Errors;
 use crate::frames::{cylinder, json};
+use crate::parallel::map;
 use crate::table::{Target, columns, print_head, print_row, print_targets};
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::error::Error;

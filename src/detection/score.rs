@@ -70,7 +70,8 @@ const IMAGE_FITTED: Weights = Weights {
     constant: -1.05,
 };
 
-/// A fit multiplies the odds of a cylinder by less than this in 99.8 of 100 candidates in those scenes.
+/// A fit is taken to multiply the odds of a cylinder by less than this. In those scenes it does so by up to 15 by depth alone and by
+/// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes, in 71 % more time.
 const MOST_BY_FIT: f64 = 13.0;
 
 /// The least score before a fit that the fit may raise to a given one.
