@@ -152,7 +152,7 @@ pub unsafe extern "C" fn cylfuse_plan(
                 let [constant, linear, quadratic, correlation, noise, blur] =
                     noise.cast::<[f64; 6]>().read_unaligned();
                 plan.depth = DepthNoise { constant, linear, quadratic, correlation };
-                plan.step = StepNoise { noise, blur };
+                plan.step = StepNoise::alike(noise, blur);
             }
             let expected = plan.expected()?;
             let numbers = |deviations: &Deviations| {

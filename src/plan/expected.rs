@@ -105,9 +105,10 @@ impl Plan {
         let mut information = self.of_points(&frame, &seen, share)?;
         self.add_limbs(&mut information, &frame, &limbs)?;
         let arcs = [-0.5, 0.5].map(|part| self.arc(&cylinder, &limbs, part * self.length));
-        let place = PLACE_LOSS * self.step.place(1.0);
-        let stated = PLACE_SCATTER * place.hypot(PLACE_FLOOR);
-        for arc in arcs.iter().flatten() {
+        let places = self.step.ends.map(|noise| PLACE_LOSS * self.step.place(noise, 1.0));
+        for (arc, place) in arcs.iter().zip(places) {
+            let Some(arc) = arc else { continue };
+            let stated = PLACE_SCATTER * place.hypot(PLACE_FLOOR);
             let term = ArcTerm { ends: vec![arc.clone()] };
             for row in term.pixel_rows(&frame).ok_or_else(undetermined)? {
                 information.add(&six(&row.jacobian, 0.0), stated, place, stated);
@@ -120,7 +121,8 @@ impl Plan {
                 let [start, end] = arcs.each_ref();
                 let (start, end) = (start.as_ref()?, end.as_ref()?);
                 let by_cylinder = of_length(&frame, start, end)?;
-                let of_ends = end_variance(start, place, end_floor) + end_variance(end, place, end_floor);
+                let of_ends =
+                    end_variance(start, places[0], end_floor) + end_variance(end, places[1], end_floor);
                 Some((by_cylinder.dot(&(covariance * by_cylinder)) + of_ends).sqrt())
             };
             Deviations {
@@ -178,11 +180,12 @@ impl Plan {
 
     /// The limb lines: two residuals each, where offset and slope of the line are worth as much.
     fn add_limbs(&self, information: &mut Information, frame: &LocalFrame, limbs: &LimbFrame) -> Result<()> {
-        for [from, to] in [0, 1].into_iter().filter_map(|limb| self.limb_in_image(limbs, limb)) {
+        for (limb, noise) in self.step.limbs.into_iter().enumerate() {
+            let Some([from, to]) = self.limb_in_image(limbs, limb) else { continue };
             let along = to - from;
             let (middle, half) = ((from + to) / 2.0, along / 12.0_f64.sqrt());
             // Each of two places has twice the variance of the middle.
-            let noise = LIMB_LOSS * 2.0_f64.sqrt() * self.step.place(along.norm());
+            let noise = LIMB_LOSS * 2.0_f64.sqrt() * self.step.place(noise, along.norm());
             let scatter = noise.hypot(LIMB_JITTER);
             let stated = noise.hypot(LIMB_FLOOR);
             let segment = PixelSegment { endpoints: [middle - half, middle + half], weight: 1.0, limb: None };

@@ -82,31 +82,48 @@ fn on_image(pixels: f64, focal_length: f64, camera: &Camera) -> f64 {
 /// How well the image shows limbs and ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepNoise {
-    /// Standard deviation of a pixel, as a part of the step of brightness at limbs and ends. The default is 0.014: a step of
-    /// half the full scale, and pixels of some 10,000 electrons.
-    pub noise: f64,
+    /// At each limb, the standard deviation of a pixel as a part of the step of brightness: of the steps along the limb their
+    /// root mean square. The default is 0.014: a step of half the full scale, and pixels of some 10,000 electrons.
+    pub limbs: [f64; 2],
+    /// The same at the ends. Where the tilt is positive the first end is the nearer one.
+    pub ends: [f64; 2],
     /// Blur of lens and focus, the standard deviation of a Gauss curve in pixels. The default is 0.7.
     pub blur: f64,
 }
 
 impl Default for StepNoise {
     fn default() -> Self {
-        Self { noise: 0.014, blur: 0.7 }
+        Self::alike(0.014, 0.7)
     }
 }
 
 impl StepNoise {
+    /// The same noise at all limbs and ends.
+    #[must_use]
+    pub const fn alike(noise: f64, blur: f64) -> Self {
+        Self { limbs: [noise; 2], ends: [noise; 2], blur }
+    }
+
+    /// The noise at limbs and ends where all have the same.
+    #[must_use]
+    pub fn common(&self) -> Option<f64> {
+        let noise = self.limbs[0];
+        (*self == Self::alike(noise, self.blur)).then_some(noise)
+    }
+
     /// Standard deviation of the place of a straight step along some pixels, if all but that place were known: with the
     /// slope of a step of the blur b the information is Σ (∂I/∂u)² / σ² = n / (2 √π b σ²) (the Cramér–Rao bound).
-    pub(super) fn place(&self, pixels: f64) -> f64 {
+    pub(super) fn place(&self, noise: f64, pixels: f64) -> f64 {
         // The aperture of a pixel blurs, too.
         let blur = self.blur.hypot(1.0 / 12.0_f64.sqrt());
-        self.noise * (2.0 * std::f64::consts::PI.sqrt() * blur / pixels).sqrt()
+        noise * (2.0 * std::f64::consts::PI.sqrt() * blur / pixels).sqrt()
     }
 
     pub(super) fn check(&self) -> Result<()> {
-        if !(self.noise > 0.0 && self.noise <= 1.0) {
-            return Err(Error::argument("noise of a step", self.noise, "be greater than 0 and at most 1"));
+        for noise in self.limbs.into_iter().chain(self.ends) {
+            if !(noise > 0.0 && noise <= 1.0) {
+                return Err(Error::argument("noise of a step", noise, "be greater than 0 and at most 1"));
+            }
         }
         if !(self.blur >= 0.0 && self.blur <= 10.0) {
             return Err(Error::argument("blur of the image", self.blur, "be from 0 to 10 pixels"));

@@ -85,12 +85,21 @@ impl Plan {
     /// same seed gives the same bits; all seeds have the same mask.
     ///
     /// # Errors
-    /// Those of [`Plan::check`] and of a fit.
+    /// Those of [`Plan::check`] and of a fit; `InvalidArgument` where limbs and ends differ in their noise, as those of that
+    /// scene do not.
     pub fn trial(&self, sensor: &DepthSensor, seed: u64) -> Result<Trial> {
+        let noise = self.step.common().ok_or_else(|| {
+            let requirement = "be the same at all limbs and ends of simulated captures";
+            Error::argument(
+                "noise of a step",
+                format!("{:?} and {:?}", self.step.limbs, self.step.ends),
+                requirement,
+            )
+        })?;
         let picture = PictureOptions {
             blur: self.step.blur,
             // Light of n electrons has the noise √n.
-            full_well: LEVEL / (self.step.noise * STEP).powi(2),
+            full_well: LEVEL / (noise * STEP).powi(2),
             read_noise: 0.0,
             ..PictureOptions::default()
         };

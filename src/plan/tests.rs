@@ -19,7 +19,7 @@ fn numbers(deviations: &Deviations) -> [f64; 4] {
 fn less_noise_and_less_distance_are_better() {
     let base = plan().expected().unwrap();
     let nearer = Plan { distance: 0.5, ..plan() }.expected().unwrap();
-    let quieter = StepNoise { noise: 0.005, ..StepNoise::default() };
+    let quieter = StepNoise::alike(0.005, 0.7);
     let depth = DepthNoise { quadratic: 0.5 * plan().depth.quadratic, ..plan().depth };
     let quieter = Plan { step: quieter, depth, ..plan() }.expected().unwrap();
     for better in [nearer, quieter] {
@@ -30,6 +30,25 @@ fn less_noise_and_less_distance_are_better() {
     for (scatter, total) in numbers(&base.scatter).into_iter().zip(numbers(&base.total)) {
         assert!(scatter < total);
     }
+}
+
+/// A faint limb costs the radius, a faint end the length.
+#[test]
+fn limbs_and_ends_have_noise_of_their_own() {
+    let base = plan().expected().unwrap();
+    let faint = |limbs, ends| {
+        let step = StepNoise { limbs, ends, ..StepNoise::default() };
+        Plan { step, ..plan() }.expected().unwrap()
+    };
+    let limb = faint([0.014, 0.4], [0.014; 2]);
+    assert!(limb.scatter.radius > 2.0 * base.scatter.radius);
+    for ends in [[0.014, 0.4], [0.4, 0.014]] {
+        let end = faint([0.014; 2], ends);
+        assert!(end.scatter.length > base.scatter.length.map(|length| 2.0 * length));
+        assert!(end.scatter.radius < 1.1 * base.scatter.radius);
+    }
+    assert_eq!(StepNoise::alike(0.1, 0.7).common(), Some(0.1));
+    assert_eq!(StepNoise { ends: [0.1, 0.2], ..StepNoise::alike(0.1, 0.7) }.common(), None);
 }
 
 /// With half the noise at twice the depth a pixel sees twice as much of everything.
@@ -68,7 +87,7 @@ fn bad_values_are_named() {
     assert!(text(Plan { length: 5.0, ..plan() }).starts_with("length is 5; it must be so short"));
     let depth = DepthNoise { correlation: 0.5, ..plan().depth };
     assert!(text(Plan { depth, ..plan() }).starts_with("correlation of depth is 0.5"));
-    let step = StepNoise { noise: 0.0, ..StepNoise::default() };
+    let step = StepNoise { ends: [0.1, 0.0], ..StepNoise::default() };
     assert!(text(Plan { step, ..plan() }).starts_with("noise of a step is 0; it must be greater than 0"));
     assert!(
         text(Plan { distance: 8.0, ..plan() }).contains("points are usable but a cylinder needs at least 8")

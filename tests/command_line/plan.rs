@@ -41,6 +41,13 @@ fn the_camera_of_a_frame_and_other_noise() {
     let noisy = run(["plan", "--json", "--depth-noise", "0.01,0,0", "--correlation", "9"]).object();
     assert!(number(&noisy, position) > 2.0 * number(&same, position));
     assert_eq!(noisy["depth_noise"][0], 0.01);
+    let faint = run(["plan", "--json", "--limb-noise", "0.014,0.4"]).object();
+    assert!(number(&faint, radius) > 1.5 * number(&same, radius), "a faint limb");
+    assert!(faint["step_noise"].is_null());
+    assert_eq!((number(&faint, "/limb_noise/1"), number(&faint, "/end_noise/1")), (0.4, 0.014));
+    let length = "/expected/scatter/length";
+    let faint = run(["plan", "--json", "--end-noise", "0.4,0.014"]).object();
+    assert!(number(&faint, length) > 2.0 * number(&same, length), "a faint end");
 }
 
 #[test]

@@ -82,8 +82,16 @@ pub struct PlanArguments {
     pub correlation: Option<f64>,
 
     /// The noise of a pixel of the image, as a fraction of the step of brightness at limbs and ends.
-    #[arg(long, value_name = "PART", default_value_t = StepNoise::default().noise, help_heading = "Noise")]
+    #[arg(long, value_name = "PART", default_value_t = StepNoise::default().limbs[0], help_heading = "Noise")]
     pub step_noise: f64,
+
+    /// That noise at the first and at the second limb.
+    #[arg(long, value_name = "PART,PART", value_parser = parse_numbers::<2>, help_heading = "Noise")]
+    pub limb_noise: Option<[f64; 2]>,
+
+    /// That noise at the two ends, for a positive tilt first the nearer.
+    #[arg(long, value_name = "PART,PART", value_parser = parse_numbers::<2>, help_heading = "Noise")]
+    pub end_noise: Option<[f64; 2]>,
 
     /// Blur of lens and focus, a standard deviation in pixels.
     #[arg(long, value_name = "PX", default_value_t = StepNoise::default().blur, help_heading = "Noise")]
@@ -100,7 +108,7 @@ pub struct PlanArguments {
 
     /// Compare each row with so many simulated captures, fitted: their scatter and their bias.
     #[cfg(feature = "twin")]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..), conflicts_with = "depth_noise")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..), conflicts_with_all = ["depth_noise", "limb_noise", "end_noise"])]
     pub simulate: Option<u64>,
 
     /// The seed of the first capture; the others have the numbers after it.
@@ -170,7 +178,7 @@ impl Quantity {
             Quantity::Length => plan.length = value,
             Quantity::Tilt => plan.tilt = value.to_radians(),
             Quantity::Turn => plan.turn = value.to_radians(),
-            Quantity::StepNoise => plan.step.noise = value,
+            Quantity::StepNoise => plan.step = StepNoise::alike(value, plan.step.blur),
         }
         plan
     }
@@ -231,13 +239,19 @@ impl PlanArguments {
             (None, Sensor::TimeOfFlight) => DepthNoise::time_of_flight(&camera),
             (None, Sensor::ActiveStereo) => DepthNoise::active_stereo(&camera),
         };
+        let alike = StepNoise::alike(self.step_noise, self.blur);
+        let step = StepNoise {
+            limbs: self.limb_noise.unwrap_or(alike.limbs),
+            ends: self.end_noise.unwrap_or(alike.ends),
+            ..alike
+        };
         Ok(Plan {
             distance: self.distance,
             radius: self.radius,
             length: self.length,
             tilt: self.tilt.to_radians(),
             turn: self.turn.to_radians(),
-            step: StepNoise { noise: self.step_noise, blur: self.blur },
+            step,
             ..Plan::new(camera, depth)
         })
     }
