@@ -125,6 +125,9 @@ impl Header {
                          with 1, 2, 4 or 8"
                     ));
                 }
+                if counts[index] != 1 {
+                    return Err(format!("PCD field {name} has COUNT {}; expected 1", counts[index]));
+                }
                 axes[axis] = Some(Field { kind, size, offset, column });
             }
             let step = size.checked_mul(counts[index]).and_then(|bytes| offset.checked_add(bytes));
@@ -348,6 +351,9 @@ mod tests {
             ("FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 0\nDATA ascii\n", "x, y and z"),
             ("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 0\nDATA ascii\n", "equally many"),
             ("FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\nPOINTS 0\nDATA ascii\n", "SIZE 3"),
+            ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 0\nPOINTS 1\nDATA binary\n12345678", "COUNT 0"),
+            ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 0\nPOINTS 1\nDATA ascii\n1 2\n", "COUNT 0"),
+            ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 2 1\nPOINTS 0\nDATA ascii\n", "COUNT 2"),
             ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS -1\nDATA ascii\n", "'-1'"),
             ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nDATA ascii\n", "neither"),
             ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA zip\n", "'zip'"),
