@@ -71,10 +71,18 @@ every_text() { # the page of warnings quotes what the command line prints about 
     local text missing=0
     while read -r text; do
         grep -qF "$text" docs/warnings.md || { echo "docs/warnings.md does not quote: $text"; missing=1; }
-    done < <(sed -n '/^fn explain(/,/^}/p; /^fn disagreement(/,/^}/p' src/bin/cylfuse/report/mod.rs |
+    done < <(sed -n '/^fn explain(/,/^}/p; /^fn disagreement(/,/^}/p; /^fn poor(/,/^}/p' src/bin/cylfuse/report/mod.rs |
         grep -oE '"(\{\} )?[a-z][^"{]+' | sed 's/^"\({} \)\?//' | grep -v '^flag ')
     return $missing
 }
+every_number() { # the page of warnings has the number of each
+    local name number missing=0
+    while read -r _ name number; do
+        grep -qF "$number | [$name](#" docs/warnings.md || { echo "docs/warnings.md does not have $number for $name"; missing=1; }
+    done < <(sed -n 's/^#define CYLFUSE_RESULT_FLAGS_/flag /p' include/cylfuse/cylfuse.h)
+    return $missing
+}
+check "every warning has its number" every_number
 check "every warning is quoted" every_text
 check "every status is explained" every_name STATUS docs/warnings.md
 check "every state of an end is explained" every_name END_STATE docs/concepts.md

@@ -1,14 +1,18 @@
 //! Odd and broken input: what must fit, what fits with a flag, and what is an error of its own.
 #![allow(clippy::unwrap_used)]
 
+#[path = "support/frames.rs"]
+mod frames;
 mod support;
 
 use cylfuse::error::Error;
 use cylfuse::fitter::{Fitter, Flags, Method, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, MaskView, PointsView};
+use frames::Inputs;
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
+use std::path::Path;
 use support::{SIZE, camera, can, fitter_with, intrinsics, limb_segments, segment, visible_points};
 
 fn paper() -> Options {
@@ -273,4 +277,39 @@ fn a_cancelled_fit_keeps_the_last_result() {
         assert_eq!(fitter.result(), Some(&before));
     }
     assert_can(&mut fitter);
+}
+
+/// Whether a cylinder is flagged about which the points of a can scatter by a part of something.
+fn is_poor(fitter: &Fitter, scale: f64) -> bool {
+    // All points are this far from the surface, and the scale is that of normal errors with such a median.
+    let radius = can().radius + scale / 1.4826;
+    fitter.evaluate(&Cylinder { radius, ..can() }).unwrap().flags.contains(Flags::POOR_FIT)
+}
+
+#[test]
+fn points_that_do_not_lie_on_the_cylinder_are_flagged() {
+    let points = visible_points(&can(), &Vector3::zeros(), 1000);
+    let mut fitter = fitter_with(&points);
+    let radius = can().radius;
+    assert!(!is_poor(&fitter, 0.24 * radius) && is_poor(&fitter, 0.5 * radius));
+    fitter.set_intrinsics(intrinsics()).unwrap();
+    let sum: Vector3<f64> = points.iter().map(|point| Vector3::from(*point)).sum();
+    let distance = (sum / points.len() as f64).norm();
+    assert!(!is_poor(&fitter, 0.0099 * distance) && is_poor(&fitter, 0.0101 * distance));
+    let mut options = *fitter.options();
+    options.noise.depth = 0.01 * distance;
+    fitter.set_options(options).unwrap();
+    assert!(!is_poor(&fitter, 0.0299 * distance) && is_poor(&fitter, 0.0301 * distance));
+}
+
+#[test]
+fn a_scene_that_is_fitted_as_one_cylinder_is_flagged() {
+    for name in ["r40_a20_f0", "w004", "w022"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames").join(name);
+        let mut inputs = Inputs::read(&folder);
+        assert!(!inputs.fitter().fit().unwrap().flags.contains(Flags::POOR_FIT), "{name}");
+        inputs.mask.fill(255);
+        let result = inputs.fitter().fit().unwrap();
+        assert!(result.flags.contains(Flags::POOR_FIT), "{name}: {result:?}");
+    }
 }

@@ -448,6 +448,7 @@ func TestNames(t *testing.T) {
 		ColourBGRA.String():                                    "BGRA",
 		(InputPoints | InputImage).String():                    "points, image",
 		FlagUncertaintyUnknown.String():                        "uncertainty unknown",
+		FlagPoorFit.String():                                   "poor fit",
 		(FlagEdgesIgnored | FlagNotConverged | 1<<30).String(): "edges ignored, not converged, 30",
 		Flags(0).String():                                      "",
 	} {

@@ -68,6 +68,9 @@ const (
 	FlagDepthShifted Flags = C.CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED
 	// FlagMaskEndsWithDepth: a mask holds the pixels that have depth and no others, so its sides are no hint where the limbs are.
 	FlagMaskEndsWithDepth Flags = C.CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH
+	// FlagPoorFit: the points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
+	// from the camera or, without a camera, by more than a quarter of the radius.
+	FlagPoorFit Flags = C.CYLFUSE_RESULT_FLAGS_POOR_FIT
 )
 
 // Has says whether all of these warnings are there.

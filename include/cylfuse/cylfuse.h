@@ -784,7 +784,8 @@ typedef struct cylfuse_depth_view {
     ptrdiff_t pixel_stride;
     /**
      * Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length is
-     * the metre.
+     * the metre. `cylfuse_depth_view_init` sets 1: the unit of length is then that of the stored values, and nothing can
+     * tell that another one was meant.
      */
     double scale;
     /**
@@ -1147,6 +1148,12 @@ typedef uint32_t cylfuse_result_flags;
  * cylinder of a first fit; a mask of the whole surface is more certain.
  */
 #define CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH 131072
+/**
+ * The points do not lie on the cylinder, so its numbers mean nothing: `point_deviation` is more than 1 % of their
+ * distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
+ * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
+ */
+#define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 
 /**
  * Why an iteration ended.

@@ -139,6 +139,7 @@ enum class ResultFlags : cylfuse_result_flags {
     UncertaintyUnknown = CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN,
     DepthShifted = CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED,
     MaskEndsWithDepth = CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH,
+    PoorFit = CYLFUSE_RESULT_FLAGS_POOR_FIT,
 };
 
 /** Both. */

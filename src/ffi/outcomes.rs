@@ -238,4 +238,8 @@ impl cylfuse_result_flags {
     /// of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the
     /// cylinder of a first fit; a mask of the whole surface is more certain.
     pub const MASK_ENDS_WITH_DEPTH: cylfuse_result_flags = cylfuse_result_flags(131072);
+    /// The points do not lie on the cylinder, so its numbers mean nothing: `point_deviation` is more than 1 % of their
+    /// distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
+    /// camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
+    pub const POOR_FIT: cylfuse_result_flags = cylfuse_result_flags(262144);
 }

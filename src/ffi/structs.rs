@@ -122,7 +122,8 @@ pub struct cylfuse_depth_view {
     /// Bytes from a pixel to the next one; 0 = the size of one.
     pub pixel_stride: isize,
     /// Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length is
-    /// the metre.
+    /// the metre. `cylfuse_depth_view_init` sets 1: the unit of length is then that of the stored values, and nothing can
+    /// tell that another one was meant.
     pub scale: f64,
     /// The nearest depth that counts, in the unit of length, 0 or greater.
     pub min_depth: f64,

@@ -317,7 +317,11 @@ pub(super) fn intrinsics(given: &cylfuse_intrinsics) -> Result<Intrinsics, Failu
         return Err(Failure::Library(Error::InvalidIntrinsics {
             name: format!("distortion[{index}]"),
             value: format!("{:?}", given.distortion[index]),
-            requirement: format!("be 0: the distortion model {} has {used} coefficients", model.0),
+            requirement: format!(
+                "be 0: the distortion model {} has {used} coefficients; set distortion_model, 1 (BROWN_CONRADY) for those \
+                 of cv::calibrateCamera",
+                model.0
+            ),
         }));
     }
     Ok(Intrinsics { width, height, fx, fy, cx, cy, distortion })

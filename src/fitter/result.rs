@@ -51,6 +51,10 @@ bitflags::bitflags! {
         /// A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
         /// where the limbs are. With an image they were drawn again about the cylinder of a first fit.
         const MASK_ENDS_WITH_DEPTH = 1 << 17;
+        /// The points do not lie on the cylinder: they scatter about its surface ([`FitResult::point_scale`]) by more than
+        /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
+        /// depth where the caller states it; without a camera, by more than a quarter of the radius.
+        const POOR_FIT = 1 << 18;
     }
 }
 

@@ -98,6 +98,9 @@ namespace Cylfuse
         /// <summary>A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are
         /// no hint where the limbs are.</summary>
         MaskEndsWithDepth = 131072,
+        /// <summary>The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
+        /// from the camera or, without a camera, by more than a quarter of the radius.</summary>
+        PoorFit = 262144,
     }
 
     /// <summary>Which residuals to list.</summary>

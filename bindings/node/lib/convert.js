@@ -258,6 +258,10 @@ function pixels(what, image, types, more = [], channels = () => 1) {
 
 function depthToC(depth) {
   const { format, fields, rest } = pixels('depth', depth, DEPTH_FORMATS, ['scale', 'minDepth', 'maxDepth']);
+  if (rest.scale == null && depth.data instanceof Uint16Array) {
+    throw new TypeError('depth.scale is missing, which a Uint16Array needs; give the length of one unit of depth: 0.001 for '
+      + 'millimetres where lengths are to be metres, 1 where they are to be in the unit of the depth');
+  }
   return {
     ...initialised('depth_view'), ...fields, format,
     scale: number('depth.scale', rest.scale ?? 1), min_depth: number('depth.minDepth', rest.minDepth ?? 0),

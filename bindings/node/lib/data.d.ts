@@ -183,7 +183,10 @@ export interface Pixels<T> {
 
 /** A depth image of the camera: z, not the distance along the ray; 0 = no measurement. */
 export interface Depth<T = Uint16Array | Float32Array> extends Pixels<T> {
-  /** Length of one unit of the stored value. Default 1. */
+  /**
+   * Length of one unit of the stored value: 0.001 for millimetres where lengths are to be metres. A Uint16Array needs it; of a
+   * Float32Array it is 1 by default.
+   */
   scale?: number;
   /** The nearest depth that counts. Default 0. */
   minDepth?: number;

@@ -28,18 +28,19 @@ def measure() -> None:
 
     frame = {
         "depth": np.zeros((480, 640), np.uint16),
+        "depth_scale": 0.001,
         "mask": np.zeros((480, 640), np.uint8),
         "image": np.zeros((480, 640), np.uint8),
         "edges": np.zeros((2, 4)),
         "intrinsics": cylfuse.Intrinsics(640, 480, 570.0, 570.0, 319.5, 239.5),
     }
-    few = {name: frame[name] for name in ("depth", "mask", "intrinsics")}
+    few = {name: frame[name] for name in ("depth", "depth_scale", "mask", "intrinsics")}
     with cylfuse.Fitter(frame["intrinsics"]) as fitter:
         statements = {
             "cylfuse.fit, everything": lambda: cylfuse.fit(**frame),
             "cylfuse.fit, depth and mask": lambda: cylfuse.fit(**few),
             "Fitter: clear, push_depth, fit": lambda: (
-                fitter.clear(), fitter.push_depth(frame["depth"], frame["mask"]), fitter.fit()
+                fitter.clear(), fitter.push_depth(frame["depth"], frame["mask"], 0.001), fitter.fit()
             ),
             "result.model": lambda: cylfuse.Cylinder._from_struct(_model),
         }  # fmt: skip

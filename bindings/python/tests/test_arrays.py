@@ -80,7 +80,7 @@ def test_one_label_of_a_mask(frame: dict[str, Any]) -> None:
             fitter.push_depth(frame["depth"], mask, frame["depth_scale"], label=label)
             models.append(model(fitter.fit()))
             with pytest.raises(ValueError, match="label is 256"):
-                fitter.push_depth(frame["depth"], mask, label=256)
+                fitter.push_depth(frame["depth"], mask, frame["depth_scale"], label=256)
     assert models[0] == models[1]
 
 
@@ -156,6 +156,7 @@ def test_foreign_arrays(frame: dict[str, Any]) -> None:
     ("edges", {}, TypeError, "edges have the type dict"),
     ("intrinsics", np.eye(4), ValueError, "it must be (3, 3)"),
     ("intrinsics", np.array([[9, 0, 0], [0, 9, 0], [5, 4, 1]]), ValueError, "has 5 in row 2, column 0; it must be 0"),
+    ("depth_scale", None, TypeError, "depth has the type uint16 and no scale; give the length of one unit of it: 0.001"),
     ("depth_scale", "x", TypeError, "the scale of the depth is 'x'; it must be a number"),
     ("min_depth", None, TypeError, "min_depth is None; it must be a number"),
     ("depth", np.ma.masked_equal(np.ones((4, 5), np.uint16), 0), TypeError, "depth.filled(0) makes a plain one"),
@@ -236,3 +237,25 @@ def test_an_unknown_choice_names_the_known_ones() -> None:
 
 def test_choices_in_texts() -> None:
     assert f"{cylfuse.EndState.SEEN} {cylfuse.Termination.COST!s:>6}" == "seen   cost"
+
+
+def test_depth_without_a_scale(frame: dict[str, Any]) -> None:
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter, cylfuse.Frame(frame["intrinsics"]) as shared:
+        for take in (fitter.push_depth, shared.set_depth):
+            with pytest.raises(TypeError, match="depth has the type uint16 and no scale"):
+                take(frame["depth"])
+            take(frame["depth"].astype(np.float32))
+
+
+def test_distortion_means_brown_conrady() -> None:
+    camera = cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5, distortion=[-0.04, 0.01])
+    assert camera.distortion_model == cylfuse.Distortion.BROWN_CONRADY
+    assert cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5).distortion_model == cylfuse.Distortion.NONE
+    with pytest.raises(cylfuse.InvalidIntrinsicsError, match="set distortion_model"):
+        cylfuse.Fitter(cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5, "none", [-0.04]))
+
+
+def test_a_whole_scene_is_a_poor_fit(frame: dict[str, Any], result: cylfuse.Result) -> None:
+    assert cylfuse.ResultFlags.POOR_FIT not in result.flags
+    whole = cylfuse.fit(**{**frame, "mask": None, "edges": None})
+    assert "POOR_FIT" in whole.flags.names

@@ -162,7 +162,7 @@ def test_a_moved_view_moves_the_result(frame: dict[str, Any], result: cylfuse.Re
 def test_a_frame_for_many_fitters(frame: dict[str, Any], result: cylfuse.Result) -> None:
     with cylfuse.Frame() as shared:
         with pytest.raises(cylfuse.StateError, match="set the intrinsics first"):
-            shared.set_depth(frame["depth"])
+            shared.set_depth(frame["depth"], frame["depth_scale"])
     with cylfuse.Frame(frame["intrinsics"]) as shared, cylfuse.Fitter() as fitter, cylfuse.Fitter() as other:
         shared.set_depth(frame["depth"], frame["depth_scale"])
         shared.set_image(frame["image"])
@@ -188,7 +188,7 @@ def test_a_depth_camera_of_its_own(frame: dict[str, Any], result: cylfuse.Result
     with cylfuse.Fitter(frame["intrinsics"]) as fitter:
         fitter.set_depth_camera(cylfuse.Intrinsics(320, 240, 285, 285, 159.5, 119.5), moved(0.0))
         with pytest.raises(cylfuse.SizeMismatchError):
-            fitter.push_depth(frame["depth"])
+            fitter.push_depth(frame["depth"], scale=frame["depth_scale"])
         fitter.set_depth_camera(None)
         fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
 
@@ -337,7 +337,7 @@ def test_exceptions_are_of_their_kind(frame: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="fx is nan|fx is NaN"):
         cylfuse.Fitter(cylfuse.Intrinsics(640, 480, float("nan"), 1, 1, 1))
     with pytest.raises(cylfuse.StateError, match="set the intrinsics first"):
-        cylfuse.Fitter().push_depth(frame["depth"])
+        cylfuse.Fitter().push_depth(frame["depth"], scale=frame["depth_scale"])
     with pytest.raises(cylfuse.InvalidArgumentError):
         cylfuse.Cylinder([0, 0, 1], [0, 0, 0], 1).distances(pipe())
 

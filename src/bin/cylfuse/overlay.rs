@@ -217,7 +217,7 @@ impl Overlay<'_> {
         }
         items.push(Item::Strong(format!("radius {:.2} mm", cylinder.radius * 1000.0)));
         items.extend(extent.as_ref().map(|e| Item::Strong(format!("length {:.1} mm", e.length * 1000.0))));
-        let points = format!("{} points, rms {:.2} mm", result.points_used, result.point_rms * 1000.0);
+        let points = format!("{} points, noise {:.2} mm", result.points_used, result.point_scale * 1000.0);
         items.push(Item::Plain(points));
         let edges =
             result.edge_rms_pixels.map(|rms| format!("{} edges, rms {rms:.2} px", result.segments_used));

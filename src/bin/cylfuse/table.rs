@@ -40,7 +40,7 @@ const FRAME_COLUMNS: &[Column] = &[
     }),
     DIRECTION,
     POINTS,
-    Column::number("rms mm", |m| format!("{:.2}", m.result.point_rms * MILLIMETRES)),
+    Column::number("noise mm", |m| format!("{:.2}", m.result.point_scale * MILLIMETRES)),
     Column::number("edges px", |m| optional(m.result.edge_rms_pixels, 2)),
     ITERATIONS,
     TIME,
@@ -54,7 +54,7 @@ const CLOUD_COLUMNS: &[Column] = &[
     }),
     DIRECTION,
     POINTS,
-    Column::number("rms", |m| significant(m.result.point_rms)),
+    Column::number("noise", |m| significant(m.result.point_scale)),
     ITERATIONS,
     TIME,
 ];

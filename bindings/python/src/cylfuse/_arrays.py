@@ -92,9 +92,16 @@ def depth_pixels(depth: Any) -> Array:
     return pixels("depth", depth, DEPTHS, "depth.astype(numpy.float32)")
 
 
-def depth_view(depth: Any, scale: float, minimum: float, maximum: Optional[float]) -> DepthView:
+def depth_view(depth: Any, scale: Optional[float], minimum: float, maximum: Optional[float]) -> DepthView:
     """A depth image and which depths count."""
     depth = depth_pixels(depth)
+    if scale is None:
+        if depth.dtype.kind != "f":
+            raise TypeError(
+                f"depth has the type {depth.dtype} and no scale; give the length of one unit of it: 0.001 for millimetres "
+                "where lengths are to be metres, 1 where they are to be in the unit of the depth"
+            )
+        scale = 1.0
     view = _fill(make(DepthView), depth)
     view.format = DEPTHS[depth.dtype]
     view.scale, view.min_depth = real("the scale of the depth", scale), real("min_depth", minimum)

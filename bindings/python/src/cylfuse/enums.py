@@ -337,6 +337,9 @@ class ResultFlags(IntFlag):
     DEPTH_SHIFTED = 65536
     #: A mask holds the pixels that have depth and no others: its sides are no hint where the limbs are.
     MASK_ENDS_WITH_DEPTH = 131072
+    #: The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
+    #: camera or, without a camera, by more than a quarter of the radius.
+    POOR_FIT = 262144
 
     @property
     def names(self) -> list[str]:

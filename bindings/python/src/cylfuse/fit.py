@@ -28,7 +28,7 @@ def fit(
     mask: Optional[Array] = None,
     image: Optional[Array] = None,
     edges: Optional[npt.ArrayLike] = None,
-    depth_scale: float = 1.0,
+    depth_scale: Optional[float] = None,
     min_depth: float = 0.0,
     max_depth: Optional[float] = None,
     image_gamma: float = 1.0,
@@ -41,6 +41,8 @@ def fit(
 
     :param depth: rows x columns of uint16 or float32 (float64 is converted), z = value * ``depth_scale``; 0 = not
         measured
+    :param depth_scale: the length of one unit of depth: 0.001 for millimetres where lengths are to be metres; 1 for float
+        depth where it is left out, and needed for uint16
     :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole
     :param mask: rows x columns of bool or uint8: the visible lateral surface, give or take some pixels; None =
         every measured pixel, and no extent

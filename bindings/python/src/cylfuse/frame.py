@@ -70,7 +70,11 @@ class Frame(Closable):
         self._call(lib.cylfuse_frame_set_depth_camera, *depth_camera(intrinsics, pose))
 
     def set_depth(
-        self, depth: Array, scale: float = 1.0, min_depth: float = 0.0, max_depth: Optional[float] = None
+        self,
+        depth: Array,
+        scale: Optional[float] = None,
+        min_depth: float = 0.0,
+        max_depth: Optional[float] = None,
     ) -> None:
         """Sets the depth image, as :meth:`Fitter.push_depth` takes it."""
         self._call(lib.cylfuse_frame_set_depth, byref(_arrays.depth_view(depth, scale, min_depth, max_depth)))

@@ -105,7 +105,7 @@ class Intrinsics:
     #: The principal point in pixels.
     cx: float
     cy: float
-    #: What the coefficients mean; its name will do.
+    #: What the coefficients mean; its name will do. Left out: Brown-Conrady where any of them is not 0.
     distortion_model: Distortion
     #: Up to 8 coefficients in the order of OpenCV; missing ones are 0.
     distortion: tuple[float, ...]
@@ -118,12 +118,14 @@ class Intrinsics:
         fy: float,
         cx: float,
         cy: float,
-        distortion_model: Distortion | str = Distortion.NONE,
+        distortion_model: Distortion | str | None = None,
         distortion: npt.ArrayLike = (),
     ) -> None:
         coefficients = tuple(vector("distortion", distortion).tolist())
         if len(coefficients) > 8:
             raise ValueError(f"distortion has {len(coefficients)} coefficients; it must have at most 8")
+        if distortion_model is None:
+            distortion_model = Distortion.BROWN_CONRADY if any(coefficients) else Distortion.NONE
         self.__dict__.update(
             width=whole("width", width, 0, 2**32), height=whole("height", height, 0, 2**32),
             fx=real("fx", fx), fy=real("fy", fy), cx=real("cx", cx), cy=real("cy", cy),
@@ -144,9 +146,7 @@ class Intrinsics:
                     f"the camera matrix has {k[row, column]:g} in row {row}, column {column}; it must be {value:g}, "
                     "for the matrix is fx 0 cx, 0 fy cy, 0 0 1"
                 )
-        coefficients = vector("distortion", distortion)
-        model = Distortion.BROWN_CONRADY if coefficients.any() else Distortion.NONE
-        return cls(width, height, k[0, 0], k[1, 1], k[0, 2], k[1, 2], model, coefficients)
+        return cls(width, height, k[0, 0], k[1, 1], k[0, 2], k[1, 2], distortion=distortion)
 
     def _struct(self) -> _structs.Intrinsics:
         struct = make(_structs.Intrinsics)

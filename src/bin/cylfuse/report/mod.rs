@@ -219,9 +219,16 @@ fn explain(flag: Flags, result: &FitResult) -> String {
         Flags::MASK_ENDS_WITH_DEPTH => {
             "the mask ends where the depth does; its sides are no hint where the limbs are"
         }
+        Flags::POOR_FIT => return poor(result),
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()
+}
+
+/// The scatter of the points in words.
+fn poor(result: &FitResult) -> String {
+    let (scale, radius) = (result.point_scale, result.cylinder.radius);
+    format!("the points do not lie on the cylinder: they scatter by {scale:.3} about a radius of {radius:.3}")
 }
 
 /// The shift in words.

@@ -31,9 +31,9 @@ pub struct ResultValues {
     segments_given: usize,
     /// Limbs that were located in the image.
     pub limbs_located: usize,
-    /// Root mean square distance of the points from the surface.
-    pub point_rms: f64,
-    point_scale: f64,
+    point_rms: f64,
+    /// Standard deviation of the points from the surface, by the median.
+    pub point_scale: f64,
     independent_points: f64,
     /// Root mean square distance of the endpoints from the limb lines.
     pub edge_rms_pixels: Option<f64>,

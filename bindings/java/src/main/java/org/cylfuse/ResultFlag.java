@@ -56,7 +56,12 @@ public enum ResultFlag {
      * A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
      * where the limbs are.
      */
-    MASK_ENDS_WITH_DEPTH(131072);
+    MASK_ENDS_WITH_DEPTH(131072),
+    /**
+     * The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
+     * camera or, without a camera, by more than a quarter of the radius.
+     */
+    POOR_FIT(262144);
 
     private final int value;
 
