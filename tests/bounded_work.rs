@@ -6,8 +6,8 @@
 mod hostile_inputs;
 
 use cylfuse::error::Error;
-use cylfuse::fitter::{Options, StartKind};
-use cylfuse::scene::{Detector, DetectorOptions, Observer};
+use cylfuse::fitter::{Flags, Options, StartKind};
+use cylfuse::scene::{Detector, DetectorOptions, Found, Observer};
 use hostile_inputs::{Hostile, hostile};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -73,9 +73,37 @@ fn a_search_ends_and_hears_that_it_shall() {
 }
 
 #[test]
+fn a_search_with_all_its_fits_ends_and_says_that_it_was_cut_short() {
+    // Without a bound on the fits these ask 42,000, 24,000, 12,000 and 4,900 times.
+    for name in ["24 wide and 60", "40 wide and 120", "80 wide and 200", "40 wide and 1000000000"] {
+        let name = format!("half cylinders {name} long, with an image");
+        let asked = AtomicUsize::new(0);
+        let mut observer = Observer {
+            progress: &mut |_| ControlFlow::Continue(()),
+            stopped: &|| asked.fetch_add(1, Ordering::Relaxed) == usize::MAX,
+        };
+        let scene = Detector::new().detect_with(&input(&name).frame(), &mut observer).unwrap();
+        let asked = asked.into_inner();
+        assert!(asked < 20_000 && !scene.complete && !scene.cylinders.is_empty(), "{name}: {asked}");
+        // The last one that the work reached is what the search found, if that is good enough.
+        let left = |found: &&Found| {
+            found.result.iterations == 0 && found.result.flags.contains(Flags::NOT_CONVERGED)
+        };
+        assert!(scene.cylinders.iter().filter(left).count() <= 1, "{name}");
+    }
+}
+
+#[test]
+fn pairs_of_edges_are_work() {
+    // Squares have thousands of edges, and these millions of pairs. Asked once an edge it was 3,100 times.
+    let (asked, _) = search(&input("huge cylinder, image of squares of 16 pixels"), NEVER);
+    assert!(asked < 1_500, "{asked}");
+}
+
+#[test]
 fn a_search_that_is_cut_short_gives_the_same_bits_for_any_number_of_threads() {
     let input = input("half cylinders 24 wide and 60 long, with an image");
-    let scenes = [1, 2].map(|threads| {
+    let scenes = [1, 2, 3].map(|threads| {
         let mut detector = Detector::new();
         detector.set_options(DetectorOptions { threads, ..DetectorOptions::default() }).unwrap();
         detector.detect(&input.frame()).unwrap()
@@ -83,7 +111,9 @@ fn a_search_that_is_cut_short_gives_the_same_bits_for_any_number_of_threads() {
     let cylinders = scenes.each_ref().map(|scene| {
         scene.cylinders.iter().map(|found| (found.score, found.result.cylinder)).collect::<Vec<_>>()
     });
-    assert!(cylinders[0].len() > 20);
-    assert_eq!(cylinders[0], cylinders[1]);
-    assert_eq!(scenes[0].labels, scenes[1].labels);
+    assert!(cylinders[0].len() > 20 && !scenes[0].complete);
+    for threads in [1, 2] {
+        assert_eq!(cylinders[0], cylinders[threads]);
+        assert_eq!(scenes[0].labels, scenes[threads].labels);
+    }
 }

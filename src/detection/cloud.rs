@@ -1,5 +1,6 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
+use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
 use super::search::{count_pixels, label, search};
 use super::{DetectionOptions, Detections};
@@ -85,12 +86,13 @@ pub(crate) fn detect_points_until(
     let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
     cancelled()?;
     let mut grid = Grid::new(size, image.spacing, side, &point);
-    let found = search(&mut grid, image.spacing, None, &turned, stopped)?;
+    let effort = Effort::new(stopped);
+    let found = search(&mut grid, image.spacing, None, &turned, &effort)?;
     let ray = |x: usize, y: usize| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
     };
-    let seen = label(&grid, &found, size, image.spacing, &point, &ray, stopped);
+    let seen = label(&grid, &found, size, image.spacing, &point, &ray, &effort);
     let mut labels = vec![0; count];
     for &k in &usable {
         let Some(pixel) = image.pixel(&points[k]) else { continue };
@@ -109,7 +111,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, image: None })
+    Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, ..seen })
 }
 
 /// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points

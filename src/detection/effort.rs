@@ -12,6 +12,7 @@ pub(super) struct Effort<'a> {
     visits: Cell<u64>,
     next_question: Cell<u64>,
     stopped: Cell<bool>,
+    cut_short: Cell<bool>,
     asked: &'a dyn Fn() -> bool,
 }
 
@@ -23,6 +24,7 @@ impl<'a> Effort<'a> {
             visits: Cell::new(0),
             next_question: Cell::new(0),
             stopped: Cell::new(false),
+            cut_short: Cell::new(false),
             asked,
         }
     }
@@ -55,7 +57,19 @@ impl<'a> Effort<'a> {
 
     /// Whether the search was stopped or has done all that it may.
     pub fn is_spent(&self) -> bool {
-        self.stopped.get() || self.visits.get() >= self.limit.get()
+        let at_limit = self.visits.get() >= self.limit.get();
+        self.cut_short.set(self.cut_short.get() || at_limit);
+        self.stopped.get() || at_limit
+    }
+
+    /// Whether something was left because of a limit.
+    pub fn is_cut_short(&self) -> bool {
+        self.cut_short.get()
+    }
+
+    /// All visits so far.
+    pub fn visits(&self) -> u64 {
+        self.visits.get()
     }
 }
 
@@ -78,6 +92,7 @@ mod tests {
         assert_eq!((asked.get(), effort.is_spent()), (1, false));
         effort.spend(5_000);
         assert_eq!((asked.get(), effort.is_spent(), effort.is_stopped()), (2, true, false));
+        assert!(effort.is_cut_short());
         effort.limit(30_000);
         assert!(!effort.is_spent());
         assert!(!effort.ask() && effort.ask());

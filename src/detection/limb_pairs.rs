@@ -37,6 +37,12 @@ const INNER: f64 = 0.7;
 /// The shortest stretch in pixels over which two edges stand side by side.
 const SHORTEST_OVERLAP: f64 = 8.0;
 
+/// Pairs of edges, most of which are not parallel, that take as long as one visit.
+const PAIRS_PER_VISIT: usize = 8;
+
+/// The depth between two edges takes as long to look at as so many visits.
+const VISITS_OF_PROFILE: usize = 200;
+
 /// Fewest cells between two edges.
 const FEWEST: usize = 8;
 
@@ -124,12 +130,17 @@ impl Scene<'_> {
     pub fn pairs(&self) -> Vec<Pair> {
         let mut found = Vec::new();
         let edges = self.image.map_or(&[][..], |image| &image.edges);
+        let directions: Vec<_> = edges.iter().map(Edge::direction).collect();
         for (k, a) in edges.iter().enumerate() {
-            if self.effort.ask() {
+            // The edges come by their strength.
+            self.effort.spend((edges.len() - k).div_ceil(PAIRS_PER_VISIT));
+            if self.effort.is_spent() {
                 break;
             }
-            for b in &edges[k + 1..] {
-                found.extend(self.pair(a, b));
+            for (b, direction) in edges.iter().zip(&directions).skip(k + 1) {
+                if directions[k].dot(direction).abs() >= ALONG {
+                    found.extend(self.pair(a, b));
+                }
             }
         }
         found.sort_by(|a, b| b.length.total_cmp(&a.length));
@@ -141,9 +152,6 @@ impl Scene<'_> {
         let (da, mut db) = (a.direction(), b.direction());
         if da.dot(&db) < 0.0 {
             db = -db;
-        }
-        if da.dot(&db) < ALONG {
-            return None;
         }
         let along = (da + db).normalize();
         let across = Vector2::new(-along.y, along.x);
@@ -171,6 +179,7 @@ impl Scene<'_> {
         if self.planes[seed] != 0 || !self.grid.cells[seed].measured() {
             return None;
         }
+        self.effort.spend(VISITS_OF_PROFILE);
         let (fit, cells) = self.profile(&center, &along, &across, length, width)?;
         let w = fit[0];
         let ray = Vector3::new(center.x, center.y, 1.0);

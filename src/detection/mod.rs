@@ -29,6 +29,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::{DepthImage, GreyImage};
+use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
@@ -88,6 +89,10 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
+    /// Whether there was more to look at than a search may: cylinders may be missing.
+    pub cut_short: bool,
+    /// What the search took: see `effort`.
+    pub(crate) visits: u64,
     /// Whether the origin is where everything was seen from.
     pub(crate) from_origin: bool,
     /// What scores after a fit need of the image.
@@ -180,9 +185,10 @@ pub(crate) fn detect_until(
         (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
     };
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
-    let found = search::search(&mut grid, pixel, searched, options, stopped)?;
+    let effort = Effort::new(stopped);
+    let found = search::search(&mut grid, pixel, searched, options, &effort)?;
     let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
-    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray, stopped);
+    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray, &effort);
     Ok(Detections { image: edges, ..found })
 }
 

@@ -75,12 +75,11 @@ pub(super) fn search(
     pixel: f64,
     image: Option<(&ImageEdges, &PixelOf<'_>)>,
     options: &DetectionOptions,
-    stopped: &dyn Fn() -> bool,
+    effort: &Effort<'_>,
 ) -> Result<Vec<Judged>> {
-    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
-    let effort = Effort::new(stopped);
+    let cancelled = || if effort.ask() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
-    let planes = planes::find_planes(grid, &noise, &effort);
+    let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
     let scene = Scene {
         grid,
@@ -90,7 +89,7 @@ pub(super) fn search(
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
-        effort: &effort,
+        effort,
     };
     let mut marks = Marks::new(grid.cells.len());
     let mut explained = vec![false; grid.cells.len()];
@@ -355,13 +354,13 @@ pub(super) fn label(
     pixel: f64,
     point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
     ray: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
-    stopped: &dyn Fn() -> bool,
+    effort: &Effort<'_>,
 ) -> Detections {
     let mut labels = vec![0_u16; width * height];
     let mut nearest = vec![f32::INFINITY; width * height];
     let mut cylinders = Vec::new();
     for (index, judged) in found.iter().enumerate() {
-        if stopped() {
+        if effort.ask() {
             break;
         }
         let Surface::Cylinder(cylinder, _) = judged.candidate.surface else { continue };
@@ -424,5 +423,12 @@ pub(super) fn label(
         });
     }
     count_pixels(&mut cylinders, &labels);
-    Detections { cylinders, labels, from_origin: true, image: None }
+    Detections {
+        cylinders,
+        labels,
+        cut_short: effort.is_cut_short(),
+        visits: effort.visits(),
+        from_origin: true,
+        image: None,
+    }
 }

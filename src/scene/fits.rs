@@ -1,9 +1,10 @@
 //! The fit of one region.
 
+use super::work::Share;
 use super::{DetectorOptions, Found, mask_of};
 use crate::detection::{Detection, Detections, Evidence, passes};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
+use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
 use std::ops::ControlFlow;
@@ -23,43 +24,48 @@ impl<'a> Fits<'a> {
         Self { options, seen, size }
     }
 
-    /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera.
+    /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera; without a
+    /// share that cylinder.
     pub fn of_frame(
         &self,
         frame: &Frame,
         index: usize,
         detection: &Detection,
-        poll: &Poll<'_>,
+        share: Option<&Share<'_>>,
     ) -> Result<Found> {
         let mut fitter = self.fitter()?;
         let mask = mask_of(&self.seen.labels, index);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
-        let result = self.fit_or_keep(&mut fitter, detection, frame.pose(), poll)?;
+        let limb = frame.image().and(frame.camera()).map_or(0.0, |camera| {
+            let [first, last] = detection.along;
+            (last - first) * camera.intrinsics().fx / detection.cylinder.axis.point.z
+        });
+        let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
         let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result));
         Ok(found(fitter, evidence, detection, result))
     }
 
-    /// The fit of a region of a cloud.
+    /// The fit of a region of a cloud; without a share the cylinder that was found.
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
         index: usize,
         detection: &Detection,
-        poll: &Poll<'_>,
+        share: Option<&Share<'_>>,
     ) -> Result<Found> {
         let region = mask_of(&self.seen.labels, index);
         let fit = |mask: &[u8]| {
             let mut fitter = self.fitter()?;
             fitter.push_points(points, Some(&MaskView::from_u8(mask, self.size)?))?;
-            let result = self.fit_or_keep(&mut fitter, detection, &RigidMotion::identity(), poll)?;
+            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
         let middle = |cylinder: &Cylinder| self.middle(points, &region, cylinder);
         let mut mask = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(mask.as_deref().unwrap_or(&region))?;
         // Which points lie in the middle follows from the radius.
-        for _ in 1..ROUNDS.min(self.attempts()) {
+        for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
             let next = middle(&result.cylinder);
             if next.is_none() || next == mask {
                 break;
@@ -93,6 +99,29 @@ impl<'a> Fits<'a> {
         (left >= FEWEST && 2 * left > count(region)).then_some(middle)
     }
 
+    /// The fit by a share, limbs in an image being so many pixels long; without one the cylinder that was found.
+    fn fit_within(
+        &self,
+        fitter: &mut Fitter,
+        detection: &Detection,
+        pose: &RigidMotion,
+        share: Option<&Share<'_>>,
+        limb: f64,
+    ) -> Result<FitResult> {
+        if let Some(share) = share {
+            share.set_region(detection.pixels, limb);
+            return self.fit_or_keep(fitter, detection, pose, share);
+        }
+        let found = pose.cylinder(&detection.cylinder);
+        if !fitter.options().cylinder_limits.contain(&found) {
+            let reason = "the cylinder that the search found is not within the limits".into();
+            return Err(Error::NoStart { reason });
+        }
+        fitter.set_start(Some(found));
+        let kept = fitter.keep(&found)?;
+        Ok(FitResult { flags: kept.flags | Flags::NOT_CONVERGED, ..kept })
+    }
+
     /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is
     /// located: depth alone is off next to the limbs, which the detection allows for and a fit of all points does not.
     fn fit_or_keep(
@@ -100,7 +129,7 @@ impl<'a> Fits<'a> {
         fitter: &mut Fitter,
         detection: &Detection,
         pose: &RigidMotion,
-        poll: &Poll<'_>,
+        share: &Share<'_>,
     ) -> Result<FitResult> {
         let seen = &detection.cylinder;
         let found = pose.cylinder(seen);
@@ -116,8 +145,8 @@ impl<'a> Fits<'a> {
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
         let attempts = self.attempts();
-        // The best so far with its start, and its result while no other fit has taken its place in the fitter.
-        let mut best: Option<(f64, Cylinder, Option<FitResult>)> = None;
+        // The best so far, and that from the cylinder itself: the fitter as it left it, and its result.
+        let mut best: Option<(f64, Fitter, FitResult)> = None;
         let mut plain = None;
         for factor in radii.iter().take(attempts) {
             let radius = factor * found.radius;
@@ -125,11 +154,7 @@ impl<'a> Fits<'a> {
             let away = seen.axis.nearest_to_origin().normalize() * (radius - found.radius);
             let axis = Line { point: seen.axis.point + away, ..seen.axis };
             let start = pose.cylinder(&Cylinder { axis, radius });
-            let fitted = fit_from(fitter, &start, poll);
-            if let Some((.., result)) = &mut best {
-                *result = None;
-            }
-            let result = match fitted {
+            let result = match fit_from(fitter, &start, share) {
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => continue,
                 Ok(result) => result,
@@ -146,31 +171,35 @@ impl<'a> Fits<'a> {
                 continue;
             }
             if *factor == 1.0 {
-                plain = Some(start);
+                plain = Some((fitter.clone(), result));
             }
             if after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
             }
             let quality = after + 0.5 * result.limbs_located as f64;
             if quality > best.as_ref().map_or(0.0, |(most, ..)| *most) {
-                best = Some((quality, start, Some(result)));
                 if held || quality >= COVERED + 1.0 {
                     return Ok(result);
                 }
+                best = Some((quality, fitter.clone(), result));
             }
         }
-        if let Some((_, start, result)) = best {
-            return result.map_or_else(|| fit_from(fitter, &start, poll), Ok);
+        if let Some((_, of_best, result)) = best {
+            *fitter = of_best;
+            return Ok(result);
         }
         // The search allows for errors at the limits; what is returned keeps them.
         if !fitter.options().cylinder_limits.contain(&found) {
-            return fit_from(fitter, &found, poll);
+            return fit_from(fitter, &found, share);
         }
         fitter.set_start(Some(found));
         let kept = fitter.keep(&found)?;
         match plain {
             // Limbs that are located at the cylinder itself draw it away.
-            Some(start) if kept.limbs_located > 0 => fit_from(fitter, &start, poll),
+            Some((of_plain, result)) if kept.limbs_located > 0 => {
+                *fitter = of_plain;
+                Ok(result)
+            }
             _ => Ok(kept),
         }
     }
@@ -228,7 +257,8 @@ const COVERED: f64 = 1.0;
 const RADIUS_CHANGE: f64 = 0.15;
 const RADIUS_PIXELS: f64 = 3.0;
 
-fn fit_from(fitter: &mut Fitter, start: &Cylinder, poll: &Poll<'_>) -> Result<FitResult> {
+fn fit_from(fitter: &mut Fitter, start: &Cylinder, share: &Share<'_>) -> Result<FitResult> {
+    share.begin();
     fitter.set_start(Some(*start));
-    fitter.fit_with(&mut |_| poll())
+    fitter.fit_with(&mut |_| share.ask())
 }

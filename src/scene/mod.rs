@@ -4,6 +4,7 @@
 //! determines the radius joins the score.
 
 mod fits;
+mod work;
 
 use crate::detection::{
     Detection, DetectionOptions, Detections, Evidence, detect_points_until, detect_until, least_before_fit,
@@ -17,6 +18,7 @@ use crate::workers::Workers;
 use fits::Fits;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
+use work::{Share, Work};
 
 /// Bytes a pixel or point for which a search has room at the same time: coordinates, cells, labels, masks.
 const BYTES_OF_SEARCH: usize = 64;
@@ -169,6 +171,10 @@ pub struct Scene {
     pub labels: Vec<u16>,
     /// Columns and rows of the labels.
     pub size: (usize, usize),
+    /// Whether all of it was looked at. The work of a search with its fits is bounded, so that no input takes much longer than
+    /// any other of its size. Where one has more in it than that, some cylinders are missing, and the last of those that were
+    /// fitted is what the search found, with [`Flags::NOT_CONVERGED`].
+    pub complete: bool,
 }
 
 impl Scene {
@@ -266,8 +272,8 @@ impl Detector {
         let found =
             self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
         let fits = Fits::new(&self.options, found, size);
-        self.fit_all(fits, observer, |fits, index, detection, poll| {
-            fits.of_frame(&frame, index, detection, poll)
+        self.fit_all(fits, observer, |fits, index, detection, share| {
+            fits.of_frame(&frame, index, detection, share)
         })
     }
 
@@ -301,8 +307,8 @@ impl Detector {
             _ => detect_points_until(points, &search, stopped),
         })?;
         let fits = Fits::new(&self.options, found, size);
-        self.fit_all(fits, observer, |fits, index, detection, poll| {
-            fits.of_points(points, index, detection, poll)
+        self.fit_all(fits, observer, |fits, index, detection, share| {
+            fits.of_points(points, index, detection, share)
         })
     }
 
@@ -337,12 +343,12 @@ impl Detector {
         if (observer.stopped)() { cancelled } else { Ok(found) }
     }
 
-    /// Fits every region, and puts the cylinders into the order of their scores.
+    /// Fits every region that the work of a scene reaches, and puts the cylinders into the order of their scores.
     fn fit_all<'a>(
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,
-        fit: impl Fn(&Fits<'a>, usize, &Detection, &fits::Poll<'_>) -> Result<Found> + Sync,
+        fit: impl Fn(&Fits<'a>, usize, &Detection, Option<&Share<'_>>) -> Result<Found> + Sync,
     ) -> Result<Scene> {
         let detections = &fits.seen.cylinders;
         let count = detections.len();
@@ -360,14 +366,15 @@ impl Detector {
             }
         };
         tell(0);
+        let work = Work::after_search(fits.seen.visits, fits.seen.labels.len(), count);
         let mut outcomes: Vec<Option<Result<Found>>> = detections.iter().map(|_| None).collect();
         let compute = |index: usize, outcome: &mut Option<Result<Found>>| {
             let cancelled = || Err(Error::Cancelled { iterations: 0 });
-            *outcome = Some(if poll().is_break() {
-                cancelled()
-            } else {
-                fit(&fits, index, &detections[index], &poll)
-            });
+            if poll().is_break() {
+                *outcome = Some(cancelled());
+            } else if let Some(share) = work.share(index, &poll) {
+                *outcome = Some(fit(&fits, index, &detections[index], Some(&share)));
+            }
         };
         Workers::asked(self.options.threads).change_and_tell(&mut outcomes, compute, |_, ()| {
             done += 1;
@@ -377,6 +384,13 @@ impl Detector {
             let done = outcomes.iter().flatten().flatten();
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });
         }
+        let last = work.last();
+        if let Some(last) = last {
+            // It is what the search found, whatever its fit came to: with threads, those before it may have been at work yet.
+            outcomes.truncate(last + 1);
+            outcomes[last] = Some(fit(&fits, last, &detections[last], None));
+        }
+        let complete = !fits.seen.cut_short && last.is_none();
         let mut cylinders = Vec::new();
         for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
@@ -397,7 +411,7 @@ impl Detector {
         let Fits { seen: Detections { mut labels, .. }, size, .. } = fits;
         renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
         let cylinders = cylinders.into_iter().map(|(_, found)| found).collect();
-        Ok(Scene { cylinders, labels, size })
+        Ok(Scene { cylinders, labels, size, complete })
     }
 }
 

@@ -56,6 +56,7 @@ fn files_of_a_scene_say_the_same() {
     let object = detect(&[], &scene(), &out);
     let cylinders = object["cylinders"].as_array().unwrap();
     assert!(cylinders.len() >= 4, "{}", cylinders.len());
+    assert_eq!(object["complete"], true);
     assert!(image::open(out.join("overlay.png")).unwrap().width() >= 640);
     let labels = image::open(out.join("labels.png")).unwrap().into_luma16();
     let labelled = |number: usize| labels.pixels().filter(|pixel| usize::from(pixel.0[0]) == number).count();

@@ -104,15 +104,15 @@ pub fn hostile() -> Vec<Hostile> {
     add("huge cylinder", huge(), None);
     let mut dice = Dice(8);
     let random = grey(|_, _| 255.0 * dice.unit());
-    let pictures: [(&str, Vec<u8>); 5] = [
+    let squares = |period: f64| {
+        let half_turn = std::f64::consts::FRAC_PI_2;
+        grey(|x, y| (stripes(x, y, period, 0.0) - stripes(x, y, period, half_turn)).abs() + 60.0)
+    };
+    let pictures: [(&str, Vec<u8>); 6] = [
         ("stripes of 20 pixels", grey(|x, y| stripes(x, y, 20.0, 0.0))),
         ("stripes of 36 pixels aslant", grey(|x, y| stripes(x, y, 36.0, 0.3))),
-        (
-            "squares of 16 pixels",
-            grey(|x, y| {
-                (stripes(x, y, 32.0, 0.0) - stripes(x, y, 32.0, std::f64::consts::FRAC_PI_2)).abs() + 60.0
-            }),
-        ),
+        ("squares of 12 pixels", squares(24.0)),
+        ("squares of 16 pixels", squares(32.0)),
         ("rays", grey(|x, y| 127.0 + 120.0 * (60.0 * (y - 240.0).atan2(x - 320.0)).sin().signum())),
         ("noise", random),
     ];

@@ -59,6 +59,8 @@ pub enum SceneOutcome {
 pub struct Scene {
     /// The cylinders by falling score.
     pub cylinders: Vec<Found>,
+    /// Whether all of the frame was looked at: the work of a search is bounded.
+    pub complete: bool,
     /// The folder of the files about it.
     pub out: Option<String>,
     /// What a page shows of it.
@@ -138,7 +140,8 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         write_points(folder, &points, &numbers)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, out, illustration, seconds: SceneSeconds { read, total, ..seconds } })
+    let (complete, seconds) = (scene.complete, SceneSeconds { read, total, ..seconds });
+    Ok(Scene { cylinders, complete, out, illustration, seconds })
 }
 
 fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
@@ -157,7 +160,7 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         write_points(folder, &cloud.points, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, out, illustration, seconds })
+    Ok(Scene { cylinders, complete: scene.complete, out, illustration, seconds })
 }
 
 /// The measured points of a frame, of every other row and column.

@@ -125,7 +125,8 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
     let milliseconds = scene.seconds.total * 1000.0;
     let count = scene.cylinders.len();
     let plural = if count == 1 { "" } else { "s" };
-    format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms\n{table}\n")
+    let rest = if scene.complete { "" } else { "; more to look at than a search may, some may be missing" };
+    format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms{rest}\n{table}\n")
 }
 
 /// The folder of a frame.json says which frame it is.
