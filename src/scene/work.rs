@@ -125,6 +125,7 @@ mod tests {
         let work = Work::after_search(0, 4 * PIXELS, 1);
         assert_eq!(work.limit, 4 * VISITS);
         let share = work.share(0, &poll).unwrap();
-        assert!(share.ask().is_break() && !share.is_spent());
+        assert!(share.ask().is_break());
+        assert_eq!(work.last(), None);
     }
 }
