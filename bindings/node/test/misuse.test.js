@@ -70,7 +70,7 @@ test('messages name the value and what is expected', () => {
       () => fitter.pushDepth({ ...can().depth, scales: 1 })],
     ['depth.scale is missing, which a Uint16Array needs; give the length of one unit of depth: 0.001 for millimetres where '
       + 'lengths are to be metres, 1 where they are to be in the unit of the depth',
-      () => fitter.pushDepth({ ...can().depth, scale: undefined })],
+      () => fitter.pushDepth({ data: new Uint16Array(8), width: 4, height: 2 })],
   ]) assert.throws(call, { message });
   fitter.close();
   assert.throws(() => fitter.counts(), { message: 'the fitter is closed: make a new one' });
