@@ -150,7 +150,10 @@ impl<'a> Data<'a> {
     /// The same data without edges.
     pub fn without_edges(&self) -> Data<'a> {
         let mut views = self.views.clone();
-        views.iter_mut().for_each(|view| view.edges.clear());
+        for view in &mut views {
+            view.edges.clear();
+            view.of_limbs = None;
+        }
         Data { views, edge_weight: 0.0, ..*self }
     }
 

@@ -8,11 +8,12 @@
 
 use super::arcs;
 use super::data::Data;
-use super::guided::{self, reason_without_limbs};
+use super::guided::{self, CONTRADICTION, Guided, reason_without_limbs};
 use super::held::Held;
 use super::located::{self, Located};
 use super::objective::{Minimum, Precision, Scales};
 use super::options::{Method, StartKind};
+use super::result::Flags;
 use super::run::Run;
 use super::start::Candidate;
 use crate::error::{Error, Result};
@@ -70,12 +71,44 @@ fn paper(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result
 /// The robust objective.
 fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let guided = guided::guide(data, candidates, run)?;
-    let Located { minimum, held } = match data.locates() {
-        true => arcs::bend(data, located::locate(data, &guided, run)?, run)?,
-        false => Located { minimum: guided.minimum.clone(), held: guided.held(data) },
+    let (start, Located { minimum, held }) = match data.locates() {
+        true => {
+            let (start, located) = locate(data, guided, run)?;
+            (start, arcs::bend(data, located, run)?)
+        }
+        false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
     };
     let minimum = data.minimise_again(&held, &minimum, Precision::Full, run)?;
-    Ok(ended(guided.start, minimum, held))
+    Ok(ended(start, minimum, held))
+}
+
+/// Locates the limbs about the first fit. Where that shows that the given segments were bad guides, what is found without
+/// them stands, unless fewer limbs are found there or the points are contradicted: edges that are wrong must not be worse
+/// than none.
+fn locate(data: &Data<'_>, guided: Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
+    let located = located::locate(data, &guided, run)?;
+    if run.is_long(data) || !located.doubts_segments(data, &guided) {
+        return Ok((guided.start, located));
+    }
+    match without_segments(data, run) {
+        Err(error @ Error::Cancelled { .. }) => Err(error),
+        Ok((start, without))
+            if without.held.limbs_located() >= located.held.limbs_located().max(1)
+                && without.minimum.scale() <= CONTRADICTION * located.minimum.scale() =>
+        {
+            Ok((start, without))
+        }
+        _ => Ok((guided.start, located)),
+    }
+}
+
+/// What is located without the given segments.
+fn without_segments(data: &Data<'_>, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
+    let data = data.without_edges();
+    let candidates = data.candidates(run)?;
+    let mut guided = guided::guide(&data, &candidates, run)?;
+    guided.flags |= Flags::EDGES_IGNORED;
+    Ok((guided.start, located::locate(&data, &guided, run)?))
 }
 
 fn ended(start: Candidate, minimum: Minimum, held: Held) -> Fit {

@@ -11,7 +11,7 @@ use super::objective::{Minimum, Precision};
 use super::options::{EdgeUse, StartKind};
 use super::result::Flags;
 use super::run::Run;
-use super::start::Candidate;
+use super::start::{Candidate, EXPLAINED};
 use super::uncertainty::DISAGREEMENT;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
@@ -64,6 +64,8 @@ pub(super) struct GuidedView {
     pub range: Option<[f64; 2]>,
     /// Standard deviation of the limbs in pixels.
     pub deviation: f64,
+    /// Whether there is a mask whose sides do not confirm the given segments.
+    pub doubted: bool,
 }
 
 impl Guided {
@@ -158,15 +160,19 @@ fn join(
         if let Some(camera) = view.camera() {
             guides.number(camera, &view.seen(&cylinder));
         }
-        let (range, deviation) = match guided {
+        match guided {
             Some(guided) => {
-                let before = guided.minimum.cylinder();
-                let range = guided.views[0].range.map(|range| moved(&range, before, &cylinder));
-                (range, guided.views[0].deviation)
+                let (before, alone) = (guided.minimum.cylinder(), &guided.views[0]);
+                let range = alone.range.map(|range| moved(&range, before, &cylinder));
+                GuidedView { guides, range, ..*alone }
             }
-            None => (view.camera().map(|_| view.range_of_points(&cylinder)), view.noise.limb_of_points),
-        };
-        GuidedView { guides, range, deviation }
+            None => GuidedView {
+                guides,
+                range: view.camera().map(|_| view.range_of_points(&cylinder)),
+                deviation: view.noise.limb_of_points,
+                doubted: false,
+            },
+        }
     });
     Ok(Guided { start, minimum, views: views.collect(), flags })
 }
@@ -204,7 +210,8 @@ impl Attempt {
 
     fn guided(self, range: Option<[f64; 2]>, deviation: f64) -> Guided {
         let Self { start, minimum, guides } = self;
-        Guided { start, minimum, views: vec![GuidedView { guides, range, deviation }], flags: Flags::empty() }
+        let view = GuidedView { guides, range, deviation, doubted: false };
+        Guided { start, minimum, views: vec![view], flags: Flags::empty() }
     }
 }
 
@@ -272,12 +279,17 @@ impl<'a> View<'_, 'a, '_, '_> {
             && let Some(sides) = sides_of(fit)
             && let Some(agreement) = sides.compare(given)
             && agreement.holds()
+            && self.points_admit(fit, candidates)
         {
             // They move the fit by little: the next one holds to them.
             let fit = Attempt { guides: sides.with_segments(given), ..first? };
             let range = view.range_of_given(camera, fit.cylinder());
             return Ok(fit.guided(range, agreement.total.clamp(by_hand, noise.limb_of_points)));
         }
+        let doubted = |mut guided: Guided| {
+            guided.views[0].doubted = !given.is_empty();
+            Ok(guided)
+        };
         let (alone, first) = match first {
             Ok(fit) if given.is_empty() => (fit, None),
             other => (self.alone(candidates)?, other.ok()),
@@ -300,13 +312,13 @@ impl<'a> View<'_, 'a, '_, '_> {
         {
             let pixels = sides.pixels(camera).into_iter();
             let range = axial_range(camera, &view.seen(fit.cylinder()), pixels, 0.0);
-            return Ok(fit.guided(range, noise.side));
+            return doubted(fit.guided(range, noise.side));
         }
         if let Some(fit) = first
             && fit.scale() <= GIVEN_CONTRADICTION * alone.scale()
         {
             let range = view.range_of_given(camera, fit.cylinder());
-            return Ok(fit.guided(range, noise.side));
+            return doubted(fit.guided(range, noise.side));
         }
         let sides: Vec<PixelSegment> = sides_of(&alone).iter().flat_map(Sides::segments).collect();
         self.by_one(camera, given, &sides, alone)
@@ -390,6 +402,14 @@ impl<'a> View<'_, 'a, '_, '_> {
             }
         }
         self.attempt(Guides::default(), &starts)?
+    }
+
+    /// Whether the points do not rather lie on one of the starts. Sides drawn along a wrong axis agree with the segments that
+    /// made it wrong.
+    fn points_admit(&self, fit: &Attempt, candidates: &[Candidate]) -> bool {
+        let of_starts = candidates.iter().map(|candidate| self.data.point_scale(&candidate.cylinder));
+        fit.scale() <= EXPLAINED * fit.cylinder().radius
+            || fit.scale() <= GIVEN_CONTRADICTION * of_starts.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the points alone would rather be another cylinder than that of a fit to edges as they were given.

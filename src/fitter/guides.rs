@@ -9,7 +9,7 @@ use nalgebra::{Vector2, Vector3};
 
 /// A line is another one than the limb when it is so many standard deviations off: of the lines in reach of the search one
 /// in ten is the edge of something else, and beyond two deviations these are the more likely.
-const BESIDE: f64 = 2.0;
+pub(super) const BESIDE: f64 = 2.0;
 
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
@@ -42,7 +42,7 @@ impl Guides {
     }
 
     /// Which of two lines are not the limbs by whose sides of the mask they are: farther off than masks are, and not
-    /// because the mask is too large or too small all round.
+    /// because the mask is too large or too small all round, as far as masks are.
     pub fn beside(&self, lines: [Option<&[Vector2<f64>; 2]>; 2], noise: &ImageNoise) -> [bool; 2] {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let growth = [0, 1].map(|limb| {
@@ -51,8 +51,10 @@ impl Guides {
             Some(f64::midpoint(off[0], off[1]))
         });
         let apart = growth[0].zip(growth[1]).map_or(f64::INFINITY, |(first, second)| (first - second).abs());
-        let alike = apart <= BESIDE * noise.unevenness;
-        growth.map(|growth| !alike && growth.is_some_and(|growth| growth.abs() > BESIDE * noise.side))
+        let (uneven, of_side) = (BESIDE * noise.unevenness, BESIDE * noise.side);
+        let within = |most: f64| growth.map(|growth| growth.is_none_or(|growth| growth.abs() <= most));
+        let alike = apart <= uneven && within(noise.growth + uneven) == [true, true];
+        within(of_side).map(|near| !near && !alike)
     }
 
     /// The lines of a limb that was not located. Where the other one was, its side of the mask shows by how much the
@@ -141,13 +143,16 @@ pub(super) struct Agreement {
     pub total: f64,
     /// The largest distance of a segment that agrees with its side.
     limit: f64,
+    /// Whether a segment goes with a side that is cut, which says nothing about it.
+    untold: bool,
 }
 
 impl Agreement {
     /// Whether to believe the segments without more ado: both limbs have one, and all are where the mask is.
     pub fn holds(&self) -> bool {
         // One segment says nothing about the other limb.
-        self.sides.contains(&0)
+        !self.untold
+            && self.sides.contains(&0)
             && self.sides.contains(&1)
             && self.apart.iter().all(|&apart| apart <= self.limit)
     }
@@ -203,8 +208,9 @@ impl Sides {
             let told = if self.sides[side].cut { 0.0 } else { 1.0 };
             told * (((a - growth).powi(2) + (b - growth).powi(2)) / 2.0).sqrt()
         };
-        let limit = self.noise.agreement();
-        Some(Agreement { apart: outward.iter().zip(&sides).map(apart).collect(), sides, total, limit })
+        let apart = outward.iter().zip(&sides).map(apart).collect();
+        let untold = sides.iter().any(|&side| self.sides[side].cut);
+        Some(Agreement { apart, sides, total, limit: self.noise.agreement(), untold })
     }
 
     /// Segments and sides together, each segment weighed by how far it is from its side.
@@ -244,8 +250,23 @@ mod tests {
         assert_eq!(beside(301.0, 338.0), [false, false]);
         assert_eq!(beside(300.0, 345.0), [false, true]);
         assert_eq!(beside(296.0, 340.0), [true, false]);
-        assert_eq!(beside(295.0, 345.5), [false, false], "a mask that is five pixels too small all round");
+        assert_eq!(beside(296.0, 344.5), [false, false], "a mask that is four pixels too small all round");
+        assert_eq!(beside(294.5, 344.5), [true, true], "no mask is five pixels and more too small all round");
         assert_eq!(guides.beside([None, Some(&line(345.0))], &noise), [false, true]);
         assert_eq!(Guides::default().beside([Some(&line(1.0)), None], &noise), [false, false]);
+    }
+
+    #[test]
+    fn a_side_that_is_cut_confirms_no_segment() {
+        let noise = NoiseModel::default().in_image((640, 480));
+        let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
+        let segment = |x: f64| PixelSegment { endpoints: line(x), weight: 1.0, limb: None };
+        let holds = |cut: bool, x: f64| {
+            let sides = [Side { ends: line(300.0), cut: false }, Side { ends: line(340.0), cut }];
+            Sides { sides, noise }.compare(&[segment(300.0), segment(x)]).is_some_and(|told| told.holds())
+        };
+        assert!(holds(false, 340.5));
+        assert!(!holds(false, 346.0));
+        assert!(!holds(true, 346.0), "nothing shows where the second limb is");
     }
 }

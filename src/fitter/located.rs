@@ -2,6 +2,7 @@
 
 use super::data::{Data, ViewData};
 use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
+use super::guides::BESIDE;
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
@@ -104,11 +105,19 @@ fn observe_view(
     let guides = &guided.views[view].guides;
     let view = &data.views[view];
     let (image, camera) = (view.view.image()?, view.view.camera()?);
-    let reach = [REACH_DEVIATIONS * deviation; 2];
-    let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
-    let mut limbs = locate_limbs(image, camera, &view.seen(cylinder), &search);
-    let lines = limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
-    let beside = guides.beside(lines, &view.noise);
+    let located = |reach: [f64; 2]| {
+        let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
+        let limbs = locate_limbs(image, camera, &view.seen(cylinder), &search);
+        let lines = limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
+        let beside = guides.beside(lines, &view.noise);
+        (limbs, beside)
+    };
+    let (mut limbs, mut beside) = located([REACH_DEVIATIONS * deviation; 2]);
+    if beside.contains(&true) {
+        // What is far from the mask had the clearer edge: the limb may be nearer.
+        let reach = |beside| if beside { BESIDE } else { REACH_DEVIATIONS };
+        (limbs, beside) = located(beside.map(|beside| reach(beside) * deviation));
+    }
     for (limb, _) in limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
         limb.line = Err(NotVisible::OutOfReach);
     }
@@ -172,6 +181,34 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
         HeldView::new(view, &all, given, lines.iter().flatten().count())
     });
     Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: false }
+}
+
+impl Located {
+    /// Whether the given segments were bad guides: none was believed, no limb was found about some that the mask does not
+    /// confirm, or a limb that was found is not where its segment is.
+    pub fn doubts_segments(&self, data: &Data<'_>, guided: &Guided) -> bool {
+        let pushed = |view: &ViewData<'_>| !view.edges.segments.is_empty();
+        let views = &guided.views;
+        let believed = views.iter().any(|view| !view.guides.given.is_empty());
+        let in_vain = self.held.limbs_located() == 0 && views.iter().any(|view| view.doubted);
+        let mut of_views = data.views.iter().zip(views).zip(&self.held.views);
+        data.options.edge_use != EdgeUse::AsGiven
+            && data.views.iter().any(pushed)
+            && (!believed
+                || in_vain
+                || of_views.any(|((view, guided), held)| contradicts(view, guided, held)))
+    }
+}
+
+/// Whether a located line lies beside a given segment of its limb, however uncertain the mask made that.
+fn contradicts(view: &ViewData<'_>, guided: &GuidedView, held: &HeldView) -> bool {
+    let Some(limbs) = &held.limbs else { return false };
+    let lines = lines_of_view(view, limbs);
+    guided.guides.given.iter().any(|segment| {
+        let line = segment.limb.and_then(|limb| lines[limb].as_ref());
+        let pushed = view.edges.segments.iter().find(|pushed| pushed.endpoints == segment.endpoints);
+        line.zip(pushed).is_some_and(|(line, pushed)| agreement(line, pushed, view.noise.endpoint) == 0.0)
+    })
 }
 
 /// How much a given segment says beside a located line: 1 where it lies on it, and less the farther it is from there, as far

@@ -16,7 +16,7 @@ pub(super) const SAMPLE: usize = 500;
 
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
-const EXPLAINED: f64 = 0.1;
+pub(super) const EXPLAINED: f64 = 0.1;
 
 /// A start and how it was found.
 #[derive(Debug, Clone, Copy)]
