@@ -61,11 +61,17 @@ impl Lattice {
         if let Some(pixels) = cloud.pixels() {
             return Self::new(pixels);
         }
-        let ahead = || cloud.points().map(|p| p.z > 0.0);
-        if !observed || !ahead().all(|ahead| ahead) {
+        if !observed {
             return None;
         }
-        Self::of_positions(&cloud.points().map(|p| Vector2::new(p.x, p.y) / p.z).collect::<Vec<_>>())
+        let mut positions = Vec::with_capacity(cloud.len());
+        for p in cloud.points() {
+            if !(p.z > 0.0) {
+                return None;
+            }
+            positions.push(Vector2::new(p.x, p.y) / p.z);
+        }
+        Self::of_positions(&positions)
     }
 
     /// The places of points on a cylinder: along the circumference and along the axis.

@@ -277,9 +277,10 @@ impl<'a> Data<'a> {
 
     /// The points on the wall that their observers see, among those that have one.
     pub fn walls(&self, cylinder: &Cylinder) -> Walls {
+        let frame = self.frame(cylinder);
         let mut all = Walls::default();
         for view in self.views.iter().filter(|view| view.observed) {
-            let walls = view.seen(cylinder).visible_wall(view.view.cloud.points());
+            let walls = view.points.visible_wall(&frame.moved(&view.into_view));
             all.visible += walls.visible;
             all.total += walls.total;
         }

@@ -342,8 +342,9 @@ impl<'a> View<'_, 'a, '_, '_> {
             // The points alone show, from there and from the starts, whether they would rather be elsewhere.
             let beside = self.attempt(Guides::default(), &[fit.onward()])?;
             let beside = beside.map_or(fit.scale(), |beside| beside.scale());
-            let of_starts = candidates.iter().map(|candidate| self.data.point_scale(&candidate.cylinder));
-            if fit.scale() <= GIVEN_CONTRADICTION * of_starts.fold(beside, f64::min) {
+            let limit = fit.scale() / GIVEN_CONTRADICTION;
+            let rather = |start: &Candidate| self.data.scale_is_below(&start.cylinder, limit);
+            if !(beside < limit || candidates.iter().any(rather)) {
                 let range = self.view().range_of_given(camera, fit.cylinder());
                 return Ok(fit.guided(range, noise.limb_of_segments()));
             }

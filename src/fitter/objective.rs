@@ -57,7 +57,7 @@ enum Purpose<'a> {
 #[derive(Clone)]
 pub(super) struct Minimum {
     pub convergence: Convergence,
-    /// The scales of the point residuals there.
+    /// The scales of the point residuals there; unknown for the paper's objective.
     pub scales: Scales,
 }
 
@@ -173,8 +173,8 @@ impl Data<'_> {
             axis.point *= scale;
             *radius = scaled;
         }
-        let all = self.point_scale(&convergence.cylinder);
-        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all } })
+        // They weigh nothing here: the description measures them once.
+        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN } })
     }
 
     /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change a
@@ -387,10 +387,12 @@ impl Data<'_> {
         }
     }
 
-    /// Scale of the point residuals of a cylinder.
-    pub fn point_scale(&self, cylinder: &Cylinder) -> f64 {
-        let distances = self.views.iter().flat_map(|view| view.distances(cylinder, &self.center));
-        self.scale_of(distances)
+    /// Whether the scale of the point residuals of a cylinder is less than some limit, which takes no median.
+    pub fn scale_is_below(&self, cylinder: &Cylinder, limit: f64) -> bool {
+        let below = |distance: &&f64| DEVIATION_OF_MEDIAN * distance.abs() < limit;
+        let of_view =
+            |view: &ViewData<'_>| view.distances(cylinder, &self.center).iter().filter(below).count();
+        self.rounding() < limit && 2 * self.views.iter().map(of_view).sum::<usize>() > self.count()
     }
 
     /// By the median absolute deviation. Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
@@ -406,8 +408,11 @@ impl Data<'_> {
     /// The number of independent points that count at a cylinder: those that are not outliers.
     pub fn independent_inliers(&self, cylinder: &Cylinder, scales: &Scales) -> f64 {
         let of_view = |(view, scales): (&ViewData<'_>, &RobustScales)| {
+            if self.is_paper() {
+                return scales.independent_points;
+            }
             let residuals = view.distances(cylinder, &self.center);
-            let cutoff = if self.is_paper() { f64::INFINITY } else { TUKEY_EFFICIENT * scales.point };
+            let cutoff = TUKEY_EFFICIENT * scales.point;
             let inliers = residuals.iter().filter(|residual| residual.abs() <= cutoff).count();
             scales.independent_points * inliers as f64 / residuals.len().max(1) as f64
         };

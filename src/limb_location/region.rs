@@ -96,13 +96,7 @@ impl Outline {
             let covered = || depth.is_some_and(|depth| covered(mask, depth, (x, y), noise));
             Some(OutlinePixel { position, cut: at_border || covered() })
         };
-        let inside = |x: usize, y: usize| mask.contains(x, y);
-        // Left of the first column and above the first row lies outside.
-        let surrounded = |&(x, y): &(usize, usize)| {
-            x > 0 && y > 0 && inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1)
-        };
-        let pixels: Vec<OutlinePixel> =
-            mask.set_pixels().filter(|at| !surrounded(at)).filter_map(pixel).collect();
+        let pixels: Vec<OutlinePixel> = mask.outline().filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
         (!pixels.is_empty()).then_some(Self { pixels, center, noise: *noise })
     }

@@ -12,6 +12,7 @@ pub(super) struct Batch {
     pub width: usize,
     pub height: usize,
     pub points: Vec<Vector3<f64>>,
+    /// Empty where every weight is 1.
     pub weights: Vec<f64>,
     pub normals: Vec<Vector3<f32>>,
     /// Where they are in the grid, counted row by row.
@@ -26,15 +27,25 @@ impl Batch {
         Self { width, height, given: width * height, ..Self::default() }
     }
 
-    pub fn push(&mut self, point: Vector3<f64>, weight: f64, index: usize) -> Result<()> {
-        let bytes = self.points.len() * 80;
+    /// Makes room for so many points that are pushed next.
+    pub fn reserve(&mut self, additional: usize) -> Result<()> {
+        let bytes = self.points.len().saturating_add(additional).saturating_mul(32);
         let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
-        self.points.try_reserve(1).map_err(out_of_memory)?;
-        self.weights.try_reserve(1).map_err(out_of_memory)?;
-        self.indices.try_reserve(1).map_err(out_of_memory)?;
+        self.points.try_reserve(additional).map_err(out_of_memory)?;
+        self.indices.try_reserve(additional).map_err(out_of_memory)
+    }
+
+    /// Adds a point, for which there is room.
+    #[inline]
+    pub fn push(&mut self, point: Vector3<f64>, index: usize) {
         self.points.push(point);
-        self.weights.push(weight);
         self.indices.push(index);
+    }
+
+    pub fn push_weight(&mut self, weight: f64) -> Result<()> {
+        let bytes = self.weights.len() * 16;
+        self.weights.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "the weights", bytes })?;
+        self.weights.push(weight);
         Ok(())
     }
 

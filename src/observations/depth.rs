@@ -10,6 +10,7 @@ use super::views::DepthView;
 use crate::error::{Error, Result};
 use crate::geometry::RigidMotion;
 use nalgebra::Vector2;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Which depths count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,21 +61,14 @@ impl DepthImage {
     /// # Errors
     /// `OutOfMemory`.
     pub fn copy(view: &DepthView<'_>) -> Result<Self> {
-        let mut image = Self::empty(view.width(), view.height(), view.scale)?;
-        if !image.values.is_empty() {
-            for (row, values) in image.values.chunks_exact_mut(view.width()).enumerate() {
-                view.read_row(row, values);
-            }
-        }
-        Ok(image)
+        let (width, height) = (view.width(), view.height());
+        let values = Arch::new().dispatch(Copied { view, values: room_for(width, height)? });
+        Ok(Self { width, height, values, scale: view.scale })
     }
 
     /// An image in which nothing was measured.
     pub(super) fn empty(width: usize, height: usize, scale: f64) -> Result<Self> {
-        let bytes = width.saturating_mul(height).saturating_mul(size_of::<f32>());
-        let out_of_memory = |_| Error::OutOfMemory { what: "the depth image", bytes };
-        let mut values = Vec::new();
-        values.try_reserve_exact(width * height).map_err(out_of_memory)?;
+        let mut values = room_for(width, height)?;
         values.resize(width * height, 0.0);
         Ok(Self { width, height, values, scale })
     }
@@ -152,6 +146,35 @@ impl DepthImage {
     }
 }
 
+/// Copies the values of an image with the widest instructions of the machine.
+struct Copied<'a, 'b> {
+    view: &'a DepthView<'b>,
+    /// Room for them.
+    values: Vec<f32>,
+}
+
+impl WithSimd for Copied<'_, '_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _simd: S) -> Vec<f32> {
+        // Rows of no pixels are as many as the caller likes.
+        for row in 0..if self.view.width() == 0 { 0 } else { self.view.height() } {
+            self.view.read_row(row, &mut self.values);
+        }
+        self.values
+    }
+}
+
+/// Room for the values of a depth image.
+fn room_for(width: usize, height: usize) -> Result<Vec<f32>> {
+    let bytes = width.saturating_mul(height).saturating_mul(size_of::<f32>());
+    let out_of_memory = |_| Error::OutOfMemory { what: "the depth image", bytes };
+    let mut values = Vec::new();
+    values.try_reserve_exact(width * height).map_err(out_of_memory)?;
+    Ok(values)
+}
+
 impl PointCloud {
     /// Back-projects the measured pixels of the depth image of a frame, p = D(u) K⁻¹ ũ (3), through the distortion of
     /// the camera that measured them, into the frame of the colour camera.
@@ -184,41 +207,43 @@ impl PointCloud {
             Some(own) => (&own.camera, own.to_color),
             None => (camera, RigidMotion::identity()),
         };
-        let take = |batch: &mut Batch, column: usize, row: usize, sight: Sight| -> Result<()> {
+        let take = |batch: &mut Batch, column: usize, row: usize, sight: Sight| {
             let index = row * width + column;
             let Some(depth) = depth.depth_at(index) else {
                 batch.dropped.no_depth += 1;
-                return Ok(());
+                return;
             };
             if !(range.min <= depth && depth <= range.max) {
                 batch.dropped.out_of_range += 1;
             } else if sight == Sight::Hidden {
                 batch.dropped.hidden += 1;
             } else if let Some(ray) = sensor.unproject(&Vector2::new(column as f64, row as f64)) {
-                batch.push(to_color.point(&(ray * depth)), 1.0, index)?;
+                batch.push(to_color.point(&(ray * depth)), index);
             } else {
                 batch.dropped.outside_camera += 1;
             }
-            Ok(())
         };
-        let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
         match (mask, frame.registration()) {
             (None, _) => {
-                for (column, row) in pixels {
-                    take(&mut batch, column, row, Sight::Seen)?;
+                for row in 0..height {
+                    batch.reserve(width)?;
+                    (0..width).for_each(|column| take(&mut batch, column, row, Sight::Seen));
                 }
             }
             (Some(mask), None) => {
-                batch.dropped.outside_mask = batch.given - mask.count();
-                for (column, row) in mask.set_pixels() {
-                    take(&mut batch, column, row, Sight::Seen)?;
-                }
+                let count = mask.count();
+                batch.dropped.outside_mask = batch.given - count;
+                batch.reserve(count)?;
+                mask.set_pixels().for_each(|(column, row)| take(&mut batch, column, row, Sight::Seen));
             }
             (Some(mask), Some(registration)) => {
-                for (column, row) in pixels {
-                    match registration.sight(row * width + column, mask) {
-                        Sight::Outside => batch.dropped.outside_mask += 1,
-                        sight => take(&mut batch, column, row, sight)?,
+                for row in 0..height {
+                    batch.reserve(width)?;
+                    for column in 0..width {
+                        match registration.sight(row * width + column, mask) {
+                            Sight::Outside => batch.dropped.outside_mask += 1,
+                            sight => take(&mut batch, column, row, sight),
+                        }
                     }
                 }
             }

@@ -3,6 +3,7 @@
 use super::size::check_same_size;
 use super::views::MaskView;
 use crate::error::{Error, Result};
+use pulp::Arch;
 use std::ops::Range;
 
 /// The pixels of the image that belong to the visible lateral surface. Its boundary is a hint, never a
@@ -30,19 +31,21 @@ impl Mask {
         let mut pixels = Vec::new();
         let bytes = width * height;
         pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
-        for row in 0..height {
-            view.read_row(row, &mut pixels);
-        }
+        // With the widest instructions of the machine.
+        Arch::new().dispatch(|| (0..height).for_each(|row| view.read_row(row, &mut pixels)));
         let (mut columns, mut rows) = (width..0, height..0);
         for (row, pixels) in pixels.chunks_exact(width).enumerate() {
-            // Most rows of most masks are empty: looked through many pixels at a time.
-            if !pixels.iter().fold(false, |any, &set| any | set) {
+            // Most of most masks is empty: looked through many pixels at a time.
+            if !any(pixels) {
                 continue;
             }
-            let Some(first) = pixels.iter().position(|&set| set) else { continue };
-            let last = pixels.iter().rposition(|&set| set).unwrap_or(first);
-            columns = columns.start.min(first)..columns.end.max(last + 1);
             rows = rows.start.min(row)..row + 1;
+            if any(&pixels[..columns.start]) {
+                columns.start = pixels.iter().position(|&set| set).unwrap_or(columns.start);
+            }
+            if any(&pixels[columns.end..]) {
+                columns.end = pixels.iter().rposition(|&set| set).map_or(columns.end, |last| last + 1);
+            }
         }
         if rows.is_empty() {
             return Err(Error::EmptyMask { width, height });
@@ -179,6 +182,13 @@ impl Mask {
     pub fn check_size(&self, other: &'static str, size: (usize, usize)) -> Result<()> {
         check_same_size("mask", (self.width, self.height), other, size)
     }
+}
+
+/// Whether any of some pixels is set.
+fn any(pixels: &[bool]) -> bool {
+    let (chunks, rest) = pixels.as_chunks::<64>();
+    let any = |pixels: &[bool; 64]| pixels.iter().fold(0, |any, &set| any | u8::from(set)) != 0;
+    chunks.iter().any(any) || rest.contains(&true)
 }
 
 #[cfg(test)]

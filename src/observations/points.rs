@@ -289,7 +289,10 @@ impl PointCloud {
             } else if weight as f32 == 0.0 {
                 batch.dropped.zero_weight += 1;
             } else {
-                batch.push(point, weight, index)?;
+                batch.push(point, index);
+                if view.weights.is_some() {
+                    batch.push_weight(weight)?;
+                }
                 if let Some(normals) = &view.normals {
                     batch.push_normal(&normals.at(column, row))?;
                 }
@@ -297,13 +300,16 @@ impl PointCloud {
             Ok(())
         };
         if let Some(mask) = mask {
-            batch.dropped.outside_mask = batch.given - mask.count();
+            let count = mask.count();
+            batch.dropped.outside_mask = batch.given - count;
+            batch.reserve(count)?;
             for (column, row) in mask.set_pixels() {
                 take(&mut batch, column, row)?;
             }
         } else {
             // Rows of no points are as many as the caller likes.
             for row in 0..if width == 0 { 0 } else { height } {
+                batch.reserve(width)?;
                 for column in 0..width {
                     take(&mut batch, column, row)?;
                 }
@@ -363,6 +369,7 @@ impl PointCloud {
         if weighted {
             self.weights.resize(self.len(), 1.0);
             self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
+            self.weights.resize(total, 1.0);
         }
         if oriented {
             self.normals.extend_from_slice(&batch.normals);
@@ -376,11 +383,11 @@ impl PointCloud {
             self.pixels.clear();
         }
         self.origin = origin;
-        for point in &batch.points {
-            let offset = point - origin;
+        for k in 0..3 {
+            let offsets = batch.points.iter().map(|point| point[k] - origin[k]);
             match &mut self.offsets {
-                Offsets::F32(axes) => (0..3).for_each(|k| axes[k].push(offset[k] as f32)),
-                Offsets::F64(axes) => (0..3).for_each(|k| axes[k].push(offset[k])),
+                Offsets::F32(axes) => axes[k].extend(offsets.map(|offset| offset as f32)),
+                Offsets::F64(axes) => axes[k].extend(offsets),
             }
         }
         self.given += batch.given;

@@ -177,25 +177,20 @@ impl<'a> DepthView<'a> {
         is_measured(value).then_some(value)
     }
 
-    /// Writes the stored values of a row, 0 where nothing was measured.
-    pub(super) fn read_row(&self, row: usize, values: &mut [f32]) {
+    /// Appends the stored values of a row, 0 where nothing was measured.
+    #[inline(always)]
+    pub(super) fn read_row(&self, row: usize, values: &mut Vec<f32>) {
         let packed = match self.format {
             Pixels::U16 => self.pixels.packed_row(row).map(|stored| {
-                for (value, stored) in values.iter_mut().zip(stored) {
-                    *value = f32::from(u16::from_ne_bytes(*stored));
-                }
+                values.extend(stored.iter().map(|stored| f32::from(u16::from_ne_bytes(*stored))));
             }),
             Pixels::F32 => self.pixels.packed_row(row).map(|stored| {
-                for (value, stored) in values.iter_mut().zip(stored) {
-                    let stored = f32::from_ne_bytes(*stored);
-                    *value = if is_measured(stored) { stored } else { 0.0 };
-                }
+                let value = |stored: f32| if is_measured(stored) { stored } else { 0.0 };
+                values.extend(stored.iter().map(|stored| value(f32::from_ne_bytes(*stored))));
             }),
         };
         if packed.is_none() {
-            for (column, value) in values.iter_mut().enumerate() {
-                *value = self.value(column, row).unwrap_or(0.0);
-            }
+            values.extend((0..self.width()).map(|column| self.value(column, row).unwrap_or(0.0)));
         }
     }
 }
@@ -429,6 +424,7 @@ impl<'a> MaskView<'a> {
     }
 
     /// Appends to `pixels` whether those of a row belong to the cylinder.
+    #[inline(always)]
     pub(super) fn read_row(&self, row: usize, pixels: &mut Vec<bool>) {
         match (self.pixels.packed_row::<1>(row), self.label) {
             (Some(values), None) => pixels.extend(values.iter().map(|[value]| *value != 0)),

@@ -87,6 +87,28 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
     }
 }
 
+/// The number of points on the side of the surface that the observer sees from outside.
+#[derive(Clone, Copy)]
+pub(super) struct Facing;
+
+impl Terms<1> for Facing {
+    #[inline(always)]
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        place: &Place<S::f64s>,
+        _: S::f64s,
+        weight: S::f64s,
+        [sum]: &mut [S::f64s; 1],
+    ) {
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        // What fills up a block has no weight.
+        let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
+        let facing = simd.less_than_f64s(place.facing, zero);
+        *sum = simd.add_f64s(*sum, simd.select_f64s(facing, counted, zero));
+    }
+}
+
 impl<L: Loss> Terms<1> for CostAlone<L> {
     #[inline(always)]
     fn add<S: Simd>(
@@ -240,9 +262,7 @@ impl Kernel {
 
     /// Signed distances of points from the surface.
     pub fn distances<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
-        let mut distances = vec![0.0; axes[0].len()];
-        Arch::new().dispatch(Distances { kernel: self, axes, distances: &mut distances });
-        distances
+        Arch::new().dispatch(Distances { kernel: self, axes })
     }
 }
 
@@ -282,7 +302,7 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
         let Self { kernel, axes, weights, range, terms } = self;
         let mut sums = [[0.0; LANES]; N];
         let mut block = [[[0.0; LANES]; GROUPS]; 3];
-        let mut weight = [[0.0; LANES]; GROUPS];
+        let mut weight = [[1.0; LANES]; GROUPS];
         for start in range.clone().step_by(LANES * GROUPS) {
             let end = range.end.min(start + LANES * GROUPS);
             for (values, axis) in block.iter_mut().zip(axes) {
@@ -291,9 +311,8 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
             if let Some(weights) = weights {
                 load(&mut weight, &weights[start..end]);
             } else {
-                let flat = weight.as_flattened_mut();
-                flat[..end - start].fill(1.0);
-                flat[end - start..].fill(0.0);
+                // Only the last block is not full.
+                weight.as_flattened_mut()[end - start..].fill(0.0);
             }
             let groups = (end - start).div_ceil(LANES);
             let [x, y, z] = block.each_ref();
@@ -308,8 +327,8 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
                     let residual = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
                     terms.add(simd, &place, residual, lanes(simd, weight, part), &mut own);
                 }
-                for (sum, own) in sums.iter_mut().zip(own) {
-                    S::as_mut_simd_f64s(sum).0[part] = own;
+                for (sum, own) in sums.iter_mut().zip(&own) {
+                    S::as_mut_simd_f64s(sum).0[part] = *own;
                 }
             }
         }
@@ -321,21 +340,22 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
 struct Distances<'a, T> {
     kernel: &'a Kernel,
     axes: &'a [Vec<T>; 3],
-    distances: &'a mut [f64],
 }
 
 impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
-    type Output = ();
+    type Output = Vec<f64>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel, axes, distances } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
+        let Self { kernel, axes } = self;
+        let count = axes[0].len();
+        let mut distances = Vec::with_capacity(count);
         let mut block = [[[0.0; LANES]; GROUPS]; 3];
         let mut rho = [[0.0; LANES]; GROUPS];
-        for (index, distances) in distances.chunks_mut(LANES * GROUPS).enumerate() {
-            let start = index * LANES * GROUPS;
+        for start in (0..count).step_by(LANES * GROUPS) {
+            let end = count.min(start + LANES * GROUPS);
             for (values, axis) in block.iter_mut().zip(axes) {
-                load(values, &axis[start..start + distances.len()]);
+                load(values, &axis[start..end]);
             }
             let [x, y, z] = block.each_ref();
             let (x, y, z) = (x.as_flattened(), y.as_flattened(), z.as_flattened());
@@ -345,8 +365,9 @@ impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
                 let place = kernel.place(simd, [*x, *y, *z]);
                 *rho = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
             }
-            distances.copy_from_slice(&rho[..distances.len()]);
+            distances.extend_from_slice(&rho[..end - start]);
         }
+        distances
     }
 }
 

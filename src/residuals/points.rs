@@ -3,10 +3,10 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::kernel::{CostAlone, Influences, Kernel, Place, SUMS, Terms, Whole};
+use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, Whole};
 use super::loss::{Loss, Squared};
 use super::{NormalEquations, SandwichPart};
-use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
 use crate::observations::{Offsets, PointCloud};
 use crate::workers::Workers;
 use nalgebra::Vector3;
@@ -96,6 +96,15 @@ impl<'a> PointTerm<'a> {
             Offsets::F32(axes) => kernel.distances(axes),
             Offsets::F64(axes) => kernel.distances(axes),
         }
+    }
+
+    /// The points on the wall that an observer at the origin sees: see [`Cylinder::visible_wall`](crate::geometry::Cylinder::visible_wall).
+    #[must_use]
+    pub fn visible_wall(&self, frame: &LocalFrame) -> Walls {
+        let total = self.cloud.len();
+        let [facing] = self.sums(frame, Facing).map(|count| count as usize);
+        let visible = if frame.cylinder.contains_origin() { total - facing } else { facing };
+        Walls { visible, total }
     }
 
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent.

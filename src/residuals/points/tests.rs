@@ -54,6 +54,23 @@ fn the_sums_are_those_of_the_rows_and_the_same_for_any_number_of_threads() {
 }
 
 #[test]
+fn the_points_on_the_visible_wall_are_those_that_the_cylinder_counts() {
+    let (points, frame) = scene(4_999);
+    let around = LocalFrame::new(
+        &Cylinder::new(Vector3::new(0.015, -0.37, 0.0), Vector3::new(0.1, 0.2, 1.0), 0.4).unwrap(),
+        &Vector3::new(0.1, -0.1, 0.8),
+        0.05,
+    );
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+    for frame in [frame, around] {
+        let walls = PointTerm::new(&cloud, None).visible_wall(&frame);
+        assert_eq!(walls, frame.cylinder.visible_wall(cloud.points()));
+        assert!(walls.visible > 500 && walls.visible < walls.total, "{walls:?}");
+    }
+}
+
+#[test]
 fn the_cost_alone_and_the_rows_are_those_of_the_linearisation() {
     let (points, frame) = scene(4_999);
     let mut cloud = PointCloud::default();
