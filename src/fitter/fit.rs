@@ -87,7 +87,7 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
 /// than none.
 fn locate(data: &Data<'_>, guided: Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
     let located = located::locate(data, &guided, run)?;
-    if run.is_long(data) || !located.doubts_segments(data, &guided) {
+    if run.is_long(data) || !located.contradicts_segments(data, &guided) {
         return Ok((guided.start, located));
     }
     match without_segments(data, run) {

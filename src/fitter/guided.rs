@@ -65,7 +65,7 @@ pub(super) struct GuidedView {
     /// Standard deviation of the limbs in pixels.
     pub deviation: f64,
     /// Whether there is a mask whose sides do not confirm the given segments.
-    pub doubted: bool,
+    pub unconfirmed: bool,
 }
 
 impl Guided {
@@ -170,7 +170,7 @@ fn join(
                 guides,
                 range: view.camera().map(|_| view.range_of_points(&cylinder)),
                 deviation: view.noise.limb_of_points,
-                doubted: false,
+                unconfirmed: false,
             },
         }
     });
@@ -210,7 +210,7 @@ impl Attempt {
 
     fn guided(self, range: Option<[f64; 2]>, deviation: f64) -> Guided {
         let Self { start, minimum, guides } = self;
-        let view = GuidedView { guides, range, deviation, doubted: false };
+        let view = GuidedView { guides, range, deviation, unconfirmed: false };
         Guided { start, minimum, views: vec![view], flags: Flags::empty() }
     }
 }
@@ -286,8 +286,8 @@ impl<'a> View<'_, 'a, '_, '_> {
             let range = view.range_of_given(camera, fit.cylinder());
             return Ok(fit.guided(range, agreement.total.clamp(by_hand, noise.limb_of_points)));
         }
-        let doubted = |mut guided: Guided| {
-            guided.views[0].doubted = !given.is_empty();
+        let unconfirmed = |mut guided: Guided| {
+            guided.views[0].unconfirmed = !given.is_empty();
             Ok(guided)
         };
         let (alone, first) = match first {
@@ -312,13 +312,13 @@ impl<'a> View<'_, 'a, '_, '_> {
         {
             let pixels = sides.pixels(camera).into_iter();
             let range = axial_range(camera, &view.seen(fit.cylinder()), pixels, 0.0);
-            return doubted(fit.guided(range, noise.side));
+            return unconfirmed(fit.guided(range, noise.side));
         }
         if let Some(fit) = first
             && fit.scale() <= GIVEN_CONTRADICTION * alone.scale()
         {
             let range = view.range_of_given(camera, fit.cylinder());
-            return doubted(fit.guided(range, noise.side));
+            return unconfirmed(fit.guided(range, noise.side));
         }
         let sides: Vec<PixelSegment> = sides_of(&alone).iter().flat_map(Sides::segments).collect();
         self.by_one(camera, given, &sides, alone)

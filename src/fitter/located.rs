@@ -186,11 +186,11 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
 impl Located {
     /// Whether the given segments were bad guides: none was believed, no limb was found about some that the mask does not
     /// confirm, or a limb that was found is not where its segment is.
-    pub fn doubts_segments(&self, data: &Data<'_>, guided: &Guided) -> bool {
+    pub fn contradicts_segments(&self, data: &Data<'_>, guided: &Guided) -> bool {
         let pushed = |view: &ViewData<'_>| !view.edges.segments.is_empty();
         let views = &guided.views;
         let believed = views.iter().any(|view| !view.guides.given.is_empty());
-        let in_vain = self.held.limbs_located() == 0 && views.iter().any(|view| view.doubted);
+        let in_vain = self.held.limbs_located() == 0 && views.iter().any(|view| view.unconfirmed);
         let mut of_views = data.views.iter().zip(views).zip(&self.held.views);
         data.options.edge_use != EdgeUse::AsGiven
             && data.views.iter().any(pushed)
