@@ -73,7 +73,7 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
     let guided = guided::guide(data, candidates, run)?;
     let (start, Located { minimum, held }) = match data.locates() {
         true => {
-            let (start, located) = locate(data, guided, run)?;
+            let (start, located) = locate(data, &guided, run)?;
             (start, arcs::bend(data, located, run)?)
         }
         false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
@@ -85,9 +85,9 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
 /// Locates the limbs about the first fit. Where that shows that the given segments were bad guides, what is found without
 /// them stands, unless fewer limbs are found there or the points are contradicted: edges that are wrong must not be worse
 /// than none.
-fn locate(data: &Data<'_>, guided: Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
-    let located = located::locate(data, &guided, run)?;
-    if run.is_long(data) || !located.contradicts_segments(data, &guided) {
+fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
+    let located = located::locate(data, guided, run)?;
+    if run.is_long(data) || !located.contradicts_segments(data, guided) {
         return Ok((guided.start, located));
     }
     match without_segments(data, run) {

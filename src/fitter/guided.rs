@@ -343,8 +343,7 @@ impl<'a> View<'_, 'a, '_, '_> {
             let beside = self.attempt(Guides::default(), &[fit.onward()])?;
             let beside = beside.map_or(fit.scale(), |beside| beside.scale());
             let limit = fit.scale() / GIVEN_CONTRADICTION;
-            let rather = |start: &Candidate| self.data.scale_is_below(&start.cylinder, limit);
-            if !(beside < limit || candidates.iter().any(rather)) {
+            if beside >= limit && !self.starts_are_better(limit, candidates) {
                 let range = self.view().range_of_given(camera, fit.cylinder());
                 return Ok(fit.guided(range, noise.limb_of_segments()));
             }
@@ -405,12 +404,16 @@ impl<'a> View<'_, 'a, '_, '_> {
         self.attempt(Guides::default(), &starts)?
     }
 
+    /// Whether the points lie on one of the starts with a scale below some limit.
+    fn starts_are_better(&self, limit: f64, candidates: &[Candidate]) -> bool {
+        candidates.iter().any(|start| self.data.scale_is_below(&start.cylinder, limit))
+    }
+
     /// Whether the points do not rather lie on one of the starts. Sides drawn along a wrong axis agree with the segments that
     /// made it wrong.
     fn points_admit(&self, fit: &Attempt, candidates: &[Candidate]) -> bool {
-        let of_starts = candidates.iter().map(|candidate| self.data.point_scale(&candidate.cylinder));
         fit.scale() <= EXPLAINED * fit.cylinder().radius
-            || fit.scale() <= GIVEN_CONTRADICTION * of_starts.fold(f64::INFINITY, f64::min)
+            || !self.starts_are_better(fit.scale() / GIVEN_CONTRADICTION, candidates)
     }
 
     /// Whether the points alone would rather be another cylinder than that of a fit to edges as they were given.
