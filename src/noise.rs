@@ -61,6 +61,9 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 /// pixels can hold, exp(−π² σ² / 2): more pixels show nothing more.
 const RESOLVED_BLUR: f64 = 0.7;
 
+/// The smallest pixel of a drawing, in pixels of the image: no screen shows a pixel of an image larger.
+const FINEST_PIXEL: f64 = 1.0 / 64.0;
+
 /// The blur that boxes of `factor` pixels add to that of a pixel, in pixels: both are apertures, of variance w² / 12.
 #[must_use]
 pub fn box_blur(factor: usize) -> f64 {
@@ -169,23 +172,26 @@ impl NoiseModel {
         Ok(())
     }
 
-    /// The deviations in an image of some columns and rows.
+    /// The deviations in an image of some columns and rows. Nothing is farther off than the image is long, nor drawn on
+    /// a finer grid than [`FINEST_PIXEL`]: what is looked at pixel by pixel ends.
     #[must_use]
     pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
+        let longest = width.max(height).max(1) as f64;
         let pixel = if self.drawn_pixel > 0.0 {
-            self.drawn_pixel
+            self.drawn_pixel.clamp(FINEST_PIXEL, longest)
         } else {
             (width as f64 * height as f64 / DRAWN_PIXELS).sqrt().max(1.0)
         };
+        let in_pixels = |drawn: f64| (pixel * drawn).min(longest);
         ImageNoise {
             pixel,
-            endpoint: pixel * self.edge_endpoint,
-            side: pixel * self.mask_side,
-            unevenness: pixel * self.mask_unevenness,
-            growth: pixel * self.mask_growth,
-            boundary: pixel * self.mask_boundary,
-            correlation: pixel * self.mask_correlation,
-            limb_of_points: pixel * self.limb_of_points,
+            endpoint: in_pixels(self.edge_endpoint),
+            side: in_pixels(self.mask_side),
+            unevenness: in_pixels(self.mask_unevenness),
+            growth: in_pixels(self.mask_growth),
+            boundary: in_pixels(self.mask_boundary),
+            correlation: in_pixels(self.mask_correlation),
+            limb_of_points: in_pixels(self.limb_of_points),
             value: self.image,
             blur: self.blur,
         }
@@ -305,5 +311,15 @@ mod tests {
         assert_eq!(error(model), "blur of the image is NaN; it must be finite and at least 0; 0 = estimated");
         let model = NoiseModel { mask_growth: -1.0, ..NoiseModel::default() };
         assert_eq!(error(model), "growth of a mask is -1; it must be finite and at least 0");
+    }
+
+    #[test]
+    fn nothing_is_farther_off_than_the_image_is_long() {
+        let model = NoiseModel { drawn_pixel: 1e-300, mask_boundary: 1e9, ..NoiseModel::default() };
+        assert_eq!(model.in_image((640, 480)).pixel, FINEST_PIXEL);
+        assert_eq!(model.in_image((640, 480)).boundary, 640.0);
+        let model = NoiseModel { drawn_pixel: 1e9, ..NoiseModel::default() };
+        let noise = model.in_image((200, 480));
+        assert_eq!((noise.pixel, noise.boundary, noise.endpoint), (480.0, 384.0, 240.0));
     }
 }

@@ -1,6 +1,7 @@
 //! Ends that the border of the image cuts off.
 
 use super::silhouette::Silhouette;
+use crate::observations::Mask;
 use nalgebra::Vector2;
 use std::ops::Range;
 
@@ -18,22 +19,13 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     let (width, height) = (mask.width(), mask.height());
     let noise = silhouette.noise();
     // A pixel of the border may lie so far from the mask and still show the cylinder.
-    let near = noise.beyond()[0].round() as i64;
+    let reach = (noise.beyond()[0].round() as usize).min(width.max(height));
     let border = (BORDER_PIXELS.get() * noise.pixel).round() as usize;
-    let around = |range: Range<usize>, size: usize| {
-        range.start.saturating_sub(near as usize)..(range.end + near as usize).min(size)
-    };
+    let near_mask = NearMask::new(mask, reach);
+    let around =
+        |range: Range<usize>, size: usize| range.start.saturating_sub(reach)..(range.end + reach).min(size);
     let (columns, rows) = mask.bounds();
     let (columns, rows) = (around(columns, width), around(rows, height));
-    let near_mask = |column: usize, row: usize| {
-        let span = -near..=near;
-        span.clone().any(|down| {
-            span.clone().any(|right| {
-                // Outside the image a negative number becomes a large one, which the mask does not contain.
-                mask.contains((column as i64 + right) as usize, (row as i64 + down) as usize)
-            })
-        })
-    };
     // The pixels beside the border, without those that are nowhere near the mask.
     let (left, right) = (border.min(columns.end), (width - border.min(width)).max(border).max(columns.start));
     let pixels = rows.flat_map(|row| {
@@ -48,10 +40,72 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
         let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
         let position = (point - axis.point).dot(&axis.direction);
         let beyond = (position - silhouette.middle()) * outward;
-        if beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0) && near_mask(column, row)
-        {
+        let farther = beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0);
+        if farther && near_mask.contains(column, row) {
             last = Some(position);
         }
     }
     last
+}
+
+/// The pixels within a square about some pixel of a mask. However large the square, a pixel takes as long: the pixels of the mask
+/// in it follow from their numbers above and to the left of its corners.
+struct NearMask {
+    reach: usize,
+    columns: Range<usize>,
+    rows: Range<usize>,
+    /// The pixels of the mask above and to the left of each corner of a pixel of its bounds, row by row.
+    counts: Vec<u32>,
+}
+
+impl NearMask {
+    fn new(mask: &Mask, reach: usize) -> Self {
+        let (columns, rows) = mask.bounds();
+        let width = columns.len() + 1;
+        let mut counts = vec![0; width * (rows.len() + 1)];
+        for (y, row) in rows.clone().enumerate() {
+            let mut of_row = 0;
+            for (x, column) in columns.clone().enumerate() {
+                of_row += u32::from(mask.contains(column, row));
+                counts[(y + 1) * width + x + 1] = counts[y * width + x + 1] + of_row;
+            }
+        }
+        Self { reach, columns, rows, counts }
+    }
+
+    fn contains(&self, column: usize, row: usize) -> bool {
+        let span = |at: usize, bounds: &Range<usize>| {
+            [at.saturating_sub(self.reach), at + self.reach + 1]
+                .map(|x| x.clamp(bounds.start, bounds.end) - bounds.start)
+        };
+        let [[left, right], [top, bottom]] = [span(column, &self.columns), span(row, &self.rows)];
+        let count = |x: usize, y: usize| self.counts[y * (self.columns.len() + 1) + x];
+        count(right, bottom) + count(left, top) > count(left, bottom) + count(right, top)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observations::MaskView;
+
+    #[test]
+    fn pixels_near_a_mask_are_those_within_a_square() {
+        let size = (9, 7);
+        let mut pixels = [0_u8; 63];
+        for (column, row) in [(2, 1), (6, 4), (7, 4)] {
+            pixels[row * size.0 + column] = 255;
+        }
+        let mask = Mask::copy(&MaskView::from_u8(&pixels, size).unwrap()).unwrap();
+        for reach in [0, 1, 2, 9] {
+            let near = NearMask::new(&mask, reach);
+            for (column, row) in (0..size.1).flat_map(|row| (0..size.0).map(move |column| (column, row))) {
+                let within = |x: usize, y: usize| {
+                    pixels[y * size.0 + x] > 0 && x.abs_diff(column) <= reach && y.abs_diff(row) <= reach
+                };
+                let expected = (0..size.1).any(|y| (0..size.0).any(|x| within(x, y)));
+                assert_eq!(near.contains(column, row), expected, "{reach}: {column}, {row}");
+            }
+        }
+    }
 }

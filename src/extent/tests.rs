@@ -122,6 +122,33 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
     assert!(((found.end - axis.point).dot(&axis.direction) - last).abs() < 1e-12);
 }
 
+/// Where each pixel of the border looked at all that the mask may be off by, and generators were followed as far or by steps
+/// as small as any number, this never ended.
+#[test]
+fn ends_take_no_longer_however_far_or_fine_the_mask_may_be_drawn() {
+    let scene = Scene { ends: (-0.06, 0.5), ..Scene::tilted(0.2) };
+    let (image, depth, mask) = scene.render(0);
+    let base = NoiseModel::default();
+    for noise in [
+        NoiseModel { mask_boundary: 1e9, ..base },
+        NoiseModel { drawn_pixel: 1e9, ..base },
+        NoiseModel { drawn_pixel: 1e-9, ..base },
+        NoiseModel { drawn_pixel: 1e-9, mask_boundary: 1e18, ..base },
+    ] {
+        for with_image in [false, true] {
+            let mut fitter = Scene::fitter(&depth, &mask);
+            if with_image {
+                fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+            }
+            fitter
+                .set_options(Options { extent_rule: ExtentRule::Located, noise, ..Options::default() })
+                .unwrap();
+            let found = fitter.find_extent(Some(&scene.cylinder), None, Some(true)).unwrap().0;
+            assert!(found.length.is_finite() && found.length > 0.0, "{noise:?}");
+        }
+    }
+}
+
 /// The image blurred by a Gauss curve of a standard deviation of one pixel.
 fn blurred(image: &[f32]) -> Vec<f32> {
     let weight = |k: i64| (-0.5 * (k * k) as f64).exp();
