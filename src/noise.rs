@@ -173,7 +173,7 @@ impl NoiseModel {
     }
 
     /// The deviations in an image of some columns and rows. Nothing is farther off than the image is long, nor drawn on
-    /// a finer grid than [`FINEST_PIXEL`]: what is looked at pixel by pixel ends.
+    /// a grid finer than a 64th of a pixel: what is looked at pixel by pixel ends.
     #[must_use]
     pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
         let longest = width.max(height).max(1) as f64;
