@@ -39,12 +39,13 @@ impl PictureOptions {
                 return Err(Error::argument(name, value, "be finite and at least 0"));
             }
         }
-        for (name, value) in
-            [("full well", self.full_well), ("exposure", self.exposure), ("gamma", self.gamma)]
-        {
+        for (name, value) in [("full well", self.full_well), ("exposure", self.exposure)] {
             if !(value > 0.0) {
                 return Err(Error::argument(name, value, "be greater than 0"));
             }
+        }
+        if !(0.1..=10.0).contains(&self.gamma) {
+            return Err(Error::argument("gamma", self.gamma, "be from 0.1 to 10"));
         }
         Ok(())
     }

@@ -62,6 +62,9 @@ fn what_cannot_be_planned_is_said() {
     for (arguments, expected) in [
         (&["--vary", "weight=1..2"][..], "\"weight\" cannot be varied"),
         (&["--within", "1"], "--vary"),
+        (&["--within", "nan", "--vary", "distance=1..2"], "is no percentage greater than 0"),
+        (&["--within", "1", "--vary", "distance=1..2", "--json"], "cannot be used with"),
+        (&["--tilt", "91"], "a tilt of 91 degrees; it must be from -80 to 80"),
         (&["--depth-noise", "1,2"], "2 numbers were given, but 3 are needed"),
         (&["--depth-noise", "1,2,3"], "--correlation"),
         (&["--frame", "x.json", "--focal-length", "5"], "cannot be used with"),

@@ -86,3 +86,22 @@ fn clouds_have_no_unit_and_a_page_that_cannot_be_written_is_told() {
     let refused = run(["fit", FRAME, "--tolerance", "radius=1..2"]);
     assert!(refused.code == 2 && refused.stderr.contains("--report"), "{}", refused.stderr);
 }
+
+#[test]
+fn a_report_replaces_no_input_and_a_quantity_has_one_tolerance() {
+    let folder = TempDir::new().unwrap();
+    let frame = folder.path().join("frame.json");
+    std::fs::write(&frame, "{}").unwrap();
+    let name = frame.to_str().unwrap();
+    for command in ["fit", "detect"] {
+        let refused = run([command, name, "--report", name]);
+        assert!(refused.code == 2 && refused.stderr.contains("must end in .html"), "{}", refused.stderr);
+        assert_eq!(std::fs::read_to_string(&frame).unwrap(), "{}");
+        let page = folder.path().join("page.HTML");
+        let mut arguments = vec![command, name, "--report", page.to_str().unwrap()];
+        arguments.extend(["--tolerance", "radius=0.01..0.02", "--tolerance", "radius=0.03..0.04"]);
+        let refused = run(&arguments);
+        let reason = "--tolerance limits the radius 2 times";
+        assert!(refused.code == 2 && refused.stderr.contains(reason), "{}", refused.stderr);
+    }
+}

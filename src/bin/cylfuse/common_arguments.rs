@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown, reason = "the comments on options are the help text, which is no Markdown")]
 
-use crate::page::Tolerance;
+use crate::page::{Quantity, Tolerance};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use cylfuse::geometry::{AxisCone, CylinderLimits};
@@ -91,8 +91,26 @@ pub enum NoiseName {
 }
 
 impl CommonArguments {
-    /// What the library would say in other units.
+    /// What the library would say in other units, and what it does not know of.
     pub fn check(&self) -> Result<(), String> {
+        // A name that ends otherwise may be that of a frame or of one of its files.
+        let is_page = |path: &&PathBuf| {
+            path.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case("html") || end.eq_ignore_ascii_case("htm"))
+        };
+        if let Some(path) = self.report.as_ref().filter(|path| !is_page(path)) {
+            return Err(format!(
+                "--report is '{}'; a report is a web page, its name must end in .html",
+                path.display()
+            ));
+        }
+        for quantity in [Quantity::Radius, Quantity::Length] {
+            let limits = self.tolerance.iter().filter(|tolerance| tolerance.limits(quantity)).count();
+            if limits > 1 {
+                let name = quantity.name();
+                return Err(format!("--tolerance limits the {name} {limits} times; give one range for it"));
+            }
+        }
         match self.axis_max_angle.filter(|degrees| !(0.0..=90.0).contains(degrees)) {
             Some(degrees) => Err(format!("--axis-max-angle is {degrees}; it must lie in [0, 90] degrees")),
             None => Ok(()),

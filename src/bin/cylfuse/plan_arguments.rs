@@ -33,6 +33,7 @@ pub struct PlanArguments {
         long,
         value_name = "DEG",
         default_value_t = 20.0,
+        value_parser = parse_tilt,
         allow_hyphen_values = true,
         help_heading = "Cylinder"
     )]
@@ -103,7 +104,7 @@ pub struct PlanArguments {
     pub vary: Option<Vary>,
 
     /// Print also the range of the varied quantity in which the standard deviation of the radius is at most so many percent.
-    #[arg(long, value_name = "PERCENT", requires = "vary")]
+    #[arg(long, value_name = "PERCENT", requires = "vary", conflicts_with = "json", value_parser = parse_percent)]
     pub within: Option<f64>,
 
     /// Compare each row with so many simulated captures, fitted: their scatter and their bias.
@@ -133,6 +134,28 @@ radius is off by more than five times the total.
 
 How far away may a 20 mm pipe be for 0.5 %?
   cylfuse plan --radius 0.01 --length 0.3 --vary distance=0.4..3 --within 0.5";
+
+/// The largest tilt in degrees: beyond it hardly anything of the lateral surface is seen.
+const MOST_TILT: f64 = 80.0;
+
+fn parse_tilt(text: &str) -> Result<f64, String> {
+    let degrees = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    in_tilts(degrees).map(|()| degrees)
+}
+
+fn in_tilts(degrees: f64) -> Result<(), String> {
+    match degrees.abs() <= MOST_TILT {
+        true => Ok(()),
+        false => Err(format!("a tilt of {degrees} degrees; it must be from {} to {MOST_TILT}", -MOST_TILT)),
+    }
+}
+
+fn parse_percent(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(percent) if percent > 0.0 => Ok(percent),
+        _ => Err(format!("{text:?} is no percentage greater than 0")),
+    }
+}
 
 /// The laws that the library knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -215,7 +238,11 @@ impl FromStr for Vary {
             Ok(number) if number.is_finite() => Ok(number),
             _ => Err(format!("{text:?} is no number")),
         };
-        Ok(Self { quantity, range: [number(from)?, number(to)?], rows })
+        let range = [number(from)?, number(to)?];
+        if quantity == Quantity::Tilt {
+            range.into_iter().try_for_each(in_tilts)?;
+        }
+        Ok(Self { quantity, range, rows })
     }
 }
 
@@ -299,6 +326,7 @@ mod tests {
             ("colour=1..2", "\"colour\" cannot be varied"),
             ("tilt=1", "write FROM..TO"),
             ("tilt=a..2", "\"a\" is no number"),
+            ("tilt=0..91", "a tilt of 91 degrees; it must be from -80 to 80"),
             ("tilt=1..2:1", "there are 1 rows"),
             ("tilt=1..2:x", "\"x\" is no number of rows"),
         ] {

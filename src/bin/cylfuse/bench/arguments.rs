@@ -29,7 +29,7 @@ pub struct BenchArguments {
     pub only: Vec<String>,
 
     /// Score the frames of this folder that have a truth.json beside their frame.json, instead of the experiments.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["only", "quick"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["only", "quick", "pcl", "cgal"])]
     pub frames: Option<PathBuf>,
 
     /// The seed of the experiments. The same seed gives the same numbers, times apart.

@@ -5,7 +5,7 @@
 
 mod tolerance;
 
-pub use tolerance::{Tolerance, Verdict};
+pub use tolerance::{Quantity, Tolerance, Verdict};
 
 use crate::canvas::color_of;
 use crate::detect::{SceneOutcome, SceneReport};

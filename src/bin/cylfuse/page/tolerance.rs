@@ -14,6 +14,16 @@ pub enum Quantity {
     Length,
 }
 
+impl Quantity {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::Radius => "radius",
+            Quantity::Length => "length",
+        }
+    }
+}
+
 /// `radius=LOW..HIGH` or `length=LOW..HIGH`, in the unit of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tolerance {
@@ -43,6 +53,13 @@ impl FromStr for Tolerance {
                 "{low} to {high} is no tolerance; the limits must be finite, the low one below the high one and at least 0"
             )),
         }
+    }
+}
+
+impl Tolerance {
+    /// Whether it limits a quantity.
+    pub fn limits(&self, quantity: Quantity) -> bool {
+        self.quantity == quantity
     }
 }
 
