@@ -195,16 +195,16 @@ mod tests {
     fn the_uncertainty_decides_and_the_reason_says_by_how_much() {
         let tolerances = limits(&["radius=0.019..0.021", "length=0.1..0.2"]);
         let judged = |radius: f64, deviation: f64| {
-            let length = known(0.15, 0.001);
+            let length = known(0.16, 0.001);
             judge(&tolerances, known(radius, deviation), length, &[], MILLIMETRES).unwrap()
         };
         for (radius, deviation, verdict, reason) in [
-            (0.02, 0.0004, Verdict::Pass, "radius 1.00 mm within the limit of 21 mm"),
+            (0.0202, 0.0004, Verdict::Pass, "radius 0.80 mm within the limit of 21 mm"),
             (
-                0.02,
+                0.0202,
                 0.0006,
                 Verdict::Undecided,
-                "radius 1.0 mm within the limit of 21 mm, its uncertainty is 1.2 mm (1.96 deviations)",
+                "radius 0.8 mm within the limit of 21 mm, its uncertainty is 1.2 mm (1.96 deviations)",
             ),
             (
                 0.0209,
@@ -224,7 +224,7 @@ mod tests {
             let judgement = judged(radius, deviation);
             assert_eq!(judgement.verdict, verdict, "{radius} {deviation}");
             assert_eq!(judgement.reasons[0], reason);
-            assert_eq!(judgement.reasons[1], "length 50.0 mm within the limit of 200 mm");
+            assert_eq!(judgement.reasons[1], "length 40.0 mm within the limit of 200 mm");
         }
     }
 
