@@ -1,7 +1,7 @@
 'use strict';
 // Opens the pages of a folder in a browser, at desktop and at phone width, and does what people do there.
 //   node check.js BROWSER FOLDER
-// The folder has fit.html, detect.html and empty.html; the pictures of the pages are written beside them.
+// The folder has fit.html, detect.html, empty.html and bench.html; the pictures of the pages are written beside them.
 
 const assert = require('node:assert/strict');
 const path = require('node:path');
@@ -106,10 +106,28 @@ async function empty(page) {
   assert.equal((await texts(page, 'td.warnings.error')).length, 1);
 }
 
+async function bench(page, phone) {
+  // What is wide scrolls by itself, with the first column in view.
+  const wide = await page.$$eval('.table', (all) => all.filter((e) => e.scrollWidth > e.clientWidth).map((e) => {
+    e.scrollLeft = 10000;
+    const first = e.querySelector('td').getBoundingClientRect();
+    return { scrolled: e.scrollLeft, left: first.left - e.getBoundingClientRect().left, part: first.width / e.clientWidth };
+  }));
+  assert.equal(wide.length > 0, phone, 'tables that are wider than the page');
+  for (const { scrolled, left, part } of wide) assert.ok(scrolled > 0 && Math.abs(left) < 1 && part < 0.5, `${scrolled} ${left} ${part}`);
+  // Letters of plots as they are shown, in pixels.
+  const sizes = await page.$$eval('svg text', (all) => all.map((e) => {
+    const svg = e.ownerSVGElement;
+    return parseFloat(getComputedStyle(e).fontSize) * svg.getBoundingClientRect().width / (svg.viewBox.baseVal.width || svg.width.baseVal.value);
+  }));
+  assert.ok(sizes.length > 50 && Math.min(...sizes) > 11, `${sizes.length} words, the smallest of ${Math.min(...sizes)} px`);
+}
+
 const PAGES = [
   ['fit', fit, true],
   ['detect', detect, true],
   ['empty', empty, false],
+  ['bench', bench, false],
 ];
 
 async function main() {
