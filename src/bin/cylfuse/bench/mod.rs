@@ -97,8 +97,8 @@ impl Bench {
         if let Some(pcl) = self.pcl.as_ref().filter(|_| asks(Task::Fit)) {
             pcl.try_out(Task::Fit)?;
         }
-        let programs = self.pcl.iter().chain(&self.cgal).filter(|_| asks(Task::Scene));
-        programs.map(|program| program.try_out(Task::Scene)).collect()
+        let mut programs = self.pcl.iter().chain(&self.cgal).filter(|_| asks(Task::Scene));
+        programs.try_for_each(|program| program.try_out(Task::Scene))
     }
 
     /// Does something with all items, side by side; the results come in the order of the items.
