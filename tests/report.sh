@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes pages by `cylfuse fit --report` and `cylfuse detect --report`, and tries them in a browser at desktop and phone width.
+# Makes pages by `cylfuse fit --report`, `cylfuse detect --report` and `cylfuse bench`, and tries them in a browser at desktop
+# and phone width.
 # Ends with `report: N passed, N failed`. Installs chromium and Node from Debian, the driver of the browser from npm.
 # tests/report.sh [FOLDER]: leaves pages and their pictures in the folder.
 set -euo pipefail
@@ -18,7 +19,7 @@ if [ ${#missing[@]} -gt 0 ]; then
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
 fi
 
-cargo build --locked --release --features cli,twin
+cargo build --locked --release --features bench --bin cylfuse
 cylfuse=${CARGO_TARGET_DIR:-target}/release/cylfuse
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -34,6 +35,9 @@ echo '{}' >"$work/frames/zz_damaged/frame.json"
 "$cylfuse" fit "$work/frames" --report "$pages/fit.html" --tolerance radius=0.0375..0.05 >"$work/table.txt" 2>&1 || true
 "$cylfuse" detect tests/data/scene --report "$pages/detect.html" >>"$work/table.txt" 2>&1
 "$cylfuse" fit "$work/frames/zz_damaged" --report "$pages/empty.html" >>"$work/table.txt" 2>&1 || true
+
+"$cylfuse" bench --smallest --only compare --only weights --only pipes --out "$work/bench" >>"$work/table.txt" 2>&1
+cp "$work/bench/index.html" "$pages/bench.html"
 
 cp tests/report/check.js "$work/driver"
 (cd "$work/driver" && npm install --no-audit --no-fund --no-save --loglevel=error puppeteer-core@24.43.1)

@@ -49,6 +49,30 @@ fn the_same_seed_gives_the_same_numbers_for_any_number_of_threads() {
 }
 
 #[test]
+fn what_the_paper_publishes_stands_beside_what_is_measured() {
+    let folder = TempDir::new().unwrap();
+    let only = ["compare", "weights", "starts", "pipes"].iter().flat_map(|name| ["--only", name]);
+    bench(folder.path(), &["--smallest"].into_iter().chain(only).collect::<Vec<_>>());
+    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    let section = |name: &str| {
+        let (_, rest) = page.split_once(&format!("<section id=\"{name}\">")).unwrap();
+        rest.split_once("</section>").unwrap().0
+    };
+    // Figure 5: a row a radius.
+    assert_eq!(section("compare").matches("<td>only as a picture</td>").count(), 5);
+    // Figure 6.
+    assert!(section("weights").contains("<td>0.5 to 0.8 for all; 0.6 is taken</td>"));
+    // Figure 8: a row a configuration, four errors each.
+    assert_eq!(section("starts").matches("<td>only as a picture</td>").count(), 16);
+    assert!(section("starts").contains("high, published by the paper: the performance degrades"));
+    assert!(
+        section("pipes").contains("three radii: 57 mm (S1-O1), 19 mm (S2-O1) and 25.5 mm (S2-O2 to S2-O4)")
+    );
+    // What is wide scrolls by itself.
+    assert_eq!(page.matches("<table>").count(), page.matches("<div class=\"table\"><table>").count());
+}
+
+#[test]
 fn goals_are_judged_by_the_numbers() {
     let folder = TempDir::new().unwrap();
     let printed = bench(folder.path(), &["--smallest", "--only", "compare"]);
@@ -95,19 +119,22 @@ fn bad_options_are_said() {
     assert!(missing.code == 1 && missing.stderr.contains("no/such/program"), "{}", missing.stderr);
 }
 
+/// A program of another library.
+#[cfg(unix)]
+fn program(folder: &TempDir, name: &str, text: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.path().join(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
 #[cfg(unix)]
 #[test]
 fn other_libraries_come_by_programs() {
-    use std::os::unix::fs::PermissionsExt;
     let folder = TempDir::new().unwrap();
-    let program = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, format!("#!/bin/sh\ncat > /dev/null\n{text}\n")).unwrap();
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
-        path.to_str().unwrap().to_owned()
-    };
-    let two = "[ \"$1\" = scene ] || exit 1; echo 9 9 9 0 1 0 0.1; echo 8 8 8 0 1 0 0.1";
-    let (pcl, cgal) = (program("pcl", two), program("cgal", "exit 0"));
+    let two = "cat > /dev/null; [ \"$1\" = scene ] || exit 1; echo 9 9 9 0 1 0 0.1; echo 8 8 8 0 1 0 0.1";
+    let (pcl, cgal) = (program(&folder, "pcl", two), program(&folder, "cgal", "cat > /dev/null"));
     let options = ["--smallest", "--only", "scenes", "--pcl", &pcl, "--cgal", &cgal];
     bench(folder.path(), &options);
     let csv = &numbers(folder.path())["scenes"];
@@ -121,10 +148,69 @@ fn other_libraries_come_by_programs() {
     assert_eq!([&row("PCL")[3..5], &row("CGAL")[3..5]].concat(), ["0", "2", "0", "0"]);
     let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
     assert!(page.contains("<dt>CGAL</dt><dd>compared</dd>"));
-    for text in ["exit 1", "echo nonsense"] {
-        let broken = program("broken", text);
-        let out = folder.path().to_str().unwrap();
-        let run = run(["bench", "--smallest", "--only", "scenes", "--cgal", &broken, "--out", out]);
-        assert!(run.code == 1 && run.stderr.contains("OTHER_LIBRARY"), "{}", run.stderr);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_does_not_work_stops_the_bench_at_its_start() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let refused = |path: &str, options: &[&str], expected: &str| {
+        let fixed = ["bench", "--smallest", "--out", out.to_str().unwrap()];
+        let run = run(fixed.iter().chain(options).chain(&[path]));
+        assert_eq!(run.code, 1, "{path}: {}", run.stderr);
+        let said = run.stderr.contains("OTHER_LIBRARY") && run.stderr.contains(expected);
+        assert!(said, "{path}: no {expected:?} in {}", run.stderr);
+        // Nothing but the trial was done.
+        assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "{path}");
+    };
+    let plain = folder.path().join("plain");
+    std::fs::write(&plain, "").unwrap();
+    let fit = ["--only", "compare", "--pcl"];
+    let scene = ["--only", "scenes", "--cgal"];
+    refused(plain.to_str().unwrap(), &fit, "does not run");
+    refused(folder.path().to_str().unwrap(), &fit, "does not run");
+    for (text, expected) in [
+        ("cat > /dev/null; echo no licence >&2; exit 3", "exit status: 3 with 3000 points: no licence"),
+        // It reads nothing.
+        ("exit 4", "exit status: 4"),
+        ("cat > /dev/null; kill -9 $$", "signal: 9"),
+        ("cat > /dev/null; echo nonsense", "not point, direction and radius: nonsense"),
+        ("cat > /dev/null; echo 1 2 3 radius 4 5 6 7", "not point, direction and radius"),
+        ("cat > /dev/null; echo 0 0 1 0 0 0 0.1", "is no cylinder"),
+    ] {
+        let path = program(&folder, "broken", text);
+        refused(&path, &fit, expected);
+        refused(&path, &scene, expected);
     }
+    for (text, expected) in [
+        ("cat > /dev/null", "0 cylinders in the trial cloud"),
+        ("cat > /dev/null; echo 9 9 9 0 1 0 0.1", "a radius of 0.1000 m in the trial cloud"),
+    ] {
+        refused(&program(&folder, "broken", text), &fit, expected);
+    }
+    // Those that never end, the second after it has closed its output.
+    for text in ["exec sleep 1000000", "exec >&-; exec sleep 1000000"] {
+        let path = program(&folder, "endless", text);
+        let limited = [&["--time-limit", "1"], &scene[..]].concat();
+        refused(&path, &limited, "not done with 3000 points after 1 seconds; --time-limit sets this limit");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_cloud_without_a_cylinder_is_a_failure_of_the_library_and_a_crash_is_none() {
+    let folder = TempDir::new().unwrap();
+    // Right in the trial.
+    let after = |what: &str| {
+        let trial = "[ $(wc -c) = 36000 ] && exec echo 0.02 -0.01 0.7 0.36 0.8 0.48 0.04";
+        program(&folder, "later", &format!("{trial}; {what}"))
+    };
+    bench(folder.path(), &["--smallest", "--only", "compare", "--pcl", &after("exit 0")]);
+    let csv = &numbers(folder.path())["compare"];
+    let rows: Vec<&str> = csv.lines().filter(|line| line.contains(",PCL,")).collect();
+    assert!(rows.len() == 8 && rows.iter().all(|row| row.ends_with(",,,,0")), "{csv}");
+    let (out, crash) = (folder.path().to_str().unwrap(), after("exit 5"));
+    let run = run(["bench", "--smallest", "--only", "compare", "--pcl", &crash, "--out", out]);
+    assert!(run.code == 1 && run.stderr.contains("exit status: 5"), "{}", run.stderr);
 }

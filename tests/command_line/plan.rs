@@ -59,11 +59,29 @@ fn what_cannot_be_planned_is_said() {
         "{}",
         far.stdout
     );
+    // Every reason, with the rows that have it.
+    let many = run(["plan", "--vary", "distance=0.02..3.62:10", "--radius", "0.01", "--length", "0.2"]);
+    assert_eq!(many.code, 1, "{}", many.stderr);
+    let reasons: Vec<&str> = many.stdout.lines().filter(|line| line.starts_with("not measured at")).collect();
+    assert_eq!(reasons.len(), 2, "{}", many.stdout);
+    assert!(reasons[0].starts_with("not measured at a distance of 0.02 m: length is "), "{}", reasons[0]);
+    let few = reasons[1].strip_prefix("not measured at a distance of ").unwrap();
+    assert!(few.contains(" to 3.62 m (numbers at ") && few.contains("points are usable"), "{few}");
+    let missed = many.stdout.lines().filter(|line| line.trim_end().ends_with("not measured")).count();
+    assert!(missed > 2, "{}", many.stdout);
     for (arguments, expected) in [
         (&["--vary", "weight=1..2"][..], "\"weight\" cannot be varied"),
         (&["--within", "1"], "--vary"),
         (&["--within", "nan", "--vary", "distance=1..2"], "is no percentage greater than 0"),
         (&["--within", "1", "--vary", "distance=1..2", "--json"], "cannot be used with"),
+        (&["--radius=-1"], "radius is -1; it must be finite and greater than 0 (INVALID_ARGUMENT)"),
+        (&["--radius", "2"], "the distance of the axis from the camera (INVALID_ARGUMENT)"),
+        (&["--distance", "nan"], "distance is NaN"),
+        (&["--step-noise", "0", "--vary", "distance=0.5..1:3"], "noise of a step is 0"),
+        (&["--vary", "radius=-2..-1"], "radius is -2"),
+        (&["--width", "0"], "(INVALID_INTRINSICS)"),
+        (&["--focal-length=-5"], "(INVALID_INTRINSICS)"),
+        (&["--field-of-view", "180"], "is no angle greater than 0 and less than 180 degrees"),
         (&["--tilt", "91"], "a tilt of 91 degrees; it must be from -80 to 80"),
         (&["--depth-noise", "1,2"], "2 numbers were given, but 3 are needed"),
         (&["--depth-noise", "1,2,3"], "--correlation"),

@@ -2,6 +2,7 @@
 
 use crate::support::run;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -24,16 +25,21 @@ fn a_page_about_fits_has_verdicts_pictures_and_points() {
     let folder = TempDir::new().unwrap();
     let page = folder.path().join("page.html");
     let page_text = page.to_str().unwrap();
-    for (limits, verdict) in
-        [("radius=0.03..0.05", "pass"), ("radius=0.01..0.02", "fail"), ("radius=0.01..0.0377", "undecided")]
-    {
+    for (limits, verdict, reason) in [
+        ("radius=0.03..0.05", "pass", " mm within the limit of 30 mm"),
+        ("radius=0.01..0.02", "fail", " mm above the limit of 20 mm"),
+        ("radius=0.01..0.0377", "undecided", " mm, its uncertainty is "),
+    ] {
         let run = run(["fit", FRAME, "--json", "--report", page_text, "--tolerance", limits]);
         assert_eq!(run.code, 0, "{}", run.stderr);
         let fitted = run.object();
         let content = content(&page);
         let frame = &content["frames"][0];
         let cylinder = &frame["cylinders"][0];
-        assert_eq!(cylinder["verdict"], verdict);
+        assert_eq!(cylinder["judgement"]["verdict"], verdict);
+        let reasons = cylinder["judgement"]["reasons"].as_array().unwrap();
+        let said = reasons[0].as_str().unwrap();
+        assert!(reasons.len() == 1 && said.starts_with("radius ") && said.contains(reason), "{said}");
         assert_eq!(cylinder["radius"], fitted["cylinder"]["radius"]);
         assert_eq!(cylinder["length_deviation"], fitted["extent"]["length_deviation"]);
         assert_eq!(
@@ -43,7 +49,11 @@ fn a_page_about_fits_has_verdicts_pictures_and_points() {
         // 12 bytes a point are 16 letters.
         let points = frame["points"].as_str().unwrap().len() / 16;
         assert!((500..=1500).contains(&points), "{points}");
-        assert!(frame["picture"].as_str().unwrap().starts_with("/9j/"), "a JPEG");
+        let picture = &cylinder["picture"];
+        assert!(picture["jpeg"].as_str().unwrap().starts_with("/9j/"), "a JPEG");
+        let labels: Vec<&Value> =
+            picture["labels"].as_array().unwrap().iter().map(|one| &one["text"]).collect();
+        assert_eq!(labels, [&fitted["extent"]["start_state"], &fitted["extent"]["end_state"]]);
     }
 }
 
@@ -62,7 +72,16 @@ fn a_page_about_scenes_has_a_row_a_cylinder() {
         (&cylinders[1]["number"], &cylinders[1]["radius"]),
         (&2.into(), &found["cylinders"][1]["cylinder"]["radius"])
     );
-    assert!(cylinders.iter().all(|cylinder| cylinder["verdict"].is_string()));
+    assert!(cylinders.iter().all(|cylinder| cylinder["judgement"]["verdict"].is_string()));
+    // A picture of each, and one of all with their numbers.
+    let pictures: BTreeSet<&str> =
+        cylinders.iter().map(|cylinder| cylinder["picture"]["jpeg"].as_str().unwrap()).collect();
+    assert_eq!(pictures.len(), cylinders.len());
+    let all = &content["frames"][0]["picture"];
+    assert!(all["jpeg"].as_str().unwrap().starts_with("/9j/"));
+    let numbers = all["labels"].as_array().unwrap().iter().map(|one| one["text"].as_str().unwrap());
+    let expected: Vec<String> = (1..=cylinders.len()).map(|number| number.to_string()).collect();
+    assert!(numbers.eq(expected.iter()), "{}", all["labels"]);
 }
 
 #[test]
@@ -78,13 +97,35 @@ fn clouds_have_no_unit_and_a_page_that_cannot_be_written_is_told() {
     let page = folder.path().join("page.html");
     assert_eq!(run(["fit", "--points", cloud, "--report", page.to_str().unwrap()]).code, 0);
     let content = content(&page);
-    assert!(content["millimetres"].is_null() && content["frames"][0]["picture"] == "");
+    assert!(content["millimetres"].is_null() && content["frames"][0]["cylinders"][0]["picture"].is_null());
     assert!((content["frames"][0]["origin"][0].as_f64().unwrap() - 5000.5).abs() < 1e-9);
     let refused = run(["fit", "--points", cloud, "--report", "no/such/folder/page.html"]);
     assert_eq!(refused.code, 1);
     assert!(refused.stderr.contains("FILE_NOT_WRITABLE"), "{}", refused.stderr);
     let refused = run(["fit", FRAME, "--tolerance", "radius=1..2"]);
     assert!(refused.code == 2 && refused.stderr.contains("--report"), "{}", refused.stderr);
+}
+
+#[test]
+fn no_verdict_rests_on_a_result_with_a_warning_that_puts_it_in_doubt() {
+    let folder = TempDir::new().unwrap();
+    let page = folder.path().join("page.html");
+    let page_text = page.to_str().unwrap();
+    let judged = |tolerance: &str, options: &[&str]| {
+        let fixed = ["fit", FRAME, "--report", page_text, "--tolerance", tolerance];
+        let run = run(fixed.iter().chain(options));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        content(&page)["frames"][0]["cylinders"][0]["judgement"].clone()
+    };
+    assert_eq!(judged("radius=0.03..0.05", &[])["verdict"], "pass");
+    // A limit that holds the radius at a value within the tolerance makes it no good one.
+    let judgement = judged("radius=0.03..0.05", &["--radius-max", "0.035"]);
+    assert_eq!(judgement["verdict"], "undecided", "{judgement}");
+    let first = judgement["reasons"][0].as_str().unwrap();
+    assert!(first.starts_with("in doubt: "), "{judgement}");
+    // The number and the verdict that it would have given stand behind.
+    let last = judgement["reasons"].as_array().unwrap().last().unwrap().as_str().unwrap();
+    assert!(last.ends_with(" mm within the limit of 30 mm"), "{judgement}");
 }
 
 #[test]

@@ -69,6 +69,13 @@ fn image_and_depth_come_as_asked_for() {
     assert_eq!(fields["camera"]["distortion"][0], -0.05);
     assert_eq!((&fields["image"], &fields["image_gamma"]), (&"image.jpg".into(), &2.2.into()));
     assert_eq!(fit(&frame, &[]).code, 0);
+    // Written again as PNG and as JPEG: no image of another run stays.
+    let images = || ["image.jpg", "image.png"].map(|name| frame.join(name).exists());
+    assert_eq!(images(), [true, false]);
+    make(folder.path(), &options[..8]);
+    assert_eq!(images(), [false, true]);
+    make(folder.path(), &options);
+    assert_eq!(images(), [true, false]);
 
     make(folder.path(), &["--kind", "single", "--sensor", "time-of-flight", "--unregistered", "--seed", "2"]);
     let frame = folder.path().join("single0002");
@@ -97,7 +104,13 @@ fn bad_options_are_said() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().to_str().unwrap();
     for (options, fragments) in [
-        (&["--focal-length=-5"][..], &["fx", "-5"][..]),
+        (&["--focal-length=-5"][..], &["--focal-length", "-5", "from 128 to 12800"][..]),
+        (&["--focal-length", "1e9"], &["--focal-length", "from 128 to 12800"]),
+        (&["--electrons", "inf"], &["--electrons", "inf", "from 10 to 10000000"]),
+        (&["--electrons", "0"], &["--electrons", "from 10 to 10000000"]),
+        (&["--blur", "1000"], &["--blur", "1000", "from 0 to 20"]),
+        (&["--width", "16"], &["16 is not in 64..=4096"]),
+        (&["--height", "100000"], &["100000 is not in 64..=4096"]),
         (&["--gamma", "0"], &["gamma", "0"]),
         (&["--blur", "nan"], &["blur", "NaN"]),
         (&["--count", "0"], &["--count", "0"]),

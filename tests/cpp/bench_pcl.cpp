@@ -1,6 +1,6 @@
 // Cylinders by the Point Cloud Library, for `cylfuse bench --pcl`: the points of bench_points.hpp come in.
 //
-// bench_pcl        one cylinder of all points, by pcl_pipeline.hpp
+// bench_pcl        one cylinder of all points, by pcl_pipeline.hpp; nothing is printed where none is found
 // bench_pcl scene  all cylinders, as PCL's tutorials take a scene apart: one point in each 4 mm; normals; planes with more
 //                  than a tenth of the points are taken away, with what is within 10 mm; what is left in clusters 15 mm apart;
 //                  in each cluster cylinders one after the other, as long as one has at least 100 points and a quarter of what
@@ -106,10 +106,9 @@ try {
     }
     Segmentation segmentation;
     const Segment found = segment(segmentation, cloud, normals_of(cloud));
-    if (found.coefficients.values.size() != 7) {
-        return 1;
+    if (found.coefficients.values.size() == 7) {
+        print_cylinder(found.coefficients.values);
     }
-    print_cylinder(found.coefficients.values);
     return 0;
 } catch (const std::exception &error) {
     std::fprintf(stderr, "%s\n", error.what());

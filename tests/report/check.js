@@ -1,7 +1,7 @@
 'use strict';
 // Opens the pages of a folder in a browser, at desktop and at phone width, and does what people do there.
 //   node check.js BROWSER FOLDER
-// The folder has fit.html, detect.html and empty.html; the pictures of the pages are written beside them.
+// The folder has fit.html, detect.html, empty.html and bench.html; the pictures of the pages are written beside them.
 
 const assert = require('node:assert/strict');
 const path = require('node:path');
@@ -35,7 +35,9 @@ async function fit(page, phone) {
   assert.ok(names.some((name) => name.includes('<img src=x')), 'a name is text, not markup');
   assert.equal(await page.$('td.name img'), null);
   const verdicts = await texts(page, 'td.verdict');
-  for (const verdict of ['pass', 'fail', 'undecided']) assert.ok(verdicts.includes(verdict), `${verdict}: ${verdicts}`);
+  assert.ok(verdicts.includes('pass'), verdicts.join());
+  assert.ok(verdicts.some((text) => /^failradius [\d.]+ mm (above|below) the limit of [\d.]+ mm$/.test(text)), verdicts.join());
+  assert.ok(verdicts.some((text) => /^undecided(radius|in doubt: )/.test(text)), verdicts.join());
   assert.match(await page.$eval('#summary', (e) => e.textContent), /^6 frames, 5 cylinders, 1 failed, radius from /);
   assert.ok((await texts(page, 'td.number')).some((text) => /^\d+\.\d+ ± \d+\.\d+$/.test(text)));
   assert.ok((await texts(page, 'td.warnings')).some((text) => /missing field/.test(text)), 'the failure is told');
@@ -56,6 +58,13 @@ async function fit(page, phone) {
   await page.select('#quantity', 'length');
   assert.match(await page.$eval('#bars', (e) => e.textContent), /length \(mm\)/);
   await page.select('#quantity', 'radius');
+  // Words on a picture lie within it.
+  const outside = await page.$$eval('#pictures .label', (all) => all.filter((e) => {
+    const [own, around] = [e.getBoundingClientRect(), e.parentElement.getBoundingClientRect()];
+    return own.left < around.left || own.right > around.right || own.top < around.top || own.bottom > around.bottom;
+  }).map((e) => e.textContent));
+  assert.deepEqual(outside, []);
+  assert.equal((await page.$$('#pictures .label')).length, 2, 'the states of both ends');
 }
 
 /** Colours in the picture of points and cylinder, and that it turns when it is dragged. */
@@ -83,6 +92,11 @@ async function detect(page) {
   const names = await texts(page, 'td.name');
   assert.ok(names.length >= 2 && names.every((name) => / · \d+$/.test(name)), names.join());
   assert.ok((await texts(page, 'td.number')).some((text) => /^0\.\d\d$|^1\.00$/.test(text)), 'scores');
+  // Each row has a picture of its own, with its number.
+  const pictures = await page.$$eval('td.picture img', (all) => all.map((e) => e.src));
+  assert.equal(new Set(pictures).size, names.length, 'a picture a cylinder');
+  assert.deepEqual(await texts(page, 'td.picture .badge'), names.map((name) => name.split(' ').at(-1)));
+  assert.equal((await page.$$('#pictures .labelled')).length, 2, 'the cylinder, and the frame');
   await page.click('tbody tr:last-child');
   assert.equal(await page.$eval('#detail h2', (e) => e.textContent), await page.$eval('tbody tr:last-child td.name', (e) => e.textContent));
 }
@@ -92,10 +106,28 @@ async function empty(page) {
   assert.equal((await texts(page, 'td.warnings.error')).length, 1);
 }
 
+async function bench(page, phone) {
+  // What is wide scrolls by itself, with the first column in view.
+  const wide = await page.$$eval('.table', (all) => all.filter((e) => e.scrollWidth > e.clientWidth).map((e) => {
+    e.scrollLeft = 10000;
+    const first = e.querySelector('td').getBoundingClientRect();
+    return { scrolled: e.scrollLeft, left: first.left - e.getBoundingClientRect().left, part: first.width / e.clientWidth };
+  }));
+  assert.equal(wide.length > 0, phone, 'tables that are wider than the page');
+  for (const { scrolled, left, part } of wide) assert.ok(scrolled > 0 && Math.abs(left) < 1 && part < 0.5, `${scrolled} ${left} ${part}`);
+  // Letters of plots as they are shown, in pixels.
+  const sizes = await page.$$eval('svg text', (all) => all.map((e) => {
+    const svg = e.ownerSVGElement;
+    return parseFloat(getComputedStyle(e).fontSize) * svg.getBoundingClientRect().width / (svg.viewBox.baseVal.width || svg.width.baseVal.value);
+  }));
+  assert.ok(sizes.length > 50 && Math.min(...sizes) > 11, `${sizes.length} words, the smallest of ${Math.min(...sizes)} px`);
+}
+
 const PAGES = [
   ['fit', fit, true],
   ['detect', detect, true],
   ['empty', empty, false],
+  ['bench', bench, false],
 ];
 
 async function main() {

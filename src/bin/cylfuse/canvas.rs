@@ -52,11 +52,56 @@ pub struct Pen {
     pub dash: Option<[f32; 2]>,
 }
 
-/// The image, enlarged so that fractions of its pixels show, above a band for the caption.
+/// The image or a part of it, enlarged so that fractions of its pixels show, above a band for the caption.
 pub struct Canvas {
     pixels: Pixmap,
-    scale: u32,
+    /// Canvas pixels in a pixel of the image.
+    scale: f64,
+    /// The upper left corner of what is shown of the image.
+    corner: Vector2<f64>,
     image_height: u32,
+}
+
+/// A rectangle of pixels of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Column and row of the upper left pixel.
+    pub corner: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// The window of a picture of one thing is at least so wide, in pixels of the image.
+const LEAST_WIDTH: f64 = 48.0;
+
+/// Its margin on each side, as a part of the thing.
+const MARGIN: f64 = 0.2;
+
+impl Window {
+    /// All of an image.
+    pub fn of_image(size: [u32; 2]) -> Self {
+        Self { corner: [0, 0], size }
+    }
+
+    /// Around some pixels (column, row), four to three where the image has room for that; all of the image around none.
+    pub fn around(pixels: impl Iterator<Item = (u32, u32)>, size: [u32; 2]) -> Self {
+        let nothing = ([u32::MAX; 2], [0; 2]);
+        let (low, high) = pixels.fold(nothing, |(low, high), (x, y)| {
+            ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)])
+        });
+        if low[0] > high[0] {
+            return Self::of_image(size);
+        }
+        let wide = |k: usize| f64::from(high[k] - low[k] + 1) * (1.0 + 2.0 * MARGIN);
+        let width = wide(0).max(wide(1) * 4.0 / 3.0).max(LEAST_WIDTH);
+        let mut window = Self::of_image(size);
+        for (k, wanted) in [width, 0.75 * width].into_iter().enumerate() {
+            window.size[k] = (wanted.round() as u32).clamp(1, size[k]);
+            let middle = low[k].midpoint(high[k]);
+            window.corner[k] = middle.saturating_sub(window.size[k] / 2).min(size[k] - window.size[k]);
+        }
+        window
+    }
 }
 
 impl Canvas {
@@ -76,7 +121,18 @@ impl Canvas {
             let [r, g, b, _] = from.0;
             *to = opaque([r, g, b]);
         }
-        Some(Self { pixels, scale, image_height: height })
+        Some(Self { pixels, scale: f64::from(scale), corner: Vector2::zeros(), image_height: height })
+    }
+
+    /// A part of an image, made as wide as is asked for, without a band. `None` for sizes that cannot be drawn.
+    pub fn of_part(image: &RgbaImage, window: Window, width: u32) -> Option<Self> {
+        let [[left, top], [columns, rows]] = [window.corner, window.size];
+        let scale = f64::from(width) / f64::from(columns);
+        let height = ((f64::from(rows) * scale).round() as u32).max(1);
+        let part = imageops::crop_imm(image, left, top, columns, rows).to_image();
+        let filter = if scale > 1.0 { FilterType::CatmullRom } else { FilterType::Triangle };
+        let canvas = Self::new(&imageops::resize(&part, width, height, filter), 1, 0)?;
+        Some(Self { scale, corner: Vector2::new(f64::from(left), f64::from(top)), ..canvas })
     }
 
     /// Columns.
@@ -92,8 +148,19 @@ impl Canvas {
     /// Where a pixel position of the image lies on the canvas: pixel centres are at whole numbers in the
     /// image and at halves here.
     pub fn place(&self, position: &Vector2<f64>) -> (f32, f32) {
-        let scale = f64::from(self.scale);
-        (((position.x + 0.5) * scale) as f32, ((position.y + 0.5) * scale) as f32)
+        let place = (position - self.corner).add_scalar(0.5) * self.scale;
+        (place.x as f32, place.y as f32)
+    }
+
+    /// So many pixels of the canvas in pixels of the image.
+    pub fn length(&self, pixels: f64) -> f64 {
+        pixels / self.scale
+    }
+
+    /// Where a position of the image lies, as parts of width and height of the part that is shown.
+    pub fn part(&self, position: &Vector2<f64>) -> [f32; 2] {
+        let (x, y) = self.place(position);
+        [x / self.width() as f32, y / self.image_height as f32]
     }
 
     /// A line through positions in the image; it breaks where there is none.

@@ -22,7 +22,7 @@ pub struct CommonArguments {
     pub report: Option<PathBuf>,
 
     /// State in the report whether the radius or the length is within these limits, in the unit of the data: pass, fail, or
-    /// undecided because of the uncertainty.
+    /// undecided because of the uncertainty or of a warning.
     #[arg(long, value_name = "QUANTITY=LOW..HIGH", requires = "report", help_heading = "Output")]
     pub tolerance: Vec<Tolerance>,
 

@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
-use crate::page::{Illustration, POINTS_OF_SCENE};
+use crate::overlay::Overlay;
+use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_SCENE, Picture};
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::camera::Camera;
@@ -126,11 +127,18 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     frame.set_pose(RigidMotion::identity());
     let (scene, seconds) = timed(settings, |detector, observer| detector.detect_with(&frame, observer))?;
     let depth = frame.depth_on_image().ok_or_else(|| Failure::bad_frame(path, "depth: there is none"))?;
-    let cylinders: Vec<Found> = scene.cylinders.iter().map(of_frame).collect();
+    let mut cylinders: Vec<Found> = scene.cylinders.iter().map(of_frame).collect();
     let total = clock.elapsed().as_secs_f64();
+    if settings.illustrate {
+        for (index, found) in cylinders.iter_mut().enumerate() {
+            let picture = picture(&scene, index, &view, &found.measurement)?;
+            found.measurement.illustration = Some(Illustration::new(picture, &[], 0));
+        }
+    }
     let picture = ScenePicture { view: &view, depth, labels: &scene.labels, cylinders: &cylinders };
     let illustration = settings.illustrate.then(|| {
-        Illustration::new(picture.draw(), view.size(), &measured(&view.camera, depth), POINTS_OF_SCENE)
+        let points = measured(&view.camera, depth);
+        Illustration::new(picture.illustrate(PICTURE_WIDTH), &points, POINTS_OF_SCENE)
     });
     if let Some(folder) = folder {
         create_folder(folder)?;
@@ -154,13 +162,36 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     let cylinders = scene.cylinders.iter().map(of_cloud).collect();
     let seconds = SceneSeconds { read, total: clock.elapsed().as_secs_f64(), ..seconds };
     let illustration =
-        settings.illustrate.then(|| Illustration::new(None, (1, 1), &cloud.points.to_f64(), POINTS_OF_SCENE));
+        settings.illustrate.then(|| Illustration::new(None, &cloud.points.to_f64(), POINTS_OF_SCENE));
     if let Some(folder) = folder {
         create_folder(folder)?;
         write_points(folder, &cloud.points, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
     Ok(Scene { cylinders, complete: scene.complete, out, illustration, seconds })
+}
+
+/// The picture of one cylinder.
+fn picture(
+    scene: &scene::Scene,
+    index: usize,
+    view: &View,
+    measurement: &Measurement,
+) -> cylfuse::error::Result<Option<Picture>> {
+    let fitter = scene.fitter(index)?;
+    let mut completed = Vec::new();
+    fitter.complete(None, None, &mut |column, row, point| {
+        completed.extend(point.map(|_| (column as u32, row as u32)));
+    })?;
+    let overlay = Overlay {
+        fitter: &fitter,
+        image: view.image.as_ref(),
+        camera: &view.camera,
+        measurement,
+        arcs: &scene.cylinders[index].arcs,
+        completed: &completed,
+    };
+    Ok(overlay.illustrate(PICTURE_WIDTH))
 }
 
 /// The measured points of a frame, of every other row and column.

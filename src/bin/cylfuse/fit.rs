@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
-use crate::page::{Illustration, POINTS_OF_CYLINDER};
+use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_CYLINDER};
 use crate::report::{Fitted, Measurement, Report, ViewValues};
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{ArcSample, Extent};
@@ -145,9 +145,8 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
     let mut measurement = Measurement::new(&settings.options, &result);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
-    measurement.illustration = settings
-        .illustrate
-        .then(|| Illustration::new(None, (1, 1), &cloud.points.to_f64(), POINTS_OF_CYLINDER));
+    measurement.illustration =
+        settings.illustrate.then(|| Illustration::new(None, &cloud.points.to_f64(), POINTS_OF_CYLINDER));
     Ok(measurement)
 }
 
@@ -232,24 +231,23 @@ fn find_extent(fitter: &mut Fitter, views: &[View]) -> Option<cylfuse::error::Re
 
 type Ends = (Extent, Vec<[Vec<ArcSample>; 2]>);
 
-/// The picture of the selected view, which has an index.
-fn picture(
-    fitter: &Fitter,
+/// What is drawn of the selected view, which has an index.
+fn overlay<'a>(
+    fitter: &'a Fitter,
     index: usize,
-    view: &View,
-    measurement: &Measurement,
-    arcs: &[[Vec<ArcSample>; 2]],
-    completed: &Completed,
-) -> Option<image::RgbImage> {
-    let overlay = Overlay {
+    view: &'a View,
+    measurement: &'a Measurement,
+    arcs: &'a [[Vec<ArcSample>; 2]],
+    completed: &'a Completed,
+) -> Overlay<'a> {
+    Overlay {
         fitter,
         image: view.image.as_ref(),
         camera: &view.camera,
         measurement,
         arcs: &arcs[index],
         completed: &completed.pixels[index],
-    };
-    overlay.draw()
+    }
 }
 
 /// What a page shows: the picture of the first view, and the points of all.
@@ -267,8 +265,8 @@ fn illustrate(
         points.extend(fitter.cloud().points().map(|p| <[f64; 3]>::from(pose.point(&p))));
     }
     fitter.select_view(0)?;
-    let picture = picture(fitter, 0, &views[0], measurement, arcs, completed);
-    Ok(Illustration::new(picture, views[0].size(), &points, POINTS_OF_CYLINDER))
+    let picture = overlay(fitter, 0, &views[0], measurement, arcs, completed).illustrate(PICTURE_WIDTH);
+    Ok(Illustration::new(picture, &points, POINTS_OF_CYLINDER))
 }
 
 /// A picture of each view, and overlay.png, that of the first.
@@ -282,7 +280,7 @@ fn write_overlays(
 ) -> Result<(), Failure> {
     for (index, view) in views.iter().enumerate() {
         fitter.select_view(index)?;
-        let picture = picture(fitter, index, view, measurement, arcs, completed);
+        let picture = overlay(fitter, index, view, measurement, arcs, completed).draw();
         let write = |name: &str| {
             let path = folder.join(name);
             let picture =

@@ -191,11 +191,20 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
 fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
     let (base, rows) = match arguments.plan().and_then(|base| Ok((base, plan::rows(arguments)?))) {
         Ok(found) => found,
+        Err(failure) if plan::of_command_line(&failure) => bad_plan(&failure),
         Err(Failure { status, message }) => {
             complain(&format!("{status}: {message}"));
             return Ok(true);
         }
     };
+    // Where no row is possible it is not what was varied, or all of that.
+    let mut failures = rows.iter().map(|row| row.expected.as_ref().err());
+    if let Some(Some(first)) = failures.next()
+        && plan::of_command_line(first)
+        && failures.all(|failure| failure.is_some_and(plan::of_command_line))
+    {
+        bad_plan(first)
+    }
     #[cfg(feature = "twin")]
     let rows = with_captures(rows, arguments)?;
     let failed = rows.iter().any(|row| row.expected.is_err());
@@ -210,6 +219,10 @@ fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
         writeln!(io::stdout(), "{}", plan::within(&rows, &base, vary, percent))?;
     }
     Ok(failed)
+}
+
+fn bad_plan(Failure { status, message }: &Failure) -> ! {
+    usage_error("plan", ErrorKind::ValueValidation, &format!("{message} ({status})"))
 }
 
 #[cfg(feature = "twin")]

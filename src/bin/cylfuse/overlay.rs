@@ -1,7 +1,8 @@
 //! The picture of a fit: the image with limb lines, ends, axis, given edges, completed surface, and the samples of limbs
 //! and ends that were used and refused.
 
-use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, text_width};
+use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, Window, text_width};
+use crate::page::{Label, Picture};
 use crate::report::Measurement;
 use cylfuse::camera::Camera;
 use cylfuse::extent::ArcSample;
@@ -51,7 +52,7 @@ const LIMB_SAMPLE: f32 = 2.4;
 /// The same of an end, where the samples lie close together.
 const END_SAMPLE: f32 = 1.4;
 
-/// Distance of the middle of a label from the end that it names, on a picture of the ordinary width.
+/// Distance of the middle of a label from the end that it names, on the canvas.
 const LABEL_DISTANCE: f64 = 26.0;
 
 /// What is drawn.
@@ -73,29 +74,54 @@ pub struct Overlay<'a> {
 impl Overlay<'_> {
     /// The picture; `None` where it would be too large.
     pub fn draw(&self) -> Option<image::RgbImage> {
-        let mut image = self.background();
-        for &(column, row) in self.completed {
-            tint(image.get_pixel_mut(column, row), SURFACE);
-        }
+        let image = self.ground();
         let scale = ((WIDTH + image.width() / 2) / image.width()).clamp(1, 16);
         let caption = self.caption();
         let lines = layout(&caption, image.width() * scale);
         let band = (lines.len() as u32 + 1) * LINE_HEIGHT;
         let mut canvas = Canvas::new(&image, scale, band)?;
+        let labels = self.draw_fit(&mut canvas);
+        self.draw_samples(&mut canvas);
+        for (at, state) in labels {
+            label(&mut canvas, &at, state);
+        }
+        draw_caption(&mut canvas, &lines);
+        canvas.into_rgb()
+    }
+
+    /// The cylinder alone in a picture of some width, without any text, for a page that writes the text itself: its size does
+    /// not shrink with the picture then. `None` where it cannot be drawn.
+    pub fn illustrate(&self, width: u32) -> Option<Picture> {
+        let image = self.ground();
+        let window = Window::around(self.completed.iter().copied(), image.dimensions().into());
+        let mut canvas = Canvas::of_part(&image, window, width)?;
+        let labels = self.draw_fit(&mut canvas);
+        self.draw_samples(&mut canvas);
+        let labels = labels.iter().map(|(at, state)| Label::new(&canvas, at, state)).collect();
+        Picture::new(&canvas.into_rgb()?, labels)
+    }
+
+    /// The image with the surface of the cylinder.
+    fn ground(&self) -> RgbaImage {
+        let mut image = self.background();
+        for &(column, row) in self.completed {
+            tint(image.get_pixel_mut(column, row), SURFACE);
+        }
+        image
+    }
+
+    /// Draws given edges and the fitted cylinder; returns what is to be written beside its ends, and where.
+    fn draw_fit(&self, canvas: &mut Canvas) -> Vec<(Vector2<f64>, &'static str)> {
         for edge in self.fitter.segments() {
             canvas.polyline(edge.endpoints.iter().map(|&end| Some(end)), EDGE_PEN);
             for end in &edge.endpoints {
                 canvas.dot(end, 4.5, EDGES);
             }
         }
-        if let Some(result) = self.fitter.result() {
-            let cylinder = self.fitter.pose().inverse().cylinder(&result.cylinder);
-            self.draw_lines(&cylinder, &mut canvas);
-            self.draw_ends(&cylinder, &mut canvas);
-        }
-        self.draw_samples(&mut canvas);
-        draw_caption(&mut canvas, &lines);
-        canvas.into_rgb()
+        let Some(result) = self.fitter.result() else { return Vec::new() };
+        let cylinder = self.fitter.pose().inverse().cylinder(&result.cylinder);
+        self.draw_lines(&cylinder, canvas);
+        self.draw_ends(&cylinder, canvas)
     }
 
     /// The image, or the depth as grey levels when there is none.
@@ -167,9 +193,11 @@ impl Overlay<'_> {
         }
     }
 
-    /// The circles at the ends, full where they are seen and dashed behind the cylinder, with their states.
-    fn draw_ends(&self, cylinder: &Cylinder, canvas: &mut Canvas) {
-        let Some(ends) = self.ends() else { return };
+    /// The circles at the ends, full where they are seen and dashed behind the cylinder; returns their states, and where they
+    /// are to be written.
+    fn draw_ends(&self, cylinder: &Cylinder, canvas: &mut Canvas) -> Vec<(Vector2<f64>, &'static str)> {
+        let mut labels = Vec::new();
+        let Some(ends) = self.ends() else { return labels };
         let direction = cylinder.axis.direction;
         let inside = cylinder.contains_origin();
         let (u, v) = any_orthogonal(&direction);
@@ -187,25 +215,26 @@ impl Overlay<'_> {
             canvas.polyline(part(false), HIDDEN_END_PEN);
             canvas.polyline(part(true), END_PEN);
             let rim = circle.iter().filter_map(|(at, _)| at.as_ref());
-            if let Some(at) = self.beside_end(&center, &(outward * cylinder.radius), rim) {
-                label(canvas, &at, state);
-            }
+            let pixels = canvas.length(LABEL_DISTANCE);
+            let at = self.beside_end(&center, &(outward * cylinder.radius), rim, pixels);
+            labels.extend(at.map(|at| (at, state)));
         }
+        labels
     }
 
-    /// The position beyond an end, in the direction of a step outward, where its label covers neither the end nor the
-    /// cylinder.
+    /// The position some pixels beyond an end, in the direction of a step outward, where its label covers neither the end nor
+    /// the cylinder.
     fn beside_end<'r>(
         &self,
         center: &Vector3<f64>,
         outward: &Vector3<f64>,
         rim: impl Iterator<Item = &'r Vector2<f64>>,
+        pixels: f64,
     ) -> Option<Vector2<f64>> {
         let at = self.camera.project(center)?;
         let ahead = self.camera.project(&(center + outward * 0.1))?;
         let away = (ahead - at).try_normalize(1e-9)?;
         let reach = rim.map(|point| (point - at).dot(&away)).fold(0.0, f64::max);
-        let pixels = LABEL_DISTANCE * self.camera.size().0 as f64 / f64::from(WIDTH);
         Some(at + away * (reach + pixels))
     }
 

@@ -55,6 +55,11 @@ pub fn rows(arguments: &PlanArguments) -> Result<Vec<Row>, Failure> {
     Ok(values.map(|value| row(Some(value), vary.quantity.set(&base, value))).collect())
 }
 
+/// Whether a value of the command line is at fault, not what the camera sees.
+pub fn of_command_line(failure: &Failure) -> bool {
+    ["INVALID_ARGUMENT", "INVALID_INTRINSICS"].contains(&failure.status)
+}
+
 /// The captures of a row, several at a time; `done` is called after each.
 #[cfg(feature = "twin")]
 pub fn simulate(
@@ -120,9 +125,7 @@ pub fn render(rows: &[Row], vary: Option<&Vary>) -> String {
             lines.push((what, of.map(|[scatter, _]| scatter)));
             lines.push(("their bias".into(), of.map(|[_, bias]| bias)));
         }
-        let value = row
-            .value
-            .map(|value| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string());
+        let value = row.value.map(shown);
         for (k, (what, deviations)) in lines.into_iter().enumerate() {
             let mut cells = Vec::new();
             if vary.is_some() {
@@ -137,11 +140,51 @@ pub fn render(rows: &[Row], vary: Option<&Vary>) -> String {
     for column in table.column_iter_mut().skip(texts) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let mut text = format!("{table}\n");
-    if let Some(failure) = rows.iter().find_map(|row| row.expected.as_ref().err()) {
-        text.push_str(&format!("not measured: {}\n", failure.message));
+    format!("{table}\n{}", reasons(rows, vary))
+}
+
+/// Why rows have no result, a line for each run of rows that have the same reason, numbers in it apart.
+fn reasons(rows: &[Row], vary: Option<&Vary>) -> String {
+    let mut runs: Vec<Vec<(&Row, &Failure)>> = Vec::new();
+    let mut last: Option<String> = None;
+    for row in rows {
+        let kind = row.expected.as_ref().err().map(|failure| failure.message.replace(in_number, ""));
+        if let Err(failure) = &row.expected {
+            match runs.last_mut().filter(|_| kind == last) {
+                Some(run) => run.push((row, failure)),
+                None => runs.push(vec![(row, failure)]),
+            }
+        }
+        last = kind;
     }
-    text
+    let line = |run: Vec<(&Row, &Failure)>| {
+        let [(first, failure), ..] = run[..] else { return String::new() };
+        let value = |row: &Row| row.value.map(shown).unwrap_or_default();
+        let place = match (vary, run.last()) {
+            (Some(vary), Some((end, _))) => {
+                let (name, unit) = vary.quantity.title();
+                let range = if run.len() > 1 { format!(" to {}", value(end)) } else { String::new() };
+                let place = format!(" at a {name} of {}{range} {unit}", value(first));
+                // The message is that of the first.
+                let alike = run.iter().all(|(_, other)| other.message == failure.message);
+                let first = format!(" (numbers at {})", format!("{} {unit}", value(first)).trim_end());
+                format!("{}{}", place.trim_end(), if alike { "" } else { &first })
+            }
+            _ => String::new(),
+        };
+        format!("not measured{place}: {}\n", failure.message)
+    };
+    runs.into_iter().map(line).collect()
+}
+
+/// Whether a character may belong to a number of a message.
+fn in_number(character: char) -> bool {
+    character.is_ascii_digit() || character == '.' || character == '-'
+}
+
+/// A varied value.
+fn shown(value: f64) -> String {
+    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').into()
 }
 
 fn cells_of(deviations: &Deviations, radius: f64) -> [String; 5] {

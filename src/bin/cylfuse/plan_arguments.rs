@@ -66,7 +66,8 @@ pub struct PlanArguments {
     pub focal_length: Option<f64>,
 
     /// Horizontal field of view of the image in degrees, instead of the focal length.
-    #[arg(long, value_name = "DEG", help_heading = "Camera")]
+    #[arg(long, value_name = "DEG", help_heading = "Camera", value_parser = parse_field_of_view)]
+    #[arg(allow_hyphen_values = true)]
     pub field_of_view: Option<f64>,
 
     /// The kind of depth sensor: its noise law, and the simulated sensor for --simulate.
@@ -147,6 +148,13 @@ fn in_tilts(degrees: f64) -> Result<(), String> {
     match degrees.abs() <= MOST_TILT {
         true => Ok(()),
         false => Err(format!("a tilt of {degrees} degrees; it must be from {} to {MOST_TILT}", -MOST_TILT)),
+    }
+}
+
+fn parse_field_of_view(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err(format!("{text:?} is no angle greater than 0 and less than 180 degrees")),
     }
 }
 

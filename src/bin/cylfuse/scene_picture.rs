@@ -1,11 +1,12 @@
 //! The picture of a scene: every cylinder in its colour, with its number.
 
-use crate::canvas::{Canvas, LINE_HEIGHT, color_of};
+use crate::canvas::{Canvas, LINE_HEIGHT, Window, color_of};
 use crate::detect::Found;
 use crate::failure::Failure;
 use crate::fit::write_file;
 use crate::frame::View;
 use crate::overlay::{grey_levels, tint};
+use crate::page::{Label, Picture};
 use cylfuse::observations::DepthImage;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use nalgebra::Vector2;
@@ -33,11 +34,10 @@ impl ScenePicture<'_> {
         write_file(path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
     }
 
-    /// The picture; `None` where it would be too large.
-    pub fn draw(&self) -> Option<image::RgbImage> {
+    /// The image with the regions of the cylinders, and the middle of each region, for its number.
+    fn ground(&self) -> (RgbaImage, Vec<Option<Vector2<f64>>>) {
         let mut image = self.background();
         let width = image.width();
-        // The middle of each region, for its number.
         let mut sums = vec![[0.0; 3]; self.cylinders.len()];
         for (k, &label) in self.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
             let (x, y) = (k as u32 % width, k as u32 / width);
@@ -47,13 +47,33 @@ impl ScenePicture<'_> {
             let sum = &mut sums[index];
             *sum = [sum[0] + f64::from(x), sum[1] + f64::from(y), sum[2] + 1.0];
         }
+        let middle = |[x, y, n]: [f64; 3]| (n > 0.0).then(|| Vector2::new(x / n, y / n));
+        (image, sums.into_iter().map(middle).collect())
+    }
+
+    /// The picture in some width without any text, for a page that writes the numbers itself. `None` where it cannot be drawn.
+    pub fn illustrate(&self, width: u32) -> Option<Picture> {
+        let (image, middles) = self.ground();
+        let window = Window::of_image(image.dimensions().into());
+        let canvas = Canvas::of_part(&image, window, width)?;
+        let label = |(index, middle): (usize, Option<Vector2<f64>>)| {
+            Some(Label::new(&canvas, &middle?, &(index + 1).to_string()))
+        };
+        let labels = middles.into_iter().enumerate().filter_map(label).collect();
+        Picture::new(&canvas.into_rgb()?, labels)
+    }
+
+    /// The picture; `None` where it would be too large.
+    pub fn draw(&self) -> Option<image::RgbImage> {
+        let (image, middles) = self.ground();
+        let width = image.width();
         let scale = ((1280 + width / 2) / width).clamp(1, 16);
         let mut canvas = Canvas::new(&image, scale, (self.cylinders.len() as u32 + 1) * LINE_HEIGHT)?;
         let top = canvas.image_height() + LINE_HEIGHT / 2;
-        for (index, (found, sum)) in self.cylinders.iter().zip(sums).enumerate() {
+        for (index, (found, middle)) in self.cylinders.iter().zip(middles).enumerate() {
             let number = (index + 1).to_string();
-            if sum[2] > 0.0 {
-                let (x, y) = canvas.place(&Vector2::new(sum[0] / sum[2], sum[1] / sum[2]));
+            if let Some(middle) = middle {
+                let (x, y) = canvas.place(&middle);
                 canvas.bar((x - 2.0, y - 10.0), (12.0 * number.len() as f32, 20.0), [0, 0, 0, 170]);
                 canvas.text((x as u32, (y - 9.0).max(0.0) as u32), &number, [255; 3], true);
             }

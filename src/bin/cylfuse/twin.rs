@@ -39,6 +39,8 @@ impl Writer<'_> {
     fn images(&self, jpeg: Option<u8>) -> Result<(), Failure> {
         let size = self.options.camera.size();
         let depth_size = self.frame.depth_camera.as_ref().map_or(size, |own| own.camera.size());
+        // Of an earlier run with another option.
+        remove(&self.folder.join(if jpeg.is_some() { "image.png" } else { "image.jpg" }))?;
         match jpeg {
             None => self.png("image.png", size, self.frame.image.clone())?,
             Some(quality) => write_file(&self.folder.join("image.jpg"), |to| {
@@ -111,6 +113,14 @@ impl Writer<'_> {
             })?;
         }
         Ok(())
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::not_writable(path, error)),
+        _ => Ok(()),
     }
 }
 

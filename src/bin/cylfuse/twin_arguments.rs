@@ -4,7 +4,7 @@
 
 use clap::{Args, ValueEnum};
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::error::Result;
+use cylfuse::error::{Error, Result};
 use cylfuse::twin::{
     ActiveStereo, CaptureOptions, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight,
 };
@@ -37,12 +37,12 @@ pub struct TwinArguments {
 
     /// Width of the image in pixels.
     #[arg(long, value_name = "N", default_value_t = 640, help_heading = "Camera")]
-    #[arg(value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(value_parser = clap::value_parser!(u32).range(SIZES))]
     pub width: u32,
 
     /// Height of the image in pixels.
     #[arg(long, value_name = "N", default_value_t = 480, help_heading = "Camera")]
-    #[arg(value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(value_parser = clap::value_parser!(u32).range(SIZES))]
     pub height: u32,
 
     /// Focal length of the image in pixels [default: 0.89 times the width].
@@ -83,6 +83,18 @@ pub struct TwinArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
 }
+
+/// Columns and rows: fewer show no cylinder, more take gigabytes.
+const SIZES: std::ops::RangeInclusive<i64> = 64..=4096;
+
+/// Focal lengths in widths of the image: a field of view of 136° down to 2.9°.
+const FOCAL_LENGTHS: [f64; 2] = [0.2, 20.0];
+
+/// Blurs in pixels: no limb is seen beyond.
+const BLURS: [f64; 2] = [0.0, 20.0];
+
+/// Electrons of a pixel at full scale: with fewer the image is nothing but noise, with more 8 bits show none.
+const ELECTRONS: [f64; 2] = [10.0, 1e7];
 
 const LAYOUT: &str = "Files of a frame:
   frame.json   the input of `cylfuse fit` and `cylfuse detect`
@@ -159,6 +171,20 @@ impl TwinArguments {
     /// `InvalidIntrinsics` or `InvalidArgument` for a value out of range.
     pub fn options(&self) -> Result<CaptureOptions> {
         let focal_length = self.focal_length.unwrap_or(0.89 * f64::from(self.width));
+        let focal_lengths = FOCAL_LENGTHS.map(|part| part * f64::from(self.width));
+        for (name, value, [low, high]) in [
+            ("--focal-length", focal_length, focal_lengths),
+            ("--blur", self.blur, BLURS),
+            ("--electrons", self.electrons, ELECTRONS),
+        ] {
+            if !(low..=high).contains(&value) {
+                return Err(Error::InvalidArgument {
+                    name: name.into(),
+                    value: value.to_string(),
+                    requirement: format!("be from {low} to {high}"),
+                });
+            }
+        }
         let distortion = if self.distortion.is_empty() {
             Distortion::None
         } else {

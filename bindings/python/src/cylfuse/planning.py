@@ -53,7 +53,8 @@ def plan(
     `tilt` is the angle between the axis and the plane of the image, `turn` its angle in the image from the vertical.
     `noise` has six numbers: a, b, c of the noise of depth a + b z + c z^2 at the depth z; the side of the squares of
     pixels that share it, at least 1; the noise of a pixel of the image as a part of the step of brightness at limbs and
-    ends; the blur of the image in pixels. Without it, it is that of structured light and an ordinary image."""
+    ends; the blur of the image in pixels. Without it, it is that of structured light and an ordinary image. A noise for each
+    limb and end, and simulated captures, are in `cylfuse plan` on the command line and in Rust alone."""
     camera = instance("intrinsics", intrinsics, Intrinsics)._struct()
     numbers = {"distance": distance, "radius": radius, "length": length, "tilt": tilt, "turn": turn}
     cylinder = np.array([real(name, value) for name, value in numbers.items()])

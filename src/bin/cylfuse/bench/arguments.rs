@@ -44,6 +44,10 @@ pub struct BenchArguments {
     #[arg(long, value_name = "PROGRAM")]
     pub cgal: Option<PathBuf>,
 
+    /// Seconds that either program has for one cloud; then the bench stops.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
+    pub time_limit: u64,
+
     /// Maximum number of threads, 0 for as many as the machine has. Results do not depend on it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

@@ -68,7 +68,7 @@ pub fn run(bench: &Bench, inputs: &[PathBuf]) -> Result<Vec<Section>, Failure> {
         Some(truths) => score_scene(path, &truths),
         None => {
             let sample = Sample::read(path)?;
-            let errors = METHODS.iter().map(|method| errors_of(&fit(&sample, *method, None)));
+            let errors = METHODS.iter().map(|method| errors_of(fit(&sample, *method).as_ref()));
             Ok(Scored::Single(sample.name.clone(), errors.collect()))
         }
     })?;

@@ -120,42 +120,45 @@ pub struct Variation<'a> {
     pub near_wall: NearWall,
 }
 
-/// Fits a sample by a method.
-///
-/// # Errors
-/// Those of the fit.
-pub fn fit(sample: &Sample, method: Method, pcl: Option<&Program>) -> Result<Outcome, Failure> {
-    match (method, pcl) {
-        (Method::Pcl, Some(pcl)) => {
-            let mut fitter = sample.fitter(Some(&[]))?;
-            // The extent that the paper gives all methods.
-            fitter.set_options(Method::Ransac.options())?;
-            let clock = Instant::now();
-            let cylinder = pcl.fit(fitter.cloud().points())?;
-            Ok(outcome(sample, &fitter, cylinder, clock.elapsed().as_secs_f64()))
-        }
-        _ => fit_with(sample, method, &Variation::default()),
-    }
+/// Fits a sample by a method of this library; none where the fit fails.
+pub fn fit(sample: &Sample, method: Method) -> Option<Outcome> {
+    fit_with(sample, method, &Variation::default())
 }
 
-/// Fits a sample by a method with something changed.
+/// The same by any method; the Point Cloud Library needs its program.
 ///
 /// # Errors
-/// Those of the fit.
-pub fn fit_with(sample: &Sample, method: Method, variation: &Variation<'_>) -> Result<Outcome, Failure> {
+/// Where that program does not work, which is no failure of a fit.
+pub fn fit_by_any(
+    sample: &Sample,
+    method: Method,
+    pcl: Option<&Program>,
+) -> Result<Option<Outcome>, Failure> {
+    let (Method::Pcl, Some(pcl)) = (method, pcl) else { return Ok(fit(sample, method)) };
+    let mut fitter = sample.fitter(Some(&[]))?;
+    // The extent that the paper gives all methods.
+    fitter.set_options(Method::Ransac.options())?;
+    let clock = Instant::now();
+    let cylinder = pcl.fit(fitter.cloud().points())?;
+    let seconds = clock.elapsed().as_secs_f64();
+    Ok(cylinder.map(|cylinder| outcome(sample, &fitter, cylinder, seconds)))
+}
+
+/// Fits a sample by a method of this library with something changed; none where the fit fails.
+pub fn fit_with(sample: &Sample, method: Method, variation: &Variation<'_>) -> Option<Outcome> {
     let edges = if method == Method::NoEdges { Some(&[][..]) } else { variation.edges };
-    let mut fitter = sample.fitter(edges)?;
+    let mut fitter = sample.fitter(edges).ok()?;
     let mut options = method.options();
     options.edge_weight = variation.edge_weight.unwrap_or(options.edge_weight);
     options.near_wall = variation.near_wall;
     if variation.start.is_some() {
         options.start = StartKind::Model;
     }
-    fitter.set_options(options)?;
+    fitter.set_options(options).ok()?;
     fitter.set_start(variation.start);
     let clock = Instant::now();
-    let cylinder = fitter.fit()?.cylinder;
-    Ok(outcome(sample, &fitter, cylinder, clock.elapsed().as_secs_f64()))
+    let cylinder = fitter.fit().ok()?.cylinder;
+    Some(outcome(sample, &fitter, cylinder, clock.elapsed().as_secs_f64()))
 }
 
 fn outcome(sample: &Sample, fitter: &Fitter, cylinder: Cylinder, seconds: f64) -> Outcome {
@@ -175,6 +178,6 @@ fn outcome(sample: &Sample, fitter: &Fitter, cylinder: Cylinder, seconds: f64) -
 }
 
 /// The errors of a fit; NaN where it failed.
-pub fn errors_of(outcome: &Result<Outcome, Failure>) -> Errors {
-    outcome.as_ref().map_or([f64::NAN; 4], |outcome| outcome.errors)
+pub fn errors_of(outcome: Option<&Outcome>) -> Errors {
+    outcome.map_or([f64::NAN; 4], |outcome| outcome.errors)
 }

@@ -12,6 +12,7 @@ mod published;
 mod sample;
 mod stage;
 mod statistics;
+mod trial;
 
 pub use arguments::BenchArguments;
 
@@ -21,11 +22,13 @@ use experiments::{EXPERIMENTS, Experiment};
 use indicatif::ProgressBar;
 use methods::Method;
 use page::Section;
-use program::Program;
+use program::{Program, Task};
 use sample::Sample;
 use stage::OnBoard;
 use std::io::Write;
+use std::path::Path;
 use std::sync::OnceLock;
+use std::time::Duration;
 
 /// Seeds between experiments, of which none takes as many.
 const STRIDE: u64 = 10_000;
@@ -83,6 +86,19 @@ impl Bench {
     /// The methods that are compared.
     pub fn compared(&self) -> Vec<Method> {
         Method::COMPARED.into_iter().chain(self.pcl.as_ref().map(|_| Method::Pcl)).collect()
+    }
+
+    /// Tries the programs of other libraries with what these experiments ask of them.
+    ///
+    /// # Errors
+    /// `OTHER_LIBRARY`.
+    fn try_out(&self, experiments: &[&Experiment]) -> Result<(), Failure> {
+        let asks = |task| experiments.iter().any(|experiment| experiment.asks == Some(task));
+        if let Some(pcl) = self.pcl.as_ref().filter(|_| asks(Task::Fit)) {
+            pcl.try_out(Task::Fit)?;
+        }
+        let mut programs = self.pcl.iter().chain(&self.cgal).filter(|_| asks(Task::Scene));
+        programs.try_for_each(|program| program.try_out(Task::Scene))
     }
 
     /// Does something with all items, side by side; the results come in the order of the items.
@@ -151,10 +167,12 @@ pub fn run(arguments: &BenchArguments) -> Result<String, Failure> {
         (_, true) => Scale::Quick,
         _ => Scale::Full,
     };
+    let limit = Duration::from_secs(arguments.time_limit);
+    let program = |library, path: &Path| Program::new(library, path, limit);
     let mut bench = Bench {
         scale,
-        pcl: arguments.pcl.as_deref().map(|path| Program::new("PCL", path)).transpose()?,
-        cgal: arguments.cgal.as_deref().map(|path| Program::new("CGAL", path)).transpose()?,
+        pcl: arguments.pcl.as_deref().map(|path| program("PCL", path)).transpose()?,
+        cgal: arguments.cgal.as_deref().map(|path| program("CGAL", path)).transpose()?,
         seed: arguments.seed,
         threads: arguments.threads,
         progress: ProgressBar::hidden(),
@@ -171,6 +189,8 @@ pub fn run(arguments: &BenchArguments) -> Result<String, Failure> {
             arguments.only.is_empty() || arguments.only.iter().any(|name| name == experiment.name)
         };
         let wanted: Vec<&Experiment> = EXPERIMENTS.iter().filter(wanted).collect();
+        // Nor does anybody want to learn after half an hour that a program does not work.
+        bench.try_out(&wanted)?;
         bench.progress = crate::progress_bar(wanted.iter().map(|one| (one.count)(&bench)).sum());
         let run = |experiment: &&Experiment| (experiment.run)(&bench);
         wanted.iter().map(run).collect::<Result<Vec<_>, _>>()?

@@ -158,15 +158,17 @@ body{font:16px/1.5 system-ui,sans-serif;color:#1d2228;background:#fff;max-width:
 h1{font-size:1.6em;line-height:1.2}h2{margin-top:2em;border-bottom:2px solid #d5dae0;line-height:1.25}
 h3{margin-bottom:.2em}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 14px}dt{color:#59636e}dd{margin:0;overflow-wrap:anywhere}
-.table{overflow-x:auto}table{border-collapse:collapse;font-size:.92em}
+.table{overflow-x:auto;margin:14px 0}table{border-collapse:collapse;font-size:.92em}
 th,td{padding:3px 9px;border-bottom:1px solid #d5dae0;text-align:right;white-space:nowrap}
-th:first-child,td:first-child{text-align:left}th{background:#f2f4f7}
+th:first-child,td:first-child{text-align:left;position:sticky;left:0}td:first-child{background:#fff}th{background:#f2f4f7}
 td.missed{background:#fde3d8}td.reached{background:#dcefe6}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,340px),1fr));gap:10px}
 .pictures svg{width:100%;height:auto;display:block}
 .pictures figure{margin:0}figcaption{font-size:.92em;text-align:center}
 .legend{display:flex;flex-wrap:wrap;gap:4px 16px}.legend span{white-space:nowrap}
 .legend i{display:inline-block;width:14px;height:14px;border-radius:7px;margin-right:6px;vertical-align:-2px}
+@media(max-width:700px){th:first-child,td:first-child{white-space:normal;min-width:110px;max-width:140px;\
+border-right:1px solid #d5dae0}}
 ";
 
 #[cfg(test)]

@@ -93,6 +93,8 @@ impl Panel {
             let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
             root.fill(&WHITE).map_err(failed)?;
             if self.y.logarithmic {
+                // A little below its decade, which would not be labelled otherwise.
+                let low = 0.97 * low;
                 self.fill(&root, left..right, (low..high).log_scale(), [low, high], series)?;
             } else {
                 self.fill(&root, left..right, low..high, [low, high], series)?;
@@ -268,6 +270,23 @@ mod tests {
     #[test]
     fn labels_are_short() {
         assert_eq!([0.5, 10.0, 0.001, -0.0001, 100.0].map(number), ["0.5", "10", "0.001", "0", "100"]);
+    }
+
+    #[test]
+    fn both_ends_of_an_axis_in_factors_are_labelled() {
+        let marks = vec![Mark { x: 1.0, y: 0.2, spread: 0.0 }, Mark { x: 2.0, y: 0.9, spread: 0.0 }];
+        let series = [Series { name: "a".into(), color: [1, 2, 3], marks, joined: false }];
+        let y = Axis::logarithmic("y");
+        let panel = Panel {
+            title: "t".into(),
+            x: Axis::linear("x").with_range(3.0, 9.0),
+            y,
+            level: None,
+            aside: 0.0,
+        };
+        let text = panel.draw(&series).unwrap();
+        let words: Vec<&str> = text.lines().map(str::trim).collect();
+        assert!(words.contains(&"0.1") && words.contains(&"1"), "{text}");
     }
 
     #[test]

@@ -1,6 +1,22 @@
 //! What the paper states in numbers (Zhang, Liu, Wang, Sensors 2026, 26(5), 1687). Its figures state more, but only as
 //! pictures.
 
+/// Where a figure of the paper has values that neither its text nor a table states.
+pub const PICTURE_ONLY: &str = "only as a picture";
+
+/// Section 5.3 on Figure 6: the weights that improve all configurations, and the one that is taken.
+pub const GOOD_WEIGHTS: [f64; 2] = [0.5, 0.8];
+/// See [`GOOD_WEIGHTS`].
+pub const WEIGHT: f64 = 0.6;
+
+/// Section 5.4.2 on Figure 8: what is said of each configuration of [`STARTS`].
+pub const STARTS_SAID: [&str; 4] = [
+    "robust, stable convergence",
+    "robust, stable convergence",
+    "robust, stable convergence",
+    "the performance degrades",
+];
+
 /// Section 5.5: the mean errors of its method stay below these in all 24 configurations: E_o (degrees), E_p (mm), E_r (%),
 /// E_l (%).
 pub const MAXIMA: [f64; 4] = [0.77, 2.74, 0.24, 1.76];

@@ -37,8 +37,12 @@ impl Summary {
         Self {
             count,
             mean,
-            // A single value shows no scatter.
-            deviation: if count > 1 { (squares / (count - 1) as f64).sqrt() } else { 0.0 },
+            deviation: match count {
+                0 => f64::NAN,
+                // A single value shows no scatter.
+                1 => 0.0,
+                _ => (squares / (count - 1) as f64).sqrt(),
+            },
             median,
             ninety: at(0.9),
             worst: at(1.0),
@@ -56,6 +60,7 @@ mod tests {
         assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
         assert_eq!((summary.ninety, summary.worst), (4.0, 4.0));
         assert!((summary.deviation - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15);
-        assert!(Summary::of([]).mean.is_nan() && Summary::of([]).worst.is_nan());
+        let Summary { mean, deviation, worst, .. } = Summary::of([]);
+        assert!([mean, deviation, worst].iter().all(|value| value.is_nan()));
     }
 }

@@ -46,6 +46,7 @@
     return cylinder ? cylinder.warnings : ['no cylinder found'];
   };
   const order = { fail: 0, undecided: 1, pass: 2 };
+  const verdict = (row) => row.cylinder?.judgement?.verdict;
 
   const columns = [
     { title: 'Frame', className: 'name', key: name, text: name },
@@ -59,8 +60,7 @@
       text: ({ cylinder }) => (cylinder ? measured(cylinder.length, cylinder.length_deviation) : ''),
     },
     judged && {
-      title: 'Verdict', className: 'verdict', key: (row) => order[row.cylinder?.verdict],
-      text: (row) => row.cylinder?.verdict ?? '',
+      title: 'Verdict', className: 'verdict', key: (row) => order[verdict(row)], text: (row) => verdict(row) ?? '',
     },
     { title: 'Warnings', className: 'warnings', key: (row) => words(row).length, text: (row) => words(row).join('; ') },
   ].filter(Boolean);
@@ -80,10 +80,16 @@
     row.element.tabIndex = 0;
     row.element.title = row.frame.name;
     const picture = row.element.appendChild(element('td', 'picture'));
-    if (row.frame.picture) picture.append(image(row.frame));
+    const shown = row.cylinder?.picture ?? row.frame.picture;
+    if (shown) picture.append(image(shown));
+    if (shown && row.cylinder?.number) picture.append(numbered(row.cylinder));
     for (const column of columns) {
       const cell = row.element.appendChild(element('td', column.className, column.text(row)));
-      if (column.className === 'verdict') cell.classList.add(cell.textContent || 'none');
+      if (column.className === 'verdict' && verdict(row)) {
+        cell.classList.add(verdict(row));
+        // What is well within its limits needs no words beside it.
+        if (verdict(row) !== 'pass') cell.append(element('span', 'reason', row.cylinder.judgement.reasons[0]));
+      }
       if (column.className === 'warnings' && row.frame.error) cell.classList.add('error');
       if (column.className === 'number') cell.dataset.title = column.title;
     }
@@ -91,10 +97,32 @@
     row.element.addEventListener('keydown', (event) => { if (event.key === 'Enter') choose(row, true); });
   }
 
-  function image(frame) {
+  function image({ jpeg }) {
     const made = new Image();
     made.alt = '';
-    made.src = `data:image/jpeg;base64,${frame.picture}`;
+    made.src = `data:image/jpeg;base64,${jpeg}`;
+    return made;
+  }
+
+  /** The number of a cylinder in its colour. */
+  function numbered({ number, color }) {
+    const made = element('span', 'badge', number);
+    made.style.borderColor = `rgb(${color})`;
+    return made;
+  }
+
+  /** A picture with its words, which do not shrink with it. */
+  function labelled(picture, alt) {
+    const made = element('div', 'labelled');
+    const pixels = image(picture);
+    pixels.alt = alt;
+    made.append(pixels);
+    for (const { at: [x, y], text } of picture.labels) {
+      const label = element('span', 'label', text);
+      label.style.left = `${100 * x}%`;
+      label.style.top = `${100 * y}%`;
+      made.append(label);
+    }
     return made;
   }
 
@@ -129,8 +157,8 @@
     parts.push(`${quantity} from ${+(low * factor).toPrecision(10)} to ${+(high * factor).toPrecision(10)} ${unit}`.trim());
   }
   if (judged) {
-    for (const verdict of ['pass', 'fail', 'undecided']) {
-      parts.push(`${found.filter(({ cylinder }) => cylinder.verdict === verdict).length} ${verdict}`);
+    for (const word of ['pass', 'fail', 'undecided']) {
+      parts.push(`${found.filter((row) => verdict(row) === word).length} ${word}`);
     }
   }
   byId('summary').textContent = parts.join(', ');
@@ -323,9 +351,10 @@
     detail.querySelector('h2').textContent = name(row);
     const { frame, cylinder } = row;
     byId('view').hidden = !frame.points;
-    const picture = detail.querySelector('img');
-    picture.hidden = !frame.picture;
-    if (frame.picture) picture.src = image(frame).src;
+    const pictures = [];
+    if (cylinder?.picture) pictures.push(labelled(cylinder.picture, 'The cylinder over the image'));
+    if (frame.picture) pictures.push(labelled(frame.picture, 'All cylinders of the frame'));
+    byId('pictures').replaceChildren(...pictures);
     const list = detail.querySelector('dl');
     list.replaceChildren();
     const say = (term, text) => {
@@ -336,7 +365,7 @@
       say(titled('Length'), measured(cylinder.length, cylinder.length_deviation));
       say('Ends', cylinder.end_states);
       say('Axis', cylinder.direction.map((x) => x.toFixed(4)).join(', '));
-      say('Verdict', cylinder.verdict);
+      say('Verdict', cylinder.judgement && [cylinder.judgement.verdict, ...cylinder.judgement.reasons].join('; '));
     }
     say('Warnings', words(row).join('; '));
     if (frame.points) show(row);

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use std::str::FromStr;
 
-/// Standard deviations within which the truth lies in 95 % of the measurements.
+/// Standard deviations on either side of a value within which the truth lies in 95 % of the measurements, where the stated
+/// deviations hold and errors are normal.
 const COVERAGE: f64 = 1.96;
 
 /// What can be limited.
@@ -69,59 +70,210 @@ impl Tolerance {
 pub enum Verdict {
     /// All quantities are within their limits.
     Pass,
-    /// The uncertainty does not tell, or a quantity was not measured.
+    /// The uncertainty does not tell, a quantity was not measured, or a warning puts the measurement in doubt.
     Undecided,
     /// A quantity is outside its limits.
     Fail,
 }
 
-/// The verdict on radius and length, each a value and its standard deviation; none without limits.
+/// A verdict and what it rests on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judgement {
+    /// The worst of all quantities.
+    pub verdict: Verdict,
+    /// What is said of each quantity, and the warnings that put the measurement in doubt; those that led to the verdict
+    /// first.
+    pub reasons: Vec<String>,
+}
+
+/// A value as it was measured.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Measured {
+    /// The value, if there is one.
+    pub value: Option<f64>,
+    /// Its standard deviation, if it is known.
+    pub deviation: Option<f64>,
+    /// Whether the true value may be greater by any amount: the length of what is seen of a cylinder that goes on.
+    pub at_least: bool,
+}
+
+/// The unit in which reasons are written: its size in that of the data, and its name.
+#[derive(Debug, Clone, Copy)]
+pub struct Unit {
+    /// Units in the unit of the data.
+    pub factor: f64,
+    /// With a space before it, or nothing.
+    pub name: &'static str,
+}
+
+/// The verdict on radius and length; none without limits.
 ///
-/// Within or outside is what is so with an interval of 95 % on either side (ISO 14253-1): between lies what the
-/// measurement does not decide.
-pub fn verdict(
+/// Within or outside is what is so with 1.96 standard deviations on either side (ISO 14253-1): between lies what the
+/// measurement does not decide. Nor does it decide anything where one of the `doubts`, warnings in words, takes part.
+pub fn judge(
     tolerances: &[Tolerance],
-    radius: (Option<f64>, Option<f64>),
-    length: (Option<f64>, Option<f64>),
-) -> Option<Verdict> {
-    let of = |tolerance: &Tolerance| {
-        let (Some(value), Some(deviation)) = (match tolerance.quantity {
-            Quantity::Radius => radius,
-            Quantity::Length => length,
-        }) else {
-            return Verdict::Undecided;
-        };
-        let reach = COVERAGE * deviation;
-        match (value - reach, value + reach) {
-            (low, high) if low >= tolerance.low && high <= tolerance.high => Verdict::Pass,
-            (low, high) if low > tolerance.high || high < tolerance.low => Verdict::Fail,
-            _ => Verdict::Undecided,
-        }
+    radius: Measured,
+    length: Measured,
+    doubts: &[String],
+    unit: Unit,
+) -> Option<Judgement> {
+    let of = |tolerance: &Tolerance| match tolerance.quantity {
+        Quantity::Radius => tolerance.judge(radius, unit),
+        Quantity::Length => tolerance.judge(length, unit),
     };
-    tolerances.iter().map(of).max()
+    let mut parts: Vec<(Verdict, String)> = tolerances.iter().map(of).collect();
+    // The worst first; those alike stay in the order of the limits.
+    parts.sort_by_key(|(verdict, _)| std::cmp::Reverse(*verdict));
+    let worst = parts.first()?.0;
+    let verdict = if doubts.is_empty() { worst } else { Verdict::Undecided };
+    let doubts = doubts.iter().map(|doubt| format!("in doubt: {doubt}"));
+    Some(Judgement { verdict, reasons: doubts.chain(parts.into_iter().map(|part| part.1)).collect() })
+}
+
+impl Tolerance {
+    fn judge(&self, measured: Measured, unit: Unit) -> (Verdict, String) {
+        let name = self.quantity.name();
+        let undecided = |why: &str| (Verdict::Undecided, format!("{name} {why}"));
+        let Measured { value: Some(value), deviation, at_least } = measured else {
+            return undecided("not measured");
+        };
+        let Some(reach) = deviation.map(|deviation| COVERAGE * deviation) else {
+            return undecided("without a known uncertainty");
+        };
+        let text = |size: f64| shown(size, reach, unit);
+        // How far beyond the nearer limit, or inside of it.
+        let beyond = (value - self.high).max(self.low - value);
+        let (limit, side) =
+            if value - self.high >= self.low - value { (self.high, "above") } else { (self.low, "below") };
+        let limit = format!("{}{}", rounded(limit * unit.factor), unit.name);
+        let place = match beyond > 0.0 {
+            true => format!("{} {side} the limit of {limit}", text(beyond)),
+            false => format!("{} within the limit of {limit}", text(-beyond)),
+        };
+        let surely_too_long = value - reach > self.high;
+        if at_least && !surely_too_long {
+            return undecided("of the visible part only: an end is cut off or hidden");
+        }
+        let word = if beyond - reach > 0.0 {
+            Verdict::Fail
+        } else if beyond + reach <= 0.0 {
+            Verdict::Pass
+        } else {
+            return undecided(&format!("{place}, its uncertainty is {} (1.96 deviations)", text(reach)));
+        };
+        (word, format!("{name} {place}"))
+    }
+}
+
+/// A length with the digits that its uncertainty leaves.
+fn shown(size: f64, reach: f64, unit: Unit) -> String {
+    let (size, reach) = (size * unit.factor, reach * unit.factor);
+    let digits = if reach > 0.0 { (1.0 - reach.log10().floor()).clamp(0.0, 12.0) as usize } else { 6 };
+    format!("{size:.digits$}{}", unit.name)
+}
+
+/// A limit as it was given, without the errors of its change of unit.
+fn rounded(limit: f64) -> f64 {
+    format!("{limit:.9e}").parse().unwrap_or(limit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const MILLIMETRES: Unit = Unit { factor: 1000.0, name: " mm" };
+
+    fn known(value: f64, deviation: f64) -> Measured {
+        Measured { value: Some(value), deviation: Some(deviation), at_least: false }
+    }
+
+    fn limits(texts: &[&str]) -> Vec<Tolerance> {
+        texts.iter().map(|text| text.parse().unwrap()).collect()
+    }
+
     #[test]
-    fn the_uncertainty_decides() {
-        let tolerances = ["radius=0.019..0.021", "length=0.1..0.2"].map(|text| text.parse().unwrap());
-        let judge = |radius: f64, deviation: f64| {
-            verdict(&tolerances, (Some(radius), Some(deviation)), (Some(0.15), Some(0.001)))
+    fn the_uncertainty_decides_and_the_reason_says_by_how_much() {
+        let tolerances = limits(&["radius=0.019..0.021", "length=0.1..0.2"]);
+        let judged = |radius: f64, deviation: f64| {
+            let length = known(0.16, 0.001);
+            judge(&tolerances, known(radius, deviation), length, &[], MILLIMETRES).unwrap()
         };
-        assert_eq!(judge(0.02, 0.0004), Some(Verdict::Pass));
-        assert_eq!(judge(0.02, 0.0006), Some(Verdict::Undecided));
-        assert_eq!(judge(0.0209, 0.0004), Some(Verdict::Undecided));
-        assert_eq!(judge(0.0215, 0.0004), Some(Verdict::Undecided));
-        assert_eq!(judge(0.022, 0.0004), Some(Verdict::Fail));
-        assert_eq!(judge(0.018, 0.0004), Some(Verdict::Fail));
-        // What is not known decides nothing.
-        let known = (Some(0.02), Some(0.0001));
-        assert_eq!(verdict(&tolerances, known, (None, None)), Some(Verdict::Undecided));
-        assert_eq!(verdict(&tolerances[..1], (Some(0.02), None), (None, None)), Some(Verdict::Undecided));
-        assert_eq!(verdict(&[], known, known), None);
+        for (radius, deviation, verdict, reason) in [
+            (0.0202, 0.0004, Verdict::Pass, "radius 0.80 mm within the limit of 21 mm"),
+            (
+                0.0202,
+                0.0006,
+                Verdict::Undecided,
+                "radius 0.8 mm within the limit of 21 mm, its uncertainty is 1.2 mm (1.96 deviations)",
+            ),
+            (
+                0.0209,
+                0.0004,
+                Verdict::Undecided,
+                "radius 0.10 mm within the limit of 21 mm, its uncertainty is 0.78 mm (1.96 deviations)",
+            ),
+            (
+                0.0215,
+                0.0004,
+                Verdict::Undecided,
+                "radius 0.50 mm above the limit of 21 mm, its uncertainty is 0.78 mm (1.96 deviations)",
+            ),
+            (0.022, 0.0004, Verdict::Fail, "radius 1.00 mm above the limit of 21 mm"),
+            (0.018, 0.0004, Verdict::Fail, "radius 1.00 mm below the limit of 19 mm"),
+        ] {
+            let judgement = judged(radius, deviation);
+            assert_eq!(judgement.verdict, verdict, "{radius} {deviation}");
+            assert_eq!(judgement.reasons[0], reason);
+            assert_eq!(judgement.reasons[1], "length 40.0 mm within the limit of 200 mm");
+        }
+    }
+
+    #[test]
+    fn what_led_to_the_verdict_comes_first() {
+        let tolerances = limits(&["radius=0.019..0.021", "length=0.1..0.2"]);
+        let judgement = judge(&tolerances, known(0.02, 1e-4), known(0.25, 0.001), &[], MILLIMETRES).unwrap();
+        assert_eq!(judgement.verdict, Verdict::Fail);
+        assert_eq!(judgement.reasons[0], "length 50.0 mm above the limit of 200 mm");
+    }
+
+    #[test]
+    fn what_is_not_known_decides_nothing() {
+        let tolerances = limits(&["radius=0.019..0.021", "length=0.1..0.2"]);
+        let radius = known(0.02, 0.0001);
+        let judged = |length: Measured| judge(&tolerances, radius, length, &[], MILLIMETRES).unwrap();
+        let missing = judged(Measured::default());
+        assert_eq!((missing.verdict, &missing.reasons[0][..]), (Verdict::Undecided, "length not measured"));
+        let vague = judged(Measured { deviation: None, ..known(0.15, 0.0) });
+        assert_eq!(vague.verdict, Verdict::Undecided);
+        assert_eq!(vague.reasons[0], "length without a known uncertainty");
+        assert_eq!(judge(&[], radius, radius, &[], MILLIMETRES), None);
+    }
+
+    #[test]
+    fn a_part_of_a_cylinder_can_only_be_too_long() {
+        let tolerances = limits(&["length=0.1..0.2"]);
+        let judged = |value: f64| {
+            let part = Measured { at_least: true, ..known(value, 0.001) };
+            judge(&tolerances, Measured::default(), part, &[], MILLIMETRES).unwrap().verdict
+        };
+        assert_eq!([0.05, 0.15, 0.201, 0.25].map(judged), {
+            use Verdict::{Fail, Undecided};
+            [Undecided, Undecided, Undecided, Fail]
+        });
+    }
+
+    #[test]
+    fn a_doubt_leaves_nothing_decided() {
+        let doubt = ["not converged".to_string()];
+        for limits in [["radius=0.01..0.03"], ["radius=0.03..0.04"]].map(|texts| limits(&texts)) {
+            let sure = judge(&limits, known(0.02, 1e-4), Measured::default(), &[], MILLIMETRES).unwrap();
+            let judgement =
+                judge(&limits, known(0.02, 1e-4), Measured::default(), &doubt, MILLIMETRES).unwrap();
+            assert_ne!(sure.verdict, Verdict::Undecided);
+            assert_eq!(judgement.verdict, Verdict::Undecided);
+            // What the numbers alone would say stays.
+            assert_eq!(judgement.reasons, ["in doubt: not converged", &sure.reasons[0]]);
+        }
     }
 
     #[test]

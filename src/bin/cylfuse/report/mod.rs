@@ -66,6 +66,9 @@ pub struct Measurement {
     pub views: Option<Vec<ViewValues>>,
     /// Warnings and what is missing, in words.
     pub notes: Vec<String>,
+    /// Those of them that put radius and length in doubt, whatever their deviations are.
+    #[serde(skip)]
+    pub doubts: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
     /// What a page shows of it.
@@ -137,7 +140,7 @@ pub struct SecondsValues {
 impl Measurement {
     /// What a fit gives.
     pub fn new(options: &Options, result: &FitResult) -> Self {
-        let notes = result.flags.iter().map(|flag| explain(flag, result)).collect();
+        let explained = |flags: Flags| flags.iter().map(|flag| explain(flag, result)).collect();
         Self {
             cylinder: (&result.cylinder).into(),
             uncertainty: result.uncertainty.as_ref().map(UncertaintyValues::from),
@@ -145,7 +148,8 @@ impl Measurement {
             result: ResultValues::new(options, result),
             view: ViewValues::new(Fitted::Cloud),
             views: None,
-            notes,
+            notes: explained(result.flags),
+            doubts: explained(result.flags.intersection(DOUBTS)),
             out: None,
             illustration: None,
             seconds: SecondsValues {
@@ -189,6 +193,18 @@ impl Measurement {
         self.extent = Some(extent.into());
     }
 }
+
+/// The warnings of which a stated deviation says nothing: no verdict rests on such a result (docs/warnings.md).
+const DOUBTS: Flags = Flags::POOR_FIT
+    .union(Flags::POINTS_AND_LIMBS_DISAGREE)
+    .union(Flags::HIDDEN_WALL)
+    .union(Flags::MASK_ENDS_WITH_DEPTH)
+    .union(Flags::NOT_CONVERGED)
+    .union(Flags::RADIUS_AT_LIMIT)
+    .union(Flags::AXIS_AT_LIMIT)
+    .union(Flags::SCALE_HELD)
+    .union(Flags::RESOLUTION_LOST)
+    .union(Flags::UNCERTAINTY_UNKNOWN);
 
 /// A flag in words.
 fn explain(flag: Flags, result: &FitResult) -> String {

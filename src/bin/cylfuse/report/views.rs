@@ -140,6 +140,11 @@ pub struct ExtentValues {
 }
 
 impl ExtentValues {
+    /// Whether the cylinder goes on beyond what was measured, behind something else or beyond the image.
+    pub fn goes_on(&self) -> bool {
+        [self.start_state, self.end_state].iter().any(|state| ["cut", "hidden"].contains(state))
+    }
+
     /// The two ends on the axis, each with its state.
     pub fn ends(&self) -> [(Vector3<f64>, &'static str); 2] {
         [(Vector3::from(self.start), self.start_state), (Vector3::from(self.end), self.end_state)]

@@ -37,7 +37,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             let seed = bench.seed(10, sample * 1000 + *level as usize * 100 + batch * BATCH + k);
             let edges = samples[*sample].disturbed_edges(f64::from(*level), seed);
             let variation = || Variation { edges: Some(&edges), ..Variation::default() };
-            METHODS.map(|method| errors_of(&fit_with(&samples[*sample], method, &variation())))
+            METHODS.map(|method| errors_of(fit_with(&samples[*sample], method, &variation()).as_ref()))
         };
         // Without noise all trials are the same.
         let count = if *level == 0 && *batch > 0 { 0 } else { BATCH };

@@ -1,7 +1,7 @@
 //! Figures 10 to 12: fitted cylinders over the image, and what completion makes of the depth.
 
 use crate::bench::Bench;
-use crate::bench::methods::{Method, Outcome, fit};
+use crate::bench::methods::{Method, Outcome, fit_by_any};
 use crate::bench::page::{Section, paragraph, pictures, shown};
 use crate::bench::picture::{Outline, over_image};
 use crate::bench::plot::cross_section;
@@ -34,7 +34,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
     for sample in &samples {
         let (mut over, mut across) = (Vec::new(), Vec::new());
         for method in &methods {
-            let Ok(outcome) = fit(sample, *method, bench.pcl.as_ref()) else { continue };
+            let Some(outcome) = fit_by_any(sample, *method, bench.pcl.as_ref())? else { continue };
             let errors = outcome.errors.map(shown);
             let name = method.name();
             let caption = format!(

@@ -19,6 +19,7 @@ use super::Bench;
 use super::methods::{Errors, METRICS, Method};
 use super::page::{Section, shown};
 use super::plot::{Axis, Mark, Panel, Series};
+use super::program::Task;
 use super::statistics::Summary;
 use crate::failure::Failure;
 
@@ -26,6 +27,8 @@ use crate::failure::Failure;
 pub struct Experiment {
     /// What `--only` calls it.
     pub name: &'static str,
+    /// What it asks of the programs of other libraries.
+    pub asks: Option<Task>,
     /// How many steps of the progress bar it takes.
     pub count: fn(&Bench) -> usize,
     /// Does it.
@@ -34,40 +37,45 @@ pub struct Experiment {
 
 /// All experiments in the order of the report.
 pub const EXPERIMENTS: [Experiment; NAMES.len()] = [
-    Experiment { name: NAMES[0], count: compare::count, run: compare::run },
-    Experiment { name: NAMES[1], count: weights::count, run: weights::run },
-    Experiment { name: NAMES[2], count: endpoints::count, run: endpoints::run },
-    Experiment { name: NAMES[3], count: starts::count, run: starts::run },
-    Experiment { name: NAMES[4], count: gallery::count, run: gallery::run },
-    Experiment { name: NAMES[5], count: pipes::count, run: pipes::run },
-    Experiment { name: NAMES[6], count: time::count, run: time::run },
-    Experiment { name: NAMES[7], count: sensors::count, run: sensors::run },
+    Experiment { name: NAMES[0], asks: Some(Task::Fit), count: compare::count, run: compare::run },
+    Experiment { name: NAMES[1], asks: None, count: weights::count, run: weights::run },
+    Experiment { name: NAMES[2], asks: None, count: endpoints::count, run: endpoints::run },
+    Experiment { name: NAMES[3], asks: None, count: starts::count, run: starts::run },
+    Experiment { name: NAMES[4], asks: Some(Task::Fit), count: gallery::count, run: gallery::run },
+    Experiment { name: NAMES[5], asks: None, count: pipes::count, run: pipes::run },
+    Experiment { name: NAMES[6], asks: Some(Task::Fit), count: time::count, run: time::run },
+    Experiment { name: NAMES[7], asks: None, count: sensors::count, run: sensors::run },
     Experiment {
         name: NAMES[8],
+        asks: None,
         count: |bench| sweeps::DISTANCE.count(bench),
         run: |bench| sweeps::DISTANCE.run(bench),
     },
     Experiment {
         name: NAMES[9],
+        asks: None,
         count: |bench| sweeps::TILT.count(bench),
         run: |bench| sweeps::TILT.run(bench),
     },
     Experiment {
         name: NAMES[10],
+        asks: None,
         count: |bench| sweeps::ARC.count(bench),
         run: |bench| sweeps::ARC.run(bench),
     },
     Experiment {
         name: NAMES[11],
+        asks: None,
         count: |bench| sweeps::BAR.count(bench),
         run: |bench| sweeps::BAR.run(bench),
     },
     Experiment {
         name: NAMES[12],
+        asks: None,
         count: |bench| sweeps::LIGHT.count(bench),
         run: |bench| sweeps::LIGHT.run(bench),
     },
-    Experiment { name: NAMES[13], count: scenes::count, run: scenes::run },
+    Experiment { name: NAMES[13], asks: Some(Task::Scene), count: scenes::count, run: scenes::run },
 ];
 
 /// Their names.

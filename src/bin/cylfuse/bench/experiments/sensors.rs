@@ -35,7 +35,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
         let scene = random_scene(Kind::Single, seed)?;
         let options = stage::capture_options(sensors()[*sensor].1)?;
         let sample = Sample::take(String::new(), &scene, &options, [seed, seed])?;
-        Ok((*sensor, *k, METHODS.map(|method| errors_of(&fit(&sample, method, None)))))
+        Ok((*sensor, *k, METHODS.map(|method| errors_of(fit(&sample, method).as_ref()))))
     })?;
     let mut csv = Csv::new("sensors", "sensor,scene,method,E_o_deg,E_p_mm,E_r_pct,E_l_pct");
     for (sensor, k, errors) in &rows {

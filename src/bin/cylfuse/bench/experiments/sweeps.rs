@@ -132,7 +132,7 @@ impl Sweep {
             let seed = bench.seed(self.seeds, *index);
             let scene = (self.stage)(*value, self.radii[*radius]).scene(seed)?;
             let sample = Sample::take(String::new(), &scene, &options, [seed, seed])?;
-            let errors = self.methods.iter().map(|method| errors_of(&fit(&sample, *method, None)));
+            let errors = self.methods.iter().map(|method| errors_of(fit(&sample, *method).as_ref()));
             Ok((*radius, *value, errors.collect::<Vec<Errors>>()))
         })?;
         let errors = |radius: usize, value: f64, method: usize| -> Vec<Errors> {
