@@ -25,9 +25,6 @@ RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
 step "dependencies: licences, sources, known vulnerabilities"
 tests/deny.sh
 
-step "package of the crate"
-tests/crate.sh
-
 step "tests: Rust, header, ABI, hostile calls and damaged files, C with sanitizers and valgrind, command line"
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
