@@ -60,6 +60,45 @@ fn a_fit_to_dense_depth_that_is_no_cylinder_ends() {
     }
 }
 
+/// How often a fit asks with nothing to report: with the iteration that it told of before.
+fn asked_between_iterations(input: &Hostile, end: usize) -> (usize, bool) {
+    let mut fitter = input.fitter();
+    let (mut asked, mut last) = (0, (0, f64::INFINITY, 0.0));
+    let outcome = fitter.fit_with(&mut |iteration| {
+        let told = (iteration.iteration, iteration.cost, iteration.lambda);
+        asked += usize::from(told == last && told.1.is_finite());
+        last = told;
+        if asked >= end { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    (asked, matches!(outcome, Err(Error::Cancelled { .. })))
+}
+
+/// A can of radius 0.04 that stands at 0.7, bright before dark.
+fn can() -> Hostile {
+    let (mut depth, mut mask, mut image) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..640 * 480 {
+        let [x, y] = [(f64::from(k % 640) - 319.5) / 525.0, (f64::from(k / 640) - 239.5) / 525.0];
+        let root: f64 = 0.49 - (1.0 + x * x) * (0.49 - 0.04 * 0.04);
+        let z = (0.7 - root.max(0.0).sqrt()) / (1.0 + x * x);
+        let seen = root > 0.0 && (y * z).abs() < 0.06;
+        depth.push(if seen { z as f32 } else { 1.0 });
+        mask.push(u8::from(seen));
+        image.push(if seen { 190 } else { 60 });
+    }
+    Hostile { name: "can".into(), depth, mask, image: Some(image), segments: Vec::new() }
+}
+
+#[test]
+fn the_location_of_limbs_and_ends_asks() {
+    let can = can();
+    let (asked, cancelled) = asked_between_iterations(&can, NEVER);
+    // Once about the limbs and four times about the ends, in each round.
+    assert!(asked >= 5 && !cancelled, "{asked}");
+    for end in 1..=asked {
+        assert_eq!(asked_between_iterations(&can, end), (end, true));
+    }
+}
+
 #[test]
 fn a_search_ends_and_hears_that_it_shall() {
     let input = input("bumps every 12 pixels");

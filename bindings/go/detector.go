@@ -347,6 +347,16 @@ func (detection *Detection) read(handle *C.cylfuse_detector, index C.size_t) C.c
 	return C.CYLFUSE_STATUS_OK
 }
 
+// IsComplete says whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with
+// more in it than that, cylinders may be missing, and the last one is what the search found, with FlagNotConverged.
+func (detector *Detector) IsComplete() (bool, error) {
+	var complete C.int32_t
+	err := detector.call(func(handle *C.cylfuse_detector) C.cylfuse_status {
+		return C.cylfuse_detector_is_complete(handle, &complete)
+	})
+	return complete != 0, err
+}
+
 // Labels gives for each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1 on.
 func (detector *Detector) Labels() (Labels, error) {
 	if !detector.last.TryRLock() {

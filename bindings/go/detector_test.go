@@ -104,6 +104,33 @@ func pairFrame(t testing.TB, withImage bool) *Frame {
 	return frame
 }
 
+func TestASearchThatWasCutShortSaysSo(t *testing.T) {
+	// Bumps in both directions, 12 pixels apart: more to look at than a search may.
+	bumps := DepthImage[float32]{Data: make([]float32, 640*480), Width: 640, Height: 480, Scale: 1}
+	for k := range bumps.Data {
+		wave := func(k int) float64 { return math.Sin(math.Pi / 6 * float64(k)) }
+		bumps.Data[k] = float32(1 + 1.2/525*wave(k%640)*wave(k/640))
+	}
+	frame, err := NewFrame()
+	must(t, err)
+	defer frame.Close()
+	must(t, frame.SetIntrinsics(Intrinsics{Width: 640, Height: 480, FX: 525, FY: 525, CX: 319.5, CY: 239.5}))
+	must(t, frame.SetDepth(bumps))
+	detector := newDetector(t)
+	if _, err := detector.IsComplete(); !errors.Is(err, StatusBadState) {
+		t.Error(err)
+	}
+	for frame, expected := range map[*Frame]bool{frame: false, pairFrame(t, true): true} {
+		_, err := detector.Detect(frame)
+		must(t, err)
+		complete, err := detector.IsComplete()
+		must(t, err)
+		if complete != expected {
+			t.Errorf("complete: %v, not %v", complete, expected)
+		}
+	}
+}
+
 // checkScene checks what a detector says of both cylinders, and one thing against another.
 func checkScene(t *testing.T, detector *Detector, found []Detection, tolerance float64) {
 	t.Helper()

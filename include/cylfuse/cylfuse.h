@@ -1102,7 +1102,8 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST 128
 /**
- * The limit of iterations came before convergence.
+ * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, and it is
+ * what the search found; see `cylfuse_detector_is_complete`.
  */
 #define CYLFUSE_RESULT_FLAGS_NOT_CONVERGED 256
 /**
@@ -2750,6 +2751,21 @@ CYLFUSE_NOEXCEPT;
 CYLFUSE_API
 cylfuse_status cylfuse_detector_count(const struct cylfuse_detector *detector,
                                       size_t *out_count)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
+ * takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
+ * the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+ * `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
+ *
+ * @param detector the detector
+ * @param out_complete 1, or 0 when cylinders may be missing
+ * @return BAD_STATE when no scene was searched
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_is_complete(const struct cylfuse_detector *detector,
+                                            int32_t *out_complete)
 CYLFUSE_NOEXCEPT;
 
 /**

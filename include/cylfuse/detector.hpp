@@ -113,6 +113,16 @@ public:
         const cylfuse_status status = cylfuse_detector_count(handle(), &count);
         return finish(status, count);
     }
+    /**
+     * Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more in
+     * it than that, cylinders may be missing.
+     */
+    Returned<bool> is_complete() const
+    {
+        std::int32_t complete = 0;
+        const cylfuse_status status = cylfuse_detector_is_complete(handle(), &complete);
+        return finish(status, complete != 0);
+    }
     /** The cylinders by falling score. */
     Returned<std::vector<Detection>> detections() const
     {

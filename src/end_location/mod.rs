@@ -24,6 +24,7 @@ pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
 use nalgebra::Vector2;
 use silhouette::{RoughEnd, Silhouette};
+use std::ops::ControlFlow;
 use surface::Surface;
 use surroundings::Surroundings;
 
@@ -126,20 +127,26 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
 /// shows no end circle, and on a mask without extent or ends along the axis they are the extremes. `None` when no ray of
-/// the mask meets the cylinder.
-#[must_use]
-pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 2]> {
-    let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search, cylinder) };
+/// the mask meets the cylinder. `check` is asked between the steps whether to go on.
+pub fn locate_ends(
+    search: &EndSearch<'_>,
+    cylinder: &Cylinder,
+    check: &mut dyn FnMut() -> ControlFlow<()>,
+) -> ControlFlow<(), Option<[End; 2]>> {
+    let extreme_ends = |search| ControlFlow::Continue(extreme_ends(search, cylinder));
+    let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search) };
     let parts = search.depth.filter(|_| !search.whole).and_then(|depth| {
         Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)
             .filter(|parts| !parts.all_body())
     });
+    check()?;
     let body = parts.as_ref().and_then(|parts| parts.body(search.camera, search.mask));
     let search = &EndSearch { mask: body.as_ref().unwrap_or(search.mask), ..*search };
     let told = parts.map_or([None, None], |parts| parts.ends);
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
-    let Some(extremes) = extremes else { return extreme_ends(search, cylinder) };
+    let Some(extremes) = extremes else { return extreme_ends(search) };
+    check()?;
     let surroundings = surroundings(search, cylinder);
     let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
     let factor = search.noise.factor(search.blur);
@@ -150,10 +157,13 @@ pub fn locate_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End; 
         mask: search.mask,
         noise: search.noise.reduced(factor),
     });
-    let ends = [(-1.0, told[0]), (1.0, told[1])]
-        .map(|(outward, told)| locate(&silhouette, &surroundings, arcs.as_ref(), told.as_ref(), outward));
+    let mut end = |outward: f64, told: Option<&BodyEnd>| {
+        check()?;
+        ControlFlow::Continue(locate(&silhouette, &surroundings, arcs.as_ref(), told, outward))
+    };
+    let ends = [end(-1.0, told[0].as_ref())?, end(1.0, told[1].as_ref())?];
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
-    if ends[0].position < ends[1].position { Some(ends) } else { extreme_ends(search, cylinder) }
+    if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }
 }
 
 /// The paper's rule: the extreme positions along the axis of the points completed over the mask. `None` when no ray

@@ -22,6 +22,7 @@ use crate::geometry::{Cylinder, RigidMotion};
 use crate::limb_location::blur_of;
 use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
+use std::ops::ControlFlow;
 pub use uncertainty::ExtentUncertainty;
 
 const CALL: &str = "finding the extent";
@@ -179,7 +180,11 @@ impl Fitter {
             blur: self.limbs_of(index).and_then(blur_of),
         };
         let locates_ends = self.options().locates_ends();
-        let ends = if locates_ends { locate_ends(&search, &seen) } else { extreme_ends(&search, &seen) };
+        let ends = if locates_ends {
+            locate_ends(&search, &seen, &mut || ControlFlow::Continue(())).continue_value().flatten()
+        } else {
+            extreme_ends(&search, &seen)
+        };
         Some(EndsOfView { view: index, into_view, limbs_known: search.limbs_known, ends: ends? })
     }
 }

@@ -183,7 +183,11 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
         blur: None,
     };
     let axis = scene.cylinder.axis;
-    let [start, end] = locate_ends(&search, &scene.cylinder).unwrap().map(|end| end.samples);
+    let [start, end] = locate_ends(&search, &scene.cylinder, &mut || ControlFlow::Continue(()))
+        .continue_value()
+        .flatten()
+        .unwrap()
+        .map(|end| end.samples);
     [(start, scene.ends.0), (end, scene.ends.1)].map(|(samples, end)| {
         let offset = |sample: &ArcSample| {
             let ray = camera.unproject(&sample.pixel).unwrap();

@@ -28,6 +28,28 @@ pub unsafe extern "C" fn cylfuse_detector_count(
     }
 }
 
+/// Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
+/// takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
+/// the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+/// `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
+///
+/// @param detector the detector
+/// @param out_complete 1, or 0 when cylinders may be missing
+/// @return BAD_STATE when no scene was searched
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_is_complete(
+    detector: *const cylfuse_detector,
+    out_complete: *mut i32,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content| {
+            Slot::new(out_complete, "out_complete")?.write(i32::from(content.scene()?.complete));
+            Ok(())
+        })
+    }
+}
+
 /// Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
 ///
 /// @param detector the detector

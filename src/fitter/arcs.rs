@@ -13,6 +13,7 @@ use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
 use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
 use nalgebra::{Matrix3, Vector3};
+use std::ops::ControlFlow;
 
 /// Fewest places that tell how an arc is bent.
 const LEAST_PLACES: usize = 8;
@@ -43,7 +44,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     let Located { mut minimum, mut held } = located;
     for _ in 0..ARC_ROUNDS {
         let before = *minimum.cylinder();
-        held = with_arcs(data, &without, &held, &before);
+        held = with_arcs(data, &without, &held, &before, run)?;
         if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
@@ -62,41 +63,60 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
 
 /// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours. `last` is what
 /// was held before.
-fn with_arcs(data: &Data<'_>, held: &Held, last: &Held, cylinder: &Cylinder) -> Held {
+fn with_arcs(
+    data: &Data<'_>,
+    held: &Held,
+    last: &Held,
+    cylinder: &Cylinder,
+    run: &mut Run<'_>,
+) -> Result<Held> {
     let views = data.views.iter().zip(&held.views).zip(&last.views).map(|((view, held), last)| {
         // Only a mask that ends with the body gives arcs; it does so about a cylinder that turned a little, too.
         let whole = !last.arcs.ends.is_empty();
-        let arcs = arcs(view, held, whole, &view.seen(cylinder)).unwrap_or_default();
-        HeldView { arcs, ..held.clone() }
+        let arcs = arcs(view, held, whole, &view.seen(cylinder), run)?.unwrap_or_default();
+        Ok(HeldView { arcs, ..held.clone() })
     });
-    Held { views: views.collect(), ..held.clone() }
+    Ok(Held { views: views.collect::<Result<_>>()?, ..held.clone() })
 }
 
-fn arcs(view: &ViewData<'_>, held: &HeldView, whole: bool, cylinder: &Cylinder) -> Option<ArcTerm> {
+/// The arcs that one view shows; `None` when it shows none.
+fn arcs(
+    view: &ViewData<'_>,
+    held: &HeldView,
+    whole: bool,
+    cylinder: &Cylinder,
+    run: &mut Run<'_>,
+) -> Result<Option<ArcTerm>> {
     if cylinder.contains_origin() {
-        return None;
+        return Ok(None);
     }
-    let camera = view.camera()?;
+    let (Some(camera), Some(mask), Some(image)) = (view.camera(), view.view.mask.as_ref(), view.view.image())
+    else {
+        return Ok(None);
+    };
     let search = EndSearch {
         camera,
-        mask: view.view.mask.as_ref()?,
+        mask,
         whole,
         depth: view.view.depth(),
-        image: Some(view.view.image()?),
+        image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
         limbs_known: held.given + held.located > 0,
         noise: view.noise,
         blur: held.limbs.as_ref().and_then(blur_of),
     };
-    let ends = locate_ends(&search, cylinder)?;
+    let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.hear()) else {
+        return Err(run.cancelled());
+    };
+    let Some(ends) = ends else { return Ok(None) };
     let endpoint = view.noise.endpoint;
     // A mask that goes on beyond an end is that of a whole object. A lid or rim may be at either end of it, and the circle
     // of one that is wider by a part of the radius looks like a tilt by that part.
     if ends.iter().any(|end| end.rim) {
-        return None;
+        return Ok(None);
     }
     let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
-    Some(ArcTerm { ends: ends.collect() })
+    Ok(Some(ArcTerm { ends: ends.collect() }))
 }
 
 /// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.

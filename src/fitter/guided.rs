@@ -266,7 +266,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     fn by_mask(
         &mut self,
         camera: &Camera,
-        outline: &Outline,
+        outline: &Outline<'_>,
         given: &[PixelSegment],
         candidates: &[Candidate],
         first: Result<Attempt>,

@@ -34,7 +34,7 @@ type Observations = Vec<Option<[LimbObservation; 2]>>;
 /// Locates the limbs near those of the first fit and fits again with them. A limb that is not seen, or that contradicts
 /// the points, is left to what the first fit held it to.
 pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<Located> {
-    let mut observations = observe(data, guided, guided.minimum.cylinder(), |view| view.deviation);
+    let mut observations = observe(data, guided, guided.minimum.cylinder(), |view| view.deviation, run)?;
     let mut lines = lines_of(data, &observations);
     let mut fit = None;
     let one_limb = |lines: &Lines| lines[0].is_some() != lines[1].is_some();
@@ -45,7 +45,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
             let by_hand = |view: usize| data.views[view].noise.limb_of_segments();
             for (view, lines) in lines.iter_mut().enumerate().filter(|(_, lines)| one_limb(lines)) {
                 let missing = usize::from(lines[0].is_some());
-                let again = observe_view(data, guided, view, fit.minimum.cylinder(), by_hand(view));
+                let again = observe_view(data, guided, view, fit.minimum.cylinder(), by_hand(view), run)?;
                 if let (Some(again), Some(seen)) = (again, &mut observations[view]) {
                     seen[missing].clone_from(&again[missing]);
                     *lines = lines_of_view(&data.views[view], seen);
@@ -85,9 +85,10 @@ fn observe(
     guided: &Guided,
     cylinder: &Cylinder,
     deviation: impl Fn(&GuidedView) -> f64,
-) -> Observations {
+    run: &mut Run<'_>,
+) -> Result<Observations> {
     let views = guided.views.iter().enumerate();
-    views.map(|(view, of_view)| observe_view(data, guided, view, cylinder, deviation(of_view))).collect()
+    views.map(|(view, of_view)| observe_view(data, guided, view, cylinder, deviation(of_view), run)).collect()
 }
 
 /// The same of one view; `None` when it is not to be searched.
@@ -97,31 +98,35 @@ fn observe_view(
     view: usize,
     cylinder: &Cylinder,
     deviation: f64,
-) -> Option<[LimbObservation; 2]> {
-    if data.options.edge_use == EdgeUse::AsGiven {
-        return None;
-    }
-    let range = moved(&guided.views[view].range?, guided.minimum.cylinder(), cylinder);
-    let guides = &guided.views[view].guides;
+    run: &mut Run<'_>,
+) -> Result<Option<[LimbObservation; 2]>> {
+    let GuidedView { range, guides, .. } = &guided.views[view];
     let view = &data.views[view];
-    let (image, camera) = (view.view.image()?, view.view.camera()?);
-    let located = |reach: [f64; 2]| {
+    let (Some(range), Some(image), Some(camera)) = (range, view.view.image(), view.view.camera()) else {
+        return Ok(None);
+    };
+    if data.options.edge_use == EdgeUse::AsGiven {
+        return Ok(None);
+    }
+    let range = moved(range, guided.minimum.cylinder(), cylinder);
+    let mut located = |reach: [f64; 2]| {
+        run.check()?;
         let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
         let limbs = locate_limbs(image, camera, &view.seen(cylinder), &search);
         let lines = limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
         let beside = guides.beside(lines, &view.noise);
-        (limbs, beside)
+        Ok((limbs, beside))
     };
-    let (mut limbs, mut beside) = located([REACH_DEVIATIONS * deviation; 2]);
+    let (mut limbs, mut beside) = located([REACH_DEVIATIONS * deviation; 2])?;
     if beside.contains(&true) {
         // What is far from the mask had the clearer edge: the limb may be nearer.
         let reach = |beside| if beside { BESIDE } else { REACH_DEVIATIONS };
-        (limbs, beside) = located(beside.map(|beside| reach(beside) * deviation));
+        (limbs, beside) = located(beside.map(|beside| reach(beside) * deviation))?;
     }
     for (limb, _) in limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
         limb.line = Err(NotVisible::OutOfReach);
     }
-    Some(limbs)
+    Ok(Some(limbs))
 }
 
 /// The lines that were located, each weighed by its own standard deviation.

@@ -170,17 +170,29 @@ impl Fitter {
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
+        self.fit_run(&mut Run::new(report, None))
+    }
+
+    /// The same for a caller who takes the reports for a measure of the work: `hear` is asked where they are none.
+    pub(crate) fn fit_counted(
+        &mut self,
+        report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+        hear: &dyn Fn() -> ControlFlow<()>,
+    ) -> Result<FitResult> {
+        self.fit_run(&mut Run::new(report, Some(hear)))
+    }
+
+    fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let mut run = Run::new(report);
-        let (mut made_with, mut result) = self.fit_views(Vec::new(), &mut run, &clock)?;
+        let (mut made_with, mut result) = self.fit_views(Vec::new(), run, &clock)?;
         if self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth) {
             for factor in outline::RADII {
                 let drawn = self.drawn_again(&result.cylinder, factor);
                 if drawn.iter().all(Option::is_none) {
                     break;
                 }
-                match self.fit_views(drawn, &mut run, &clock) {
+                match self.fit_views(drawn, run, &clock) {
                     Ok(again) => (made_with, result) = again,
                     Err(error @ Error::Cancelled { .. }) => return Err(error),
                     Err(_) => break,

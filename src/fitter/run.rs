@@ -2,6 +2,7 @@
 
 use super::data::Data;
 use super::objective::Precision;
+use crate::error::{Error, Result};
 use crate::solver::Iteration;
 use std::ops::ControlFlow;
 
@@ -22,14 +23,29 @@ const FEW_SOLVES: usize = 5;
 /// A fit under way: who hears of every linear solve and may stop it, and how many there were.
 pub(super) struct Run<'a> {
     report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+    hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
     /// The last iteration that was reported.
     last: Iteration,
     solves: usize,
 }
 
 impl<'a> Run<'a> {
-    pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
-        Self { report, last: Iteration::before_start(), solves: 0 }
+    /// A caller who takes the reports for a measure of the work is asked by `hear` where there is nothing to report.
+    pub fn new(
+        report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+        hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
+    ) -> Self {
+        Self { report, hear, last: Iteration::before_start(), solves: 0 }
+    }
+
+    /// Asks whether to go on within something that is no measure of the work.
+    pub fn hear(&mut self) -> ControlFlow<()> {
+        self.hear.map_or_else(|| (self.report)(&self.last), |hear| hear())
+    }
+
+    /// What a fit that was stopped returns.
+    pub fn cancelled(&self) -> Error {
+        Error::Cancelled { iterations: self.last.iteration }
     }
 
     /// Asks whether to go on while there is no new iteration to report.
@@ -41,6 +57,11 @@ impl<'a> Run<'a> {
     pub fn tell(&mut self, iteration: &Iteration) -> ControlFlow<()> {
         self.last = *iteration;
         (self.report)(iteration)
+    }
+
+    /// The same, as an error when the answer is no.
+    pub fn check(&mut self) -> Result<()> {
+        if self.hear().is_break() { Err(self.cancelled()) } else { Ok(()) }
     }
 
     /// Counts linear solves.

@@ -61,7 +61,9 @@ pub fn axial_range(
 
 /// The outline of a region in ideal pixels, from which its sides are drawn.
 #[derive(Debug, Clone)]
-pub struct Outline {
+pub struct Outline<'a> {
+    mask: &'a Mask,
+    depth: Option<&'a DepthImage>,
     pixels: Vec<OutlinePixel>,
     center: Vector2<f64>,
     noise: ImageNoise,
@@ -70,9 +72,8 @@ pub struct Outline {
 #[derive(Debug, Clone, Copy)]
 struct OutlinePixel {
     position: Vector2<f64>,
-    /// Whether the region ends here for another reason than the limb: the image ends, or something in front covers
-    /// the rest.
-    cut: bool,
+    /// Column and row.
+    at: (usize, usize),
 }
 
 /// One side of a region.
@@ -84,21 +85,30 @@ pub struct Side {
     pub cut: bool,
 }
 
-impl Outline {
+impl<'a> Outline<'a> {
     /// The outline of a mask; a depth image on the same grid tells where something in front ends it. `None` when no
     /// pixel of it has a ray.
     #[must_use]
-    pub fn new(mask: &Mask, depth: Option<&DepthImage>, camera: &Camera, noise: &ImageNoise) -> Option<Self> {
-        let (last_column, last_row) = (mask.width() - 1, mask.height() - 1);
-        let pixel = |(x, y): (usize, usize)| {
-            let at_border = x == 0 || y == 0 || x == last_column || y == last_row;
-            let position = camera.ideal_pixel(&camera.unproject(&Vector2::new(x as f64, y as f64))?)?;
-            let covered = || depth.is_some_and(|depth| covered(mask, depth, (x, y), noise));
-            Some(OutlinePixel { position, cut: at_border || covered() })
+    pub fn new(
+        mask: &'a Mask,
+        depth: Option<&'a DepthImage>,
+        camera: &Camera,
+        noise: &ImageNoise,
+    ) -> Option<Self> {
+        let pixel = |at: (usize, usize)| {
+            let ray = camera.unproject(&Vector2::new(at.0 as f64, at.1 as f64))?;
+            Some(OutlinePixel { position: camera.ideal_pixel(&ray)?, at })
         };
         let pixels: Vec<OutlinePixel> = mask.outline().filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
-        (!pixels.is_empty()).then_some(Self { pixels, center, noise: *noise })
+        (!pixels.is_empty()).then_some(Self { mask, depth, pixels, center, noise: *noise })
+    }
+
+    /// Whether the region ends at a pixel for another reason than the limb: the image ends, or something in front covers
+    /// the rest.
+    fn is_cut(&self, (x, y): (usize, usize)) -> bool {
+        let at_border = x == 0 || y == 0 || x == self.mask.width() - 1 || y == self.mask.height() - 1;
+        at_border || self.depth.is_some_and(|depth| covered(self.mask, depth, (x, y), &self.noise))
     }
 
     /// The two sides along the axis of a rough cylinder: a start for the search and for a fit, within some pixels of
@@ -124,8 +134,8 @@ impl Outline {
         if count.is_nan() || count < LEAST_POSITIONS.count() as f64 {
             return None;
         }
-        // By position along the axis and side: the outermost pixel, and whether it is cut.
-        let mut extremes = vec![[(f64::INFINITY, false), (f64::NEG_INFINITY, false)]; count as usize];
+        // By position along the axis and side: the outermost pixel.
+        let mut extremes = vec![[(f64::INFINITY, (0, 0)), (f64::NEG_INFINITY, (0, 0))]; count as usize];
         for pixel in &self.pixels {
             let (s, u) = coordinates(pixel);
             let Some([first, second]) = (s >= low).then(|| extremes.get_mut((s - low) as usize)).flatten()
@@ -133,16 +143,17 @@ impl Outline {
                 continue;
             };
             if u < first.0 {
-                *first = (u, pixel.cut);
+                *first = (u, pixel.at);
             }
             if u > second.0 {
-                *second = (u, pixel.cut);
+                *second = (u, pixel.at);
             }
         }
         let side = |k: usize| {
             let positions = extremes.iter().enumerate().filter(|(_, extreme)| extreme[0].0 < extreme[1].0);
-            let all: Vec<(f64, f64, bool)> =
-                positions.map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, extreme[k].1)).collect();
+            let all: Vec<(f64, f64, bool)> = positions
+                .map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, self.is_cut(extreme[k].1)))
+                .collect();
             let whole = all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
             // The raster of the mask.
             let least = 0.5 * self.noise.pixel;

@@ -260,5 +260,5 @@ const RADIUS_PIXELS: f64 = 3.0;
 fn fit_from(fitter: &mut Fitter, start: &Cylinder, share: &Share<'_>) -> Result<FitResult> {
     share.begin();
     fitter.set_start(Some(*start));
-    fitter.fit_with(&mut |_| share.ask())
+    fitter.fit_counted(&mut |_| share.ask(), &|| share.hear())
 }

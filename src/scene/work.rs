@@ -92,6 +92,11 @@ impl Share<'_> {
         let before = self.visits.fetch_add(self.of_question.get(), Ordering::Relaxed);
         if before >= self.limit { ControlFlow::Break(()) } else { (self.poll)() }
     }
+
+    /// Asks whether to go on, where that is no measure of the work.
+    pub fn hear(&self) -> ControlFlow<()> {
+        (self.poll)()
+    }
 }
 
 #[cfg(test)]

@@ -365,6 +365,42 @@ static void a_fitter_goes_on(void)
     CHECK_OK(cylfuse_detector_destroy(detector));
 }
 
+/* Bumps in both directions, 12 pixels apart: more to look at than a search may. */
+static void a_search_that_was_cut_short_says_so(void)
+{
+    enum { COLUMNS_OF_BUMPS = 640, ROWS_OF_BUMPS = 480 };
+    const double step = acos(-1.0) / 6.0;
+    float *bumps = exactly(sizeof *bumps * COLUMNS_OF_BUMPS * ROWS_OF_BUMPS);
+    for (int k = 0; k < COLUMNS_OF_BUMPS * ROWS_OF_BUMPS; k++) {
+        int column = k % COLUMNS_OF_BUMPS, row = k / COLUMNS_OF_BUMPS;
+        bumps[k] = (float)(1.0 + 1.2 / 525.0 * sin(step * column) * sin(step * row));
+    }
+    cylfuse_intrinsics camera = pair_camera;
+    cylfuse_depth_view depth = pair_depth();
+    camera.width = depth.width = COLUMNS_OF_BUMPS;
+    camera.height = depth.height = ROWS_OF_BUMPS;
+    camera.fx = camera.fy = 525.0;
+    camera.cx = 319.5;
+    camera.cy = 239.5;
+    depth.data = bumps;
+    cylfuse_frame *frame = NULL, *pair = pair_frame(0);
+    CHECK_OK(cylfuse_frame_create(CYLFUSE_ABI_VERSION, &frame));
+    CHECK_OK(cylfuse_frame_set_intrinsics(frame, &camera));
+    CHECK_OK(cylfuse_frame_set_depth(frame, &depth));
+    cylfuse_detector *detector = new_detector();
+    int32_t complete = -1;
+    CHECK_OK(cylfuse_detector_detect(detector, frame));
+    CHECK_OK(cylfuse_detector_is_complete(detector, &complete));
+    CHECK(complete == 0);
+    CHECK_OK(cylfuse_detector_detect(detector, pair));
+    CHECK_OK(cylfuse_detector_is_complete(detector, &complete));
+    CHECK(complete == 1);
+    CHECK_OK(cylfuse_detector_destroy(detector));
+    CHECK_OK(cylfuse_frame_destroy(pair));
+    CHECK_OK(cylfuse_frame_destroy(frame));
+    free(bumps);
+}
+
 static void limits_hold(void)
 {
     cylfuse_detector *detector = new_detector();
@@ -407,5 +443,6 @@ void test_detector(void)
     cylinders_of_a_frame();
     cylinders_of_a_cloud();
     a_fitter_goes_on();
+    a_search_that_was_cut_short_says_so();
     limits_hold();
 }

@@ -74,6 +74,7 @@ static void null_pointers_are_named(void)
     uint16_t label;
     uint32_t place;
     size_t count;
+    int32_t complete;
     detector = new_detector();
     cylfuse_detector *both[2] = {NULL, detector};
     for (int k = 0; k < 2; k++) {
@@ -81,6 +82,7 @@ static void null_pointers_are_named(void)
         cylfuse_detector *d = both[k];
         const cylfuse_status expected = k == 0 ? CYLFUSE_STATUS_NULL_POINTER : CYLFUSE_STATUS_BAD_STATE;
         CHECK(cylfuse_detector_count(d, &count) == expected);
+        CHECK(cylfuse_detector_is_complete(d, &complete) == expected);
         CHECK(cylfuse_detector_detections(d, NULL, sizeof(cylfuse_detection), 0, &count) == expected);
         CHECK(cylfuse_detector_get_result(d, 0, &result) == expected);
         CHECK(cylfuse_detector_get_cylinder(d, 0, &estimate) == expected);
@@ -109,6 +111,7 @@ static void null_pointers_are_named(void)
     CHECK_ERROR(NULL, cylfuse_detector_detect_points(detector, NULL), NULL_POINTER, "points is NULL");
     CHECK_OK(cylfuse_detector_detect(detector, frame));
     CHECK_ERROR(NULL, cylfuse_detector_count(detector, NULL), NULL_POINTER, "out_count is NULL");
+    CHECK_ERROR(NULL, cylfuse_detector_is_complete(detector, NULL), NULL_POINTER, "out_complete is NULL");
     CHECK_ERROR(NULL, cylfuse_detector_detections(detector, NULL, sizeof(cylfuse_detection), 9, &count), NULL_POINTER,
                 "out is NULL");
     CHECK_ERROR(NULL, cylfuse_detector_detections(detector, NULL, sizeof(cylfuse_detection), 0, NULL), NULL_POINTER,

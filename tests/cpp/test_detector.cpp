@@ -60,6 +60,26 @@ static void everything_goes_together()
     CHECK_ERROR(detector.extent(0), BAD_STATE, "intrinsics");
 }
 
+// Bumps in both directions, 12 pixels apart: more to look at than a search may.
+static void a_search_that_was_cut_short_says_so()
+{
+    const double step = std::acos(-1.0) / 6.0;
+    std::vector<float> bumps;
+    for (int k = 0; k < 640 * 480; ++k) {
+        bumps.push_back(float(1.0 + 1.2 / 525.0 * std::sin(step * (k % 640)) * std::sin(step * (k / 640))));
+    }
+    cylfuse::Frame frame;
+    frame.set_intrinsics(cylfuse::Intrinsics(640, 480, 525.0, 525.0, 319.5, 239.5));
+    frame.set_depth(cylfuse::DepthView(bumps.data(), 640, 480, 1.0));
+    cylfuse::Detector detector;
+    CHECK_ERROR(detector.is_complete(), BAD_STATE, "search a frame or points first");
+    detector.detect(frame);
+    CHECK(!detector.is_complete());
+    const Pair pair;
+    detector.detect(pair.frame());
+    CHECK(detector.is_complete());
+}
+
 static void options_are_kept()
 {
     cylfuse::Detector detector;
@@ -124,6 +144,7 @@ static void callbacks_and_moves()
 int main()
 {
     everything_goes_together();
+    a_search_that_was_cut_short_says_so();
     options_are_kept();
     callbacks_and_moves();
     return finish("detector");

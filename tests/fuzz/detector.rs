@@ -111,6 +111,8 @@ impl Case<'_> {
             _ => {
                 let count = self.source.room::<usize>(1);
                 call!(self, t, cylfuse_detector_count(detector, count.pointer));
+                let complete = self.source.room::<i32>(1);
+                call!(self, t, cylfuse_detector_is_complete(detector, complete.pointer));
                 call!(self, t, cylfuse_detector_cancel(detector));
             }
         }

@@ -150,6 +150,22 @@ namespace Cylfuse
         /// <exception cref="CylfuseException">BadState before the first search.</exception>
         public Detection[] Detections() => Reading(Read);
 
+        /// <summary>Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene
+        /// with more in it than that, cylinders may be missing, and the last one is what the search found, with
+        /// <see cref="ResultFlags.NotConverged"/>.</summary>
+        /// <exception cref="CylfuseException">BadState before the first search.</exception>
+        public bool IsComplete
+        {
+            get
+            {
+                using (Call call = Enter())
+                {
+                    call.Check(Native.Functions.DetectorIsComplete(call.Pointer, out int complete));
+                    return complete != 0;
+                }
+            }
+        }
+
         /// <summary>For each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1
         /// on: 1 for the first detection; 0 = none. One row for a cloud that is not organised.</summary>
         /// <exception cref="CylfuseException">BadState before the first search.</exception>

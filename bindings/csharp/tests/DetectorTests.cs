@@ -57,6 +57,27 @@ namespace Cylfuse.Tests
             }
         }
 
+        public static void ASearchThatWasCutShortSaysSo()
+        {
+            // Bumps in both directions, 12 pixels apart: more to look at than a search may.
+            var bumps = new float[480, 640];
+            for (int row = 0; row < 480; row++)
+                for (int column = 0; column < 640; column++)
+                    bumps[row, column] =
+                        (float)(1 + 1.2 / 525 * Math.Sin(Math.PI / 6 * column) * Math.Sin(Math.PI / 6 * row));
+            using (var detector = new Detector())
+            using (Frame frame = new Frame { Intrinsics = new Intrinsics(640, 480, 525, 525, 319.5, 239.5) },
+                pair = Pair.Frame())
+            {
+                frame.SetDepth(DepthImage.From(bumps, 1));
+                Check.Fails(Status.BadState, () => { bool _ = detector.IsComplete; }, "search a frame or points first");
+                detector.Detect(frame);
+                Check.That(!detector.IsComplete, "cut short");
+                detector.Detect(pair);
+                Check.That(detector.IsComplete, "complete");
+            }
+        }
+
         public static void TheCylindersOfAFrame()
         {
             using (var detector = new Detector())

@@ -102,6 +102,11 @@ export class Detector {
   detectPointsSync(points: Scalars | Points): Detection[];
   /** The cylinders. */
   detections(): Detection[];
+  /**
+   * Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more in it
+   * than that, cylinders may be missing.
+   */
+  isComplete(): boolean;
   /** For each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1 on. */
   labels(): Labels;
   /** The pixels or points of one detection (from 0), counted from 0 row by row, rising. */

@@ -84,6 +84,12 @@ class Detector {
     return found;
   }
 
+  isComplete() {
+    const complete = [0];
+    this.#calls.run((handle) => functions.cylfuse_detector_is_complete(handle, complete));
+    return complete[0] !== 0;
+  }
+
   labels() {
     const { items: data } = this.#numbers(Uint16Array, functions.cylfuse_detector_labels);
     const [width, height] = this.#size;

@@ -50,6 +50,23 @@ const bare = (found) => found.map(({ score, pixels, result, extent }) => [
   score, pixels, result.cylinder, result.covariance, extent,
 ]);
 
+test('a search that was cut short says so', () => {
+  // Bumps in both directions, 12 pixels apart: more to look at than a search may.
+  const wave = (k) => Math.sin(Math.PI / 6 * k);
+  const bumps = Float32Array.from({ length: 640 * 480 }, (_, k) => (
+    1 + 1.2 / 525 * wave(k % 640) * wave(Math.floor(k / 640))
+  ));
+  const frame = new cylfuse.Frame();
+  frame.setIntrinsics({ width: 640, height: 480, fx: 525, fy: 525, cx: 319.5, cy: 239.5 });
+  frame.setDepth({ data: bumps, width: 640, height: 480, scale: 1 });
+  const detector = new cylfuse.Detector();
+  assert.throws(() => detector.isComplete(), coded('BAD_STATE'));
+  detector.detectSync(frame);
+  assert.equal(detector.isComplete(), false);
+  detector.detectSync(makeFrame());
+  assert.equal(detector.isComplete(), true);
+});
+
 test('the cylinders of a frame', async () => {
   const detector = new cylfuse.Detector();
   const [frame, without] = [makeFrame(), makeFrame(false)];

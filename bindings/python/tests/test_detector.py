@@ -312,6 +312,21 @@ def test_a_forgotten_detector_is_closed() -> None:
     assert gone() is None and not finalizer.alive
 
 
+def test_a_search_that_was_cut_short_says_so() -> None:
+    # Bumps in both directions, 12 pixels apart: more to look at than a search may.
+    row, column = np.mgrid[:480, :640]
+    bumps = 1.0 + 1.2 / 525.0 * np.sin(np.pi / 6.0 * column) * np.sin(np.pi / 6.0 * row)
+    frame = cylfuse.Frame(cylfuse.Intrinsics(640, 480, 525, 525, 319.5, 239.5))
+    frame.set_depth(bumps.astype(np.float32))
+    detector = cylfuse.Detector()
+    with pytest.raises(cylfuse.StateError, match="search a frame or points first"):
+        _ = detector.is_complete
+    detector.detect(frame)
+    assert detector.is_complete is False
+    detector.detect(make_frame())
+    assert detector.is_complete is True
+
+
 def test_a_daemon_thread_in_a_search_does_not_abort_the_end() -> None:
     program = """
 import threading, time

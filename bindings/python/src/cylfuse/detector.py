@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from ctypes import byref, c_size_t, sizeof
+from ctypes import byref, c_int32, c_size_t, sizeof
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -144,6 +144,15 @@ class Detector(Calling):
         """The cylinders of the last search that succeeded, by falling score."""
         found: list[Detection] = self._consistent(self._list)
         return found
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more
+        in it than that, cylinders may be missing, and the last one is what the search found, with the warning
+        ``NOT_CONVERGED``."""
+        complete = c_int32()
+        self._call(lib.cylfuse_detector_is_complete, byref(complete))
+        return bool(complete.value)
 
     def _list(self) -> list[Detection]:
         count = c_size_t()

@@ -784,7 +784,8 @@ typedef struct cylfuse_depth_view {
     ptrdiff_t pixel_stride;
     /**
      * Length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length is
-     * the metre.
+     * the metre. `cylfuse_depth_view_init` sets 1: the unit of length is then that of the stored values, and nothing can
+     * tell that another one was meant.
      */
     double scale;
     /**
@@ -1101,7 +1102,8 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST 128
 /**
- * The limit of iterations came before convergence.
+ * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, and it is
+ * what the search found; see `cylfuse_detector_is_complete`.
  */
 #define CYLFUSE_RESULT_FLAGS_NOT_CONVERGED 256
 /**
@@ -1136,6 +1138,23 @@ typedef uint32_t cylfuse_result_flags;
  * are independent, or some degree of freedom is not determined.
  */
 #define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
+/**
+ * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
+ * the points lie beside the middle of the limbs by more than 3 standard deviations.
+ */
+#define CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED 65536
+/**
+ * A mask holds the pixels that have depth and no others, although depth is missing around it, as it is beside the limbs
+ * of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the
+ * cylinder of a first fit; a mask of the whole surface is more certain.
+ */
+#define CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH 131072
+/**
+ * The points do not lie on the cylinder, so its numbers mean nothing: `point_deviation` is more than 1 % of their
+ * distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
+ * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
+ */
+#define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 
 /**
  * Why an iteration ended.
@@ -1746,7 +1765,8 @@ typedef struct cylfuse_detection {
      */
     double score;
     /**
-     * Pixels of its region; points for a cloud.
+     * Pixels of its region; points for a cloud. Of a cloud that was seen from its origin the fit takes those within 0.7
+     * radii of the axis, where these are most: next to limbs sensors draw points out.
      */
     uint64_t pixels;
     /**
@@ -2734,6 +2754,21 @@ cylfuse_status cylfuse_detector_count(const struct cylfuse_detector *detector,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
+ * takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
+ * the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+ * `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
+ *
+ * @param detector the detector
+ * @param out_complete 1, or 0 when cylinders may be missing
+ * @return BAD_STATE when no scene was searched
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_is_complete(const struct cylfuse_detector *detector,
+                                            int32_t *out_complete)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
  *
  * @param detector the detector
@@ -3247,8 +3282,8 @@ CYLFUSE_NOEXCEPT;
  * @param out_scatter room for 4 doubles: the standard deviations of captures of one scene about each other, of radius,
  *   direction (radians), position of the axis and length; NaN for the length where an end lies outside the image
  * @param out_total room for 4 doubles: the same of a measurement about the truth, which is what a fit states
- * @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, STRUCT_SIZE; nothing is
- *   written then
+ * @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, NUMERICAL where the view
+ *   does not determine it, STRUCT_SIZE; nothing is written then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_plan(const struct cylfuse_intrinsics *intrinsics,

@@ -137,6 +137,9 @@ enum class ResultFlags : cylfuse_result_flags {
     RadiusAtLimit = CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT,
     AxisAtLimit = CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT,
     UncertaintyUnknown = CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN,
+    DepthShifted = CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED,
+    MaskEndsWithDepth = CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH,
+    PoorFit = CYLFUSE_RESULT_FLAGS_POOR_FIT,
 };
 
 /** Both. */

@@ -2,6 +2,7 @@ package org.cylfuse;
 
 import com.sun.jna.Memory;
 import com.sun.jna.Pointer;
+import com.sun.jna.ptr.IntByReference;
 import com.sun.jna.ptr.LongByReference;
 import java.lang.ref.Cleaner;
 import java.util.ArrayList;
@@ -176,6 +177,20 @@ public final class Detector implements AutoCloseable {
      */
     public List<Detection> detections() {
         return locked(lock.readLock(), this::read);
+    }
+
+    /**
+     * Says whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more
+     * in it than that, cylinders may be missing, and the last one is what the search found, with {@link
+     * ResultFlag#NOT_CONVERGED}.
+     *
+     * @return false when cylinders may be missing
+     * @throws CylfuseException BAD_STATE before the first search
+     */
+    public boolean isComplete() {
+        IntByReference complete = new IntByReference();
+        handle.run(detector -> NativeFunctions.cylfuse_detector_is_complete(detector, complete));
+        return complete.getValue() != 0;
     }
 
     /**

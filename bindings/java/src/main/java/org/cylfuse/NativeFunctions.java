@@ -6,6 +6,7 @@ import com.sun.jna.NativeLibrary;
 import com.sun.jna.Pointer;
 import com.sun.jna.Structure;
 import com.sun.jna.ptr.DoubleByReference;
+import com.sun.jna.ptr.IntByReference;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.io.IOException;
@@ -286,6 +287,8 @@ final class NativeFunctions {
     static native int cylfuse_detector_detect_points(Pointer detector, NativeStructs.PointsView points);
 
     static native int cylfuse_detector_count(Pointer detector, LongByReference count);
+
+    static native int cylfuse_detector_is_complete(Pointer detector, IntByReference complete);
 
     static native int cylfuse_detector_detections(
             Pointer detector, Pointer out, long elementSize, long capacity, LongByReference count);

@@ -2,6 +2,7 @@ package org.cylfuse;
 
 import static org.junit.Assert.assertArrayEquals;
 import static org.junit.Assert.assertEquals;
+import static org.junit.Assert.assertFalse;
 import static org.junit.Assert.assertNotNull;
 import static org.junit.Assert.assertNull;
 import static org.junit.Assert.assertThrows;
@@ -74,6 +75,27 @@ public class DetectorTest {
 
     private static Vector turned(Vector x) {
         return new Vector(0.8 * x.x() + 0.6 * x.z(), x.y(), -0.6 * x.x() + 0.8 * x.z());
+    }
+
+    @Test
+    public void aSearchThatWasCutShortSaysSo() {
+        // Bumps in both directions, 12 pixels apart: more to look at than a search may.
+        float[] bumps = new float[640 * 480];
+        for (int k = 0; k < bumps.length; k++) {
+            double step = Math.PI / 6;
+            bumps[k] = (float) (1 + 1.2 / 525 * Math.sin(step * (k % 640)) * Math.sin(step * (k / 640)));
+        }
+        try (Detector detector = new Detector();
+                Frame frame = new Frame();
+                Frame pair = Pair.frame(true)) {
+            frame.setIntrinsics(new Intrinsics(640, 480, 525, 525, 319.5, 239.5));
+            frame.setDepth(DepthImage.of(FloatBuffer.wrap(bumps), 640, 480, 1, 0, 0, 0));
+            fails(Status.BAD_STATE, "search a frame or points first", detector::isComplete);
+            detector.detect(frame);
+            assertFalse(detector.isComplete());
+            detector.detect(pair);
+            assertTrue(detector.isComplete());
+        }
     }
 
     // The frame is closed early: a detector keeps what it found without it.
