@@ -44,10 +44,41 @@ pub(crate) fn ordered(number: f64) -> u64 {
 /// The numbers at some places of the ordered list, of which there must be as many.
 pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
     let mut ordered: Vec<u64> = numbers.map(ordered).collect();
-    places.map(|place| {
-        let bits = nth(&mut ordered, place);
-        f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
-    })
+    places.map(|place| number(nth(&mut ordered, place)))
+}
+
+/// The number that has these ordered bits.
+fn number(bits: u64) -> f64 {
+    f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
+}
+
+/// The numbers that have so many below them and so many above.
+pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
+    let count = numbers.len();
+    let all = || at_places(numbers.iter().copied(), [outer, count - 1 - outer]);
+    // Their place in a sample, with three standard deviations of that.
+    let place = outer as f64 * SAMPLE as f64 / count as f64;
+    let reach = (place + 3.0 * place.sqrt() + 3.0) as usize;
+    if count < 8 * SAMPLE || 2 * reach >= SAMPLE {
+        return all();
+    }
+    let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| ordered(numbers[k * count / SAMPLE]));
+    sample.sort_unstable();
+    let [low, high] = [sample[reach], sample[SAMPLE - 1 - reach]].map(number);
+    let room = 2 * reach * count / SAMPLE;
+    let (mut lowest, mut highest) = (Vec::with_capacity(room), Vec::with_capacity(room));
+    for number in numbers {
+        if *number <= low {
+            lowest.push(*number);
+        } else if *number >= high {
+            highest.push(*number);
+        }
+    }
+    let (Some(last), true) = (highest.len().checked_sub(outer + 1), lowest.len() > outer) else {
+        return all();
+    };
+    let nth = |numbers: &mut [f64], place: usize| *numbers.select_nth_unstable_by(place, f64::total_cmp).1;
+    [nth(&mut lowest, outer), nth(&mut highest, last)]
 }
 
 /// Numbers between which the one that is wanted lies almost surely: of a sample.
@@ -118,6 +149,23 @@ mod tests {
     fn places_count_from_the_lowest_number() {
         let numbers = [3.0, -1.0, 0.0, -7.5, 2.0];
         assert_eq!(at_places(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
+    }
+
+    #[test]
+    fn the_outer_numbers_are_those_of_the_ordered_list() {
+        let wave =
+            |count: usize| (0..count).map(|k| (k as f64 * 12.9898).sin() * 43758.5453).collect::<Vec<f64>>();
+        let mut ends = wave(5000);
+        // The sample sees none of them.
+        ends.iter_mut().skip(1).step_by(20).for_each(|number| *number = 1e9);
+        for numbers in [wave(3), wave(100), wave(5000), wave(70_001), vec![2.0; 4000], ends] {
+            let mut ordered = numbers.clone();
+            ordered.sort_unstable_by(f64::total_cmp);
+            for outer in [0, numbers.len() / 100, numbers.len() / 3] {
+                let expected = [ordered[outer], ordered[numbers.len() - 1 - outer]];
+                assert_eq!(at_both_ends(&numbers, outer), expected);
+            }
+        }
     }
 
     #[test]

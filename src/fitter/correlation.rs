@@ -6,10 +6,10 @@
 //! these are not known by where they are seen; never by the order in which they were pushed.
 
 use crate::geometry::{Cylinder, LocalFrame};
-use crate::observations::PointCloud;
-use crate::statistics::at_places;
-use nalgebra::Vector2;
-use pulp::Arch;
+use crate::observations::{Offsets, PointCloud};
+use crate::statistics::at_both_ends;
+use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
 use std::sync::OnceLock;
 
 /// A correlation below this is taken as the end of the correlated range, and one below so many of its own
@@ -30,24 +30,25 @@ const CENTRAL_PART: f64 = 0.98;
 /// Most cells a point in a grid made from where they are: of points along a slanted line nearly all cells are empty.
 const MOST_CELLS: f64 = 64.0;
 
-/// A cell of the grid for a point that lies outside.
+/// A cell of the grid, its column and its row for a point that lies outside.
 const OUTSIDE: u32 = u32::MAX;
 
-/// A column and a row; none of a grid that lies outside.
-type Cell = [u32; 2];
-const NO_CELL: Cell = [u32::MAX; 2];
+/// Places of points on a plane, or columns and rows of their cells: by axis, so that many are looked at side by side.
+type Places = [Vec<f64>; 2];
+type Cells = [Vec<u32>; 2];
+
+/// How many of them are computed in one go.
+const BLOCK: usize = 128;
 
 /// Points on a rectangular grid.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
     /// The cell of each point.
     cells: Vec<u32>,
-    /// One over the number of points in each cell.
+    /// One over the number of points in each cell, 0 where there is none.
     shares: Vec<f32>,
     /// Cells from one row to the next: the columns and, so that rows don't meet, the longest range.
     stride: usize,
-    /// 1 for each cell with points, 0 for the others.
-    occupied: Vec<f64>,
     /// How many cells have points.
     taken: f64,
     /// By axis and distance the pairs of cells with points, once they have been counted.
@@ -59,85 +60,73 @@ impl Lattice {
     /// others, whose grid is that of a surface.
     pub fn of_cloud(cloud: &PointCloud, observed: bool) -> Option<Self> {
         if let Some(pixels) = cloud.pixels() {
-            return Self::new(pixels);
+            return Self::new([0, 1].map(|axis| pixels.iter().map(|pixel| pixel[axis]).collect()));
         }
         if !observed {
             return None;
         }
-        let mut positions = Vec::with_capacity(cloud.len());
-        for p in cloud.points() {
-            if !(p.z > 0.0) {
-                return None;
-            }
-            positions.push(Vector2::new(p.x, p.y) / p.z);
-        }
-        Self::of_positions(&positions)
+        let origin = cloud.origin();
+        Self::of_places(match cloud.offsets() {
+            Offsets::F32(axes) => Arch::new().dispatch(Seen { origin, axes }),
+            Offsets::F64(axes) => Arch::new().dispatch(Seen { origin, axes }),
+        }?)
     }
 
     /// The places of points on a cylinder: along the circumference and along the axis.
     pub fn on_surface(cloud: &PointCloud, frame: &LocalFrame) -> Option<Self> {
         let Cylinder { axis, radius } = frame.cylinder;
-        let place = |p: nalgebra::Vector3<f64>| {
-            let q = p - axis.point;
-            Vector2::new(q.dot(&frame.v).atan2(q.dot(&frame.u)) * radius, q.dot(&axis.direction))
-        };
-        Self::of_positions(&cloud.points().map(place).collect::<Vec<_>>())
+        let from_axis = || cloud.points().map(|p| p - axis.point);
+        let around = from_axis().map(|q| q.dot(&frame.v).atan2(q.dot(&frame.u)) * radius).collect();
+        let along = from_axis().map(|q| q.dot(&axis.direction)).collect();
+        Self::of_places([around, along])
     }
 
-    /// A grid with about one position a cell.
-    fn of_positions(positions: &[Vector2<f64>]) -> Option<Self> {
-        let count = positions.len();
+    /// A grid with about one place a cell.
+    fn of_places(places: Places) -> Option<Self> {
+        let count = places[0].len();
         if count == 0 {
             return None;
         }
-        let bounds = [0, 1].map(|axis| {
-            let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;
-            let [low, high] = at_places(positions.iter().map(|p| p[axis]), [outer, count - 1 - outer]);
-            (low, high)
-        });
-        let size = bounds.map(|(low, high)| high - low);
+        let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;
+        let bounds = places.each_ref().map(|places| at_both_ends(places, outer));
+        let size = bounds.map(|[low, high]| high - low);
         if !(size[0] > 0.0 && size[1] > 0.0 && (size[0] * size[1]).is_finite()) {
             return None;
         }
-        let cells = |step: f64| -> Vec<Cell> {
-            let per_step = step.recip();
-            let cell = |p: &Vector2<f64>| {
-                let inside = (0..2).all(|axis| p[axis] >= bounds[axis].0 && p[axis] <= bounds[axis].1);
-                let cell = [0, 1].map(|axis| ((p[axis] - bounds[axis].0) * per_step) as u32);
-                if inside { cell } else { NO_CELL }
-            };
-            positions.iter().map(cell).collect()
-        };
-        // Cells that surely hold several positions tell the area that these cover.
+        let cells = |step: f64| Arch::new().dispatch(InCells { places: &places, bounds: &bounds, step });
+        // Cells that surely hold several places tell the area that these cover.
         let area = size[0] * size[1] / count as f64;
         // Points in one row, to rounding, have no more cells than there are points either.
         let shortest = size[0].max(size[1]) / count as f64;
         let coarse = (2.0 * area.sqrt()).max(shortest);
-        let in_coarse = cells(coarse);
-        let grid = Grid::around(&in_coarse, 0)?;
-        let mut taken = Vec::new();
-        taken.try_reserve_exact(grid.size).ok()?;
-        taken.resize(grid.size, false);
-        let inside = in_coarse.iter().filter(|&&cell| cell != NO_CELL);
-        inside.for_each(|cell| taken[grid.index(cell)] = true);
-        let occupied = taken.iter().filter(|&&taken| taken).count();
+        let occupied = {
+            let cells = cells(coarse);
+            let grid = Grid::around(&cells, 0)?;
+            let mut taken = Vec::new();
+            taken.try_reserve_exact(grid.size).ok()?;
+            taken.resize(grid.size, false);
+            let inside = grid.indices(cells).into_iter().filter(|&cell| cell != OUTSIDE);
+            inside.for_each(|cell| taken[cell as usize] = true);
+            taken.iter().filter(|&&taken| taken).count()
+        };
         let step = coarse * (occupied as f64 / count as f64).sqrt();
-        Self::new(&cells(step.max((area / MOST_CELLS).sqrt()).max(shortest)))
+        let cells = cells(step.max((area / MOST_CELLS).sqrt()).max(shortest));
+        // A large cloud has no room for all at once.
+        drop(places);
+        Self::new(cells)
     }
 
-    fn new(cells: &[Cell]) -> Option<Self> {
-        let grid = Grid::around(cells, LONGEST_CORRELATION)?;
+    fn new(cells: Cells) -> Option<Self> {
+        let grid = Grid::around(&cells, LONGEST_CORRELATION)?;
         let stride = grid.stride;
         let mut shares = Vec::new();
         shares.try_reserve_exact(grid.size).ok()?;
         shares.resize(grid.size, 0.0_f32);
-        let index = |cell: &Cell| if *cell == NO_CELL { OUTSIDE } else { grid.index(cell) as u32 };
-        let cells: Vec<u32> = cells.iter().map(index).collect();
+        let cells = grid.indices(cells);
         cells.iter().filter(|&&cell| cell != OUTSIDE).for_each(|&cell| shares[cell as usize] += 1.0);
-        let occupied: Vec<f64> = shares.iter().map(|&count| f64::from(count.min(1.0))).collect();
-        let taken = occupied.iter().sum();
-        shares.iter_mut().filter(|share| **share > 1.0).for_each(|share| *share = share.recip());
-        Some(Self { cells, shares, stride, occupied, taken, pairs: Default::default() })
+        let taken = shares.iter().filter(|&&count| count > 0.0).count() as f64;
+        shares.iter_mut().for_each(|share| *share = if *share > 1.0 { share.recip() } else { *share });
+        Some(Self { cells, shares, stride, taken, pairs: Default::default() })
     }
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
@@ -158,7 +147,7 @@ impl Lattice {
             for k in 1..=LONGEST_CORRELATION {
                 let Some(ahead) = values.get(k * step..) else { break };
                 // Most noise is correlated over few neighbours: counted where it is asked for.
-                let count = || dot(&self.occupied, &self.occupied[k * step..]);
+                let count = || pairs(&self.shares, &self.shares[k * step..]);
                 let pairs = *self.pairs[axis][k - 1].get_or_init(count);
                 if pairs < LEAST_PAIRS {
                     break;
@@ -175,6 +164,69 @@ impl Lattice {
     }
 }
 
+/// The directions in which points are seen from the origin, on the plane z = 1; `None` where one lies behind it.
+struct Seen<'a, T> {
+    origin: &'a Vector3<f64>,
+    axes: &'a [Vec<T>; 3],
+}
+
+impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
+    type Output = Option<Places>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Option<Places> {
+        let Self { origin, axes: [x, y, z] } = self;
+        let mut behind = 0;
+        for z in z {
+            behind |= u32::from(!(origin.z + (*z).into() > 0.0));
+        }
+        if behind != 0 {
+            return None;
+        }
+        let mut places = [Vec::with_capacity(z.len()), Vec::with_capacity(z.len())];
+        let mut block = [0.0; BLOCK];
+        for ((places, values), from) in places.iter_mut().zip([x, y]).zip([origin.x, origin.y]) {
+            for (values, z) in values.chunks(BLOCK).zip(z.chunks(BLOCK)) {
+                for ((place, value), z) in block.iter_mut().zip(values).zip(z) {
+                    *place = (from + (*value).into()) / (origin.z + (*z).into());
+                }
+                places.extend_from_slice(&block[..z.len()]);
+            }
+        }
+        Some(places)
+    }
+}
+
+/// In which cells of a size places within bounds are.
+struct InCells<'a> {
+    places: &'a Places,
+    bounds: &'a [[f64; 2]; 2],
+    step: f64,
+}
+
+impl WithSimd for InCells<'_> {
+    type Output = Cells;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Cells {
+        let Self { places: [x, y], bounds: [[left, right], [top, bottom]], step } = self;
+        let per_step = step.recip();
+        let mut cells = [Vec::with_capacity(x.len()), Vec::with_capacity(x.len())];
+        let (mut columns, mut rows) = ([0; BLOCK], [0; BLOCK]);
+        for (x, y) in x.chunks(BLOCK).zip(y.chunks(BLOCK)) {
+            for (((x, y), column), row) in x.iter().zip(y).zip(&mut columns).zip(&mut rows) {
+                let inside = (x >= left) & (x <= right) & (y >= top) & (y <= bottom);
+                // There are not more columns or rows than points; an i32 is what vector instructions convert to.
+                let at = (((x - left) * per_step) as i32 as u32, ((y - top) * per_step) as i32 as u32);
+                (*column, *row) = if inside { at } else { (OUTSIDE, OUTSIDE) };
+            }
+            cells[0].extend_from_slice(&columns[..x.len()]);
+            cells[1].extend_from_slice(&rows[..x.len()]);
+        }
+        cells
+    }
+}
+
 /// A rectangle of cells that holds some.
 struct Grid {
     low: [u32; 2],
@@ -184,22 +236,42 @@ struct Grid {
 
 impl Grid {
     /// With so many empty cells after each row; `None` for no cells.
-    fn around(cells: &[Cell], gap: usize) -> Option<Self> {
-        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
-        for cell in cells.iter().filter(|&&cell| cell != NO_CELL) {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(cell[axis]);
-                high[axis] = high[axis].max(cell[axis]);
-            }
-        }
-        let [columns, rows] = [0, 1].map(|axis| high[axis].checked_sub(low[axis]));
-        let stride = columns? as usize + 1 + gap;
-        Some(Self { low, stride, size: stride * (rows? as usize + 1) })
+    fn around(cells: &Cells, gap: usize) -> Option<Self> {
+        let bounds = |cells: &Vec<u32>| {
+            Arch::new().dispatch(|| {
+                let (mut low, mut end) = (u32::MAX, 0);
+                for cell in cells {
+                    low = low.min(*cell);
+                    // 0 for what lies outside.
+                    end = end.max(cell.wrapping_add(1));
+                }
+                (low, end)
+            })
+        };
+        let [(left, right), (top, bottom)] = cells.each_ref().map(bounds);
+        let (columns, rows) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
+        let stride = columns as usize + gap;
+        Some(Self { low: [left, top], stride, size: stride * rows as usize })
     }
 
-    fn index(&self, [column, row]: &Cell) -> usize {
-        (row - self.low[1]) as usize * self.stride + (column - self.low[0]) as usize
+    /// The places of cells in the rectangle, row by row.
+    fn indices(&self, [mut columns, rows]: Cells) -> Vec<u32> {
+        let ([left, top], stride) = (self.low, self.stride as u32);
+        Arch::new().dispatch(|| {
+            for (column, row) in columns.iter_mut().zip(&rows) {
+                let row = row.wrapping_sub(top).wrapping_mul(stride);
+                let index = row.wrapping_add(column.wrapping_sub(left));
+                *column = if *column == OUTSIDE { OUTSIDE } else { index };
+            }
+        });
+        columns
     }
+}
+
+/// How many numbers of two sequences are both positive, as far as both go.
+fn pairs(first: &[f32], second: &[f32]) -> f64 {
+    let count = || first.iter().zip(second).map(|(a, b)| u32::from((*a > 0.0) & (*b > 0.0))).sum::<u32>();
+    f64::from(Arch::new().dispatch(count))
 }
 
 /// The sum of the products of two sequences as far as both go, in partial sums side by side, so that one addition need
@@ -239,7 +311,7 @@ mod tests {
     }
 
     fn lattice(cells: &[[usize; 2]]) -> Lattice {
-        Lattice::new(&cells.iter().map(|cell| cell.map(|x| x as u32)).collect::<Vec<_>>()).unwrap()
+        Lattice::new([0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as u32).collect())).unwrap()
     }
 
     /// Means over windows of pixels by pixels.
@@ -277,9 +349,8 @@ mod tests {
         let count = 10_000;
         for (slope, scatter) in [(1.0, 0.0), (0.0, 1e-6), (0.0, 1e-12), (1e-3, 1e-9)] {
             let along = noise(count, 4).into_iter().zip(noise(count, 5));
-            let places: Vec<Vector2<f64>> =
-                along.map(|(t, jitter)| Vector2::new(slope * t + scatter * jitter, t)).collect();
-            let cells = Lattice::of_positions(&places).map_or(0, |lattice| lattice.shares.len());
+            let places = along.map(|(t, jitter)| (slope * t + scatter * jitter, t)).unzip();
+            let cells = Lattice::of_places(places.into()).map_or(0, |lattice| lattice.shares.len());
             assert!(cells < 100 * count, "{slope} {scatter}: {cells} cells");
         }
     }
@@ -294,9 +365,8 @@ mod tests {
             let cells: Vec<[usize; 2]> = points.iter().map(|point| point.0).collect();
             let residuals: Vec<f64> = points.iter().map(|point| point.1).collect();
             let by_pixels = lattice(&cells).independent_points(&residuals, 100.0);
-            let places: Vec<Vector2<f64>> =
-                cells.iter().map(|[x, y]| Vector2::new(*x as f64, *y as f64) / 570.0).collect();
-            (by_pixels, Lattice::of_positions(&places).unwrap().independent_points(&residuals, 100.0))
+            let places = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
+            (by_pixels, Lattice::of_places(places).unwrap().independent_points(&residuals, 100.0))
         };
         let (by_pixels, by_places) = count(&points);
         assert!((by_pixels * 16.0 / points.len() as f64 - 1.0).abs() < 0.15, "{by_pixels}");

@@ -42,8 +42,15 @@ const MOST_SINGLE_SEGMENTS: usize = 8;
 /// The part of the points at either end that does not tell how long the surface is.
 const POINTS_TRIM: f64 = 0.02;
 
-/// Points from which a fit to the sides of a mask starts.
+/// Points from which a fit to the sides of a mask starts, and which tell whether the points contradict segments.
 const SAMPLE: usize = 500;
+
+/// So many times as many points are looked at in a sample first.
+const MANY: usize = 4;
+
+/// A sample leaves no doubt about a scale that differs from a limit by this factor: of 500 normal errors it tells the scale
+/// to 5 %.
+const DOUBT: f64 = 1.5;
 
 /// The first fit, and what guides the limbs of each view.
 pub(super) struct Guided {
@@ -339,11 +346,8 @@ impl<'a> View<'_, 'a, '_, '_> {
             return Ok(fit.guided(Some(range), noise.limb_of_points));
         }
         if let Ok(fit) = first {
-            // The points alone show, from there and from the starts, whether they would rather be elsewhere.
-            let beside = self.attempt(Guides::default(), &[fit.onward()])?;
-            let beside = beside.map_or(fit.scale(), |beside| beside.scale());
             let limit = fit.scale() / GIVEN_CONTRADICTION;
-            if beside >= limit && !self.starts_are_better(limit, candidates) {
+            if self.few_admit(&fit, limit, candidates)? || self.all_admit(&fit, limit, candidates)? {
                 let range = self.view().range_of_given(camera, fit.cylinder());
                 return Ok(fit.guided(range, noise.limb_of_segments()));
             }
@@ -402,6 +406,25 @@ impl<'a> View<'_, 'a, '_, '_> {
             }
         }
         self.attempt(Guides::default(), &starts)?
+    }
+
+    /// Whether the points alone, from a fit and from the starts, would not rather be elsewhere, with a scale below some limit.
+    fn all_admit(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
+        let beside = self.attempt(Guides::default(), &[fit.onward()])?;
+        let elsewhere = beside.is_ok_and(|beside| beside.scale() < limit);
+        Ok(!elsewhere && !self.starts_are_better(limit, candidates))
+    }
+
+    /// The same by a few of many points, where they leave no doubt.
+    fn few_admit(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
+        if self.data.count() < MANY * SAMPLE {
+            return Ok(false);
+        }
+        let view = self.view().view.thinned(SAMPLE);
+        let Ok(data) = Data::new(self.data.options, std::iter::once(&view), self.data.start) else {
+            return Ok(false);
+        };
+        View { data: &data, run: self.run }.all_admit(fit, DOUBT * limit, candidates)
     }
 
     /// Whether the points lie on one of the starts with a scale below some limit.

@@ -18,6 +18,12 @@ pub(crate) struct View {
 }
 
 impl View {
+    /// Some of its points alone, evenly spread.
+    pub fn thinned(&self, count: usize) -> Self {
+        let (frame, cloud) = (self.frame.clone(), self.cloud.thinned(count));
+        Self { frame, cloud, mask: None, body: None, segments: Vec::new() }
+    }
+
     /// The camera of image, mask and edges.
     pub fn camera(&self) -> Option<&Camera> {
         self.frame.camera()

@@ -3,15 +3,21 @@
 use super::dropped::Dropped;
 use crate::error::{Error, Result};
 use crate::statistics::median;
-use nalgebra::Vector3;
+use nalgebra::{Scalar, Vector3};
+
+/// The type of the coordinates of points on their way.
+pub(super) trait Coordinate: Scalar + Copy + Default + Into<f64> {}
+
+impl Coordinate for f32 {}
+impl Coordinate for f64 {}
 
 /// Usable points on their way into a cloud.
 #[derive(Default)]
-pub(super) struct Batch {
+pub(super) struct Batch<T> {
     /// Columns and rows of the grid that they come from; one row stands for no order.
     pub width: usize,
     pub height: usize,
-    pub points: Vec<Vector3<f64>>,
+    pub points: Vec<Vector3<T>>,
     /// Empty where every weight is 1.
     pub weights: Vec<f64>,
     pub normals: Vec<Vector3<f32>>,
@@ -21,7 +27,7 @@ pub(super) struct Batch {
     pub given: usize,
 }
 
-impl Batch {
+impl<T: Coordinate> Batch<T> {
     /// No points yet of a grid of that size.
     pub fn grid(width: usize, height: usize) -> Self {
         Self { width, height, given: width * height, ..Self::default() }
@@ -29,7 +35,11 @@ impl Batch {
 
     /// Makes room for so many points that are pushed next.
     pub fn reserve(&mut self, additional: usize) -> Result<()> {
-        let bytes = self.points.len().saturating_add(additional).saturating_mul(32);
+        let bytes = self
+            .points
+            .len()
+            .saturating_add(additional)
+            .saturating_mul(size_of::<Vector3<T>>() + size_of::<usize>());
         let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
         self.points.try_reserve(additional).map_err(out_of_memory)?;
         self.indices.try_reserve(additional).map_err(out_of_memory)
@@ -37,7 +47,7 @@ impl Batch {
 
     /// Adds a point, for which there is room.
     #[inline]
-    pub fn push(&mut self, point: Vector3<f64>, index: usize) {
+    pub fn push(&mut self, point: Vector3<T>, index: usize) {
         self.points.push(point);
         self.indices.push(index);
     }
@@ -52,11 +62,10 @@ impl Batch {
     /// Checks that the offsets from the origin have a place in the type that keeps them.
     pub fn check_distances(&self, origin: &Vector3<f64>, wide: bool) -> Result<()> {
         let largest = if wide { f64::MAX } else { f64::from(f32::MAX) };
-        let Some(far) = self.points.iter().position(|point| !((point - origin).amax() <= largest)) else {
-            return Ok(());
-        };
+        let far = |point: &Vector3<T>| !((point.map(Into::into) - origin).amax() <= largest);
+        let Some(far) = self.points.iter().position(far) else { return Ok(()) };
         let name = format!("point {}", self.indices[far]);
-        let value = format!("{:?}", self.points[far].as_slice());
+        let value = format!("{:?}", self.points[far].map(Into::<f64>::into).as_slice());
         let requirement = format!(
             "lie within {largest:.1e} of the points around {:?} in each coordinate; leave it out or give f64 in \
              a smaller unit of length",
@@ -85,7 +94,7 @@ impl Batch {
         Vector3::from_fn(|axis, _| {
             let mut values = [0.0; SAMPLES];
             for (k, value) in values[..count].iter_mut().enumerate() {
-                *value = self.points[k * self.points.len() / count][axis];
+                *value = self.points[k * self.points.len() / count][axis].into();
             }
             median(&mut values[..count])
         })

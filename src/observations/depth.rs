@@ -207,7 +207,7 @@ impl PointCloud {
             Some(own) => (&own.camera, own.to_color),
             None => (camera, RigidMotion::identity()),
         };
-        let take = |batch: &mut Batch, column: usize, row: usize, sight: Sight| {
+        let take = |batch: &mut Batch<f64>, column: usize, row: usize, sight: Sight| {
             let index = row * width + column;
             let Some(depth) = depth.depth_at(index) else {
                 batch.dropped.no_depth += 1;
@@ -255,6 +255,6 @@ impl PointCloud {
                 out_of_range: batch.given - batch.dropped.outside_mask - batch.dropped.no_depth,
             });
         }
-        self.append(&batch, Scalar::F32)
+        self.append(batch, Scalar::F32)
     }
 }

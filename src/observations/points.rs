@@ -1,6 +1,6 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
-use super::batch::Batch;
+use super::batch::{Batch, Coordinate};
 use super::dropped::Dropped;
 use super::mask::Mask;
 use super::strided::Scalar;
@@ -274,12 +274,25 @@ impl PointCloud {
     /// larger than an f32 can hold, and for a point so far from the others that the type of the cloud cannot hold the
     /// distance; `OutOfMemory`. Nothing is added then.
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
+        // On their way the points take as much memory as in the hands of the caller.
+        match view.scalar() {
+            Scalar::F32 => self.push_as(view, mask, |point| point.cast::<f32>()),
+            Scalar::F64 => self.push_as(view, mask, |point| point),
+        }
+    }
+
+    fn push_as<T: Coordinate>(
+        &mut self,
+        view: &PointsView<'_>,
+        mask: Option<&Mask>,
+        point_of: impl Fn(Vector3<f64>) -> Vector3<T>,
+    ) -> Result<()> {
         let (width, height) = (view.width(), view.height());
         if let Some(mask) = mask {
             mask.check_size("organised cloud", (width, height))?;
         }
         let mut batch = Batch::grid(width, height);
-        let take = |batch: &mut Batch, column: usize, row: usize| -> Result<()> {
+        let take = |batch: &mut Batch<T>, column: usize, row: usize| -> Result<()> {
             let (point, weight) = (view.points.at(column, row), view.weight(column, row));
             let index = row * width + column;
             if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
@@ -289,7 +302,7 @@ impl PointCloud {
             } else if weight as f32 == 0.0 {
                 batch.dropped.zero_weight += 1;
             } else {
-                batch.push(point, index);
+                batch.push(point_of(point), index);
                 if view.weights.is_some() {
                     batch.push_weight(weight)?;
                 }
@@ -308,43 +321,57 @@ impl PointCloud {
             }
         } else {
             // Rows of no points are as many as the caller likes.
-            for row in 0..if width == 0 { 0 } else { height } {
-                batch.reserve(width)?;
+            let height = if width == 0 { 0 } else { height };
+            batch.reserve(width * height)?;
+            for row in 0..height {
                 for column in 0..width {
                     take(&mut batch, column, row)?;
                 }
             }
         }
-        self.append(&batch, view.scalar())
+        self.append(batch, view.scalar())
     }
 
     /// The points that are chosen by their index, with what belongs to each of them.
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize) -> bool) -> Self {
+        self.listed(&(0..self.len()).filter(|&index| choose(index)).collect::<Vec<_>>())
+    }
+
+    /// At most `count` points as in [`PointCloud::sample`], with what belongs to each of them.
+    pub(crate) fn thinned(&self, count: usize) -> Self {
+        let count = count.min(self.len());
+        self.listed(&(0..count).map(|k| k * self.len() / count).collect::<Vec<_>>())
+    }
+
+    fn listed(&self, indices: &[usize]) -> Self {
         fn of<T: Copy>(all: &[T], indices: &[usize]) -> Vec<T> {
             if all.is_empty() { Vec::new() } else { indices.iter().map(|&index| all[index]).collect() }
         }
-        let indices: Vec<usize> = (0..self.len()).filter(|&index| choose(index)).collect();
         let offsets = match &self.offsets {
-            Offsets::F32(axes) => Offsets::F32([0, 1, 2].map(|k| of(&axes[k], &indices))),
-            Offsets::F64(axes) => Offsets::F64([0, 1, 2].map(|k| of(&axes[k], &indices))),
+            Offsets::F32(axes) => Offsets::F32([0, 1, 2].map(|k| of(&axes[k], indices))),
+            Offsets::F64(axes) => Offsets::F64([0, 1, 2].map(|k| of(&axes[k], indices))),
         };
         Self {
             offsets,
-            weights: of(&self.weights, &indices),
-            normals: of(&self.normals, &indices),
-            pixels: of(&self.pixels, &indices),
+            weights: of(&self.weights, indices),
+            normals: of(&self.normals, indices),
+            pixels: of(&self.pixels, indices),
             ..*self
         }
     }
 
     /// Adds the points of a batch whose input had the given type.
-    pub(super) fn append(&mut self, batch: &Batch, scalar: Scalar) -> Result<()> {
+    pub(super) fn append<T: Coordinate>(&mut self, mut batch: Batch<T>, scalar: Scalar) -> Result<()> {
         let first = self.is_empty();
         let origin = if first { batch.middle() } else { self.origin };
         // One f64 cloud makes the whole f64: mixing costs nothing but memory.
         let wide = scalar == Scalar::F64 || !first && matches!(self.offsets, Offsets::F64(_));
         batch.check_distances(&origin, wide)?;
+        let ordered = first && batch.height > 1;
+        if !ordered {
+            batch.indices = Vec::new();
+        }
         match &self.offsets {
             Offsets::F64(_) if !wide => self.offsets = Offsets::F32(Default::default()),
             Offsets::F32(axes) if wide => self.offsets = widened(axes)?,
@@ -354,7 +381,6 @@ impl PointCloud {
         let added = batch.points.len();
         let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
         let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == added;
-        let ordered = first && batch.height > 1;
         let total = self.len() + added;
         // All memory is there before anything is added.
         if weighted {
@@ -379,12 +405,13 @@ impl PointCloud {
         if ordered {
             let pixel = |&index: &usize| [(index % batch.width) as u32, (index / batch.width) as u32];
             self.pixels.extend(batch.indices.iter().map(pixel));
+            batch.indices = Vec::new();
         } else if added > 0 {
             self.pixels.clear();
         }
         self.origin = origin;
         for k in 0..3 {
-            let offsets = batch.points.iter().map(|point| point[k] - origin[k]);
+            let offsets = batch.points.iter().map(|point| point[k].into() - origin[k]);
             match &mut self.offsets {
                 Offsets::F32(axes) => axes[k].extend(offsets.map(|offset| offset as f32)),
                 Offsets::F64(axes) => axes[k].extend(offsets),
@@ -392,7 +419,7 @@ impl PointCloud {
         }
         self.given += batch.given;
         self.dropped.add(&batch.dropped);
-        let largest = batch.points.iter().map(Vector3::amax).fold(0.0, f64::max);
+        let largest = batch.points.iter().map(|point| point.map(Into::into).amax()).fold(0.0, f64::max);
         let epsilon = match scalar {
             Scalar::F32 => f64::from(f32::EPSILON),
             Scalar::F64 => f64::EPSILON,

@@ -21,13 +21,13 @@ pub(super) const SUMS: usize = 21;
 
 /// What is summed over the points.
 pub(super) trait Terms<const N: usize>: Copy + Sync {
-    /// Adds the terms of points with their residuals and weights.
+    /// Adds the terms of some groups of points.
     fn add<S: Simd>(
         &self,
         simd: S,
-        place: &Place<S::f64s>,
-        residual: S::f64s,
-        weight: S::f64s,
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        notes: &mut Notes<S::f64s>,
         sums: &mut [S::f64s; N],
     );
 }
@@ -40,50 +40,56 @@ pub(super) struct Whole<L>(pub L);
 #[derive(Clone, Copy)]
 pub(super) struct CostAlone<L>(pub L);
 
+/// What one round of sums notes of each group for the next.
+pub(super) type Notes<T> = [[T; 7]; GROUPS];
+
 impl<L: Loss> Terms<SUMS> for Whole<L> {
+    /// In three rounds, of each of which the processor holds all sums in its registers.
     #[inline(always)]
     fn add<S: Simd>(
         &self,
         simd: S,
-        place: &Place<S::f64s>,
-        e: S::f64s,
-        weight: S::f64s,
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        notes: &mut Notes<S::f64s>,
         sums: &mut [S::f64s; SUMS],
     ) {
-        let Place { a, b, h, facing, .. } = *place;
-        let (value, factor) = self.0.losses_and_weights(simd, e, facing);
-        let slope = self.0.influence_slopes(simd, e, facing);
-        let w = simd.mul_f64s(weight, factor);
-        let (wa, wb, we) = (simd.mul_f64s(w, a), simd.mul_f64s(w, b), simd.mul_f64s(w, e));
-        let (ea, eb) = (simd.mul_f64s(we, a), simd.mul_f64s(we, b));
-        let (aa, ab, bb) = (simd.mul_f64s(wa, a), simd.mul_f64s(wa, b), simd.mul_f64s(wb, b));
-        let (aah, abh, bbh) = (simd.mul_f64s(aa, h), simd.mul_f64s(ab, h), simd.mul_f64s(bb, h));
-        let terms = [
-            simd.mul_f64s(weight, value),
-            simd.mul_f64s(weight, slope),
-            w,
-            we,
-            ea,
-            eb,
-            simd.mul_f64s(ea, h),
-            simd.mul_f64s(eb, h),
-            wa,
-            wb,
-            simd.mul_f64s(wa, h),
-            simd.mul_f64s(wb, h),
-            aa,
-            ab,
-            bb,
-            aah,
-            abh,
-            bbh,
-            simd.mul_f64s(aah, h),
-            simd.mul_f64s(abh, h),
-            simd.mul_f64s(bbh, h),
-        ];
-        for (sum, term) in sums.iter_mut().zip(terms) {
-            *sum = simd.add_f64s(*sum, term);
+        let [loss, slopes, weights, rest @ ..] = sums;
+        let mut own = [*loss, *slopes, *weights];
+        for group in groups.range() {
+            let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
+            let (value, factor) = self.0.losses_and_weights(simd, e, facing);
+            let slope = self.0.influence_slopes(simd, e, facing);
+            let w = simd.mul_f64s(weight, factor);
+            add(simd, &mut own, [simd.mul_f64s(weight, value), simd.mul_f64s(weight, slope), w]);
+            notes[group] = [w, simd.mul_f64s(w, e), a, b, h, w, w];
         }
+        [*loss, *slopes, *weights] = own;
+        let [e, ea, eb, eah, ebh, a, b, ah, bh, rest @ ..] = rest;
+        let mut own = [*e, *ea, *eb, *eah, *ebh, *a, *b, *ah, *bh];
+        for [w, we, a, b, h, wa, wb] in notes.iter_mut().take(groups.count) {
+            let (ea, eb) = (simd.mul_f64s(*we, *a), simd.mul_f64s(*we, *b));
+            let (eah, ebh) = (simd.mul_f64s(ea, *h), simd.mul_f64s(eb, *h));
+            (*wa, *wb) = (simd.mul_f64s(*w, *a), simd.mul_f64s(*w, *b));
+            let (wah, wbh) = (simd.mul_f64s(*wa, *h), simd.mul_f64s(*wb, *h));
+            add(simd, &mut own, [*we, ea, eb, eah, ebh, *wa, *wb, wah, wbh]);
+        }
+        [*e, *ea, *eb, *eah, *ebh, *a, *b, *ah, *bh] = own;
+        let mut own = *rest;
+        for [.., a, b, h, wa, wb] in notes.iter().take(groups.count) {
+            let (aa, ab, bb) = (simd.mul_f64s(*wa, *a), simd.mul_f64s(*wa, *b), simd.mul_f64s(*wb, *b));
+            let (aah, abh, bbh) = (simd.mul_f64s(aa, *h), simd.mul_f64s(ab, *h), simd.mul_f64s(bb, *h));
+            let (aahh, abhh) = (simd.mul_f64s(aah, *h), simd.mul_f64s(abh, *h));
+            add(simd, &mut own, [aa, ab, bb, aah, abh, bbh, aahh, abhh, simd.mul_f64s(bbh, *h)]);
+        }
+        *rest = own;
+    }
+}
+
+#[inline(always)]
+fn add<S: Simd, const N: usize>(simd: S, sums: &mut [S::f64s; N], terms: [S::f64s; N]) {
+    for (sum, term) in sums.iter_mut().zip(terms) {
+        *sum = simd.add_f64s(*sum, term);
     }
 }
 
@@ -96,16 +102,19 @@ impl Terms<1> for Facing {
     fn add<S: Simd>(
         &self,
         simd: S,
-        place: &Place<S::f64s>,
-        _: S::f64s,
-        weight: S::f64s,
-        [sum]: &mut [S::f64s; 1],
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        _: &mut Notes<S::f64s>,
+        sums: &mut [S::f64s; 1],
     ) {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        // What fills up a block has no weight.
-        let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
-        let facing = simd.less_than_f64s(place.facing, zero);
-        *sum = simd.add_f64s(*sum, simd.select_f64s(facing, counted, zero));
+        for group in groups.range() {
+            let (place, _, weight) = groups.at(simd, kernel, group);
+            // What fills up a block has no weight.
+            let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
+            let facing = simd.less_than_f64s(place.facing, zero);
+            add(simd, sums, [simd.select_f64s(facing, counted, zero)]);
+        }
     }
 }
 
@@ -114,13 +123,16 @@ impl<L: Loss> Terms<1> for CostAlone<L> {
     fn add<S: Simd>(
         &self,
         simd: S,
-        place: &Place<S::f64s>,
-        e: S::f64s,
-        weight: S::f64s,
-        [sum]: &mut [S::f64s; 1],
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        _: &mut Notes<S::f64s>,
+        sums: &mut [S::f64s; 1],
     ) {
-        let (value, _) = self.0.losses_and_weights(simd, e, place.facing);
-        *sum = simd.add_f64s(*sum, simd.mul_f64s(weight, value));
+        for group in groups.range() {
+            let (place, e, weight) = groups.at(simd, kernel, group);
+            let (value, _) = self.0.losses_and_weights(simd, e, place.facing);
+            add(simd, sums, [simd.mul_f64s(weight, value)]);
+        }
     }
 }
 
@@ -148,41 +160,43 @@ impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
     fn add<S: Simd>(
         &self,
         simd: S,
-        place: &Place<S::f64s>,
-        e: S::f64s,
-        weight: S::f64s,
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        _: &mut Notes<S::f64s>,
         sums: &mut [S::f64s; INFLUENCES],
     ) {
-        let Place { a, b, h, facing, .. } = *place;
-        let jacobian = [a, b, simd.mul_f64s(h, a), simd.mul_f64s(h, b), simd.splat_f64s(1.0)];
-        let part = simd.mul_f64s(weight, simd.splat_f64s(self.part));
-        let w = simd.mul_f64s(part, self.loss.losses_and_weights(simd, e, facing).1);
-        let slope = self.loss.influence_slopes(simd, e, facing);
-        let part_slope = simd.mul_f64s(part, slope);
-        // J is the negative of these five: that matters for the noise alone.
-        let (mut leverage, mut noise) = (simd.splat_f64s(0.0), e);
-        for i in 0..5 {
-            let mut row = simd.mul_f64s(simd.splat_f64s(self.leverages[(i, i)]), jacobian[i]);
-            for k in i + 1..5 {
-                let twice = simd.splat_f64s(2.0 * self.leverages[(i, k)]);
-                row = simd.add_f64s(row, simd.mul_f64s(twice, jacobian[k]));
+        for group in groups.range() {
+            let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
+            let jacobian = [a, b, simd.mul_f64s(h, a), simd.mul_f64s(h, b), simd.splat_f64s(1.0)];
+            let part = simd.mul_f64s(weight, simd.splat_f64s(self.part));
+            let w = simd.mul_f64s(part, self.loss.losses_and_weights(simd, e, facing).1);
+            let slope = self.loss.influence_slopes(simd, e, facing);
+            let part_slope = simd.mul_f64s(part, slope);
+            // J is the negative of these five: that matters for the noise alone.
+            let (mut leverage, mut noise) = (simd.splat_f64s(0.0), e);
+            for i in 0..5 {
+                let mut row = simd.mul_f64s(simd.splat_f64s(self.leverages[(i, i)]), jacobian[i]);
+                for k in i + 1..5 {
+                    let twice = simd.splat_f64s(2.0 * self.leverages[(i, k)]);
+                    row = simd.add_f64s(row, simd.mul_f64s(twice, jacobian[k]));
+                }
+                leverage = simd.add_f64s(leverage, simd.mul_f64s(row, jacobian[i]));
+                noise = simd.sub_f64s(noise, simd.mul_f64s(simd.splat_f64s(self.to_minimum[i]), jacobian[i]));
             }
-            leverage = simd.add_f64s(leverage, simd.mul_f64s(row, jacobian[i]));
-            noise = simd.sub_f64s(noise, simd.mul_f64s(simd.splat_f64s(self.to_minimum[i]), jacobian[i]));
-        }
-        let leverage = simd.min_f64s(simd.mul_f64s(w, leverage), simd.splat_f64s(self.largest_leverage));
-        let noise = simd.div_f64s(noise, simd.sub_f64s(simd.splat_f64s(1.0), leverage));
-        let factor = simd.mul_f64s(w, noise);
-        let terms = [w, part_slope, simd.mul_f64s(part_slope, slope)];
-        for k in 0..3 {
-            sums[k] = simd.add_f64s(sums[k], terms[k]);
-        }
-        let mut next = 3;
-        for i in 0..5 {
-            let influence = simd.mul_f64s(simd.mul_f64s(factor, factor), jacobian[i]);
-            for k in i..5 {
-                sums[next] = simd.add_f64s(sums[next], simd.mul_f64s(influence, jacobian[k]));
-                next += 1;
+            let leverage = simd.min_f64s(simd.mul_f64s(w, leverage), simd.splat_f64s(self.largest_leverage));
+            let noise = simd.div_f64s(noise, simd.sub_f64s(simd.splat_f64s(1.0), leverage));
+            let factor = simd.mul_f64s(w, noise);
+            let terms = [w, part_slope, simd.mul_f64s(part_slope, slope)];
+            for k in 0..3 {
+                sums[k] = simd.add_f64s(sums[k], terms[k]);
+            }
+            let mut next = 3;
+            for i in 0..5 {
+                let influence = simd.mul_f64s(simd.mul_f64s(factor, factor), jacobian[i]);
+                for k in i..5 {
+                    sums[next] = simd.add_f64s(sums[next], simd.mul_f64s(influence, jacobian[k]));
+                    next += 1;
+                }
             }
         }
     }
@@ -240,6 +254,12 @@ impl Kernel {
         }
     }
 
+    /// Signed distances of points from the surface.
+    #[inline(always)]
+    fn residual<S: Simd>(&self, simd: S, place: &Place<S::f64s>) -> S::f64s {
+        simd.sub_f64s(place.rho, simd.splat_f64s(self.radius))
+    }
+
     /// A coordinate of points in the local frame.
     #[inline(always)]
     fn coordinate<S: Simd>(&self, simd: S, k: usize, [px, py, pz]: [S::f64s; 3]) -> S::f64s {
@@ -285,6 +305,33 @@ fn lanes<S: Simd>(_simd: S, group: &[f64; LANES], part: usize) -> S::f64s {
     S::as_simd_f64s(group).0[part]
 }
 
+/// Groups of points, of each of which as many as an instruction takes.
+pub(super) struct Groups<'a> {
+    points: [&'a Block; 3],
+    weights: &'a Block,
+    count: usize,
+    /// Which of them.
+    part: usize,
+}
+
+impl Groups<'_> {
+    /// The numbers of the groups.
+    #[inline(always)]
+    fn range(&self) -> Range<usize> {
+        0..self.count.min(GROUPS)
+    }
+
+    /// The places of the points of a group, their residuals and their weights.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, kernel: &Kernel, group: usize) -> (Place<S::f64s>, S::f64s, S::f64s) {
+        let Self { points: [x, y, z], weights, part, .. } = *self;
+        let [x, y, z] = [&x[group], &y[group], &z[group]];
+        let place = kernel.place(simd, [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)]);
+        let residual = kernel.residual(simd, &place);
+        (place, residual, lanes(simd, &weights[group], part))
+    }
+}
+
 /// The sums over a range of points.
 struct Chunk<'a, T, X, const N: usize> {
     kernel: &'a Kernel,
@@ -303,6 +350,7 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
         let mut sums = [[0.0; LANES]; N];
         let mut block = [[[0.0; LANES]; GROUPS]; 3];
         let mut weight = [[1.0; LANES]; GROUPS];
+        let mut notes = [[simd.splat_f64s(0.0); 7]; GROUPS];
         for start in range.clone().step_by(LANES * GROUPS) {
             let end = range.end.min(start + LANES * GROUPS);
             for (values, axis) in block.iter_mut().zip(axes) {
@@ -314,19 +362,14 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
                 // Only the last block is not full.
                 weight.as_flattened_mut()[end - start..].fill(0.0);
             }
-            let groups = (end - start).div_ceil(LANES);
-            let [x, y, z] = block.each_ref();
+            let count = (end - start).div_ceil(LANES);
             for part in 0..LANES / S::F64_LANES {
                 let mut own = [simd.splat_f64s(0.0); N];
                 for (own, sum) in own.iter_mut().zip(&sums) {
                     *own = lanes(simd, sum, part);
                 }
-                for (((x, y), z), weight) in x.iter().zip(y).zip(z).zip(&weight).take(groups) {
-                    let point = [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)];
-                    let place = kernel.place(simd, point);
-                    let residual = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
-                    terms.add(simd, &place, residual, lanes(simd, weight, part), &mut own);
-                }
+                let groups = Groups { points: block.each_ref(), weights: &weight, count, part };
+                terms.add(simd, kernel, &groups, &mut notes, &mut own);
                 for (sum, own) in sums.iter_mut().zip(&own) {
                     S::as_mut_simd_f64s(sum).0[part] = *own;
                 }
@@ -362,8 +405,7 @@ impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
             let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
             let rho = rho.as_flattened_mut();
             for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {
-                let place = kernel.place(simd, [*x, *y, *z]);
-                *rho = simd.sub_f64s(place.rho, simd.splat_f64s(kernel.radius));
+                *rho = kernel.residual(simd, &kernel.place(simd, [*x, *y, *z]));
             }
             distances.extend_from_slice(&rho[..end - start]);
         }

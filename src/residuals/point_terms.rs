@@ -58,6 +58,13 @@ pub struct Points<'a, L> {
     pub independent_points: f64,
 }
 
+impl<L: LossInFrame> Points<'_, L> {
+    /// What they add to the covariance of a minimum where their normal equations are known.
+    pub(super) fn sandwich_with(&self, frame: &LocalFrame, equations: &NormalEquations) -> SandwichPart {
+        self.points.sandwich(frame, self.loss.at(frame), self.independent_points, equations)
+    }
+}
+
 impl<L: LossInFrame> Term for Points<'_, L> {
     fn source(&self) -> Source {
         Source::Points
@@ -76,6 +83,6 @@ impl<L: LossInFrame> Term for Points<'_, L> {
     }
 
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
-        Some(self.points.sandwich(frame, self.loss.at(frame), self.independent_points))
+        Some(self.sandwich_with(frame, &self.points.linearise(frame, self.loss.at(frame))))
     }
 }

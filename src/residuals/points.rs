@@ -107,15 +107,22 @@ impl<'a> PointTerm<'a> {
         Walls { visible, total }
     }
 
-    /// What the points add to the covariance of a minimum, of which `independent_points` are independent.
+    /// What the points add to the covariance of a minimum, of which `independent_points` are independent. `equations` are
+    /// those of [`PointTerm::linearise`] there.
     ///
     /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
     /// slope: B = Σ ψ² J Jᵀ (White's estimator) with the influence ψ = w(e) e and the correction of the residuals by
     /// their leverage (HC3 of MacKinnon and White 1985). A is the mean slope of ψ for Σ w J Jᵀ, so that points without
     /// influence (background) do not count as measured.
     #[must_use]
-    pub fn sandwich(&self, frame: &LocalFrame, loss: impl Loss, independent_points: f64) -> SandwichPart {
-        let NormalEquations { gradient, hessian, .. } = self.linearise(frame, loss);
+    pub fn sandwich(
+        &self,
+        frame: &LocalFrame,
+        loss: impl Loss,
+        independent_points: f64,
+        equations: &NormalEquations,
+    ) -> SandwichPart {
+        let NormalEquations { gradient, hessian, .. } = *equations;
         let Some(factor) = hessian.cholesky() else { return SandwichPart::zero() };
         // Other terms pull the cylinder away from the points. The part of the residuals that a step to the minimum of
         // the points would take away is no noise.

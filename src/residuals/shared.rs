@@ -256,8 +256,8 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
     /// b is eliminated, with its own variance τ².
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
         let stiffness = self.stiffness();
-        let Bent { b, direction, frame: bent, .. } = self.bent(frame);
-        let SandwichPart { gradient, derivative, covariance } = self.points.sandwich(&bent)?;
+        let Bent { b, direction, frame: bent, equations, .. } = self.bent(frame);
+        let SandwichPart { gradient, derivative, covariance } = self.points.sandwich_with(&bent, &equations);
         let by_shared = self.shared.steps(frame).map(|step| derivative * step);
         let column = derivative * direction;
         let square = direction.dot(&column) + stiffness;

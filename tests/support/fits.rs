@@ -16,15 +16,25 @@ pub fn on_one_core(options: Options) -> Options {
     Options { threads: 1, ..options }
 }
 
-/// A noisy can: 1 mm along the ray, half a pixel on the edges.
-pub fn noisy(points: usize, edges: bool, options: Options) -> Fitter {
-    let truth = can();
-    let mut noise = Noise::new(1);
-    let mut cloud = visible_points(&truth, &Vector3::zeros(), points);
+/// Points of a can with a noise of 1 mm along the ray.
+pub fn noisy_points(count: usize) -> Vec<[f64; 3]> {
+    noisy_points_by(count, &mut Noise::new(1))
+}
+
+fn noisy_points_by(count: usize, noise: &mut Noise) -> Vec<[f64; 3]> {
+    let mut cloud = visible_points(&can(), &Vector3::zeros(), count);
     for point in &mut cloud {
         let stretch = 1.0 + 0.0015 * noise.normal();
         point.iter_mut().for_each(|x| *x *= stretch);
     }
+    cloud
+}
+
+/// A noisy can: those points, half a pixel on the edges.
+pub fn noisy(points: usize, edges: bool, options: Options) -> Fitter {
+    let truth = can();
+    let mut noise = Noise::new(1);
+    let cloud = noisy_points_by(points, &mut noise);
     let mut segments = limb_segments(&truth, &camera());
     for q in segments.iter_mut().flat_map(|segment| &mut segment.endpoints) {
         *q += noise.vector().xy() * 0.5;

@@ -142,7 +142,7 @@ fn the_covariance_is_that_of_single_points() {
         let correction = 1.0 + 5.0 / independent * (squares / (slopes * slopes) - 1.0);
         let student = (independent - 5.0) / (independent - 7.0);
         let expected = covariance * (copies * correction * correction * student);
-        let found = term.sandwich(&frame, loss, independent);
+        let found = term.sandwich(&frame, loss, independent, &term.linearise(&frame, loss));
         assert!((found.covariance - expected).norm() < 1e-10 * expected.norm());
         let derivative = hessian * (slopes / weights);
         assert!((found.derivative - derivative).norm() < 1e-10 * derivative.norm());
