@@ -276,7 +276,7 @@ impl PointCloud {
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
         // On their way the points take as much memory as in the hands of the caller.
         match view.scalar() {
-            Scalar::F32 => self.push_as(view, mask, |point| point.cast::<f32>()),
+            Scalar::F32 => self.push_as(view, mask, Vector3::cast::<f32>),
             Scalar::F64 => self.push_as(view, mask, |point| point),
         }
     }
