@@ -155,10 +155,15 @@ mod tests {
     fn the_outer_numbers_are_those_of_the_ordered_list() {
         let wave =
             |count: usize| (0..count).map(|k| (k as f64 * 12.9898).sin() * 43758.5453).collect::<Vec<f64>>();
-        let mut ends = wave(5000);
-        // The sample sees none of them.
-        ends.iter_mut().skip(1).step_by(20).for_each(|number| *number = 1e9);
-        for numbers in [wave(3), wave(100), wave(5000), wave(70_001), vec![2.0; 4000], ends] {
+        // Many that the sample does not see, all above or all below those that it sees.
+        let unseen = |far: f64| {
+            let mut numbers = vec![far; 5000];
+            (0..SAMPLE).for_each(|k| numbers[k * 5000 / SAMPLE] = k as f64);
+            numbers
+        };
+        for numbers in
+            [wave(3), wave(100), wave(5000), wave(70_001), vec![2.0; 4000], unseen(1e9), unseen(-1e9)]
+        {
             let mut ordered = numbers.clone();
             ordered.sort_unstable_by(f64::total_cmp);
             for outer in [0, numbers.len() / 100, numbers.len() / 3] {

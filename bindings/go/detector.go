@@ -348,7 +348,8 @@ func (detection *Detection) read(handle *C.cylfuse_detector, index C.size_t) C.c
 }
 
 // IsComplete says whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with
-// more in it than that, cylinders may be missing, and the last one is what the search found, with FlagNotConverged.
+// more in it than that, cylinders may be missing. One for whose fit there was no work left is what the search found, with
+// FlagNotConverged.
 func (detector *Detector) IsComplete() (bool, error) {
 	var complete C.int32_t
 	err := detector.call(func(handle *C.cylfuse_detector) C.cylfuse_status {

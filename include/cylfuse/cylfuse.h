@@ -1659,7 +1659,8 @@ typedef struct cylfuse_progress {
 } cylfuse_progress;
 
 /**
- * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
+ * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`, and with the last one again
+ * between the other steps of the fit.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
  * `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.
@@ -2756,7 +2757,7 @@ CYLFUSE_NOEXCEPT;
 /**
  * Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
  * takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
- * the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+ * the work is done: cylinders may be missing. One for whose fit there was no work left is what the search found, with
  * `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
  *
  * @param detector the detector

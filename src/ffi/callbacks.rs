@@ -6,7 +6,8 @@ use super::status::cylfuse_status;
 use super::texts::Text;
 use std::ffi::{c_char, c_void};
 
-/// Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
+/// Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`, and with the last one again
+/// between the other steps of the fit.
 ///
 /// It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
 /// `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.

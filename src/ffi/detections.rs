@@ -30,7 +30,7 @@ pub unsafe extern "C" fn cylfuse_detector_count(
 
 /// Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
 /// takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
-/// the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+/// the work is done: cylinders may be missing. One for whose fit there was no work left is what the search found, with
 /// `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
 ///
 /// @param detector the detector

@@ -45,7 +45,7 @@ const POINTS_TRIM: f64 = 0.02;
 /// Points from which a fit to the sides of a mask starts, and which tell whether the points contradict segments.
 const SAMPLE: usize = 500;
 
-/// So many times as many points are looked at in a sample first.
+/// Where there are more than this many times as many points, those tell it first: with fewer the rest costs as little.
 const MANY: usize = 4;
 
 /// A sample leaves no doubt about a scale that differs from a limit by this factor: of 500 normal errors it tells the scale
@@ -415,7 +415,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         Ok(!elsewhere && !self.starts_are_better(limit, candidates))
     }
 
-    /// The same by a few of many points, where they leave no doubt.
+    /// The same by a few of many points. False where they leave doubt, or have no minimum of their own.
     fn few_admit(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
         if self.data.count() < MANY * SAMPLE {
             return Ok(false);
@@ -424,7 +424,13 @@ impl<'a> View<'_, 'a, '_, '_> {
         let Ok(data) = Data::new(self.data.options, std::iter::once(&view), self.data.start) else {
             return Ok(false);
         };
-        View { data: &data, run: self.run }.all_admit(fit, DOUBT * limit, candidates)
+        // Their solves take next to no time: the bound on those of all points does not count them.
+        let solves = self.run.solves();
+        let mut few = View { data: &data, run: self.run };
+        let beside = few.attempt(Guides::default(), &[fit.onward()]);
+        let better = few.starts_are_better(DOUBT * limit, candidates);
+        self.run.count_from(solves);
+        Ok(beside?.is_ok_and(|beside| beside.scale() >= DOUBT * limit) && !better)
     }
 
     /// Whether the points lie on one of the starts with a scale below some limit.

@@ -165,7 +165,8 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` is called before every iteration, and while a start is searched, and may stop the fit.
+    /// The same; `report` is called before every iteration, and with the last one again while a start is searched and limbs and
+    /// ends are located, and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.

@@ -43,6 +43,11 @@ impl<'a> Run<'a> {
         self.hear.map_or_else(|| (self.report)(&self.last), |hear| hear())
     }
 
+    /// The same, as an error when the answer is no.
+    pub fn check(&mut self) -> Result<()> {
+        if self.hear().is_break() { Err(self.cancelled()) } else { Ok(()) }
+    }
+
     /// What a fit that was stopped returns.
     pub fn cancelled(&self) -> Error {
         Error::Cancelled { iterations: self.last.iteration }
@@ -59,9 +64,14 @@ impl<'a> Run<'a> {
         (self.report)(iteration)
     }
 
-    /// The same, as an error when the answer is no.
-    pub fn check(&mut self) -> Result<()> {
-        if self.hear().is_break() { Err(self.cancelled()) } else { Ok(()) }
+    /// How many linear solves there were.
+    pub fn solves(&self) -> usize {
+        self.solves
+    }
+
+    /// Counts on from an earlier number of them.
+    pub fn count_from(&mut self, solves: usize) {
+        self.solves = solves;
     }
 
     /// Counts linear solves.

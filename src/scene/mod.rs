@@ -172,8 +172,8 @@ pub struct Scene {
     /// Columns and rows of the labels.
     pub size: (usize, usize),
     /// Whether all of it was looked at. The work of a search with its fits is bounded, so that no input takes much longer than
-    /// any other of its size. Where one has more in it than that, some cylinders are missing, and the last of those that were
-    /// fitted is what the search found, with [`Flags::NOT_CONVERGED`].
+    /// any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
+    /// work left is what the search found, with [`Flags::NOT_CONVERGED`].
     pub complete: bool,
 }
 

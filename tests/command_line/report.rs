@@ -1,6 +1,6 @@
 //! The page of `--report`: what stands in it. `tests/report.sh` opens it in a browser.
 
-use crate::support::run;
+use crate::support::{Copy, run};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -145,4 +145,25 @@ fn a_report_replaces_no_input_and_a_quantity_has_one_tolerance() {
         let reason = "--tolerance limits the radius 2 times";
         assert!(refused.code == 2 && refused.stderr.contains(reason), "{}", refused.stderr);
     }
+}
+
+#[test]
+fn a_cylinder_whose_end_nobody_saw_is_not_too_short() {
+    let copy = Copy::new();
+    let mut depth = image::open(copy.path("depth.png")).unwrap().into_luma16();
+    let half = depth.height() / 2;
+    depth.rows_mut().skip(half as usize).flatten().for_each(|pixel| pixel.0 = [0]);
+    depth.save(copy.path("depth.png")).unwrap();
+    let page = copy.path("page.html");
+    let (frame, page_text) = (copy.write(), page.to_str().unwrap());
+    let judged = |frame: &str, options: &[&str]| {
+        let fixed = ["fit", frame, "--report", page_text, "--tolerance", "length=0.3..0.4"];
+        assert_eq!(run(fixed.iter().chain(options)).code, 0);
+        content(&page)["frames"][0]["cylinders"][0]["judgement"].clone()
+    };
+    let whole = judged(FRAME, &[]);
+    assert_eq!(whole["verdict"], "fail", "{whole}");
+    let cut = judged(frame.to_str().unwrap(), &["--no-image", "--no-edges"]);
+    assert_eq!(cut["verdict"], "undecided", "{cut}");
+    assert!(cut["reasons"].to_string().contains("not seen"), "{cut}");
 }

@@ -151,8 +151,8 @@ namespace Cylfuse
         public Detection[] Detections() => Reading(Read);
 
         /// <summary>Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene
-        /// with more in it than that, cylinders may be missing, and the last one is what the search found, with
-        /// <see cref="ResultFlags.NotConverged"/>.</summary>
+        /// with more in it than that, cylinders may be missing. One for whose fit there was no work left is what the search
+        /// found, with <see cref="ResultFlags.NotConverged"/>.</summary>
         /// <exception cref="CylfuseException">BadState before the first search.</exception>
         public bool IsComplete
         {

@@ -182,9 +182,11 @@ fn in_number(character: char) -> bool {
     character.is_ascii_digit() || character == '.' || character == '-'
 }
 
-/// A varied value.
+/// A varied value, to four digits or, where it is large, to the fourth decimal.
 fn shown(value: f64) -> String {
-    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').into()
+    let leading = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    let decimals = (3.0 - leading).max(4.0) as usize;
+    format!("{value:.decimals$}").trim_end_matches('0').trim_end_matches('.').into()
 }
 
 fn cells_of(deviations: &Deviations, radius: f64) -> [String; 5] {

@@ -171,7 +171,8 @@ impl TwinArguments {
     /// `InvalidIntrinsics` or `InvalidArgument` for a value out of range.
     pub fn options(&self) -> Result<CaptureOptions> {
         let focal_length = self.focal_length.unwrap_or(0.89 * f64::from(self.width));
-        let focal_lengths = FOCAL_LENGTHS.map(|part| part * f64::from(self.width));
+        // Rounded as they are printed.
+        let focal_lengths = FOCAL_LENGTHS.map(|part| (part * f64::from(self.width) * 10.0).round() / 10.0);
         for (name, value, [low, high]) in [
             ("--focal-length", focal_length, focal_lengths),
             ("--blur", self.blur, BLURS),

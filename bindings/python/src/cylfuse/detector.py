@@ -148,8 +148,8 @@ class Detector(Calling):
     @property
     def is_complete(self) -> bool:
         """Whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more
-        in it than that, cylinders may be missing, and the last one is what the search found, with the warning
-        ``NOT_CONVERGED``."""
+        in it than that, cylinders may be missing. One for whose fit there was no work left is what the search
+        found, with the warning ``NOT_CONVERGED``."""
         complete = c_int32()
         self._call(lib.cylfuse_detector_is_complete, byref(complete))
         return bool(complete.value)

@@ -13,7 +13,8 @@ const RADIUS: f64 = 0.04;
 const AROUND: u32 = 60;
 const ALONG: u32 = 50;
 
-/// The largest error of the radius in the trial, as a part of it. It tells the right program from another one, not a good
+/// The largest error in the trial: of the radius and of the axis at the middle as parts of the radius, of the direction in
+/// radians. It tells the right program from another one, not a good
 /// library from a bad one: there is no noise.
 const MOST: f64 = 0.1;
 
@@ -39,11 +40,21 @@ pub fn judge(found: &[Cylinder]) -> Result<(), String> {
     let [cylinder] = found else {
         return Err(format!("{} cylinders in the trial cloud, which is one cylinder", found.len()));
     };
-    match (cylinder.radius / RADIUS - 1.0).abs() <= MOST {
-        true => Ok(()),
-        false => Err(format!(
+    if !((cylinder.radius / RADIUS - 1.0).abs() <= MOST) {
+        return Err(format!(
             "a radius of {:.4} m in the trial cloud, which is a cylinder with a radius of {RADIUS} m",
             cylinder.radius
+        ));
+    }
+    let (middle, direction) = (Vector3::from(MIDDLE), Vector3::from(DIRECTION));
+    let beside = (middle - cylinder.axis.nearest_to(&middle)).norm();
+    let aslant = direction.cross(&cylinder.axis.direction).norm();
+    match beside <= MOST * RADIUS && aslant <= MOST {
+        true => Ok(()),
+        false => Err(format!(
+            "the radius of the trial cloud, but its axis {:.1} mm beside and {:.1} degrees off: a line is a point and a direction",
+            1e3 * beside,
+            aslant.clamp(0.0, 1.0).asin().to_degrees()
         )),
     }
 }
@@ -62,6 +73,8 @@ mod tests {
         assert!(judge(&[own]).is_ok());
         let thick = Cylinder::new(MIDDLE.into(), DIRECTION.into(), 2.0 * RADIUS).unwrap();
         assert!(judge(&[thick]).unwrap_err().contains("0.0800 m"));
+        let swapped = Cylinder::new(DIRECTION.into(), MIDDLE.into(), RADIUS).unwrap();
+        assert!(judge(&[swapped]).unwrap_err().contains("degrees off"));
         assert!(judge(&[own, own]).unwrap_err().starts_with("2 cylinders"));
         assert!(judge(&[]).unwrap_err().starts_with("0 cylinders"));
     }

@@ -86,7 +86,7 @@ impl<'a> CylinderContent<'a> {
         let length = extent.as_ref().map(|extent| Measured {
             value: Some(extent.length),
             deviation: extent.length_deviation,
-            at_least: extent.goes_on(),
+            at_least: extent.may_go_on(),
         });
         let length = length.unwrap_or_default();
         let doubts = &measurement.doubts;

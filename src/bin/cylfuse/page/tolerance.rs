@@ -152,7 +152,7 @@ impl Tolerance {
         };
         let surely_too_long = value - reach > self.high;
         if at_least && !surely_too_long {
-            return undecided("of the visible part only: an end is cut off or hidden");
+            return undecided("of the visible part only: an end is cut off, hidden or not seen");
         }
         let word = if beyond - reach > 0.0 {
             Verdict::Fail

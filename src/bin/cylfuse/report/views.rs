@@ -140,9 +140,15 @@ pub struct ExtentValues {
 }
 
 impl ExtentValues {
-    /// Whether the cylinder goes on beyond what was measured, behind something else or beyond the image.
-    pub fn goes_on(&self) -> bool {
-        [self.start_state, self.end_state].iter().any(|state| ["cut", "hidden"].contains(state))
+    /// Whether the cylinder may go on beyond what was measured: at an end that is cut off or hidden, and where no depth was
+    /// measured beyond it unless the end itself was located in the image.
+    pub fn may_go_on(&self) -> bool {
+        let ends = [(self.start_state, self.start_source), (self.end_state, self.end_source)];
+        ends.iter().any(|(state, source)| match *state {
+            "seen" => false,
+            "unknown" => *source != "image",
+            _ => true,
+        })
     }
 
     /// The two ends on the axis, each with its state.

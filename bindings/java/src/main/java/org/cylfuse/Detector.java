@@ -181,8 +181,8 @@ public final class Detector implements AutoCloseable {
 
     /**
      * Says whether the scene was looked at as a whole. The work of a search with its fits is bounded: of a scene with more
-     * in it than that, cylinders may be missing, and the last one is what the search found, with {@link
-     * ResultFlag#NOT_CONVERGED}.
+     * in it than that, cylinders may be missing. One for whose fit there was no work left is what the search found, with
+     * {@link ResultFlag#NOT_CONVERGED}.
      *
      * @return false when cylinders may be missing
      * @throws CylfuseException BAD_STATE before the first search
