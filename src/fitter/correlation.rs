@@ -111,7 +111,7 @@ impl Lattice {
         };
         let step = coarse * (occupied as f64 / count as f64).sqrt();
         let cells = cells(step.max((area / MOST_CELLS).sqrt()).max(shortest));
-        // A large cloud has no room for all at once.
+        // No longer needed, and much memory in a large cloud.
         drop(places);
         Self::new(cells)
     }

@@ -197,7 +197,7 @@ fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
             return Ok(true);
         }
     };
-    // Where no row is possible it is not what was varied, or all of that.
+    // A mistake of the command line that every row has is none of the varied value: it ends with the code of such mistakes.
     let mut failures = rows.iter().map(|row| row.expected.as_ref().err());
     if let Some(Some(first)) = failures.next()
         && plan::of_command_line(first)

@@ -45,7 +45,7 @@ pub struct TwinArguments {
     #[arg(value_parser = clap::value_parser!(u32).range(SIZES))]
     pub height: u32,
 
-    /// Focal length of the image in pixels [default: 0.89 times the width].
+    /// Focal length of the image in pixels, 0.2 to 20 times the width [default: 0.89 times the width].
     #[arg(long, value_name = "PX", help_heading = "Camera")]
     pub focal_length: Option<f64>,
 
@@ -59,11 +59,11 @@ pub struct TwinArguments {
     )]
     pub distortion: Vec<f64>,
 
-    /// Standard deviation of the blur of lens and focus, in pixels; 0 for none.
+    /// Standard deviation of the blur of lens and focus, in pixels, up to 20; 0 for none.
     #[arg(long, value_name = "PX", default_value_t = 0.7, help_heading = "Camera")]
     pub blur: f64,
 
-    /// Electrons of a pixel at full scale: the fewer, the noisier the image.
+    /// Electrons of a pixel at full scale, 10 to 1e7: the fewer, the noisier the image.
     #[arg(long, value_name = "N", default_value_t = 8000.0, help_heading = "Camera")]
     pub electrons: f64,
 

@@ -1,7 +1,8 @@
 //! Other libraries, each by a program of its own: `tests/cpp/bench_pcl.cpp`, `tests/cpp/bench_cgal.cpp`.
 //!
 //! A program that does not work must not pass for a library that fails: an ending with an error, an output that is no list of
-//! cylinders, or none within the time limit stops the bench. What a library finds no cylinder in is an empty output.
+//! cylinders, or none within the time limit stops the bench. What a library finds no cylinder in is an empty output. So the
+//! trial of a search of scenes cannot tell a program that never finds anything from a library that does not.
 
 use super::trial;
 use crate::failure::Failure;

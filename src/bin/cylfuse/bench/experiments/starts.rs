@@ -94,8 +94,9 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
     })?;
     let body = paragraph(&format!(
         "Section 5.4.2 of the paper: the true cylinder with normal noise on direction, centre and radius is the start; \
-         {trials} trials on each of {} frames. The paper shows its errors only as a \
-         picture; what its text says of each configuration is in the table. A start that leads to the mirror image behind the surface is what the near-wall rule is for.",
+         {trials} trials on each of {} frames. The paper shows its errors only as a picture; what its text says of each \
+         configuration is in the table. A start that leads to the mirror image behind the surface is what the near-wall \
+         rule is for.",
         samples.len()
     )) + &legend
         + &pictures(&plots)
