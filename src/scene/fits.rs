@@ -32,7 +32,7 @@ impl<'a> Fits<'a> {
         index: usize,
         detection: &Detection,
         share: Option<&Share<'_>>,
-    ) -> Result<Found> {
+    ) -> Result<Box<Found>> {
         let mut fitter = self.fitter()?;
         let mask = mask_of(&self.seen.labels, index);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
@@ -53,10 +53,10 @@ impl<'a> Fits<'a> {
         index: usize,
         detection: &Detection,
         share: Option<&Share<'_>>,
-    ) -> Result<Found> {
+    ) -> Result<Box<Found>> {
         let region = mask_of(&self.seen.labels, index);
         let fit = |mask: &[u8]| {
-            let mut fitter = self.fitter()?;
+            let mut fitter = Box::new(self.fitter()?);
             fitter.push_points(points, Some(&MaskView::from_u8(mask, self.size)?))?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
@@ -74,11 +74,11 @@ impl<'a> Fits<'a> {
             (fitter, result) = fit(mask.as_deref().unwrap_or(&region))?;
         }
         // The score asks how well all points of the region determine the radius.
-        let mut whole = self.fitter()?;
+        let mut whole = Box::new(self.fitter()?);
         whole.push_points(points, Some(&MaskView::from_u8(&region, self.size)?))?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation);
-        Ok(found(fitter, evidence, detection, result))
+        Ok(found(*fitter, evidence, detection, result))
     }
 
     /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
@@ -146,7 +146,7 @@ impl<'a> Fits<'a> {
         let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
         let attempts = self.attempts();
         // The best so far, and that from the cylinder itself: the fitter as it left it, and its result.
-        let mut best: Option<(f64, Fitter, FitResult)> = None;
+        let mut best: Option<(f64, Box<(Fitter, FitResult)>)> = None;
         let mut plain = None;
         for factor in radii.iter().take(attempts) {
             let radius = factor * found.radius;
@@ -171,7 +171,7 @@ impl<'a> Fits<'a> {
                 continue;
             }
             if *factor == 1.0 {
-                plain = Some((fitter.clone(), result));
+                plain = Some(Box::new((fitter.clone(), result)));
             }
             if after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
@@ -181,10 +181,11 @@ impl<'a> Fits<'a> {
                 if held || quality >= COVERED + 1.0 {
                     return Ok(result);
                 }
-                best = Some((quality, fitter.clone(), result));
+                best = Some((quality, Box::new((fitter.clone(), result))));
             }
         }
-        if let Some((_, of_best, result)) = best {
+        if let Some((_, best)) = best {
+            let (of_best, result) = *best;
             *fitter = of_best;
             return Ok(result);
         }
@@ -196,7 +197,8 @@ impl<'a> Fits<'a> {
         let kept = fitter.keep(&found)?;
         match plain {
             // Limbs that are located at the cylinder itself draw it away.
-            Some((of_plain, result)) if kept.limbs_located > 0 => {
+            Some(plain) if kept.limbs_located > 0 => {
+                let (of_plain, result) = *plain;
                 *fitter = of_plain;
                 Ok(result)
             }
@@ -223,13 +225,16 @@ fn radius_deviation(result: &FitResult) -> f64 {
     deviation / result.cylinder.radius
 }
 
-fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: FitResult) -> Found {
+// Apart and boxed, so that what it holds takes no stack below the fits.
+#[inline(never)]
+fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: FitResult) -> Box<Found> {
     let (extent, arcs) = match fitter.extent_and_arcs(None, None) {
         Ok((extent, mut arcs)) => (Ok(extent), arcs.pop().unwrap_or_default()),
         Err(error) => (Err(error), Default::default()),
     };
     fitter.swap_mask(None);
-    Found { score: evidence.score(), evidence, pixels: detection.pixels, result, extent, arcs, fitter }
+    let (score, pixels) = (evidence.score(), detection.pixels);
+    Box::new(Found { score, evidence, pixels, result, extent, arcs, fitter })
 }
 
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than

@@ -348,7 +348,7 @@ impl Detector {
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,
-        fit: impl Fn(&Fits<'a>, usize, &Detection, Option<&Share<'_>>) -> Result<Found> + Sync,
+        fit: impl Fn(&Fits<'a>, usize, &Detection, Option<&Share<'_>>) -> Result<Box<Found>> + Sync,
     ) -> Result<Scene> {
         let detections = &fits.seen.cylinders;
         let count = detections.len();
@@ -367,8 +367,8 @@ impl Detector {
         };
         tell(0);
         let work = Work::after_search(fits.seen.visits, fits.seen.labels.len(), count);
-        let mut outcomes: Vec<Option<Result<Found>>> = detections.iter().map(|_| None).collect();
-        let compute = |index: usize, outcome: &mut Option<Result<Found>>| {
+        let mut outcomes: Vec<Option<Result<Box<Found>>>> = detections.iter().map(|_| None).collect();
+        let compute = |index: usize, outcome: &mut Option<Result<Box<Found>>>| {
             let cancelled = || Err(Error::Cancelled { iterations: 0 });
             if poll().is_break() {
                 *outcome = Some(cancelled());
@@ -410,7 +410,7 @@ impl Detector {
         cylinders.truncate(self.options.search.max_count);
         let Fits { seen: Detections { mut labels, .. }, size, .. } = fits;
         renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
-        let cylinders = cylinders.into_iter().map(|(_, found)| found).collect();
+        let cylinders = cylinders.into_iter().map(|(_, found)| *found).collect();
         Ok(Scene { cylinders, labels, size, complete })
     }
 }
