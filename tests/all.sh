@@ -30,6 +30,9 @@ log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 cargo test --locked --release --features bench --no-fail-fast 2>&1 | tee "$log"
 
+step "report: pages in a browser at desktop and phone width"
+tests/report.sh 2>&1 | tee -a "$log"
+
 step "tests: matrices of OpenCV"
 cargo test --locked --release --features cli,opencv --lib opencv:: 2>&1 | tee -a "$log"
 
@@ -39,9 +42,6 @@ cargo run --locked --release --features cli -- demo --out "$demo"
 for file in result.json overlay.png completed.ply completed.pcd scene/overlay.png scene/labels.png scene/completed.ply; do test -s "$demo/$file"; done
 rm -rf "$demo"
 
-step "report: pages in a browser at desktop and phone width"
-tests/report.sh 2>&1 | tee -a "$log"
-
 step "C++: installation, packages, headers, examples, OpenCV, PCL, reference"
 tests/cpp.sh 2>&1 | tee -a "$log"
 
@@ -49,7 +49,8 @@ step "documents: site, links, programs of the first pages"
 tests/docs.sh 2>&1 | tee -a "$log"
 
 step "bindings"
-bindings/test.sh 2>&1 | tee -a "$log"
+# With the library that is there already.
+CYLFUSE_LIBRARY=${CARGO_TARGET_DIR:-target}/release/libcylfuse.so bindings/test.sh 2>&1 | tee -a "$log"
 
 # Of the lines "test result: ok. 3 passed; 0 failed" and "cpp: 3 passed, 0 failed" and so on.
 sum() { awk -v word="$1" '/^(test result|report|cpp|docs|bindings):/ { for (i = 2; i <= NF; i++) if ($i ~ "^" word) total += $(i - 1) } END { print total + 0 }' "$log"; }

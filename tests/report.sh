@@ -19,7 +19,8 @@ if [ ${#missing[@]} -gt 0 ]; then
     DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
 fi
 
-cargo build --locked --release --features bench --bin cylfuse
+# The program that the tests run: with their dependencies, so that after them nothing is compiled again.
+cargo test --locked --release --features bench --test command_line --no-run
 cylfuse=${CARGO_TARGET_DIR:-target}/release/cylfuse
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
