@@ -79,6 +79,7 @@ pub(super) fn search(
 ) -> Result<Vec<Judged>> {
     let cancelled = || if effort.ask() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
+    cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
     let scene = Scene {
