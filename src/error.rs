@@ -89,7 +89,7 @@ pub enum Error {
     },
     /// The points are as flat as a plane: the radius runs away.
     #[error(
-        "the points lie on a plane: the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis; give points that cover more of the circumference"
+        "the points lie on a plane: the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis; check the mask, or give points that cover more of the circumference"
     )]
     PlanarPoints {
         /// The radius at which the fit was given up.

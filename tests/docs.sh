@@ -49,7 +49,7 @@ set_up() {
 }
 check "Sphinx" set_up
 check "library and program" cargo build --locked --release --features cli
-check "installation" make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli" install PREFIX="$work/home/cylfuse"
+check "installation" make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli" install PREFIX="$work/home/.local"
 export CYLFUSE_LIBRARY=$target/release/libcylfuse.so
 
 printf '\n-- site\n'
@@ -99,7 +99,7 @@ check "links" "$environment/bin/python" tests/docs/links.py "$site"
 
 printf '\n-- programs of the first pages, as they stand there\n'
 frame=$root/tests/data/frames/r40_a20_f0
-home() { env HOME="$work/home" CARGO_HOME="${CARGO_HOME:-$HOME/.cargo}" RUSTUP_HOME="${RUSTUP_HOME:-$HOME/.rustup}" PKG_CONFIG_PATH="$work/home/cylfuse/lib/pkgconfig" "$@"; }
+home() { env HOME="$work/home" CARGO_HOME="${CARGO_HOME:-$HOME/.cargo}" RUSTUP_HOME="${RUSTUP_HOME:-$HOME/.rustup}" PKG_CONFIG_PATH="$work/home/.local/lib/pkgconfig" "$@"; }
 radius_is() { # radius_is REGEX FOLDER COMMANDS: run there, they print a radius like this
     local output
     output=$(cd "$2" && home bash -euc "$3" 2>&1) || { printf '%s\n' "$output"; return 1; }

@@ -86,6 +86,7 @@ pub(crate) fn detect_points_until(
     let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
     cancelled()?;
     let mut grid = Grid::new(size, image.spacing, side, &point);
+    cancelled()?;
     let effort = Effort::new(stopped);
     let found = search(&mut grid, image.spacing, None, &turned, &effort)?;
     let ray = |x: usize, y: usize| {

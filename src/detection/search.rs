@@ -62,6 +62,9 @@ const FAR_FROM_LIMB: f64 = 4.0;
 /// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
 const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
 
+/// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
+const ROWS_BETWEEN_QUESTIONS: usize = 64;
+
 /// A candidate that was judged.
 pub(super) struct Judged {
     pub candidate: Candidate,
@@ -79,6 +82,7 @@ pub(super) fn search(
 ) -> Result<Vec<Judged>> {
     let cancelled = || if effort.ask() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
+    cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
     let scene = Scene {
@@ -380,6 +384,10 @@ pub(super) fn label(
         let pad = 0.5 * grid.spacing * depth;
         let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
+            // One cylinder may fill the image.
+            if y % ROWS_BETWEEN_QUESTIONS == 0 && effort.ask() {
+                break;
+            }
             for x in
                 low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width)
             {

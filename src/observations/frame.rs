@@ -56,7 +56,7 @@ impl Frame {
     /// The old camera stays then.
     pub fn set_camera(&mut self, camera: Camera) -> Result<()> {
         if let Some(image) = &self.image {
-            check_same_size(COLOR_GRID, camera.size(), "grey image", (image.width(), image.height()))?;
+            check_same_size(COLOR_GRID, camera.size(), "image", (image.width(), image.height()))?;
         }
         if let (Some(depth), None) = (&self.depth, &self.depth_camera) {
             check_same_size(COLOR_GRID, camera.size(), "depth image", depth.size())?;
@@ -117,7 +117,7 @@ impl Frame {
     /// [`GreyImage::copy`]. The earlier image stays then.
     pub fn set_image(&mut self, image: &ImageView<'_>) -> Result<()> {
         let camera = self.camera_for("pushing an image")?;
-        check_same_size("grey image", (image.width(), image.height()), COLOR_GRID, camera.size())?;
+        check_same_size("image", (image.width(), image.height()), COLOR_GRID, camera.size())?;
         self.image = Some(Arc::new(GreyImage::copy(image)?));
         Ok(())
     }

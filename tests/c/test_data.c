@@ -387,9 +387,9 @@ static void images_that_are_refused(void)
     cylfuse_fitter *fitter = new_full_fitter();
     image.width--;
     CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), SIZE_MISMATCH,
-                "grey image is 159 x 120 but the image of the intrinsics is 160 x 120");
+                "image is 159 x 120 but the image of the intrinsics is 160 x 120");
     image.width = 0;
-    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), SIZE_MISMATCH, "grey image is 0 x 120");
+    CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), SIZE_MISMATCH, "image is 0 x 120");
     image = scene_image();
     image.format = 8;
     CHECK_ERROR(fitter, cylfuse_fitter_push_image(fitter, &image), INVALID_ARGUMENT,

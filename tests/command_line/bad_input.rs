@@ -9,7 +9,13 @@ fn missing_fields_are_named() {
     for field in ["camera", "depth", "depth_scale"] {
         let mut copy = Copy::new();
         copy.json.as_object_mut().unwrap().remove(field);
-        fails(&copy.write(), &[], "BAD_FRAME", &["frame.json", &format!("missing field `{field}`")]);
+        let missing = format!("missing field `{field}`");
+        fails(
+            &copy.write(),
+            &[],
+            "BAD_FRAME",
+            &["frame.json", &missing, "cylfuse fit --help lists the fields"],
+        );
     }
     for field in ["width", "height", "fx", "fy", "cx", "cy"] {
         let mut copy = Copy::new();
@@ -179,7 +185,12 @@ fn images_of_another_size_than_the_camera_are_refused() {
         let copy = Copy::new();
         let file = format!("{name}.png");
         ImageBuffer::<Luma<u16>, _>::new(640, 479).save(copy.path(&file)).unwrap();
-        fails(&copy.write(), &[], "SIZE_MISMATCH", &[&file, "640 x 479", "640 x 480"]);
+        let remedy = match name {
+            "image" => "intrinsics belong to one resolution",
+            "depth" => "register the depth to the image, or describe its own camera as depth_camera",
+            _ => "scale the mask to the image",
+        };
+        fails(&copy.write(), &[], "SIZE_MISMATCH", &[&file, "640 x 479", "640 x 480", remedy]);
     }
 }
 
@@ -195,6 +206,58 @@ fn depth_is_16_bit_grey() {
     ] {
         image.save(copy.path("depth.png")).unwrap();
         fails(&frame, &[], "BAD_IMAGE", &["depth.png", kind, "one 16-bit channel"]);
+    }
+}
+
+#[test]
+fn what_is_likely_a_mistake_is_a_note() {
+    let notes = |changes: &[(&str, Value)]| {
+        let mut copy = Copy::new();
+        for (pointer, value) in changes {
+            *copy.json.pointer_mut(pointer).unwrap() = value.clone();
+        }
+        let object = crate::support::fitted(&copy.write(), &[]);
+        let notes = object["notes"].as_array().unwrap().iter();
+        notes.map(|note| note.as_str().unwrap()).collect::<Vec<_>>().join("\n")
+    };
+    let swapped = notes(&[("/camera/cx", json!(239.5)), ("/camera/cy", json!(319.5))]);
+    assert!(
+        swapped.contains("(239.5, 319.5), far from the middle of 640 x 480 pixels; are cx and cy swapped?")
+    );
+    let of_another = notes(&[("/camera/cx", json!(639.5)), ("/camera/cy", json!(359.5))]);
+    assert!(of_another.contains("are cx and cy those of another resolution?"));
+    // A distance of 0.7 m in units of 0.1 mm.
+    assert!(notes(&[("/depth_scale", json!(1))]).contains("depth_scale is 1, by which the middle distance"));
+    assert!(notes(&[("/depth_scale", json!(1e-7))]).contains("0.001 where it is in millimetres"));
+    for scale in [1e-5, 1e-4, 1e-3] {
+        let right = notes(&[("/depth_scale", json!(scale)), ("/camera/cx", json!(300))]);
+        assert!(!right.contains("depth_scale") && !right.contains("principal"), "{right}");
+    }
+}
+
+#[test]
+fn a_failure_says_what_else_may_be_the_cause() {
+    let mut copy = Copy::new();
+    // Metres that were rounded.
+    let depth = ImageBuffer::<Luma<u16>, _>::from_pixel(640, 480, Luma([1]));
+    depth.save(copy.path("depth.png")).unwrap();
+    copy.json["depth_scale"] = json!(0.001);
+    fails(
+        &copy.write(),
+        &[],
+        "PLANAR_POINTS",
+        &["check the mask", "depth: the image has only 1 different values", "Write millimetres"],
+    );
+}
+
+#[test]
+fn files_of_another_format_are_told_which_one_is_read() {
+    let copy = Copy::new();
+    let frame = copy.write();
+    // The start of a TIFF file, in which programs save depth in float, and of an array of numpy.
+    for start in [&b"II*\0\x08\0\0\0"[..], b"\x93NUMPY\x01\0"] {
+        std::fs::write(copy.path("depth.png"), start).unwrap();
+        fails(&frame, &[], "BAD_IMAGE", &["depth.png", "give a PNG file of one 16-bit channel"]);
     }
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+import warnings
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,8 @@ def test_foreign_arrays(frame: dict[str, Any]) -> None:
     ("depth", np.zeros((4, 5), ">u2"), TypeError, "uint16"),
     ("mask", np.zeros((480, 640), int), TypeError, "mask != 0 converts it"),
     ("image", np.zeros((480, 640, 2), np.uint8), ValueError, "rows x columns x 3 or 4 of uint8"),
-    ("image", np.zeros((480, 640, 3), np.float32), ValueError, "rows x columns x 3 or 4 of uint8"),
+    ("image", np.zeros((480, 640, 3), np.float32), ValueError, "of uint8; (255 * image).astype(numpy.uint8)"),
+    ("image", np.zeros((3, 480, 640), np.uint8), ValueError, "of uint8; numpy.moveaxis(image, 0, 2)"),
     ("image", np.zeros((480, 640)), TypeError, "image.astype(numpy.float32) converts it"),
     ("edges", np.zeros((2, 3)), ValueError, "N x 4"),
     ("edges", [["a", "b", "c", "d"]], TypeError, "edges have the type"),
@@ -253,6 +255,16 @@ def test_distortion_means_brown_conrady() -> None:
     assert cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5).distortion_model == cylfuse.Distortion.NONE
     with pytest.raises(cylfuse.InvalidIntrinsicsError, match="set distortion_model"):
         cylfuse.Fitter(cylfuse.Intrinsics(640, 480, 570, 570, 319.5, 239.5, "none", [-0.04]))
+
+
+def test_a_principal_point_that_looks_swapped_is_a_warning() -> None:
+    with pytest.warns(UserWarning, match=r"the principal point is \(239.5, 319.5\) .* are cx and cy swapped"):
+        cylfuse.Intrinsics(640, 480, 570, 570, 239.5, 319.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Of a piece of an image, and of a square one.
+        cylfuse.Intrinsics(640, 480, 570, 570, 20, 100)
+        cylfuse.Intrinsics(480, 480, 570, 570, 230, 245)
 
 
 def test_a_whole_scene_is_a_poor_fit(frame: dict[str, Any], result: cylfuse.Result) -> None:

@@ -7,6 +7,7 @@ use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_SCENE, Picture};
+use crate::remarks::remarks;
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::camera::Camera;
@@ -62,6 +63,8 @@ pub struct Scene {
     pub cylinders: Vec<Found>,
     /// Whether all of the frame was looked at: the work of a search is bounded.
     pub complete: bool,
+    /// What may be wrong with the frame, in words.
+    pub notes: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
     /// What a page shows of it.
@@ -114,7 +117,9 @@ pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> SceneRe
 
 fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
-    let [view] = <[View; 1]>::try_from(Frame::read(path, settings.image)?.views).map_err(|views| {
+    let views = Frame::read(path, settings.image)?.views;
+    let notes = remarks(&views);
+    let [view] = <[View; 1]>::try_from(views).map_err(|views| {
         let reason = format!(
             "views: has {} views, and detect takes one; give each view a frame file of its own",
             views.len()
@@ -149,7 +154,7 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     }
     let out = folder.map(|folder| folder.display().to_string());
     let (complete, seconds) = (scene.complete, SceneSeconds { read, total, ..seconds });
-    Ok(Scene { cylinders, complete, out, illustration, seconds })
+    Ok(Scene { cylinders, complete, notes, out, illustration, seconds })
 }
 
 fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
@@ -168,7 +173,7 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         write_points(folder, &cloud.points, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, complete: scene.complete, out, illustration, seconds })
+    Ok(Scene { cylinders, complete: scene.complete, notes: Vec::new(), out, illustration, seconds })
 }
 
 /// The picture of one cylinder.

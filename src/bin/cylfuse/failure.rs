@@ -26,7 +26,11 @@ impl Failure {
 
     /// A folder without any frame.
     pub fn no_frames(path: &Path) -> Self {
-        Self::file("NO_FRAMES", path, "has no frame.json in it or below; name a folder of frames")
+        Self::file(
+            "NO_FRAMES",
+            path,
+            "has no frame.json in it or below; name a folder of frames, or write the file: cylfuse fit --help shows one",
+        )
     }
 
     /// A frame file is not what it should be.
@@ -65,6 +69,15 @@ impl Failure {
     /// The same, said of a place in a frame file.
     pub fn in_frame(self, path: &Path, place: &str) -> Self {
         Self::file(self.status, path, format!("{place}: {}", self.message))
+    }
+
+    /// The same, with what else may be the cause.
+    pub fn with(mut self, remarks: &[String]) -> Self {
+        for remark in remarks {
+            self.message += "; ";
+            self.message += remark;
+        }
+        self
     }
 
     fn file(status: &'static str, path: &Path, reason: impl Display) -> Self {

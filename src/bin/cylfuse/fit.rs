@@ -7,6 +7,7 @@ use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_CYLINDER};
+use crate::remarks::remarks;
 use crate::report::{Fitted, Measurement, Report, ViewValues};
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{ArcSample, Extent};
@@ -161,7 +162,8 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
             if views.len() > 1 { failure.in_frame(path, &format!("views[{index}]")) } else { failure }
         })?;
     }
-    let result = fitter.fit()?;
+    let remarks = remarks(&views);
+    let result = fitter.fit().map_err(|error| Failure::from(error).with(&remarks))?;
     let mut measurement = Measurement::new(&settings.options, &result);
     let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); views.len()];
     match find_extent(&mut fitter, &views) {
@@ -188,6 +190,7 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
         });
     }
     measurement.set_views(values);
+    measurement.notes.extend(remarks);
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
     if settings.illustrate {

@@ -260,6 +260,9 @@ fn deserialize<'a, T: Deserialize<'a>>(path: &Path, text: &'a [u8]) -> Result<T,
     let content = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let place = error.path().to_string();
         let reason = error.into_inner();
+        // A field that is missing, misspelt or of another type, but not a comma too many.
+        let remedy = if reason.is_data() { "; cylfuse fit --help lists the fields" } else { "" };
+        let reason = format!("{reason}{remedy}");
         // "." and "?" stand for the whole file.
         if matches!(place.as_str(), "." | "?") {
             Failure::bad_frame(path, reason)

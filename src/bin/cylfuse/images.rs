@@ -35,6 +35,24 @@ impl Role {
             Role::Mask => "mask",
         }
     }
+
+    /// What to do about a file that is no such image.
+    fn file(self) -> &'static str {
+        match self {
+            Role::Image => "give a PNG or JPEG file",
+            Role::Depth => "give a PNG file of one 16-bit channel (grey), such as depth in millimetres",
+            Role::Mask => "give a PNG file of one 8-bit channel (grey)",
+        }
+    }
+
+    /// What to do about an image of another size than the camera.
+    fn size(self) -> &'static str {
+        match self {
+            Role::Image => "intrinsics belong to one resolution: give those of this image",
+            Role::Depth => "register the depth to the image, or describe its own camera as depth_camera",
+            Role::Mask => "scale the mask to the image",
+        }
+    }
 }
 
 /// Reads an image that must have the size of the camera.
@@ -53,15 +71,14 @@ pub fn read(path: &Path, role: Role, camera: (u32, u32)) -> Result<DynamicImage,
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_PIXELS * MAX_PIXEL_BYTES);
     reader.limits(limits);
-    let damaged = |error| Failure::bad_image(path, format!("the {} cannot be decoded: {error}", role.name()));
+    let damaged = |error| {
+        Failure::bad_image(path, format!("the {} cannot be decoded: {error}; {}", role.name(), role.file()))
+    };
     let decoder = reader.into_decoder().map_err(damaged)?;
     check_size(path, role, decoder.dimensions(), camera)?;
     let color = decoder.color_type();
     if role == Role::Depth && color != ColorType::L16 {
-        let reason = format!(
-            "the depth image has {} pixels; it must be a PNG of one 16-bit channel (grey)",
-            color_name(color)
-        );
+        let reason = format!("the depth image has {} pixels; {}", color_name(color), role.file());
         return Err(Failure::bad_image(path, reason));
     }
     DynamicImage::from_decoder(decoder).map_err(damaged)
@@ -85,8 +102,8 @@ fn check_size(path: &Path, role: Role, size: (u32, u32), camera: (u32, u32)) -> 
     if size != camera {
         let (camera_width, camera_height) = camera;
         let reason = format!(
-            "the {name} is {width} x {height} but the camera is {camera_width} x {camera_height}; both must \
-             have the same size"
+            "the {name} is {width} x {height} but its camera is {camera_width} x {camera_height}; {}",
+            role.size()
         );
         return Err(Failure::size_mismatch(path, reason));
     }

@@ -18,6 +18,7 @@ mod overlay;
 mod page;
 mod plan;
 mod plan_arguments;
+mod remarks;
 mod report;
 mod scene_picture;
 mod table;

@@ -126,7 +126,8 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
     let count = scene.cylinders.len();
     let plural = if count == 1 { "" } else { "s" };
     let rest = if scene.complete { "" } else { "; more to look at than a search may, some may be missing" };
-    format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms{rest}\n{table}\n")
+    let notes: String = scene.notes.iter().map(|note| format!("{}: {note}\n", short_name(frame))).collect();
+    format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms{rest}\n{table}\n{notes}")
 }
 
 /// The folder of a frame.json says which frame it is.

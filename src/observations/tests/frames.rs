@@ -136,13 +136,13 @@ fn images_of_one_frame_have_the_sizes_of_their_cameras() {
     );
     assert_eq!(
         text(frame.set_image(&image((8, 6)))),
-        format!("grey image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}")
+        format!("image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}")
     );
     frame.set_depth(&of_size((4, 3)), &all).unwrap();
     frame.set_image(&image((4, 3))).unwrap();
     assert_eq!(
         text(frame.set_camera(large())),
-        format!("the image of the intrinsics is 8 x 6 but grey image is 4 x 3; {both}")
+        format!("the image of the intrinsics is 8 x 6 but image is 4 x 3; {both}")
     );
     frame.clear_image();
     assert_eq!(

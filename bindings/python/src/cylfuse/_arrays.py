@@ -122,9 +122,14 @@ def image_view(image: Any, gamma: float, bgr: bool = False) -> ImageView:
     """An image of rows x columns, or of uint8 and rows x columns x 3, or x 4 with a fourth channel that is ignored."""
     if isinstance(image, np.ndarray) and image.ndim == 3:
         if (image.shape[2], bool(bgr)) not in _COLORS or image.dtype != np.uint8:
+            remedy = ""
+            if image.shape[0] in (3, 4) and image.shape[2] > 4:
+                remedy = "; numpy.moveaxis(image, 0, 2) puts the channels last"
+            elif image.dtype.kind == "f":
+                remedy = "; (255 * image).astype(numpy.uint8) converts values from 0 to 1"
             raise ValueError(
                 f"image has the shape {image.shape} and the type {image.dtype}; it must be rows x columns, or "
-                "rows x columns x 3 or 4 of uint8"
+                f"rows x columns x 3 or 4 of uint8{remedy}"
             )
         _not_masked("image", image, "0")
         if image.strides[2] != 1:

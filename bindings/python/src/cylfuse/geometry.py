@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from ctypes import byref, c_double
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -132,13 +133,25 @@ class Intrinsics:
             distortion_model=Distortion(distortion_model), distortion=coefficients,
         )  # fmt: skip
 
+        def centred(x: float, y: float) -> bool:
+            # To a tenth: lenses are centred to a few hundredths of the image.
+            sides = ((x, self.width), (y, self.height))
+            return all(abs(middle + 0.5 - side / 2) <= side / 10 for middle, side in sides)
+
+        if centred(self.cy, self.cx) and not centred(self.cx, self.cy):
+            warnings.warn(
+                f"the principal point is ({self.cx:g}, {self.cy:g}) in an image of {width} x {height} pixels; are cx and cy "
+                "swapped?",
+                stacklevel=2,
+            )
+
     @classmethod
     def from_matrix(
         cls, matrix: npt.ArrayLike, width: int, height: int, distortion: npt.ArrayLike = ()
     ) -> Intrinsics:
         """From the 3 x 3 camera matrix of OpenCV and, when there are any, its Brown-Conrady coefficients."""
         if np.shape(matrix) != (3, 3):
-            raise ValueError(f"the camera matrix has the shape {np.shape(matrix)}; it must be (3, 3)")
+            raise ValueError(f"the camera matrix has the shape {np.shape(matrix)}; it must be (3, 3), or give an Intrinsics")
         k = vector("the camera matrix", matrix).reshape(3, 3)
         for row, column, value in ((0, 1, 0.0), (1, 0, 0.0), (2, 0, 0.0), (2, 1, 0.0), (2, 2, 1.0)):
             if k[row, column] != value:

@@ -1,0 +1,76 @@
+//! What a frame file says that may be meant, but more often is a mistake that no other check notices.
+
+use crate::frame::View;
+use cylfuse::camera::Intrinsics;
+
+/// Distances in metres that depth cameras measure. At 0.1 to 10 m a scale that takes millimetres for metres, or metres for
+/// millimetres, leads out of them.
+const DISTANCES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+
+/// How far the principal point of a camera is from the middle, at most, in lengths of the side: lenses are centred to a few
+/// hundredths.
+const CENTRED: f64 = 0.1;
+
+/// The same for a piece cut out of an image, which may be meant; beyond, the size of the image is rather that of another
+/// resolution.
+const CROPPED: f64 = 0.25;
+
+/// The least number of different depths in an image of a scene that is not rounded to nothing.
+const LEAST_VALUES: usize = 8;
+
+/// What may be wrong, in words.
+pub fn remarks(views: &[View]) -> Vec<String> {
+    let mut all = Vec::new();
+    for (index, view) in views.iter().enumerate() {
+        let place = if views.len() > 1 { format!("views[{index}].") } else { String::new() };
+        let own = view.depth_camera.as_ref();
+        let depth_camera = own.and_then(|own| principal_point("depth_camera", own.camera.intrinsics()));
+        let found = [principal_point("camera", view.camera.intrinsics()), depth_camera, depth(view)];
+        all.extend(found.into_iter().flatten().map(|remark| format!("{place}{remark}")));
+    }
+    all
+}
+
+fn principal_point(camera: &str, intrinsics: &Intrinsics) -> Option<String> {
+    let Intrinsics { width, height, cx, cy, .. } = *intrinsics;
+    let off = |coordinate: f64, side: u32| ((coordinate + 0.5) / f64::from(side) - 0.5).abs();
+    let given = off(cx, width).max(off(cy, height));
+    let swapped = off(cy, width).max(off(cx, height));
+    let question = if swapped <= CENTRED && given > CENTRED {
+        "are cx and cy swapped?"
+    } else if given > CROPPED {
+        "are cx and cy those of another resolution?"
+    } else {
+        return None;
+    };
+    Some(format!(
+        "{camera}: the principal point is ({cx}, {cy}), far from the middle of {width} x {height} pixels; {question}"
+    ))
+}
+
+fn depth(view: &View) -> Option<String> {
+    let mut counts = vec![0_usize; 1 << 16];
+    view.depth.iter().for_each(|&value| counts[usize::from(value)] += 1);
+    // 0 is what was not measured.
+    counts[0] = 0;
+    let values = counts.iter().filter(|&&count| count > 0).count();
+    let (measured, mut nearer) = (counts.iter().sum::<usize>(), 0);
+    let median = counts.iter().position(|count| {
+        nearer += count;
+        2 * nearer > measured
+    })?;
+    let scale = view.depth_scale;
+    let metres = median as f64 * scale;
+    if values < LEAST_VALUES {
+        return Some(format!(
+            "depth: the image has only {values} different values; was depth in metres rounded to whole numbers? Write \
+             millimetres, and a depth_scale of 0.001"
+        ));
+    }
+    (!DISTANCES.contains(&metres)).then(|| {
+        format!(
+            "depth_scale is {scale}, by which the middle distance of the scene is {metres:.4} m; give the metres for one \
+             unit of the depth image: 0.001 where it is in millimetres"
+        )
+    })
+}
