@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Visits that a scene of [`PIXELS`] may take, search and fits together, 20 to 25 ns each: the hardest of ../shared/scenes, five
 /// pipes across all of the image, takes 26 million. The search has a limit of its own besides, ten million.
-const VISITS: u64 = 34_000_000;
+const VISITS: u64 = 30_000_000;
 
 /// Larger scenes may take more, in proportion.
 const PIXELS: usize = 640 * 480;
