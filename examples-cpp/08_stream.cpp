@@ -1,8 +1,8 @@
 // Follows a cylinder through a stream of frames: 08_stream FOLDER...
 //
 // Each folder is a recorded frame; replace the loop in `main` by that of your camera. The first frame is searched by a
-// detector. Later ones need neither detector nor mask: the outline of the last cylinder is the mask, and the fit starts from
-// that cylinder.
+// detector. Later ones need neither detector nor mask: the outline of the last cylinder is the mask, and the fit goes on from
+// that cylinder and what its image showed.
 #include "frame.hpp"
 
 #include <cmath>
@@ -41,6 +41,7 @@ private:
             return {};
         }
         fitter_ = detector_.make_fitter(0);
+        fitter_.set_options(fitter_.options().start(cylfuse::Start::Last)); // Where that does not do, a fit is from scratch.
         return detector_.fit(0);
     }
 
@@ -48,11 +49,10 @@ private:
     cylfuse::CylinderFit follow(const Frame &frame)
     {
         const std::vector<std::uint8_t> mask = outline_of_last(frame);
-        fitter_.clear(); // Data and views; memory and options stay.
+        fitter_.clear(); // Data and views; memory, options and what the last fit leaves stay.
         fitter_.set_intrinsics(frame.camera);
         fitter_.push_depth(frame.depth_view(), cylfuse::MaskView(mask.data(), frame.camera.width, frame.camera.height));
         fitter_.push_image(frame.image_view());
-        fitter_.set_start_model(last_); // One start among others: where it explains the data badly, another one is taken.
         return fitter_.fit();
     }
 

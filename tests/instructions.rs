@@ -31,12 +31,13 @@ const CASE: &str = "CYLFUSE_INSTRUCTIONS_OF";
 
 type Case = (&'static str, fn());
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 14] = [
     ("robust, image and edges", || repeated(fits::framed(true, true))),
     ("robust, image and mask", || repeated(fits::framed(true, false))),
     ("robust, edges", || repeated(fits::framed(false, true))),
     ("robust, mask", || repeated(fits::framed(false, false))),
-    ("robust, image and edges, from the last result", || repeated(fits::followed())),
+    ("robust, image and edges, from the last fit", || repeated(fits::followed(true))),
+    ("robust, image and mask, from the last fit", || repeated(fits::followed(false))),
     ("robust, 5,000 points and edges", || repeated(fits::noisy(5_000, true, Options::default()))),
     ("robust, 5,000 points alone", || {
         let mut fitter = fits::noisy(5_000, false, Options::default());

@@ -88,7 +88,7 @@ type caseFile struct {
 var caseNames = map[string][]string{
 	"method":           {"FUSED", "POINTS", "RANSAC", "EBERLY"},
 	"objective":        {"ROBUST", "PAPER"},
-	"start":            {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL"},
+	"start":            {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL", "LAST"},
 	"near_wall":        {"AUTO", "ON", "OFF"},
 	"chart":            {"AUTO", "LOCAL", "ORTHONORMAL"},
 	"edge_use":         {"REFINE", "AS_GIVEN"},

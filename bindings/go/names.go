@@ -15,7 +15,7 @@ func (objective Objective) String() string { return name(objective, 0, "robust",
 
 // String names the start.
 func (start Start) String() string {
-	return name(start, 0, "auto", "limbs", "moments", "RANSAC", "model")
+	return name(start, 0, "auto", "limbs", "moments", "RANSAC", "model", "last")
 }
 
 // String names the rule.

@@ -43,6 +43,11 @@ const (
 	StartRANSAC Start = C.CYLFUSE_START_RANSAC
 	// StartModel is the model given by SetStartModel.
 	StartModel Start = C.CYLFUSE_START_MODEL
+	// StartLast is the cylinder of the last successful fit of the fitter, for frames of a sequence, also after Clear. Where
+	// its limbs are about where it or the points have them, and look in the image as they did, they are not searched, and
+	// the result depends on the fits before. Where not, and before the first fit, as StartAuto, with that cylinder or the
+	// start model one of the candidates.
+	StartLast Start = C.CYLFUSE_START_LAST
 )
 
 // NearWall says whether the points must lie on the wall of the cylinder that a camera at the origin sees.

@@ -320,6 +320,13 @@ typedef int32_t cylfuse_start;
  * The model given by `cylfuse_fitter_set_start_model`.
  */
 #define CYLFUSE_START_MODEL 4
+/**
+ * The cylinder of the last successful fit of the fitter, for frames of a sequence, also after `cylfuse_fitter_clear`.
+ * Where its limbs are about where it or the points have them, and look in the image as they did, they are not searched: the
+ * search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
+ * fit, as AUTO, with that cylinder or the start model one of the candidates.
+ */
+#define CYLFUSE_START_LAST 5
 
 /**
  * Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a
@@ -2221,7 +2228,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
- * start model, callbacks and memory: the way from one frame to the next.
+ * start model, what the start LAST goes on from, callbacks and memory: the way from one frame to the next.
  *
  * @param fitter the fitter
  */

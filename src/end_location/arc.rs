@@ -7,6 +7,7 @@
 //! same place. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
 //! profile has two steps then, with the brightness of the cap between them.
 
+use super::LastArc;
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
 use crate::noise::ImageNoise;
@@ -19,6 +20,9 @@ use std::sync::LazyLock;
 constants! {
     /// How far about the rough end the arc is searched, in standard deviations of the rough end.
     SEARCH_DEVIATIONS = 5.0, "σ";
+
+    /// The same about where the arc was in the last image of a sequence, in pixels: beyond that it has moved.
+    LAST_PIXELS = 1.6, "px";
 
     /// Half the window that a step is judged in, in pixels across the arc: several times the blur of an image.
     WINDOW_PIXELS = 5.0, "px";
@@ -68,6 +72,7 @@ pub(super) struct ArcEnd {
     pub position: f64,
     pub deviation: f64,
     pub samples: Vec<ArcSample>,
+    pub blur: f64,
 }
 
 /// A place in the image at which the surface ends on one generator of the model, located on its own.
@@ -111,11 +116,18 @@ pub(super) struct ArcSearch<'a> {
 }
 
 impl ArcSearch<'_> {
-    /// Searches the arc about a rough end.
-    pub fn locate(&self, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
+    /// Searches the arc about a rough end; first where it was in the last image of a sequence, if that is not farther off
+    /// than the search reaches.
+    pub fn locate(&self, rough: &RoughEnd, outward: f64, last: Option<LastArc>) -> Option<ArcEnd> {
         let factor = self.image.factor();
         let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
-        let mut end = locate(self, &reduced, outward)?;
+        let search = SEARCH_DEVIATIONS.get() * rough.deviation;
+        let known = last.filter(|last| (last.position - rough.position).abs() <= search);
+        let near = known.and_then(|last| {
+            let rough = RoughEnd { position: last.position, ..reduced };
+            locate(self, &rough, outward, LAST_PIXELS.get() * rough.pixel, Some(last.blur))
+        });
+        let mut end = near.or_else(|| locate(self, &reduced, outward, search, None))?;
         for sample in &mut end.samples {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
             sample.deviation *= factor as f64;
@@ -131,9 +143,15 @@ impl ArcSearch<'_> {
     }
 }
 
-fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd> {
+/// The arc within `search` of a rough end. `blur` is that of the image, where it is known.
+fn locate(
+    arcs: &ArcSearch<'_>,
+    rough: &RoughEnd,
+    outward: f64,
+    search: f64,
+    blur: Option<f64>,
+) -> Option<ArcEnd> {
     let surface = &arcs.surface;
-    let search = SEARCH_DEVIATIONS.get() * rough.deviation;
     let profiles = sample(arcs, rough, outward, search);
     if profiles.len() < LEAST_GENERATORS.count() {
         return None;
@@ -155,8 +173,9 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd
         .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
     let coarse = step * (peak as f64 - steps as f64);
     // The position hardly depends on the blur, so one after the other.
-    let blur = match arcs.noise.blur {
-        told if told > 0.0 => told,
+    let blur = match (arcs.noise.blur, blur) {
+        (told, _) if told > 0.0 => told,
+        (_, Some(known)) => known,
         _ => {
             let scores = BLURS.map(|blur| (blur, score(coarse, blur)));
             scores.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0
@@ -197,6 +216,7 @@ fn locate(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64) -> Option<ArcEnd
         position: rough.position + outward * shift,
         deviation: (variance + model * model).sqrt(),
         samples: samples.collect(),
+        blur,
     })
 }
 

@@ -85,6 +85,9 @@ pub struct EndSearch<'a> {
     pub noise: ImageNoise,
     /// The blur of the grey image in pixels, where limbs show it.
     pub blur: Option<f64>,
+    /// Where the arcs were in the last image of a sequence, against and along the direction of the axis: they are looked
+    /// for there first.
+    pub last: [Option<LastArc>; 2],
 }
 
 /// An end as it was found.
@@ -102,6 +105,17 @@ pub struct End {
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: Vec<ArcSample>,
+    /// The blur with which the image shows the arc, in pixels of the grid on which it was looked for.
+    pub blur: Option<f64>,
+}
+
+/// An arc of the last image of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LastArc {
+    /// Its position along the axis, from the axis point of the cylinder.
+    pub position: f64,
+    /// See [`End::blur`].
+    pub blur: f64,
 }
 
 constants! {
@@ -157,11 +171,13 @@ pub fn locate_ends(
         mask: search.mask,
         noise: search.noise.reduced(factor),
     });
-    let mut end = |outward: f64, told: Option<&BodyEnd>| {
+    let mut end = |outward: f64, told: Option<&BodyEnd>, last: Option<LastArc>| {
         check()?;
-        ControlFlow::Continue(locate(&silhouette, &surroundings, arcs.as_ref(), told, outward))
+        let arc = |rough: &RoughEnd| arcs.as_ref().and_then(|arcs| arcs.locate(rough, outward, last));
+        ControlFlow::Continue(locate(&silhouette, &surroundings, &arc, told, outward))
     };
-    let ends = [end(-1.0, told[0].as_ref())?, end(1.0, told[1].as_ref())?];
+    let [first, second] = search.last;
+    let ends = [end(-1.0, told[0].as_ref(), first)?, end(1.0, told[1].as_ref(), second)?];
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }
 }
@@ -177,7 +193,15 @@ pub fn extreme_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End;
 
 fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End {
     let state = surroundings.state(position, outward);
-    End { position, deviation: None, state, source: EndSource::Extreme, rim: false, samples: Vec::new() }
+    End {
+        position,
+        deviation: None,
+        state,
+        source: EndSource::Extreme,
+        rim: false,
+        samples: Vec::new(),
+        blur: None,
+    }
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
@@ -205,7 +229,7 @@ fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Optio
 fn locate(
     silhouette: &Silhouette<'_>,
     surroundings: &Surroundings<'_>,
-    arcs: Option<&ArcSearch<'_>>,
+    arc: &dyn Fn(&RoughEnd) -> Option<ArcEnd>,
     told: Option<&BodyEnd>,
     outward: f64,
 ) -> End {
@@ -226,10 +250,10 @@ fn locate(
             source: EndSource::Border,
             rim: told.is_some(),
             samples: Vec::new(),
+            blur: None,
         };
     }
-    let arc = arcs.filter(|_| state != EndState::Hidden).and_then(|arcs| arcs.locate(&rough, outward));
-    match arc {
+    match (state != EndState::Hidden).then(|| arc(&rough)).flatten() {
         Some(arc) => {
             let (position, deviation) =
                 if told.is_some() { with_depth(&rough, &arc) } else { (arc.position, arc.deviation) };
@@ -240,6 +264,7 @@ fn locate(
                 source: EndSource::Image,
                 rim: told.is_some(),
                 samples: arc.samples,
+                blur: Some(arc.blur),
             }
         }
         None => End {
@@ -249,6 +274,7 @@ fn locate(
             source: EndSource::Mask,
             rim: told.is_some(),
             samples: Vec::new(),
+            blur: None,
         },
     }
 }
@@ -274,7 +300,8 @@ mod tests {
     #[test]
     fn an_arc_far_from_what_the_depth_says_of_an_end_gives_way_to_it() {
         let depth = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
-        let arc = |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: Vec::new() };
+        let arc =
+            |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: Vec::new(), blur: 1.0 };
         let (position, deviation) = with_depth(&depth, &arc(8e-4));
         assert!((position - 0.1008).abs() < 2e-5 && deviation < 2e-4, "{position} {deviation}");
         let (position, deviation) = with_depth(&depth, &arc(4e-3));

@@ -178,6 +178,7 @@ impl Fitter {
                 .unwrap_or_else(|| self.limbs_known(index) || self.result().is_some_and(near)),
             noise,
             blur: self.limbs_of(index).and_then(blur_of),
+            last: [None; 2],
         };
         let locates_ends = self.options().locates_ends();
         let ends = if locates_ends {

@@ -181,6 +181,7 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
         limbs_known: true,
         noise: NoiseModel::default().in_image(camera.size()),
         blur: None,
+        last: [None; 2],
     };
     let axis = scene.cylinder.axis;
     let [start, end] = locate_ends(&search, &scene.cylinder, &mut || ControlFlow::Continue(()))

@@ -135,6 +135,7 @@ mod tests {
                 source: EndSource::Image,
                 rim: false,
                 samples: Vec::new(),
+                blur: None,
             });
             let at = |end| (end, RigidMotion::identity());
             let both = [at(&ends[0]), at(&ends[1])];

@@ -209,6 +209,11 @@ impl cylfuse_start {
     pub const RANSAC: cylfuse_start = cylfuse_start(3);
     /// The model given by `cylfuse_fitter_set_start_model`.
     pub const MODEL: cylfuse_start = cylfuse_start(4);
+    /// The cylinder of the last successful fit of the fitter, for frames of a sequence, also after `cylfuse_fitter_clear`.
+    /// Where its limbs are about where it or the points have them, and look in the image as they did, they are not searched: the
+    /// search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
+    /// fit, as AUTO, with that cylinder or the start model one of the candidates.
+    pub const LAST: cylfuse_start = cylfuse_start(5);
 
     pub(super) fn read(self, field: &str) -> Result<StartKind, Failure> {
         match self {
@@ -217,7 +222,11 @@ impl cylfuse_start {
             Self::MOMENTS => Ok(StartKind::Moments),
             Self::RANSAC => Ok(StartKind::Ransac),
             Self::MODEL => Ok(StartKind::Model),
-            _ => unknown(field, self.0, "0 (AUTO), 1 (LIMBS), 2 (MOMENTS), 3 (RANSAC) or 4 (MODEL)"),
+            Self::LAST => Ok(StartKind::Last),
+            _ => {
+                let known = "0 (AUTO), 1 (LIMBS), 2 (MOMENTS), 3 (RANSAC), 4 (MODEL) or 5 (LAST)";
+                unknown(field, self.0, known)
+            }
         }
     }
 }
@@ -230,6 +239,7 @@ impl From<StartKind> for cylfuse_start {
             StartKind::Moments => Self::MOMENTS,
             StartKind::Ransac => Self::RANSAC,
             StartKind::Model => Self::MODEL,
+            StartKind::Last => Self::LAST,
         }
     }
 }

@@ -50,7 +50,7 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
 }
 
 /// Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
-/// start model, callbacks and memory: the way from one frame to the next.
+/// start model, what the start LAST goes on from, callbacks and memory: the way from one frame to the next.
 ///
 /// @param fitter the fitter
 #[unsafe(no_mangle)]

@@ -2,12 +2,12 @@
 
 use super::data::{Data, ViewData};
 use super::guided::CONTRADICTION;
-use super::held::{Held, HeldView};
+use super::held::{EndPlace, Held, HeldView};
 use super::located::Located;
 use super::objective::Precision;
 use super::run::Run;
 use crate::camera::Camera;
-use crate::end_location::{ArcSample, EndSearch, depth_tolerance, locate_ends};
+use crate::end_location::{ArcSample, EndSearch, LastArc, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
@@ -26,11 +26,11 @@ const REWEIGHTINGS: usize = 5;
 
 /// Most rounds of arcs and minimum: the first tilt may be off by degrees, and the arcs are looked for where it says. Most
 /// frames settle in two, short cans in three.
-const ARC_ROUNDS: usize = 5;
+pub(super) const ARC_ROUNDS: usize = 5;
 
 /// An axis that turned by less than this, in radians, leaves the arcs where they were found: at a radius of 25
 /// pixels it moves them by a tenth of a pixel.
-const SETTLED_TURN: f64 = 0.004;
+pub(super) const SETTLED_TURN: f64 = 0.004;
 
 /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
 /// contradict the points are something else and are dropped.
@@ -44,7 +44,9 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     let Located { mut minimum, mut held } = located;
     for _ in 0..ARC_ROUNDS {
         let before = *minimum.cylinder();
-        held = with_arcs(data, &without, &held, &before, run)?;
+        let known =
+            held.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
+        held = with_arcs(data, &without, &known.collect::<Vec<_>>(), &before, run)?;
         if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
@@ -61,32 +63,43 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     Ok(Located { minimum, held })
 }
 
-/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours. `last` is what
-/// was held before.
-fn with_arcs(
+/// What is known of the ends of a view before they are located.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct KnownEnds {
+    /// Whether the mask holds the body alone.
+    pub whole: bool,
+    /// The arcs of the last image of a sequence.
+    pub last: [Option<LastArc>; 2],
+}
+
+/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours.
+pub(super) fn with_arcs(
     data: &Data<'_>,
     held: &Held,
-    last: &Held,
+    known: &[KnownEnds],
     cylinder: &Cylinder,
     run: &mut Run<'_>,
 ) -> Result<Held> {
-    let views = data.views.iter().zip(&held.views).zip(&last.views).map(|((view, held), last)| {
-        // Only a mask that ends with the body gives arcs; it does so about a cylinder that turned a little, too.
-        let whole = !last.arcs.ends.is_empty();
-        let arcs = arcs(view, held, whole, &view.seen(cylinder), run)?.unwrap_or_default();
-        Ok(HeldView { arcs, ..held.clone() })
+    let views = data.views.iter().zip(&held.views).zip(known).map(|((view, held), known)| {
+        let found = arcs(view, held, known, &view.seen(cylinder), run)?;
+        let (arcs, ends) = found.unwrap_or_default();
+        Ok(HeldView {
+            arcs,
+            ends: ends.map(|end| end.map(|end| EndPlace::new(&end, cylinder))),
+            ..held.clone()
+        })
     });
     Ok(Held { views: views.collect::<Result<_>>()?, ..held.clone() })
 }
 
-/// The arcs that one view shows; `None` when it shows none.
+/// The arcs that one view shows, and where they are; `None` when it shows none.
 fn arcs(
     view: &ViewData<'_>,
     held: &HeldView,
-    whole: bool,
+    known: &KnownEnds,
     cylinder: &Cylinder,
     run: &mut Run<'_>,
-) -> Result<Option<ArcTerm>> {
+) -> Result<Option<(ArcTerm, [Option<LastArc>; 2])>> {
     if cylinder.contains_origin() {
         return Ok(None);
     }
@@ -97,13 +110,14 @@ fn arcs(
     let search = EndSearch {
         camera,
         mask,
-        whole,
+        whole: known.whole,
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
         limbs_known: held.given + held.located > 0,
         noise: view.noise,
         blur: held.limbs.as_ref().and_then(blur_of),
+        last: known.last,
     };
     let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.hear()) else {
         return Err(run.cancelled());
@@ -115,8 +129,9 @@ fn arcs(
     if ends.iter().any(|end| end.rim) {
         return Ok(None);
     }
+    let last = ends.each_ref().map(|end| Some(LastArc { position: end.position, blur: end.blur? }));
     let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
-    Ok(Some(ArcTerm { ends: ends.collect() }))
+    Ok(Some((ArcTerm { ends: ends.collect() }, last)))
 }
 
 /// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.

@@ -27,6 +27,8 @@ pub(super) struct Separated {
     pub body: Option<View>,
     /// The cylinder of the two segments of a view that stays what it is, where it was asked for.
     pub of_limbs: Option<Cylinder>,
+    /// Whether all of the mask is the body of the start model, on which the points lie.
+    pub whole: bool,
 }
 
 /// Separates the body in the mask of a view from the rest.
@@ -43,16 +45,16 @@ pub(super) fn separate(
         return Ok(Separated::default());
     };
     // Most masks hold the body alone, and that takes no search.
-    let Known { cylinder, of_limbs } = known(view, camera, options, start);
+    let Known { cylinder, of_limbs, given } = known(view, camera, options, start);
     let parts = cylinder.and_then(|cylinder| view.parts(&cylinder, &options.noise));
     if parts.is_some_and(|parts| parts.all_body()) {
-        return Ok(Separated { body: None, of_limbs });
+        return Ok(Separated { body: None, of_limbs, whole: given });
     }
     let run = RefCell::new(run);
     let stopped = || run.borrow_mut().poll().is_break();
     let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits, &stopped)?;
     let body = found.and_then(|cylinder| body(view, options, &cylinder));
-    Ok(Separated { of_limbs: of_limbs.filter(|_| body.is_none()), body })
+    Ok(Separated { of_limbs: of_limbs.filter(|_| body.is_none()), body, whole: false })
 }
 
 /// The view with the body of a cylinder alone; `None` where all of it is, or too little.
@@ -80,6 +82,8 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
 struct Known {
     cylinder: Option<Cylinder>,
     of_limbs: Option<Cylinder>,
+    /// Whether it is the start model.
+    given: bool,
 }
 
 /// The start model, the cylinder of two segments or that of the moments of the points, where the points lie on it.
@@ -88,7 +92,7 @@ fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinde
     let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
     let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
     if given.is_some() {
-        return Known { cylinder: given, of_limbs: None };
+        return Known { cylinder: given, of_limbs: None, given: true };
     }
     let noise = options.noise.in_image(camera.size());
     let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
@@ -98,5 +102,5 @@ fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinde
         let fit = Moments::new(points)?.best(options.cylinder_limits.cone())?;
         Some(fit.cylinder).filter(explains)
     };
-    Known { cylinder: of_limbs.filter(explains).or_else(of_moments), of_limbs }
+    Known { cylinder: of_limbs.filter(explains).or_else(of_moments), of_limbs, given: false }
 }

@@ -1,5 +1,6 @@
 //! What is fitted: the checked data of one fit, with their middle and size. Nothing here changes during a fit.
 
+use super::continued::Last;
 use super::correlation::Lattice;
 use super::edges::UsableEdges;
 use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
@@ -43,6 +44,8 @@ pub(super) struct Data<'a> {
     pub views: Vec<ViewData<'a>>,
     /// The model that the caller gave to start from.
     pub start: Option<&'a Cylinder>,
+    /// What the last fit of a sequence left to go on from.
+    pub last: Option<&'a Last>,
     /// Mean of the points.
     pub center: Vector3<f64>,
     /// Root mean square distance of the points from their mean.
@@ -66,6 +69,8 @@ pub(super) struct ViewData<'a> {
     pub edges: UsableEdges,
     /// The cylinder of two of them, where it is known already.
     pub of_limbs: Option<Cylinder>,
+    /// Whether the mask is known to hold the body alone about the cylinder of the last fit.
+    pub whole: bool,
     /// Whether the origin of the view is an observer that sees the points.
     pub observed: bool,
     /// The noise model in pixels of the image.
@@ -174,7 +179,8 @@ impl<'a> Data<'a> {
                 remedy: "push more points, or check mask, depth scale and depth range",
             });
         }
-        let mut data = Self { options, views, start, center: Vector3::zeros(), unit: 1.0, edge_weight };
+        let center = Vector3::zeros();
+        let mut data = Self { options, views, start, last: None, center, unit: 1.0, edge_weight };
         if usable < LEAST_POINTS {
             data.center = start.map_or(Vector3::zeros(), |start| start.axis.nearest_to_origin());
             data.unit = data.center.norm().max(f64::MIN_POSITIVE);
@@ -396,6 +402,7 @@ impl<'a> ViewData<'a> {
             lattice: Lattice::of_cloud(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
             of_limbs: None,
+            whole: false,
             observed,
             noise,
         }

@@ -5,8 +5,11 @@
 //! ```text
 //! Data ─ start ─▶ candidates ─ guided ─▶ Guided ─ located ─▶ Located ─ arcs ─▶ Located ─ minimum ─▶ Fit
 //! ```
+//!
+//! In a sequence `continued` may lead from the data to the last minimum at once.
 
 use super::arcs;
+use super::continued;
 use super::data::Data;
 use super::guided::{self, CONTRADICTION, Guided, reason_without_limbs};
 use super::held::Held;
@@ -32,7 +35,7 @@ pub(super) struct Fit {
 }
 
 /// Fits by the method of the options. `started` is called when a start has been found.
-pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, started: impl FnOnce()) -> Result<Fit> {
+pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut()) -> Result<Fit> {
     match data.options.method {
         Method::Eberly => {
             let reason = || Error::NoStart { reason: "the moments of the points give no cylinder".into() };
@@ -45,6 +48,10 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, started: impl FnOnce()) ->
             paper(data, &candidates, run)
         }
         Method::Fused | Method::Points => {
+            started();
+            if let Some((start, located)) = continued::locate(data, run)? {
+                return Ok(ended(start, located));
+            }
             let candidates = data.candidates(run)?;
             started();
             robust(data, &candidates, run)
@@ -65,21 +72,21 @@ fn paper(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result
         held = Held::without_edges(data, reason_without_limbs(data, candidates));
     }
     let (start, minimum) = data.best_minimum(&held, candidates, Precision::Full, run)?;
-    Ok(Fit { scales: None, ..ended(start, minimum, held) })
+    Ok(Fit { scales: None, ..ended(start, Located { minimum, held }) })
 }
 
 /// The robust objective.
 fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let guided = guided::guide(data, candidates, run)?;
-    let (start, Located { minimum, held }) = match data.locates() {
+    let (start, located) = match data.locates() {
         true => {
             let (start, located) = locate(data, &guided, run)?;
             (start, arcs::bend(data, located, run)?)
         }
         false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
     };
-    let minimum = data.minimise_again(&held, &minimum, Precision::Full, run)?;
-    Ok(ended(start, minimum, held))
+    let minimum = data.minimise_again(&located.held, &located.minimum, Precision::Full, run)?;
+    Ok(ended(start, Located { minimum, ..located }))
 }
 
 /// Locates the limbs about the first fit. Where that shows that the given segments were bad guides, what is found without
@@ -87,7 +94,7 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
 /// than none.
 fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
     let located = located::locate(data, guided, run)?;
-    if run.is_long(data) || !located.contradicts_segments(data, guided) {
+    if run.is_long(data) || !located.held.contradicts_segments(data, &guided.views) {
         return Ok((guided.start, located));
     }
     match without_segments(data, run) {
@@ -111,7 +118,7 @@ fn without_segments(data: &Data<'_>, run: &mut Run<'_>) -> Result<(Candidate, Lo
     Ok((guided.start, located::locate(&data, &guided, run)?))
 }
 
-fn ended(start: Candidate, minimum: Minimum, held: Held) -> Fit {
+fn ended(start: Candidate, Located { minimum, held }: Located) -> Fit {
     let Minimum { convergence, scales } = minimum;
     Fit { cylinder: convergence.cylinder, start, convergence: Some(convergence), held, scales: Some(scales) }
 }

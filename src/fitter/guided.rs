@@ -305,7 +305,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         for _ in 0..SIDE_ROUNDS {
             let Some(sides) = sides_of(joined.as_ref().map_or(&alone, |joined| &joined.0)) else { break };
             let mut starts = vec![alone.start];
-            if matches!(self.data.options.start, StartKind::Auto | StartKind::Limbs) {
+            if matches!(self.data.options.start, StartKind::Auto | StartKind::Limbs | StartKind::Last) {
                 let [a, b] = sides.rays(camera);
                 let found = from_limbs(&a, &b, &view.view.cloud.sample(SAMPLE));
                 let found = found.map(|cylinder| view.into_view.inverse().cylinder(&cylinder));
@@ -398,7 +398,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     /// The fit to the points alone.
     fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
         let mut starts = candidates.to_vec();
-        if self.data.options.start == StartKind::Auto {
+        if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
             match self.data.ransac(self.run) {
                 Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
@@ -469,13 +469,13 @@ impl<'a> View<'_, 'a, '_, '_> {
 
 impl ViewData<'_> {
     /// The part of the axis along which segments were given.
-    fn range_of_given(&self, camera: &Camera, cylinder: &Cylinder) -> Option<[f64; 2]> {
+    pub fn range_of_given(&self, camera: &Camera, cylinder: &Cylinder) -> Option<[f64; 2]> {
         let endpoints = self.view.segments.iter().flat_map(|segment| segment.endpoints);
         axial_range(camera, &self.seen(cylinder), endpoints, 0.0)
     }
 
     /// The part of the axis along which there are points.
-    fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
+    pub fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
         let axis = self.seen(cylinder).axis;
         let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
         let positions = self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction));

@@ -2,8 +2,11 @@
 
 use super::data::{Data, ViewData};
 use super::result::Flags;
-use crate::limb_location::LimbObservation;
+use crate::end_location::LastArc;
+use crate::geometry::{Cylinder, Line};
+use crate::limb_location::{Appearance, LimbObservation};
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm};
+use nalgebra::Vector3;
 
 /// What a fit holds the cylinder to beside the points, and what it found out about that. A value: every stage makes a
 /// new one.
@@ -31,8 +34,12 @@ pub(super) struct HeldView {
     pub located: usize,
     /// The arcs of the ends.
     pub arcs: ArcTerm,
+    /// Where the arcs were located.
+    pub ends: [Option<EndPlace>; 2],
     /// What the image shows of the limbs; `None` where it was not searched.
     pub limbs: Option<[LimbObservation; 2]>,
+    /// What the next image of a sequence need not be asked again.
+    pub appearance: Option<Appearance>,
 }
 
 impl Held {
@@ -87,7 +94,35 @@ impl Held {
     }
 }
 
+/// Where an arc was located.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EndPlace {
+    /// The middle of its circle, in the reference frame.
+    middle: Vector3<f64>,
+    blur: f64,
+}
+
+impl EndPlace {
+    /// Of an arc on a cylinder in the reference frame.
+    pub fn new(arc: &LastArc, cylinder: &Cylinder) -> Self {
+        let Line { point, direction } = cylinder.axis;
+        Self { middle: point + direction * arc.position, blur: arc.blur }
+    }
+
+    /// The arc on another cylinder.
+    pub fn on(&self, cylinder: &Cylinder) -> LastArc {
+        let Line { point, direction } = cylinder.axis;
+        LastArc { position: (self.middle - point).dot(&direction), blur: self.blur }
+    }
+}
+
 impl HeldView {
+    /// Whether the mask holds the body alone: only such a mask gives arcs, and it does so about a cylinder that turned a
+    /// little, too.
+    pub fn is_whole(&self) -> bool {
+        !self.arcs.ends.is_empty()
+    }
+
     /// Lines, of which some are given segments and some were located in the image.
     pub fn new(view: &ViewData<'_>, lines: &[PixelSegment], given: usize, located: usize) -> Self {
         let camera = view.camera().filter(|_| !lines.is_empty());

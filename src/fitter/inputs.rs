@@ -1,6 +1,8 @@
 //! What goes into a fitter: views, cameras, points, images, edges.
 
 use super::Fitter;
+#[cfg(doc)]
+use super::options::StartKind;
 use super::view::View;
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
@@ -190,8 +192,8 @@ impl Fitter {
         self.view_mut().frame.set_image(image)
     }
 
-    /// Forgets all data, all views but the first, and the result; keeps options, start model, the camera of the first
-    /// view, and memory.
+    /// Forgets all data, all views but the first, and the result; keeps options, start model, what [`StartKind::Last`] goes
+    /// on from, the camera of the first view, and memory.
     pub fn clear(&mut self) {
         self.views.truncate(1);
         self.selected = 0;

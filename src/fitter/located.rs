@@ -6,10 +6,11 @@ use super::guides::BESIDE;
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
+use super::result::Flags;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
-use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, locate_limbs};
+use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, locate_limbs};
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
@@ -26,10 +27,10 @@ pub(super) struct Located {
 }
 
 /// By limb: the line that the image of a view shows.
-type Lines = [Option<PixelSegment>; 2];
+pub(super) type Lines = [Option<PixelSegment>; 2];
 
 /// What the images show of the limbs, by view.
-type Observations = Vec<Option<[LimbObservation; 2]>>;
+pub(super) type Observations = Vec<Option<SeenLimbs>>;
 
 /// Locates the limbs near those of the first fit and fits again with them. A limb that is not seen, or that contradicts
 /// the points, is left to what the first fit held it to.
@@ -47,8 +48,8 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
                 let missing = usize::from(lines[0].is_some());
                 let again = observe_view(data, guided, view, fit.minimum.cylinder(), by_hand(view), run)?;
                 if let (Some(again), Some(seen)) = (again, &mut observations[view]) {
-                    seen[missing].clone_from(&again[missing]);
-                    *lines = lines_of_view(&data.views[view], seen);
+                    seen.limbs[missing].clone_from(&again.limbs[missing]);
+                    *lines = lines_of_view(&data.views[view], &seen.limbs);
                 }
             }
         }
@@ -70,12 +71,9 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     }
     let mut located = fit.unwrap_or_else(|| {
         let none = vec![[None, None]; lines.len()];
-        Located { minimum: guided.minimum.clone(), held: held(data, guided, &none) }
+        Located { minimum: guided.minimum.clone(), held: held(data, &guided.views, guided.flags, &none) }
     });
-    located.held.settled = true;
-    for (held, observation) in located.held.views.iter_mut().zip(observations) {
-        held.limbs = observation;
-    }
+    located.held.settle(observations);
     Ok(located)
 }
 
@@ -99,7 +97,7 @@ fn observe_view(
     cylinder: &Cylinder,
     deviation: f64,
     run: &mut Run<'_>,
-) -> Result<Option<[LimbObservation; 2]>> {
+) -> Result<Option<SeenLimbs>> {
     let GuidedView { range, guides, .. } = &guided.views[view];
     let view = &data.views[view];
     let (Some(range), Some(image), Some(camera)) = (range, view.view.image(), view.view.camera()) else {
@@ -112,27 +110,28 @@ fn observe_view(
     let mut located = |reach: [f64; 2]| {
         run.check()?;
         let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
-        let limbs = locate_limbs(image, camera, &view.seen(cylinder), &search);
-        let lines = limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
+        let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
+        let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
         let beside = guides.beside(lines, &view.noise);
-        Ok((limbs, beside))
+        Ok((seen, beside))
     };
-    let (mut limbs, mut beside) = located([REACH_DEVIATIONS * deviation; 2])?;
+    let (mut seen, mut beside) = located([REACH_DEVIATIONS * deviation; 2])?;
     if beside.contains(&true) {
         // What is far from the mask had the clearer edge: the limb may be nearer.
         let reach = |beside| if beside { BESIDE } else { REACH_DEVIATIONS };
-        (limbs, beside) = located(beside.map(|beside| reach(beside) * deviation))?;
+        (seen, beside) = located(beside.map(|beside| reach(beside) * deviation))?;
     }
-    for (limb, _) in limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
+    for (limb, _) in seen.limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
         limb.line = Err(NotVisible::OutOfReach);
+        seen.appearance = None;
     }
-    Ok(Some(limbs))
+    Ok(Some(seen))
 }
 
 /// The lines that were located, each weighed by its own standard deviation.
-fn lines_of(data: &Data<'_>, observations: &Observations) -> Vec<Lines> {
-    let of_view = |(view, seen): (&ViewData<'_>, &Option<[LimbObservation; 2]>)| {
-        seen.as_ref().map_or([None, None], |seen| lines_of_view(view, seen))
+pub(super) fn lines_of(data: &Data<'_>, observations: &Observations) -> Vec<Lines> {
+    let of_view = |(view, seen): (&ViewData<'_>, &Option<SeenLimbs>)| {
+        seen.as_ref().map_or([None, None], |seen| lines_of_view(view, &seen.limbs))
     };
     data.views.iter().zip(observations).map(of_view).collect()
 }
@@ -147,7 +146,7 @@ fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Li
 
 /// The fit to located limbs; `None` where they contradict the points.
 fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) -> Result<Option<Located>> {
-    let held = held(data, guided, lines);
+    let held = held(data, &guided.views, guided.flags, lines);
     match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
         Ok(minimum) => {
             let bent = BENT * data.largest_bend(&guided.minimum);
@@ -160,8 +159,8 @@ fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) 
 }
 
 /// What a fit is held to: the located limbs with the given segments that agree with them, and the guides of the others.
-fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
-    let views = data.views.iter().zip(&guided.views).zip(lines).map(|((view, guided), lines)| {
+pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: &[Lines]) -> Held {
+    let views = data.views.iter().zip(guided).zip(lines).map(|((view, guided), lines)| {
         let guides = &guided.guides;
         let (mut all, mut given) = (Vec::new(), 0);
         for limb in [0, 1] {
@@ -185,18 +184,26 @@ fn held(data: &Data<'_>, guided: &Guided, lines: &[Lines]) -> Held {
         }
         HeldView::new(view, &all, given, lines.iter().flatten().count())
     });
-    Held { views: views.collect(), flags: guided.flags, edge_weight: 0.0, settled: false }
+    Held { views: views.collect(), flags, edge_weight: 0.0, settled: false }
 }
 
-impl Located {
+impl Held {
+    /// Keeps what the images show of the limbs. Nothing else is looked for from here.
+    pub fn settle(&mut self, observations: Observations) {
+        self.settled = true;
+        for (held, seen) in self.views.iter_mut().zip(observations) {
+            let (limbs, appearance) = seen.map(|seen| (seen.limbs, seen.appearance)).unzip();
+            (held.limbs, held.appearance) = (limbs, appearance.flatten());
+        }
+    }
+
     /// Whether the given segments were bad guides: none was believed, no limb was found about some that the mask does not
     /// confirm, or a limb that was found is not where its segment is.
-    pub fn contradicts_segments(&self, data: &Data<'_>, guided: &Guided) -> bool {
+    pub fn contradicts_segments(&self, data: &Data<'_>, views: &[GuidedView]) -> bool {
         let pushed = |view: &ViewData<'_>| !view.edges.segments.is_empty();
-        let views = &guided.views;
         let believed = views.iter().any(|view| !view.guides.given.is_empty());
-        let in_vain = self.held.limbs_located() == 0 && views.iter().any(|view| view.unconfirmed);
-        let mut of_views = data.views.iter().zip(views).zip(&self.held.views);
+        let in_vain = self.limbs_located() == 0 && views.iter().any(|view| view.unconfirmed);
+        let mut of_views = data.views.iter().zip(views).zip(&self.views);
         data.options.edge_use != EdgeUse::AsGiven
             && data.views.iter().any(pushed)
             && (!believed

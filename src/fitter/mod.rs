@@ -6,6 +6,7 @@
 mod arcs;
 mod batch;
 mod body;
+mod continued;
 mod correlation;
 mod data;
 mod describe;
@@ -46,6 +47,7 @@ use crate::geometry::LimbFrame;
 use crate::observations::Mask;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
+use continued::Last;
 use data::Data;
 use edges::UsableEdges;
 use held::Held;
@@ -76,6 +78,8 @@ pub struct Fitter {
     /// What the last fit was made with.
     made_with: Option<MadeWith>,
     result: Option<FitResult>,
+    /// What the last fit left to the next one of a sequence.
+    last: Option<Last>,
 }
 
 /// What a fit was made with.
@@ -96,6 +100,7 @@ impl Default for Fitter {
             selected: 0,
             made_with: None,
             result: None,
+            last: None,
         }
     }
 }
@@ -186,7 +191,7 @@ impl Fitter {
     fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let (mut made_with, mut result) = self.fit_views(Vec::new(), run, &clock)?;
+        let (mut made_with, mut result, mut last) = self.fit_views(Vec::new(), run, &clock)?;
         if self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth) {
             for factor in outline::RADII {
                 let drawn = self.drawn_again(&result.cylinder, factor);
@@ -194,7 +199,7 @@ impl Fitter {
                     break;
                 }
                 match self.fit_views(drawn, run, &clock) {
-                    Ok(again) => (made_with, result) = again,
+                    Ok(again) => (made_with, result, last) = again,
                     Err(error @ Error::Cancelled { .. }) => return Err(error),
                     Err(_) => break,
                 }
@@ -204,6 +209,7 @@ impl Fitter {
         result.seconds.total = clock.elapsed().as_secs_f64();
         self.made_with = Some(made_with);
         self.result = Some(result);
+        self.last = Some(last);
         Ok(result)
     }
 
@@ -335,13 +341,17 @@ impl Fitter {
         drawn: Vec<Option<View>>,
         run: &mut Run<'_>,
         clock: &Instant,
-    ) -> Result<(MadeWith, FitResult)> {
+    ) -> Result<(MadeWith, FitResult, Last)> {
         let seconds = || clock.elapsed().as_secs_f64();
-        let (bodies, of_limbs): (Vec<_>, Vec<_>) =
-            self.separated(drawn, run)?.into_iter().map(|view| (view.body, view.of_limbs)).unzip();
+        let separated = self.separated(drawn, run)?;
+        let known: Vec<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
+        let bodies: Vec<_> = separated.into_iter().map(|view| view.body).collect();
         let mut data = self.data_of(&bodies)?;
+        data.last = self.continued();
         for view in &mut data.views {
-            view.of_limbs = of_limbs.get(view.index).copied().flatten();
+            if let Some(&(of_limbs, whole)) = known.get(view.index) {
+                (view.of_limbs, view.whole) = (of_limbs, whole && data.last.is_some());
+            }
         }
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
@@ -356,7 +366,13 @@ impl Fitter {
             result.seconds.start = started;
             result.seconds.solve = ended - started;
         }
-        Ok((MadeWith { held: fit.held, bodies }, result))
+        let last = Last::new(&fit);
+        Ok((MadeWith { held: fit.held, bodies }, result, last))
+    }
+
+    /// What the last fit left, where the next one is to go on from it.
+    fn continued(&self) -> Option<&Last> {
+        self.last.as_ref().filter(|_| self.options.start == StartKind::Last)
     }
 
     /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
@@ -380,7 +396,7 @@ impl Fitter {
         if !self.takes_bodies() {
             return Ok(Vec::new());
         }
-        let start = self.start.as_ref();
+        let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());
         let mut drawn = drawn.into_iter();
         let body = |view: &View| {
             let drawn = drawn.next().flatten();

@@ -83,7 +83,7 @@ impl Precision {
 }
 
 /// The scales of the point residuals of a cylinder.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct Scales {
     pub views: Vec<RobustScales>,
     /// Of all views together.
@@ -151,6 +151,20 @@ impl Data<'_> {
         self.check_radius(after.cylinder())?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
+    }
+
+    /// Iterates with the robust objective from a cylinder whose scales are about known.
+    pub fn minimise_near(
+        &self,
+        held: &Held,
+        start: &Cylinder,
+        scales: Scales,
+        precision: Precision,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
+        let minimum = self.minimise_robust(held, start, scales, precision, run)?;
+        self.check_radius(minimum.cylinder())?;
+        Ok(minimum)
     }
 
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {

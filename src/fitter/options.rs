@@ -52,6 +52,12 @@ pub enum StartKind {
     Ransac,
     /// The model that the user gave.
     Model,
+    /// The cylinder of the last successful fit of this fitter, for frames of a sequence, also after
+    /// [`Fitter::clear`](super::Fitter::clear). Where the limbs are about where that or the points have them, and look in
+    /// the image as they did, they are not searched: blur, light and background are those of the last image, and the
+    /// result depends on the fits before. Where not, and before the first fit, as `Auto`, with that cylinder or a given
+    /// model one of the candidates.
+    Last,
 }
 
 /// The coordinates of the steps.

@@ -29,6 +29,7 @@ impl Data<'_> {
     /// The starts that the options ask for, the most promising first.
     pub fn candidates(&self, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
         let given = self.start.map(|cylinder| self.within_limits(cylinder));
+        let of_model = given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder });
         let found = |kind: StartKind, cylinder: Option<Cylinder>| {
             cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
         };
@@ -52,7 +53,8 @@ impl Data<'_> {
             StartKind::Ransac => {
                 Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }])
             }
-            StartKind::Auto => self.choose(given, run),
+            StartKind::Auto => self.choose(of_model, run),
+            StartKind::Last => self.choose(self.last.map(|last| self.start_of(last)).or(of_model), run),
         }
     }
 
@@ -97,11 +99,11 @@ impl Data<'_> {
     }
 
     /// All candidates, the one that explains the sample best first.
-    fn choose(&self, given: Option<Cylinder>, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
+    fn choose(&self, given: Option<Candidate>, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
         let sample = self.sample(SAMPLE);
         let from_limbs = self.limbs_starts();
         let mut candidates = Vec::new();
-        candidates.extend(given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder }));
+        candidates.extend(given);
         candidates.extend(&from_limbs);
         // Of some points: as good for a start.
         let moments = self.moments_start_of(sample.iter().map(|p| (*p, 1.0)));

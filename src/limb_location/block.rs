@@ -111,6 +111,8 @@ pub(super) struct Block {
     pub sigma: f64,
     /// What is left of the block in the fit of the line, 0 to 1.
     pub weight: f64,
+    /// Variance of a pixel about the profile.
+    pub variance_of_pixel: f64,
     /// `JᵀJ` and `Jᵀr` over the variance of a pixel, in (line, blur, shading), levels eliminated.
     pub information: Matrix4<f64>,
     pub gradient: Vector4<f64>,
@@ -222,7 +224,8 @@ impl ShadedSums {
         let square: Matrix4<f64> = parts.tr_mul(&by_parts);
         let gradient: Vector4<f64> = parts.tr_mul(&right) - cross.tr_mul(&levels);
         let squares = (self.products[SHADED][SHADED] - of_levels.dot(&levels)).max(0.0);
-        let variance = (squares / (self.count - (LEVELS + 2) as f64)).max(noise * noise);
+        let variance_of_pixel = squares / (self.count - (LEVELS + 2) as f64);
+        let variance = variance_of_pixel.max(noise * noise);
         let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
         let gradient = gradient / variance;
         let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
@@ -231,6 +234,7 @@ impl ShadedSums {
             shift: gradient[0] / of_line,
             sigma: (1.0 / of_line).sqrt(),
             weight: 1.0,
+            variance_of_pixel,
             information,
             gradient,
         })

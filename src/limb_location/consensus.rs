@@ -33,7 +33,7 @@ constants! {
     VISIBLE_DEVIATIONS = 4.0, "σ";
 
     /// Fewest blocks that a limb is located on: one of them may be wrong.
-    LEAST_BLOCKS = 3.0, "blocks";
+    pub(super) LEAST_BLOCKS = 3.0, "blocks";
 }
 
 /// Mean and variance of ln(1 + t²) for Gaussian t: what a block without any edge gives.

@@ -13,6 +13,7 @@
 //! All lengths in pixels are those of an image that is about as sharp as its grid allows. Where the limbs turn out to
 //! be more blurred they are located again on means of boxes of pixels, which lose nothing then.
 
+mod again;
 mod block;
 mod compression;
 mod consensus;
@@ -31,6 +32,7 @@ mod tests;
 pub fn constants() -> Vec<crate::constant::Constant> {
     let files = [
         CONSTANTS,
+        again::CONSTANTS,
         block::CONSTANTS,
         compression::CONSTANTS,
         consensus::CONSTANTS,
@@ -44,6 +46,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
     files.concat()
 }
 
+pub use again::{Appearance, locate_limbs_again};
 pub use detected::edges_on_limbs;
 pub use region::{Outline, Side, axial_range};
 
@@ -51,11 +54,12 @@ use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::noise::{ImageNoise, box_blur};
 use crate::observations::{GreyImage, ReducedImage, from_reduced};
+use again::Light;
 use block::{Block, INSIDE, OUTSIDE};
 use compression::noise_of_compression;
 use consensus::{FILTER_HALF, rough_line};
 use nalgebra::{Matrix2, Vector2};
-use refine::{Expected, Limb, MOST_BLUR, SHADING, refine};
+use refine::{Expected, Limb, MOST_BLUR, RefinedImage, SHADING, refine};
 use shading::{LimbShading, Shading};
 use strip::{Baseline, Grid, Strip};
 
@@ -201,46 +205,53 @@ impl LimbObservation {
     }
 }
 
+/// What an image shows of the limbs of a cylinder.
+#[derive(Debug, Clone)]
+pub struct SeenLimbs {
+    /// In the order of [`LimbFrame::limb_lines`].
+    pub limbs: [LimbObservation; 2],
+    /// What the next image of a sequence need not be asked again; `None` where a limb was not found, or may be elsewhere.
+    pub appearance: Option<Appearance>,
+}
+
 /// The blur of an image as the limbs show it, in pixels; `None` where none tells.
 #[must_use]
 pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
     limbs.iter().find_map(|limb| limb.blur)
 }
 
-/// Locates the limbs of a rough cylinder, in the order of [`LimbFrame::limb_lines`].
+/// Locates the limbs of a rough cylinder.
 #[must_use]
-pub fn locate_limbs(
-    image: &GreyImage,
-    camera: &Camera,
-    model: &Cylinder,
-    search: &LimbSearch,
-) -> [LimbObservation; 2] {
+pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
     let least_noise = noise_of_compression(image);
     let located = |factor: usize| {
         let (camera, search) = (camera.reduced(factor), search.reduced(factor));
         let image = ReducedImage::new(image, factor);
         let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
-        located_on(&grid, model, &search).map(|limb| limb.enlarged(factor))
+        located_on(&grid, model, &search)
     };
     let mut factor = search.noise.factor(None);
-    let mut limbs = located(factor);
+    let mut seen = located(factor);
     for _ in 1..GRIDS {
         // Where no limb tells, a finer grid may.
-        let blur = blur_of(&limbs);
+        let blur = blur_of(&seen.limbs);
         let wanted = blur.map_or((factor - 1).max(1), |_| search.noise.factor(blur));
         if wanted == factor {
             break;
         }
         factor = wanted;
-        limbs = located(factor);
+        seen = located(factor);
     }
-    limbs
+    seen
 }
 
 /// Locates the limbs on one grid of pixels.
-fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbObservation; 2] {
+fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
     let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
-    let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else { return observations };
+    let without = |limbs| SeenLimbs { limbs, appearance: None };
+    let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else {
+        return without(observations);
+    };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
         visible_strip(grid, &baselines[k], half_width)
@@ -268,18 +279,35 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> [LimbOb
         seen.push((k, baseline));
     }
     if limbs.is_empty() {
-        return observations;
+        return without(observations);
     }
-    let blur = refine(&mut limbs, grid.noise.blur);
+    let RefinedImage { blur, unambiguous } = refine(&mut limbs, grid.noise.blur);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
-        observations[k] = LimbObservation {
-            line: judged(limb, baseline, search.reach[k], blur, &search.noise),
-            samples: samples(limb, baseline),
-            blur: Some(blur),
-        };
+        observations[k] = observed(limb, baseline, search.reach[k], blur, &search.noise);
     }
     drop_same_line(&mut observations, search.noise.apart());
-    observations
+    let factor = grid.image.factor();
+    let appearance = match &limbs[..] {
+        [first, second] if unambiguous => Light::new(model, shading)
+            .and_then(|light| Appearance::new(factor, blur, light, [first, second], &observations)),
+        _ => None,
+    };
+    SeenLimbs { limbs: observations.map(|limb| limb.enlarged(factor)), appearance }
+}
+
+/// What a refined limb shows.
+fn observed(
+    limb: &Limb<'_>,
+    baseline: &Baseline,
+    reach: f64,
+    blur: f64,
+    noise: &ImageNoise,
+) -> LimbObservation {
+    LimbObservation {
+        line: judged(limb, baseline, reach, blur, noise),
+        samples: samples(limb, baseline),
+        blur: Some(blur),
+    }
 }
 
 /// The angle φ of each limb about the axis, in units of 90°: u rises from the first limb to the second.

@@ -33,6 +33,10 @@ constants! {
     /// The iteration ends when no line moves by more, in pixels.
     SETTLED = 1e-3, "px";
 
+    /// The same where a limb is known from another image: a seventh of what its pixels do not show. No other place waits to
+    /// be told apart.
+    SETTLED_AGAIN = 1e-2, "px";
+
     /// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
     LONGEST_STEP = 0.5, "px";
 
@@ -65,6 +69,9 @@ constants! {
     /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
     /// pixel is odd about its neighbours, too.
     TEMPERATURE = 4.0, "";
+
+    /// The part that one place has of the weight of all from which on the limbs can be nowhere else.
+    UNAMBIGUOUS = 0.99, "";
 }
 
 /// Blur cannot be less than that of the aperture of a pixel, 1/√12.
@@ -83,6 +90,18 @@ pub(super) struct Expected {
     pub deviation: f64,
     /// Standard deviation of a pixel of the strip.
     pub noise: f64,
+}
+
+/// What a limb looks like in an image: what the next one of a sequence need not find out again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    /// Standard deviation of a pixel.
+    pub noise: f64,
+    pub background: Background,
+    /// Coefficients of the shading that is not as expected.
+    pub shading: Vector2<f64>,
+    /// Root mean square distance of the pixels from the profile.
+    pub residual: f64,
 }
 
 /// One limb to refine.
@@ -108,14 +127,19 @@ pub(super) struct Limb<'a> {
 impl<'a> Limb<'a> {
     /// `radius` is that of the cylinder in the image, in pixels.
     pub fn new(strip: &'a Strip, expected: Expected, shading: &LimbShading, radius: f64) -> Self {
+        let sharp = SharpProfile::new(radius, shading, SCAN_REACH.get());
+        Self::with(strip, expected, sharp, shading.deviation)
+    }
+
+    fn with(strip: &'a Strip, expected: Expected, sharp: SharpProfile, shading_deviation: f64) -> Self {
         let [a, b] = expected.rough.ends;
         let line = StripLine { offset: f64::midpoint(a, b), slope: (b - a) / (2.0 * expected.half_length) };
         Self {
             strip,
             expected,
             noise: expected.noise,
-            sharp: SharpProfile::new(radius, shading, SCAN_REACH.get()),
-            shading_deviation: shading.deviation,
+            sharp,
+            shading_deviation,
             background: Background::Flat,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
@@ -123,6 +147,40 @@ impl<'a> Limb<'a> {
             covariance: Matrix2::zeros(),
             misfit: 0.0,
         }
+    }
+
+    /// The same for a limb that is where it is expected, and looks as it did.
+    pub fn again(
+        strip: &'a Strip,
+        expected: Expected,
+        shading: &LimbShading,
+        radius: f64,
+        look: &Look,
+    ) -> Self {
+        // It is not looked for anywhere else.
+        let sharp = SharpProfile::new(radius, shading, 0.0);
+        let mut limb = Self::with(strip, expected, sharp, shading.deviation);
+        limb.background = look.background;
+        limb.state.shading = look.shading;
+        limb
+    }
+
+    /// What it looks like.
+    pub fn look(&self) -> Look {
+        let weight: f64 = self.blocks.iter().map(|block| block.weight).sum();
+        let squares: f64 = self.blocks.iter().map(|block| block.weight * block.variance_of_pixel).sum();
+        Look {
+            noise: self.noise,
+            background: self.background,
+            shading: self.state.shading,
+            residual: (squares / weight).sqrt(),
+        }
+    }
+
+    /// Whether the line is farther than `reach` from where it is expected at either end.
+    fn is_beyond(&self, reach: f64) -> bool {
+        let half = self.expected.half_length;
+        [-half, half].iter().any(|s| self.state.line.at(*s).abs() > reach)
     }
 
     /// How many blocks carry the line: all when they count alike, one when one of them carries it.
@@ -304,8 +362,16 @@ fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
 /// Where the blur stands among the unknowns, after four of each limb.
 const BLUR: usize = 8;
 
-/// Refines one or two limbs of a cylinder and the blur; returns the blur, which is the told one where that is above 0.
-pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
+/// What is common to the limbs when they are refined.
+pub(super) struct RefinedImage {
+    /// The blur, which is the told one where that is above 0.
+    pub blur: f64,
+    /// Whether the limbs can be nowhere else.
+    pub unambiguous: bool,
+}
+
+/// Refines one or two limbs of a cylinder and the blur.
+pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
     let blur = ExpectedBlur::new(told_blur);
     let scans: Vec<Vec<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(blur.value)).collect();
     let mut starts: Vec<Vec<LimbState>> = vec![Vec::new()];
@@ -341,7 +407,30 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> f64 {
         }
         limb.state.line = StripLine { offset: mean[0], slope: mean[1] };
     }
-    modes[0].blur
+    RefinedImage { blur: modes[0].blur, unambiguous: weights[0] > UNAMBIGUOUS.get() * sum }
+}
+
+/// Refines limbs that are about where they are expected, from the blur of another image of a sequence; returns the blur.
+/// `None` where a line goes farther than `reach` from there.
+pub(super) fn refine_again(
+    limbs: &mut [Limb<'_>],
+    told_blur: f64,
+    last_blur: f64,
+    reach: [f64; 2],
+) -> Option<f64> {
+    let expected = ExpectedBlur::new(told_blur);
+    let mut blur = if told_blur > 0.0 { expected.value } else { last_blur };
+    for _ in 0..STEPS.count() {
+        let moved = step(limbs, &profiles(limbs, blur), &expected, &mut blur, Window::full());
+        if limbs.iter().zip(reach).any(|(limb, reach)| limb.is_beyond(reach)) {
+            return None;
+        }
+        if moved < SETTLED_AGAIN.get() {
+            break;
+        }
+    }
+    see_less(limbs, &expected, blur);
+    Some(blur)
 }
 
 /// Looks at less of the surroundings of the limbs. Where the profile is right the lines stay; where a shadow, a label or

@@ -133,7 +133,7 @@ impl Scene {
     }
 
     fn locate(&self) -> [LimbObservation; 2] {
-        locate_limbs(&self.render(), &self.camera, &self.rough(), &self.search())
+        locate_limbs(&self.render(), &self.camera, &self.rough(), &self.search()).limbs
     }
 
     /// The distance of the true limb from a located line at both ends of the range, and its standard deviation
@@ -217,7 +217,7 @@ fn what_is_blurred_is_located_as_on_a_coarser_grid() {
     };
     let noise = NoiseModel { drawn_pixel: ratio, ..NoiseModel::default() }.in_image(SIZE);
     let search = LimbSearch { reach: [4.0 * ratio; 2], deviation: [1.5 * ratio; 2], noise, ..scene.search() };
-    let observations = locate_limbs(&image, &large.camera, &large.rough(), &search);
+    let observations = locate_limbs(&image, &large.camera, &large.rough(), &search).limbs;
     for (k, observation) in observations.iter().enumerate() {
         for (error, deviation) in large.errors(k, &observation.line.unwrap()) {
             assert!(error.abs() < 0.1 * ratio && error.abs() < 4.0 * deviation, "limb {k}: {error}");
@@ -233,7 +233,7 @@ fn what_is_sharp_is_located_on_its_own_grid() {
     let scene = Scene { background: 220.0, ..Scene::new() };
     let drawn = NoiseModel { drawn_pixel: 3.0, edge_endpoint: 0.5 / 3.0, ..NoiseModel::default() };
     let search = LimbSearch { noise: drawn.in_image(SIZE), ..scene.search() };
-    let observations = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search);
+    let observations = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
     assert_eq!(observations, scene.locate());
 }
 
@@ -266,7 +266,7 @@ fn an_edge_softer_than_any_limb_is_none() {
     // Nothing but the shadow is in reach: its middle is five pixels from the limbs.
     let model = Cylinder { radius: 0.04 * 1.25, ..scene.cylinder };
     let search = LimbSearch { reach: [3.0; 2], ..scene.search() };
-    for observation in locate_limbs(&image, &scene.camera, &model, &search) {
+    for observation in locate_limbs(&image, &scene.camera, &model, &search).limbs {
         assert!(observation.line.is_err(), "{observation:?}");
     }
 }
@@ -316,7 +316,7 @@ fn what_cannot_be_seen_is_not_found() {
     }
     let image = scene.render();
     let reasons = |model: &Cylinder, search: &LimbSearch| {
-        locate_limbs(&image, &scene.camera, model, search).map(|o| o.line.unwrap_err())
+        locate_limbs(&image, &scene.camera, model, search).limbs.map(|o| o.line.unwrap_err())
     };
     let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.2), Vector3::x(), 1.0).unwrap();
     assert_eq!(reasons(&around, &scene.search()), [NotVisible::NoLimbs; 2]);
@@ -337,7 +337,7 @@ fn one_limb_may_be_missing() {
         bytes.extend((0..SIZE.0).map(|x| if (x as f64) < axis.x { 90 } else { image.value(x, row) as u8 }));
     }
     let image = GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap();
-    let observations = locate_limbs(&image, &scene.camera, &scene.rough(), &scene.search());
+    let observations = locate_limbs(&image, &scene.camera, &scene.rough(), &scene.search()).limbs;
     let found: Vec<usize> = (0..2).filter(|&k| observations[k].line.is_ok()).collect();
     assert_eq!(found.len(), 1, "{observations:?}");
     for (error, _) in scene.errors(found[0], &observations[found[0]].line.unwrap()) {

@@ -102,12 +102,10 @@ pub fn framed(image: bool, edges: bool) -> Fitter {
     fitter
 }
 
-/// The same from the result of the last fit.
-pub fn followed() -> Fitter {
-    let mut fitter = framed(true, true);
-    let last = fitter.fit().unwrap().cylinder;
-    fitter.set_start(Some(last));
-    fitter.set_options(on_one_core(Options { start: StartKind::Model, ..Options::default() })).unwrap();
+/// The same from the last fit, with or without edges.
+pub fn followed(edges: bool) -> Fitter {
+    let mut fitter = framed(true, edges);
+    fitter.set_options(on_one_core(Options { start: StartKind::Last, ..Options::default() })).unwrap();
     fitter
 }
 

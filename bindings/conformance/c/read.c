@@ -106,7 +106,7 @@ cylfuse_options read_options(const cJSON *given)
 {
     static const char *const methods[] = {"FUSED", "POINTS", "RANSAC", "EBERLY", NULL};
     static const char *const objectives[] = {"ROBUST", "PAPER", NULL};
-    static const char *const starts[] = {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL", NULL};
+    static const char *const starts[] = {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL", "LAST", NULL};
     static const char *const near_walls[] = {"AUTO", "ON", "OFF", NULL};
     static const char *const charts[] = {"AUTO", "LOCAL", "ORTHONORMAL", NULL};
     static const char *const edge_uses[] = {"REFINE", "AS_GIVEN", NULL};

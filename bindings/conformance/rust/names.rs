@@ -28,6 +28,7 @@ pub const STARTS: &[(&str, StartKind)] = &[
     ("MOMENTS", StartKind::Moments),
     ("RANSAC", StartKind::Ransac),
     ("MODEL", StartKind::Model),
+    ("LAST", StartKind::Last),
 ];
 pub const NEAR_WALLS: &[(&str, NearWall)] =
     &[("AUTO", NearWall::Auto), ("ON", NearWall::On), ("OFF", NearWall::Off)];

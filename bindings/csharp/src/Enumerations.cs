@@ -96,6 +96,11 @@ namespace Cylfuse
         Ransac = 3,
         /// <summary>The model given by <see cref="Fitter.SetStartModel"/>.</summary>
         Model = 4,
+        /// <summary>The cylinder of the last successful fit of the fitter, for frames of a sequence, also after
+        /// <see cref="Fitter.Clear"/>. Where its limbs are about where it or the points have them, and look in the image
+        /// as they did, they are not searched, and the result depends on the fits before. Where not, and before the
+        /// first fit, as <see cref="Auto"/>, with that cylinder or the start model one of the candidates.</summary>
+        Last = 5,
     }
 
     /// <summary>Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is

@@ -24,9 +24,12 @@ export type Method = 'fused' | 'points' | 'ransac' | 'eberly';
 
 /**
  * Where an iteration starts: the best of what follows, two limb segments scaled by the points, Eberly's fit, random
- * sample consensus, or the model of {@link Fitter.setStartModel}.
+ * sample consensus, the model of {@link Fitter.setStartModel}, or the cylinder of the last successful fit of the fitter,
+ * for frames of a sequence, also after {@link Fitter.clear}. From that one, where its limbs are about where it or the points
+ * have them, and look in the image as they did, they are not searched, and the result depends on the fits before; where not,
+ * and before the first fit, it is as 'auto', with that cylinder or the start model one of the candidates.
  */
-export type Start = 'auto' | 'limbs' | 'moments' | 'ransac' | 'model';
+export type Start = 'auto' | 'limbs' | 'moments' | 'ransac' | 'model' | 'last';
 
 /** The settings of a fit. */
 export interface Options {

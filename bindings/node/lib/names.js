@@ -10,7 +10,7 @@ const enumerations = {
   },
   method: { fused: 0, points: 1, ransac: 2, eberly: 3 },
   objective: { robust: 0, paper: 1 },
-  start: { auto: 0, limbs: 1, moments: 2, ransac: 3, model: 4 },
+  start: { auto: 0, limbs: 1, moments: 2, ransac: 3, model: 4, last: 5 },
   nearWall: { auto: 0, on: 1, off: 2 },
   chart: { auto: 0, local: 1, orthonormal: 2 },
   edgeUse: { refine: 0, 'as-given': 1 },

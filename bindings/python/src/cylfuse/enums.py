@@ -85,6 +85,11 @@ class Start(_Choice):
     RANSAC = 3
     #: The model of :meth:`Fitter.set_start_model`.
     MODEL = 4
+    #: The cylinder of the last successful fit of the fitter, for frames of a sequence, also after :meth:`Fitter.clear`.
+    #: Where its limbs are about where it or the points have them, and look in the image as they did, they are not
+    #: searched, and the result depends on the fits before. Where not, and before the first fit, as ``AUTO``, with that
+    #: cylinder or the start model one of the candidates.
+    LAST = 5
 
 
 class NearWall(_Choice):

@@ -181,6 +181,7 @@ impl ResultValues {
                 StartKind::Moments => "moments",
                 StartKind::Ransac => "ransac",
                 StartKind::Model => "model",
+                StartKind::Last => "last",
             },
             flags: result.flags.iter_names().map(|(name, _)| name.to_lowercase()).collect(),
         }

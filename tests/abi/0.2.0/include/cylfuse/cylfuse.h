@@ -320,6 +320,13 @@ typedef int32_t cylfuse_start;
  * The model given by `cylfuse_fitter_set_start_model`.
  */
 #define CYLFUSE_START_MODEL 4
+/**
+ * The cylinder of the last successful fit of the fitter, for frames of a sequence, also after `cylfuse_fitter_clear`.
+ * Where its limbs are about where it or the points have them, and look in the image as they did, they are not searched: the
+ * search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
+ * fit, as AUTO, with that cylinder or the start model one of the candidates.
+ */
+#define CYLFUSE_START_LAST 5
 
 /**
  * Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a
@@ -1659,7 +1666,8 @@ typedef struct cylfuse_progress {
 } cylfuse_progress;
 
 /**
- * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`.
+ * Called before every iteration of a fit, on the thread that called `cylfuse_fitter_fit`, and with the last one again
+ * between the other steps of the fit.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same fitter it may only call
  * `cylfuse_fitter_cancel` and `cylfuse_fitter_last_error`: all others return BUSY. Other fitters are free.
@@ -2220,7 +2228,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
- * start model, callbacks and memory: the way from one frame to the next.
+ * start model, what the start LAST goes on from, callbacks and memory: the way from one frame to the next.
  *
  * @param fitter the fitter
  */
@@ -2756,7 +2764,7 @@ CYLFUSE_NOEXCEPT;
 /**
  * Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
  * takes much longer than any other of its size. A scene that has more in it than that is searched by falling score until
- * the work is done: cylinders may be missing, and the last of those that were fitted is what the search found, with
+ * the work is done: cylinders may be missing. One for whose fit there was no work left is what the search found, with
  * `CYLFUSE_RESULT_FLAGS_NOT_CONVERGED`.
  *
  * @param detector the detector

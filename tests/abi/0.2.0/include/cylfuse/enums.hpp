@@ -60,6 +60,7 @@ enum class Start : cylfuse_start {
     Moments = CYLFUSE_START_MOMENTS,
     Ransac = CYLFUSE_START_RANSAC,
     Model = CYLFUSE_START_MODEL,
+    Last = CYLFUSE_START_LAST,
 };
 
 /** Whether the points must lie on the wall of the cylinder that the camera sees. */

@@ -11,7 +11,14 @@ public enum StartKind implements NativeNumber {
     /** Random sample consensus over the points. */
     RANSAC(3),
     /** The model given by {@link Fitter#setStartModel}. */
-    MODEL(4);
+    MODEL(4),
+    /**
+     * The cylinder of the last successful fit of the fitter, for frames of a sequence, also after {@link Fitter#clear}.
+     * Where its limbs are about where it or the points have them, and look in the image as they did, they are not
+     * searched, and the result depends on the fits before. Where not, and before the first fit, as {@link #AUTO}, with
+     * that cylinder or the start model one of the candidates.
+     */
+    LAST(5);
 
     private final int value;
 
