@@ -6,7 +6,8 @@
 use super::block::{INSIDE, OUTSIDE};
 use super::compression::noise_of_compression;
 use super::consensus::{BLOCK_RUNS, LEAST_BLOCKS, RoughLine};
-use super::refine::{Expected, Limb, Look, SHADING, refine_again};
+use super::limb::{Expected, Limb, Look, SHADING};
+use super::refine::refine_again;
 use super::shading::{LimbShading, Shading};
 use super::strip::{Baseline, Grid, Strip};
 use super::{

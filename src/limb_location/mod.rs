@@ -18,6 +18,7 @@ mod block;
 mod compression;
 mod consensus;
 mod detected;
+mod limb;
 mod profile;
 mod refine;
 mod region;
@@ -37,6 +38,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
         compression::CONSTANTS,
         consensus::CONSTANTS,
         detected::CONSTANTS,
+        limb::CONSTANTS,
         profile::CONSTANTS,
         refine::CONSTANTS,
         region::CONSTANTS,
@@ -58,8 +60,9 @@ use again::Light;
 use block::{Block, INSIDE, OUTSIDE};
 use compression::noise_of_compression;
 use consensus::{FILTER_HALF, rough_line};
+use limb::{Expected, Limb, SHADING};
 use nalgebra::{Matrix2, Vector2};
-use refine::{Expected, Limb, MOST_BLUR, RefinedImage, SHADING, refine};
+use refine::{MOST_BLUR, RefinedImage, refine};
 use shading::{LimbShading, Shading};
 use strip::{Baseline, Grid, Strip};
 

@@ -1,0 +1,324 @@
+//! A limb on its way from a rough line to one within a few hundredths of a pixel: its line and its shading, the blocks of
+//! its strip with their two levels of brightness each, and how much each of them says about the line.
+
+use super::block::{Background, Block, BlockSums, LimbState, StripLine, sums_of_blocks};
+use super::consensus::RoughLine;
+use super::profile::SharpProfile;
+use super::shading::LimbShading;
+use super::strip::Strip;
+use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
+
+constants! {
+    /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
+    /// lamps and paint do, so that noise is not explained by shading that no surface has.
+    pub(super) SHADING = 0.3, "";
+
+    /// Longest step of a line or the blur, in pixels: the linearisation reaches about a blur.
+    pub(super) LONGEST_STEP = 0.5, "px";
+
+    /// Lines through pairs of blocks are tried for that many blocks at most.
+    MOST_HYPOTHESES = 16.0, "";
+
+    /// Rounds of reweighting of the line through the blocks.
+    REWEIGHTINGS = 4.0, "";
+
+    /// Parallel lines are tried that far from the rough one, in pixels: where shading only bends at the limb, the
+    /// step filter peaks beside it by the width of the filter.
+    pub(super) SCAN_REACH = 2.5, "px";
+
+    /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
+    SCAN_STEP = 0.5, "px";
+
+    /// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
+    pub(super) AMBIGUOUS = 100.0, "";
+
+    /// The least distance of such places in pixels: blur moves a minimum by less.
+    ELSEWHERE = 1.0, "px";
+
+    /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
+    /// pixel is odd about its neighbours, too.
+    pub(super) TEMPERATURE = 4.0, "";
+}
+
+/// Where the blur stands among the unknowns, after four of each limb.
+pub(super) const BLUR: usize = 8;
+
+/// What is known of a limb before it is refined.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Expected {
+    pub rough: RoughLine,
+    /// Half the length of the strip, in pixels.
+    pub half_length: f64,
+    /// Standard deviation of the limb about u = 0 at the ends of the strip, in pixels.
+    pub deviation: f64,
+    /// Standard deviation of a pixel of the strip.
+    pub noise: f64,
+}
+
+/// What a limb looks like in an image: what the next one of a sequence need not find out again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    /// Standard deviation of a pixel.
+    pub noise: f64,
+    pub background: Background,
+    /// Coefficients of the shading that is not as expected.
+    pub shading: Vector2<f64>,
+    /// Root mean square distance of the pixels from the profile.
+    pub residual: f64,
+}
+
+/// One limb to refine.
+#[derive(Clone)]
+pub(super) struct Limb<'a> {
+    pub strip: &'a Strip,
+    expected: Expected,
+    pub noise: f64,
+    pub sharp: SharpProfile,
+    /// Standard deviation of the coefficients of the shading.
+    shading_deviation: f64,
+    pub background: Background,
+    /// How much more the blocks scatter about the line than their noise explains, at least 1.
+    scatter: f64,
+    pub state: LimbState,
+    pub blocks: Vec<Block>,
+    /// Covariance of (offset, slope).
+    pub covariance: Matrix2<f64>,
+    /// Variance of the offset for what the profile does not describe: see [`super::refine`].
+    pub misfit: f64,
+}
+
+impl<'a> Limb<'a> {
+    /// `radius` is that of the cylinder in the image, in pixels.
+    pub fn new(strip: &'a Strip, expected: Expected, shading: &LimbShading, radius: f64) -> Self {
+        let sharp = SharpProfile::new(radius, shading, SCAN_REACH.get());
+        Self::with(strip, expected, sharp, shading.deviation)
+    }
+
+    fn with(strip: &'a Strip, expected: Expected, sharp: SharpProfile, shading_deviation: f64) -> Self {
+        let [a, b] = expected.rough.ends;
+        let line = StripLine { offset: f64::midpoint(a, b), slope: (b - a) / (2.0 * expected.half_length) };
+        Self {
+            strip,
+            expected,
+            noise: expected.noise,
+            sharp,
+            shading_deviation,
+            background: Background::Flat,
+            scatter: 1.0,
+            state: LimbState { line, shading: Vector2::zeros() },
+            blocks: Vec::new(),
+            covariance: Matrix2::zeros(),
+            misfit: 0.0,
+        }
+    }
+
+    /// The same for a limb that is where it is expected, and looks as it did.
+    pub fn again(
+        strip: &'a Strip,
+        expected: Expected,
+        shading: &LimbShading,
+        radius: f64,
+        look: &Look,
+    ) -> Self {
+        // It is not looked for anywhere else.
+        let sharp = SharpProfile::new(radius, shading, 0.0);
+        let mut limb = Self::with(strip, expected, sharp, shading.deviation);
+        limb.background = look.background;
+        limb.state.shading = look.shading;
+        limb
+    }
+
+    /// What it looks like.
+    pub fn look(&self) -> Look {
+        let weight: f64 = self.blocks.iter().map(|block| block.weight).sum();
+        let squares: f64 = self.blocks.iter().map(|block| block.weight * block.variance_of_pixel).sum();
+        Look {
+            noise: self.noise,
+            background: self.background,
+            shading: self.state.shading,
+            residual: (squares / weight).sqrt(),
+        }
+    }
+
+    /// Whether the line is farther than `reach` from where it is expected at either end.
+    pub fn is_beyond(&self, reach: f64) -> bool {
+        let half = self.expected.half_length;
+        [-half, half].iter().any(|s| self.state.line.at(*s).abs() > reach)
+    }
+
+    /// How many blocks carry the line: all when they count alike, one when one of them carries it.
+    pub fn carriers(&self) -> f64 {
+        let weight = |block: &Block| block.weight / block.variance();
+        let sum: f64 = self.blocks.iter().map(weight).sum();
+        let squares: f64 = self.blocks.iter().map(|block| weight(block).powi(2)).sum();
+        sum * sum / squares
+    }
+
+    /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
+    pub fn scan(&mut self, blur: f64) -> Vec<LimbState> {
+        let profile = &self.sharp.blurred(blur, SCAN_REACH.get());
+        let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
+        let sums: Vec<(LimbState, Vec<BlockSums>)> = (-count..=count)
+            .map(|k| {
+                let mut limb = self.state;
+                limb.line.offset += f64::from(k) * SCAN_STEP.get();
+                (limb, sums_of_blocks(self.strip, profile, &limb.line, &self.state.line))
+            })
+            .collect();
+        let places_on = |background: Background| -> Vec<(f64, LimbState)> {
+            let place = |(limb, blocks): &(LimbState, Vec<BlockSums>)| {
+                let limb = LimbState { shading: self.best_shading(blocks, background), ..*limb };
+                (self.cost(blocks, &limb, background), limb)
+            };
+            sums.iter().map(place).collect()
+        };
+        let mut places = places_on(Background::Flat);
+        // A slope of each block is worth its while where it explains more than any number would.
+        let price: f64 = sums[0].1.iter().map(|block| TEMPERATURE.get() * block.count.ln()).sum();
+        let sloped = places_on(Background::Sloped);
+        let lowest =
+            |places: &[(f64, LimbState)]| places.iter().map(|place| place.0).fold(f64::INFINITY, f64::min);
+        if lowest(&sloped) + price < lowest(&places) {
+            places = sloped;
+            self.background = Background::Sloped;
+        }
+        let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
+            places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
+        };
+        let Some(best) = least(&mut places.iter()) else { return vec![self.state] };
+        // A blur that is not known yet turns a second minimum into a shoulder.
+        let other = least(&mut places.iter().filter(|place| {
+            (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE.get()
+                && place.0 < best.0 + AMBIGUOUS.get()
+        }));
+        [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
+    }
+
+    /// Twice the negative log-likelihood of the pixels of the blocks, and of what is expected of line and shading.
+    pub fn cost(&self, blocks: &[BlockSums], state: &LimbState, background: Background) -> f64 {
+        let floor = self.noise * self.noise;
+        let cost = |block: &BlockSums| {
+            let squares = block.squared_residuals(&state.shading, self.noise, background)?;
+            Some(block.count * (squares / block.count + floor).ln())
+        };
+        let blocks: f64 = blocks.iter().filter_map(cost).sum();
+        let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
+        let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
+        blocks + far + state.shading.norm_squared() / self.shading_deviation.powi(2)
+    }
+
+    /// The shading that suits the blocks best.
+    fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
+        let mut normal = Matrix2::identity() * self.shading_deviation.powi(-2);
+        let mut right = Vector2::zeros();
+        for (information, gradient) in
+            blocks.iter().filter_map(|block| block.of_shading(self.noise, background))
+        {
+            normal += information;
+            right += gradient;
+        }
+        normal.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * right)
+    }
+
+    /// Tukey weights about the line through the shifts of the blocks.
+    pub fn weigh(&mut self) {
+        let count = self.blocks.len();
+        if count < 2 {
+            return;
+        }
+        let blocks = &mut self.blocks;
+        let distance =
+            |block: &Block, line: &StripLine| (block.shift - line.at(block.s)) / block.variance().sqrt();
+        let start = line_of_most_blocks(blocks);
+        let mut distances: Vec<f64> = blocks.iter().map(|block| distance(block, &start)).collect();
+        let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
+        let reweighted = reweighting.continue_from(&mut distances, |weights, distances| {
+            let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+            for (block, weight) in blocks.iter().zip(weights) {
+                let row = Vector2::new(1.0, block.s);
+                let w = weight / block.variance();
+                normal += row * row.transpose() * w;
+                right += row * (w * block.shift);
+            }
+            let solution = normal.try_inverse()? * right;
+            let line = StripLine { offset: solution[0], slope: solution[1] };
+            for (block, own) in blocks.iter().zip(distances) {
+                *own = distance(block, &line);
+            }
+            Some(Progress::Moved)
+        });
+        let Some(Reweighted { weights, scale }) = reweighted else { return };
+        self.scatter = scale;
+        for (block, weight) in self.blocks.iter_mut().zip(weights) {
+            block.weight = weight;
+        }
+    }
+
+    /// Adds the normal equations of this limb, its unknowns (offset, slope, shading) from `first` on.
+    pub fn add_to(&self, normal: &mut SMatrix<f64, 9, 9>, right: &mut SVector<f64, 9>, first: usize) {
+        // Where the line at the place of a block, the blur and the shading stand, and how the offset and the slope move
+        // the line there.
+        for block in &self.blocks {
+            let factor = block.weight * (block.sigma * block.sigma) / block.variance();
+            let places = [
+                (first, 0, 1.0),
+                (first + 1, 0, block.s),
+                (BLUR, 1, 1.0),
+                (first + 2, 2, 1.0),
+                (first + 3, 3, 1.0),
+            ];
+            for (row, i, of_row) in places {
+                right[row] += block.gradient[i] * of_row * factor;
+                for (column, k, of_column) in places {
+                    normal[(row, column)] += block.information[(i, k)] * of_row * of_column * factor;
+                }
+            }
+        }
+        let half = self.expected.half_length;
+        let of_line = 2.0 / self.expected.deviation.powi(2);
+        let of_shading = self.shading_deviation.powi(-2);
+        let priors = [
+            (of_line, self.state.line.offset),
+            (of_line * half * half, self.state.line.slope),
+            (of_shading, self.state.shading[0]),
+            (of_shading, self.state.shading[1]),
+        ];
+        for (k, (weight, value)) in priors.into_iter().enumerate() {
+            normal[(first + k, first + k)] += weight;
+            right[first + k] -= weight * value;
+        }
+    }
+
+    /// Takes a step; returns the largest shift of the line in pixels.
+    pub fn take(&mut self, step: &Vector4<f64>, covariance: Matrix2<f64>) -> f64 {
+        let size = step[0].abs() + step[1].abs() * self.expected.half_length;
+        let shrink = (LONGEST_STEP.get() / size).min(1.0);
+        self.state.line.offset += step[0] * shrink;
+        self.state.line.slope += step[1] * shrink;
+        self.state.shading += step.fixed_rows::<2>(2) * shrink;
+        self.covariance = covariance * (self.scatter * self.scatter);
+        size
+    }
+}
+
+/// The line through the shifts of two blocks that most others agree with.
+fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
+    let stride = blocks.len().div_ceil(MOST_HYPOTHESES.count());
+    let mut best = (f64::INFINITY, StripLine::default());
+    for i in (0..blocks.len()).step_by(stride) {
+        for j in (0..i).step_by(stride) {
+            let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
+            let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
+            let cost = |block: &Block| {
+                // Beyond three standard deviations all blocks disagree alike.
+                ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
+            };
+            let cost: f64 = blocks.iter().map(cost).sum();
+            if cost < best.0 {
+                best = (cost, line);
+            }
+        }
+    }
+    best.1
+}
