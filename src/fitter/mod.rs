@@ -359,6 +359,8 @@ impl Fitter {
         let mut started = 0.0;
         let fit = fit::fit(&data, run, || started = seconds())?;
         let ended = seconds();
+        // Of very many points a description takes as long as several steps.
+        run.check()?;
         let mut result =
             describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
         if let Some(convergence) = &fit.convergence {
