@@ -180,9 +180,7 @@ fn evaluate_agrees_with_fit() {
 
 #[test]
 fn a_panic_inside_leaves_the_process_alive_and_silent() {
-    let library =
-        if cfg!(feature = "panic-test") { library("libcylfuse.so") } else { library_with_panic_test() };
-    let program = build("c_panic", &library, &["-O1", "-DCYLFUSE_PANIC_TEST"]);
+    let program = build("c_panic", &library_that_panics(), &["-O1", "-DCYLFUSE_PANIC_TEST"]);
     let output = start(program).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stdout), "all checks hold\n");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
@@ -206,13 +204,17 @@ fn the_walk_holds_with_a_sanitized_library() {
     assert_eq!(run(start_sanitized(program).env("ASAN_OPTIONS", ASAN_OPTIONS)), "all checks hold\n");
 }
 
-/// The library with one more export, in a target folder of its own: the other tests need the one without.
-fn library_with_panic_test() -> PathBuf {
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("panic-test");
-    let arguments = ["rustc", "--lib", "--crate-type", "cdylib", "--features", "panic-test"];
-    // Everything is compiled once more for it: quickly.
-    let profile = ["--config", "profile.dev.opt-level=0", "--config", "profile.dev.debug=false"];
+/// The library with one more export, of what this test is linked with.
+fn library_that_panics() -> PathBuf {
     let mut cargo = Command::new(env!("CARGO"));
-    run(cargo.current_dir(root()).args(arguments).args(profile).arg("--target-dir").arg(&target));
-    target.join("debug/libcylfuse.so")
+    cargo.current_dir(root()).args(["build", "--locked", "--example", "panic_library"]);
+    if !cfg!(debug_assertions) {
+        cargo.arg("--release");
+    }
+    if cfg!(feature = "bench") {
+        cargo.args(["--features", "bench"]);
+    }
+    run(&mut cargo);
+    // Examples lie beside the folder of what they and the tests depend on.
+    library("libcylfuse.so").ancestors().nth(2).unwrap().join("examples/libpanic_library.so")
 }

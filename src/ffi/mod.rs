@@ -42,7 +42,6 @@ mod library;
 mod lifetime;
 mod options;
 mod outcomes;
-#[cfg(feature = "panic-test")]
 mod panic_test;
 mod results;
 mod setup;
@@ -74,8 +73,8 @@ pub use library::{
 };
 pub use lifetime::*;
 pub use outcomes::*;
-#[cfg(feature = "panic-test")]
-pub use panic_test::*;
+#[doc(hidden)]
+pub use panic_test::panic_in_a_call;
 pub use results::*;
 pub use setup::*;
 pub use solve::*;

@@ -1,14 +1,15 @@
-//! A defect on demand, for the tests: never part of a shipped library.
+//! A defect on demand, for the tests: nothing that the library exports.
 
 use super::handle::{cylfuse_fitter, enter_to_change};
 use super::status::cylfuse_status;
 
-/// Panics inside a call on the fitter.
+/// Panics inside a call on the fitter; the guard turns it into the status.
 ///
-/// # Panics
-/// Always; the guard turns it into the status.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cylfuse_test_panic(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+/// # Safety
+/// As any call on a fitter: NULL, or one that `cylfuse_fitter_new` has made and nobody has freed.
+#[doc(hidden)]
+#[must_use]
+pub unsafe fn panic_in_a_call(fitter: *mut cylfuse_fitter) -> cylfuse_status {
+    // SAFETY: the contract of this function.
     unsafe { enter_to_change(fitter, |_, _| panic!("provoked by cylfuse_test_panic")) }
 }

@@ -1,4 +1,4 @@
-/* A defect inside the library: with the feature panic-test only. */
+/* A defect inside the library: in the library of tests/c/panic_library.rs only. */
 #include "check.h"
 
 #ifdef CYLFUSE_PANIC_TEST
