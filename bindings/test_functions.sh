@@ -6,23 +6,7 @@ export LC_ALL=C.UTF-8
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 conformance=$repository/bindings/conformance
 
-# install PACKAGE...: installs packages of Debian.
-install() {
-    local as_root=()
-    [ "$(id -u)" = 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "$@"
-}
-
-# require NAME PACKAGE [NAME PACKAGE...]: installs the packages of Debian whose commands or files are not there.
-require() {
-    local missing=()
-    while [ $# -gt 0 ]; do
-        [ -e "$1" ] || command -v "$1" >/dev/null || missing+=("$2")
-        shift 2
-    done
-    [ ${#missing[@]} = 0 ] || install "${missing[@]}"
-}
+source "$repository/packaging/debian.sh"
 
 if [ -z "${CYLFUSE_LIBRARY:-}" ]; then
     (cd "$repository" && cargo build --locked --release)

@@ -5,13 +5,14 @@ set -uo pipefail
 # Messages and numbers of tools as they are read here.
 export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
+source packaging/debian.sh
 root=$PWD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 jobs=$(nproc)
 passed=0 failed=0
-# The library that `cargo test --features cli` builds anyway; the program is no part of it.
-make=(make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli")
+# The library of the tests of Rust where that is there; the program is no part of it.
+make=(make --no-print-directory PROFILE=release)
 
 # check NAME COMMAND...: counts whether the command succeeds, and shows what it printed when it does not.
 check() {
@@ -133,8 +134,6 @@ unset library_path PKG_CONFIG_PATH
 printf '\n-- Debian packages\n'
 check "make deb" "${make[@]}" deb
 packages=${CARGO_TARGET_DIR:-target}/deb
-as_root=()
-[ "$(id -u)" = 0 ] || as_root=(sudo)
 # It reads each member of the static library by itself, on one processor, and may do so beside what follows.
 lintian --fail-on error,warning "$packages"/*.deb > "$work/lintian" 2>&1 &
 lintian=$!
@@ -144,9 +143,9 @@ lintian_ends() {
     cat "$work/lintian"
     return "$status"
 }
-check "the packages install" "${as_root[@]}" dpkg -i "$packages"/*.deb
+check "the packages install" alone dpkg -i "$packages"/*.deb
 each_way "Debian packages"
-check "the packages go" "${as_root[@]}" dpkg -P libcylfuse-dev "libcylfuse${soname#libcylfuse.so.}"
+check "the packages go" alone dpkg -P libcylfuse-dev "libcylfuse${soname#libcylfuse.so.}"
 
 printf '\n-- tests and examples\n'
 built() { # built FOLDER SOURCE CMAKE-ARGUMENTS...

@@ -5,6 +5,7 @@ set -uo pipefail
 # Messages and numbers of tools as they are read here.
 export LC_ALL=C.UTF-8
 cd "$(dirname "$0")/.."
+source packaging/debian.sh
 root=$PWD
 target=${CARGO_TARGET_DIR:-$root/target}
 site=$(realpath -m "${1:-$target/site}")
@@ -33,12 +34,7 @@ blocks() { awk -v open="\`\`\`$2" -v number="$3" '$0 == open { count++; inside =
 printf '\n-- set-up\n'
 environment=$target/docs-environment
 set_up() {
-    if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
-        local as_root=()
-        [ "$(id -u)" = 0 ] || as_root=(sudo)
-        "${as_root[@]}" apt-get update -q
-        DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends python3-venv
-    fi
+    python3 -c 'import ensurepip, venv' 2>/dev/null || install python3-venv || return 1
     tests/packages.sh || return 1
     # An environment that was moved does not run.
     "$environment/bin/sphinx-build" --version > /dev/null 2>&1 &&
@@ -48,8 +44,9 @@ set_up() {
         cp docs/site/requirements.txt "$environment"
 }
 check "Sphinx" set_up
-check "library and program" cargo build --locked --release --features cli
-check "installation" make --no-print-directory PROFILE=release CARGO_FLAGS="--features cli" install PREFIX="$work/home/.local"
+# Those that the tests run: with their dependencies, so that after them nothing is compiled again.
+check "library and program" cargo test --locked --release --features bench --test command_line --no-run
+check "installation" make --no-print-directory PROFILE=release install PREFIX="$work/home/.local"
 export CYLFUSE_LIBRARY=$target/release/libcylfuse.so
 
 printf '\n-- site\n'
@@ -90,7 +87,7 @@ rm -rf "$site"
 mkdir -p "$site"
 check "pages" "$environment/bin/sphinx-build" -q -W --keep-going -d "$work/doctrees" -c docs/site . "$site"
 check "reference of C and C++" env OUTPUT="$work/doxygen" doxygen docs/Doxyfile
-check "reference of Rust" env RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --no-deps --lib
+check "reference of Rust" env RUSTDOCFLAGS="-D warnings" cargo doc --locked --release --features bench --no-deps --lib
 mkdir -p "$site/reference"
 cp -r "$work/doxygen/html" "$site/reference/cpp"
 mkdir -p "$site/reference/rust"

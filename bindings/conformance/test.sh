@@ -7,16 +7,8 @@ root=$(cd ../.. && pwd)
 : "${CYLFUSE_LIBRARY:=$root/target/release/libcylfuse.so}"
 : "${CYLFUSE_CONFORMANCE_RESULTS:=$root/target/conformance/c.txt}"
 
-missing=()
-command -v cc >/dev/null || missing+=(build-essential)
-command -v python3 >/dev/null || missing+=(python3)
-[ -e /usr/include/cjson/cJSON.h ] || missing+=(libcjson-dev)
-if [ ${#missing[@]} -gt 0 ]; then
-    as_root=()
-    [ "$(id -u)" = 0 ] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -q
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -q --no-install-recommends "${missing[@]}"
-fi
+source "$root/packaging/debian.sh"
+require cc build-essential python3 python3 /usr/include/cjson/cJSON.h libcjson-dev
 
 build=$(mktemp -d)
 trap 'rm -rf "$build"' EXIT
