@@ -75,7 +75,14 @@ impl Fitter {
     /// The selected view, to change it: what the last fit held the cylinder to is another matter then.
     fn view_mut(&mut self) -> &mut View {
         self.made_with = None;
-        &mut self.views[self.selected]
+        let view = &mut self.views[self.selected];
+        view.mask_is_body = false;
+        view
+    }
+
+    /// Tells that the mask of the selected view holds the body alone, until that view is changed.
+    pub(crate) fn know_mask_as_body(&mut self) {
+        self.views[self.selected].mask_is_body = true;
     }
 
     /// Sets the camera of the selected view. Points that were pushed before stay as they are.

@@ -36,6 +36,8 @@ impl<'a> Fits<'a> {
         let mut fitter = self.fitter()?;
         let mask = mask_of(&self.seen.labels, index);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
+        // A region has the pixels that see the surface alone.
+        fitter.know_mask_as_body();
         let limb = frame.image().and(frame.camera()).map_or(0.0, |camera| {
             let [first, last] = detection.along;
             (last - first) * camera.intrinsics().fx / detection.cylinder.axis.point.z
