@@ -278,3 +278,18 @@ impl Fitter {
         self.view().image()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_is_known_as_the_body_until_its_view_is_changed() {
+        let mut fitter = Fitter::new();
+        fitter.know_mask_as_body();
+        fitter.set_start(None);
+        assert!(fitter.view().mask_is_body);
+        fitter.clear_inputs(Inputs::DEPTH);
+        assert!(!fitter.view().mask_is_body);
+    }
+}
