@@ -267,6 +267,16 @@ impl Camera {
         self.unproject_through_lens(pixel, &distorted)
     }
 
+    /// The rays with z = 1 of whole pixels, where x depends on the column alone and y on the row: the x of all columns and the y
+    /// of all rows. `None` with distortion.
+    pub(crate) fn rays_by_column_and_row(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+        let (width, height) = self.size();
+        let ray = |column: usize, row: usize| self.unproject(&Vector2::new(column as f64, row as f64));
+        let of_columns = || (0..width).map(|column| Some(ray(column, 0)?.x)).collect::<Option<_>>();
+        let of_rows = || (0..height).map(|row| Some(ray(0, row)?.y)).collect::<Option<_>>();
+        matches!(self.lens, Lens::Pinhole).then(|| of_columns().zip(of_rows())).flatten()
+    }
+
     fn unproject_through_lens(&self, pixel: &Vector2<f64>, distorted: &Vector2<f64>) -> Option<Vector3<f64>> {
         let ideal = match &self.lens {
             Lens::Pinhole => *distorted,

@@ -268,3 +268,16 @@ fn what_is_not_in_pixels_of_the_image_is_refused() {
         assert!(Camera::new(intrinsics).is_ok(), "{intrinsics:?}");
     }
 }
+
+#[test]
+fn rays_by_column_and_row_are_those_of_the_pixels() {
+    let pinhole = camera(Distortion::None);
+    let (x, y) = pinhole.rays_by_column_and_row().unwrap();
+    assert_eq!((x.len(), y.len()), pinhole.size());
+    for (column, row) in [(0, 0), (1279, 0), (0, 719), (313, 577)] {
+        let ray = pinhole.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
+        assert_eq!([x[column], y[row], 1.0].map(f64::to_bits), [ray.x, ray.y, ray.z].map(f64::to_bits));
+    }
+    let distorted = camera(Distortion::KannalaBrandt([0.1, 0.0, 0.0, 0.0]));
+    assert!(distorted.rays_by_column_and_row().is_none());
+}

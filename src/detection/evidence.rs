@@ -5,7 +5,7 @@ use super::grid::Cell;
 use super::limb_pairs::ON_LIMB;
 use super::outline::{Beyond, outline, passes};
 use super::surface::{REACH, Surface, slope};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, Line};
 use nalgebra::Vector3;
 
 /// What the depth says about one candidate.
@@ -61,6 +61,9 @@ const LID: f64 = 0.04;
 /// Evidence of the shape with which a candidate need not be looked at any more.
 const HOPELESS: f64 = -4.0;
 
+/// What rays see is looked at within this part of the radius: nearer to the limbs depth is drawn to what lies beside them.
+const SEEN_PART: f64 = 0.8;
+
 /// A ray that is met with a cylinder takes as long as so many visits.
 const VISITS_OF_RAY: usize = 2;
 
@@ -73,8 +76,9 @@ impl Scene<'_> {
         slope(&candidate.surface, &cells, &tangents, self.optics)
     }
 
-    /// What speaks for or against a candidate, but for the slope, which only the score of a fit asks for.
-    pub fn judge(&self, candidate: &Candidate, mark: &mut Marks) -> Option<Evidence> {
+    /// What speaks for or against a candidate, but for the slope, which only the score of a fit asks for. Where the score is
+    /// below `least` whatever else is looked at, it is not looked at.
+    pub fn judge(&self, candidate: &Candidate, least: f64, mark: &mut Marks) -> Option<Evidence> {
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
         if self.effort.is_spent() {
             return None;
@@ -124,11 +128,15 @@ impl Scene<'_> {
         });
         evidence.limbs =
             self.image.map(|_| self.support(&cylinder, [first, last], ON_LIMB).unwrap_or_default().covered);
-        self.see_through(&cylinder, candidate, [first, last], &mut evidence);
-        // What the sides rule out needs no other surface, which would take most of the time.
         [evidence.over_plane, evidence.over_edge, evidence.over_sphere] = [f64::INFINITY; 3];
-        if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
-            self.compare(candidate, evidence.length * cylinder.radius, &mut evidence, mark);
+        // What is seen behind and every other surface only lower the score.
+        if evidence.score() >= least {
+            self.see_through(&cylinder, candidate, [first, last], &mut evidence);
+            // What the sides rule out needs no other surface, which would take most of the time.
+            if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
+                let length = evidence.length * cylinder.radius;
+                self.compare(candidate, length, least, &mut evidence, mark);
+            }
         }
         // Half of the evidence is none.
         (!self.effort.is_spent()).then_some(evidence)
@@ -142,8 +150,16 @@ impl Scene<'_> {
         2.0 * normals().map(|normal| normal.angle(&middle)).fold(0.0, f64::max)
     }
 
-    /// Plane, sphere and cone on the same cells and on those that they would explain besides.
-    fn compare(&self, candidate: &Candidate, length: f64, evidence: &mut Evidence, mark: &mut Marks) {
+    /// Plane, sphere and cone on the same cells and on those that they would explain besides, until the score is below
+    /// `least`.
+    fn compare(
+        &self,
+        candidate: &Candidate,
+        length: f64,
+        least: f64,
+        evidence: &mut Evidence,
+        mark: &mut Marks,
+    ) {
         let cells = &candidate.cells;
         let refs: Vec<_> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return };
@@ -161,10 +177,13 @@ impl Scene<'_> {
         // Three numbers of a plane, six of two and the place of the edge, five of a cylinder.
         evidence.over_plane = own - self.plane_gain(cells) - numbers;
         evidence.over_edge = own - self.edge_gain(&cylinder, cells) + numbers;
+        if evidence.score() < least {
+            return;
+        }
         let free = |k: usize| self.planes[k] == 0;
-        let mut margin = |start: Surface| {
-            let other = self.fit(&start, &refs, &[], REACH, 6)?;
-            let other = self.grow(&other, cells, Sides::Outline, &free, mark)?;
+        let fitted = |start: Surface| self.fit(&start, &refs, &[], REACH, 6);
+        let mut margin = |other: &Surface| {
+            let other = self.grow(other, cells, Sides::Outline, &free, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
                 mark.set(k);
@@ -181,9 +200,21 @@ impl Scene<'_> {
         }
         let on_axis = cylinder.axis.point
             + cylinder.axis.direction * (middle - cylinder.axis.point).dot(&cylinder.axis.direction);
-        evidence.over_sphere =
-            margin(Surface::Sphere(on_axis, cylinder.radius)).map_or(own, |(margin, _)| margin);
-        if let Some((margin, Surface::Cone(cone, taper))) = margin(Surface::Cone(cylinder, 0.0)) {
+        let sphere = fitted(Surface::Sphere(on_axis, cylinder.radius));
+        if let Some(sphere) = &sphere {
+            // What it explains besides these cells is more evidence for it.
+            let penalty = self.penalty(sphere, cells.len()) - self.penalty(&surface, cells.len());
+            evidence.over_sphere = own - self.gain(sphere, cells) + penalty;
+            if evidence.score() < least {
+                return;
+            }
+        }
+        evidence.over_sphere = sphere.and_then(|sphere| margin(&sphere)).map_or(own, |(margin, _)| margin);
+        if evidence.score() < least {
+            return;
+        }
+        let cone = fitted(Surface::Cone(cylinder, 0.0));
+        if let Some((margin, Surface::Cone(cone, taper))) = cone.and_then(|cone| margin(&cone)) {
             evidence.taper = taper * length / cone.radius;
             evidence.over_cone = margin;
         }
@@ -251,6 +282,8 @@ impl Scene<'_> {
         let depth = grid.cells[candidate.cells[0]].point.z;
         let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         let (mut through, mut on) = (0.0, 0.0);
+        let Line { point, direction } = cylinder.axis;
+        let moment = direction.cross(&point);
         let inset = 0.1 * (last - first);
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
@@ -262,7 +295,10 @@ impl Scene<'_> {
                     continue;
                 }
                 let ray = Vector3::new(cell.x, cell.y, 1.0);
-                if !passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() <= 0.8) {
+                // Most rays pass it: [`passes`] asks the same with a root and a division.
+                let (along_ray, across) = (ray.dot(&direction), ray.dot(&moment) / cylinder.radius);
+                let normal = ray.norm_squared() - along_ray * along_ray;
+                if !(across * across <= SEEN_PART * SEEN_PART * normal) {
                     continue;
                 }
                 let Some(hit) = cylinder.first_hit(&ray) else { continue };

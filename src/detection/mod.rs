@@ -161,12 +161,15 @@ pub(crate) fn detect_until(
     let (width, height) = camera.size();
     let intrinsics = camera.intrinsics();
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let rays = camera.rays_by_column_and_row();
+    let ray = |column: usize, row: usize| match &rays {
+        Some((x, y)) => Some(Vector3::new(x[column], y[row], 1.0)),
+        None => camera.unproject(&Vector2::new(column as f64, row as f64)),
+    };
     let mut points: Vec<Vector3<f32>> = Vec::with_capacity(width * height);
     for row in 0..height {
-        points.extend((0..width).map(|column| {
-            let point = depth.depth(column, row).and_then(|z| {
-                camera.unproject(&Vector2::new(column as f64, row as f64)).map(|ray| (ray * z).cast::<f32>())
-            });
+        points.extend(depth.depths_of_row(row).zip(0..width).map(|(z, column)| {
+            let point = z.and_then(|z| ray(column, row).map(|ray| (ray * z).cast::<f32>()));
             point.unwrap_or_default()
         }));
     }
@@ -187,7 +190,6 @@ pub(crate) fn detect_until(
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
     let effort = Effort::new(stopped);
     let found = search::search(&mut grid, pixel, searched, options, &effort)?;
-    let ray = |x: usize, y: usize| camera.unproject(&Vector2::new(x as f64, y as f64));
     let found = search::label(&grid, &found, (width, height), pixel, &point, &ray, &effort);
     Ok(Detections { image: edges, ..found })
 }

@@ -93,6 +93,12 @@ impl Evidence {
         1.0 / (1.0 + (-sum - weights.constant).exp())
     }
 
+    /// The highest score that a fit may lead to: with edges along both limbs, and a radius as certain as counts.
+    #[must_use]
+    pub(crate) fn highest_after_fit(&self) -> f64 {
+        Self { limbs: self.limbs.map(|_| [1.0; 2]), radius_deviation: Some(0.0), ..*self }.score()
+    }
+
     /// What the score is made of: the evidence of depth and shape, root mean square distance, length, what is seen
     /// through, edges on limbs, the logarithm of the standard deviation of the radius by a fit, the slope of the radius in
     /// standard deviations and as it is, the evidence against a sphere, the part of a side that is visible, the logarithm
@@ -191,6 +197,23 @@ mod tests {
                 Evidence { seen_through: 0.5, ..good },
             ];
             assert!(worse.iter().all(|worse| worse.score() < good.score()));
+        }
+    }
+
+    #[test]
+    fn no_fit_leads_to_more_than_the_highest_score() {
+        let bodies = [good(), Evidence { taper: 0.5, over_cone: -2.0, seen_through: 0.3, ..good() }];
+        for seen in bodies {
+            assert!(seen.highest_after_fit() < 1.0);
+            for limbs in [[0.0; 2], [0.9, 0.2], [0.5, 0.8], [1.0; 2]] {
+                for radius_deviation in [1e-3, 0.1, f64::INFINITY].map(Some) {
+                    let by_depth = Evidence { radius_deviation, ..seen };
+                    assert!(by_depth.score() <= seen.highest_after_fit());
+                    let with_image = Evidence { limbs: Some(limbs), ..by_depth };
+                    let before = Evidence { limbs: Some([0.0; 2]), ..seen };
+                    assert!(with_image.score() <= before.highest_after_fit());
+                }
+            }
         }
     }
 

@@ -153,10 +153,21 @@ impl Judged {
         options: &DetectionOptions,
         marks: &mut Marks,
     ) -> Option<Self> {
+        Self::with_score(scene, candidate, 0.0, options, marks)
+    }
+
+    /// The same for a caller who forgets those with a score below `least`, whose evidence need not be complete.
+    fn with_score(
+        scene: &Scene<'_>,
+        candidate: Candidate,
+        least: f64,
+        options: &DetectionOptions,
+        marks: &mut Marks,
+    ) -> Option<Self> {
         if !plausible(scene, &candidate, options) {
             return None;
         }
-        let evidence = scene.judge(&candidate, marks)?;
+        let evidence = scene.judge(&candidate, least, marks)?;
         Some(Self { candidate, evidence, score: evidence.score() })
     }
 
@@ -208,7 +219,9 @@ pub(super) fn candidates(
                     continue;
                 };
                 candidate.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+                let Some(judged) = Judged::with_score(scene, candidate, LEAST_SCORE, options, marks) else {
+                    continue;
+                };
                 if judged.score > 0.5 {
                     judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
@@ -277,7 +290,9 @@ fn by_pairs(
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
         let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
-        let Some(judged) = Judged::new(scene, candidate, options, marks) else { continue };
+        let Some(judged) = Judged::with_score(scene, candidate, LEAST_SCORE, options, marks) else {
+            continue;
+        };
         if let Surface::Cylinder(cylinder, _) = judged.candidate.surface {
             tried.push(cylinder);
         }
@@ -325,7 +340,7 @@ fn select(
         }
         if judged.candidate.cells.len() < all {
             judged.candidate.gain = scene.worth(&judged.candidate.surface, &judged.candidate.cells, marks);
-            let Some(evidence) = scene.judge(&judged.candidate, marks) else { continue };
+            let Some(evidence) = scene.judge(&judged.candidate, options.min_score, marks) else { continue };
             judged.evidence = evidence;
             judged.score = evidence.score();
         }

@@ -114,7 +114,8 @@ impl Fitter {
             let selected = index == self.selected_view();
             let own = region.as_ref().filter(|_| selected && mask.is_some()).map(Region::mask);
             let Some((camera, mask)) = view.camera().zip(own.or(self.fitted_mask(index))) else { continue };
-            views.extend(self.ends_of(index, camera, mask, &cylinder, limbs_known));
+            let whole = own.is_none() && view.mask_is_body;
+            views.extend(self.ends_of(index, camera, (mask, whole), &cylinder, limbs_known));
         }
         if views.is_empty() {
             return Err(Error::EdgeGeometry {
@@ -152,11 +153,12 @@ impl Fitter {
         Ok((extent, arcs))
     }
 
+    /// The ends of one view in a mask, which may be known to hold the body alone.
     fn ends_of(
         &self,
         index: usize,
         camera: &Camera,
-        mask: &Mask,
+        (mask, whole): (&Mask, bool),
         cylinder: &Cylinder,
         limbs_known: Option<bool>,
     ) -> Option<EndsOfView> {
@@ -170,7 +172,7 @@ impl Fitter {
         let search = EndSearch {
             camera,
             mask,
-            whole: false,
+            whole,
             depth: view.depth(),
             image: view.image(),
             tolerance: depth_tolerance(&view.cloud, &seen),

@@ -110,7 +110,7 @@ fn arcs(
     let search = EndSearch {
         camera,
         mask,
-        whole: known.whole,
+        whole: known.whole || view.view.mask_is_body,
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),

@@ -44,6 +44,9 @@ pub(super) fn separate(
     let (Some(camera), Some(depth), Some(mask)) = (view.camera(), view.depth(), view.mask.as_ref()) else {
         return Ok(Separated::default());
     };
+    if view.mask_is_body {
+        return Ok(Separated { whole: true, ..Separated::default() });
+    }
     // Most masks hold the body alone, and that takes no search.
     let Known { cylinder, of_limbs, given } = known(view, camera, options, start);
     let parts = cylinder.and_then(|cylinder| view.parts(&cylinder, &options.noise));
@@ -73,6 +76,7 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
         frame: view.frame.clone(),
         mask: view.mask.clone(),
         body: Some(body),
+        mask_is_body: false,
         cloud,
         segments: view.segments.clone(),
     })

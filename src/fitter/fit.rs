@@ -78,6 +78,9 @@ fn paper(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result
 /// The robust objective.
 fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let guided = guided::guide(data, candidates, run)?;
+    if run.is_known(guided.minimum.cylinder()) {
+        return Err(Error::NoStart { reason: "another start led to the same fit".into() });
+    }
     let (start, located) = match data.locates() {
         true => {
             let (start, located) = locate(data, &guided, run)?;

@@ -75,7 +75,14 @@ impl Fitter {
     /// The selected view, to change it: what the last fit held the cylinder to is another matter then.
     fn view_mut(&mut self) -> &mut View {
         self.made_with = None;
-        &mut self.views[self.selected]
+        let view = &mut self.views[self.selected];
+        view.mask_is_body = false;
+        view
+    }
+
+    /// Tells that the mask of the selected view holds the body alone, until that view is changed.
+    pub(crate) fn know_mask_as_body(&mut self) {
+        self.views[self.selected].mask_is_body = true;
     }
 
     /// Sets the camera of the selected view. Points that were pushed before stay as they are.
@@ -269,5 +276,20 @@ impl Fitter {
     #[must_use]
     pub fn image(&self) -> Option<&GreyImage> {
         self.view().image()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_is_known_as_the_body_until_its_view_is_changed() {
+        let mut fitter = Fitter::new();
+        fitter.know_mask_as_body();
+        fitter.set_start(None);
+        assert!(fitter.view().mask_is_body);
+        fitter.clear_inputs(Inputs::DEPTH);
+        assert!(!fitter.view().mask_is_body);
     }
 }

@@ -179,13 +179,18 @@ impl Fitter {
         self.fit_run(&mut Run::new(report, None))
     }
 
-    /// The same for a caller who takes the reports for a measure of the work: `hear` is asked where they are none.
+    /// The same for a caller who takes the reports for a measure of the work, `hear` is asked where they are none, and tries
+    /// several starts: `known` are the first fits from the others, to which this one's is added.
+    ///
+    /// # Errors
+    /// Those of [`Fitter::fit_with`], and `NoStart` where the first fit is known.
     pub(crate) fn fit_counted(
         &mut self,
         report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
         hear: &dyn Fn() -> ControlFlow<()>,
+        known: &mut Vec<Cylinder>,
     ) -> Result<FitResult> {
-        self.fit_run(&mut Run::new(report, Some(hear)))
+        self.fit_run(&mut Run::new(report, Some(hear)).knowing(known))
     }
 
     fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {

@@ -3,6 +3,7 @@
 use super::data::Data;
 use super::objective::Precision;
 use crate::error::{Error, Result};
+use crate::geometry::Cylinder;
 use crate::solver::Iteration;
 use std::ops::ControlFlow;
 
@@ -20,10 +21,15 @@ const ALWAYS_ALLOWED: usize = 100;
 /// Solves that a rough minimum gets after twice as many: enough to tell it from a better one.
 const FEW_SOLVES: usize = 5;
 
+/// First fits whose axes and radii differ by less than this part of the radius are the same.
+const SAME: f64 = 1e-3;
+
 /// A fit under way: who hears of every linear solve and may stop it, and how many there were.
 pub(super) struct Run<'a> {
     report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
     hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
+    /// The first fits from other starts, for a caller who tries several.
+    known: Option<&'a mut Vec<Cylinder>>,
     /// The last iteration that was reported.
     last: Iteration,
     solves: usize,
@@ -35,7 +41,26 @@ impl<'a> Run<'a> {
         report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
         hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
     ) -> Self {
-        Self { report, hear, last: Iteration::before_start(), solves: 0 }
+        Self { report, hear, known: None, last: Iteration::before_start(), solves: 0 }
+    }
+
+    /// The same for a caller who tries several starts: see [`Run::is_known`].
+    pub fn knowing(self, known: &'a mut Vec<Cylinder>) -> Self {
+        Self { known: Some(known), ..self }
+    }
+
+    /// Whether the first fit is that from another start, from which all else would follow as it did there. It is known from
+    /// here on.
+    pub fn is_known(&mut self, first: &Cylinder) -> bool {
+        let Some(known) = self.known.take() else { return false };
+        let same = |other: &Cylinder| {
+            let change = other.compare(first);
+            let apart = change.axis_distance.max(change.angle * other.radius) / other.radius;
+            change.radius_relative.abs().max(apart) <= SAME
+        };
+        let is_known = known.iter().any(same);
+        known.push(*first);
+        is_known
     }
 
     /// Asks whether to go on within something that is no measure of the work.
@@ -99,4 +124,28 @@ impl<'a> Run<'a> {
 fn many_solves(data: &Data<'_>) -> usize {
     let points = data.views.iter().map(|view| view.points.count()).sum::<usize>().max(1);
     (MANY_VISITS / points).clamp(ALWAYS_ALLOWED, MANY_SOLVES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_first_fit_is_known_from_the_second_start_on_but_not_within_one_fit() {
+        let cylinder = |x: f64, radius: f64| {
+            Cylinder::new(Vector3::new(x, 0.0, 1.0), Vector3::new(0.1, 1.0, 0.2), radius).unwrap()
+        };
+        let mut report = |_: &Iteration| ControlFlow::Continue(());
+        let mut known = Vec::new();
+        let mut is_known = |first: &Cylinder| Run::new(&mut report, None).knowing(&mut known).is_known(first);
+        assert!(!is_known(&cylinder(0.0, 0.05)));
+        assert!(is_known(&cylinder(0.00002, 0.05)));
+        assert!(!is_known(&cylinder(0.0005, 0.05)));
+        assert!(!is_known(&cylinder(0.0, 0.0505)));
+        assert!(is_known(&cylinder(0.0, 0.05051)));
+        let mut run = Run::new(&mut report, None).knowing(&mut known);
+        assert!(!run.is_known(&cylinder(0.1, 0.05)) && !run.is_known(&cylinder(0.1, 0.05)));
+        assert_eq!(known.len(), 6);
+    }
 }

@@ -13,6 +13,8 @@ pub(crate) struct View {
     pub mask: Option<Mask>,
     /// The part of the mask that is the body, where that is not all of it.
     pub body: Option<Mask>,
+    /// Whether the mask is known to hold the body alone.
+    pub mask_is_body: bool,
     pub cloud: PointCloud,
     pub segments: Vec<EdgeSegment>,
 }
@@ -21,7 +23,7 @@ impl View {
     /// Some of its points alone, evenly spread.
     pub fn thinned(&self, count: usize) -> Self {
         let (frame, cloud) = (self.frame.clone(), self.cloud.thinned(count));
-        Self { frame, cloud, mask: None, body: None, segments: Vec::new() }
+        Self { frame, cloud, mask: None, segments: Vec::new(), ..Self::default() }
     }
 
     /// The camera of image, mask and edges.

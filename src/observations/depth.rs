@@ -113,6 +113,12 @@ impl DepthImage {
         inside.then(|| self.depth_at(row * self.width + column)).flatten()
     }
 
+    /// The depths of a row from its first column on.
+    #[inline]
+    pub(crate) fn depths_of_row(&self, row: usize) -> impl Iterator<Item = Option<f64>> + '_ {
+        (row * self.width..(row + 1) * self.width).map(|index| self.depth_at(index))
+    }
+
     /// The depth z at a pixel that is counted row by row.
     #[inline]
     pub(super) fn depth_at(&self, index: usize) -> Option<f64> {

@@ -36,6 +36,8 @@ impl<'a> Fits<'a> {
         let mut fitter = self.fitter()?;
         let mask = mask_of(&self.seen.labels, index);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
+        // A region has the pixels that see the surface alone.
+        fitter.know_mask_as_body();
         let limb = frame.image().and(frame.camera()).map_or(0.0, |camera| {
             let [first, last] = detection.along;
             (last - first) * camera.intrinsics().fx / detection.cylinder.axis.point.z
@@ -148,13 +150,14 @@ impl<'a> Fits<'a> {
         // The best so far, and that from the cylinder itself: the fitter as it left it, and its result.
         let mut best: Option<(f64, Box<(Fitter, FitResult)>)> = None;
         let mut plain = None;
+        let mut known = Vec::new();
         for factor in radii.iter().take(attempts) {
             let radius = factor * found.radius;
             // The wall that is seen stays where it is.
             let away = seen.axis.nearest_to_origin().normalize() * (radius - found.radius);
             let axis = Line { point: seen.axis.point + away, ..seen.axis };
             let start = pose.cylinder(&Cylinder { axis, radius });
-            let result = match fit_from(fitter, &start, share) {
+            let result = match fit_from(fitter, &start, share, &mut known) {
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => continue,
                 Ok(result) => result,
@@ -191,7 +194,7 @@ impl<'a> Fits<'a> {
         }
         // The search allows for errors at the limits; what is returned keeps them.
         if !fitter.options().cylinder_limits.contain(&found) {
-            return fit_from(fitter, &found, share);
+            return fit_from(fitter, &found, share, &mut Vec::new());
         }
         fitter.set_start(Some(found));
         let kept = fitter.keep(&found)?;
@@ -262,8 +265,13 @@ const COVERED: f64 = 1.0;
 const RADIUS_CHANGE: f64 = 0.15;
 const RADIUS_PIXELS: f64 = 3.0;
 
-fn fit_from(fitter: &mut Fitter, start: &Cylinder, share: &Share<'_>) -> Result<FitResult> {
+fn fit_from(
+    fitter: &mut Fitter,
+    start: &Cylinder,
+    share: &Share<'_>,
+    known: &mut Vec<Cylinder>,
+) -> Result<FitResult> {
     share.begin();
     fitter.set_start(Some(*start));
-    fitter.fit_counted(&mut |_| share.ask(), &|| share.hear())
+    fitter.fit_counted(&mut |_| share.ask(), &|| share.hear(), known)
 }

@@ -210,7 +210,9 @@ impl Scene {
 
 /// The mask of one region, 1 inside.
 fn mask_of(labels: &[u16], index: usize) -> Vec<u8> {
-    labels.iter().map(|&label| u8::from(usize::from(label) == index + 1)).collect()
+    // Labels count from 1 in 16 bits.
+    let own = (index + 1) as u16;
+    labels.iter().map(|&label| u8::from(label == own)).collect()
 }
 
 impl Detector {
@@ -372,7 +374,10 @@ impl Detector {
             let cancelled = || Err(Error::Cancelled { iterations: 0 });
             if poll().is_break() {
                 *outcome = Some(cancelled());
-            } else if let Some(share) = work.share(index, &poll) {
+            } else if detections[index].evidence.highest_after_fit() >= self.options.search.min_score
+                && let Some(share) = work.share(index, &poll)
+            {
+                // What would be dropped whatever its fit came to has none.
                 *outcome = Some(fit(&fits, index, &detections[index], Some(&share)));
             }
         };
