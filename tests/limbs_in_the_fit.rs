@@ -79,6 +79,39 @@ fn a_mask_of_the_pixels_that_have_depth_is_noticed_and_keeps_the_radius() {
 }
 
 #[test]
+fn the_edge_of_what_stands_in_front_is_no_limb() {
+    let mut inputs = frames::Inputs::read(&sample());
+    let fit = |inputs: &frames::Inputs, segments: usize| {
+        let mut fitter = inputs.fitter();
+        inputs.push_image(&mut fitter);
+        fitter.push_edges(&inputs.edges[..segments]).unwrap();
+        fitter.fit().unwrap()
+    };
+    let whole = fit(&inputs, 2);
+    let limb = |k: usize| inputs.edges[k].endpoints.map(|end| end.x);
+    let (left, right) = if limb(0)[0] < limb(1)[0] { (limb(0), limb(1)) } else { (limb(1), limb(0)) };
+    if right == limb(0) {
+        inputs.edges.reverse();
+    }
+    // A plate hides the right limb and a twentieth of the width.
+    let width = right[0].min(right[1]) - left[0].max(left[1]);
+    let plate = (right[0].min(right[1]) - 0.05 * width) as usize;
+    let columns = inputs.size.0;
+    for k in (0..inputs.mask.len()).filter(|k| k % columns >= plate) {
+        inputs.mask[k] = 0;
+        inputs.depth[k] = (0.55 / inputs.depth_scale) as u16;
+        inputs.image[k] = 128;
+    }
+    for segments in [0, 1] {
+        let fit = fit(&inputs, segments);
+        assert_eq!(fit.limbs_located, 1, "with {segments} segments");
+        let (off, deviation) =
+            (fit.cylinder.radius - whole.cylinder.radius, fit.uncertainty.unwrap().radius());
+        assert!(off.abs() < 3.0 * deviation, "with {segments} segments: {off} +- {deviation}");
+    }
+}
+
+#[test]
 fn what_was_seen_of_the_limbs_can_be_asked_for() {
     let mut fitter = frames::fitter(&sample());
     assert!(fitter.limbs().is_none());
