@@ -88,19 +88,20 @@ fn the_edge_of_what_stands_in_front_is_no_limb() {
         fitter.fit().unwrap()
     };
     let whole = fit(&inputs, 2);
-    let limb = |k: usize| inputs.edges[k].endpoints.map(|end| end.x);
-    let (left, right) = if limb(0)[0] < limb(1)[0] { (limb(0), limb(1)) } else { (limb(1), limb(0)) };
-    if right == limb(0) {
-        inputs.edges.reverse();
-    }
-    // A plate hides the right limb and a twentieth of the width.
-    let width = right[0].min(right[1]) - left[0].max(left[1]);
-    let plate = (right[0].min(right[1]) - 0.05 * width) as usize;
+    // A plate hides the right limb and a twentieth of the width; its edge is along the limb, as sharp as the image.
+    let [from, to] = inputs.edges[1].endpoints;
+    let width = from.x - inputs.edges[0].endpoints[0].x;
     let columns = inputs.size.0;
-    for k in (0..inputs.mask.len()).filter(|k| k % columns >= plate) {
-        inputs.mask[k] = 0;
-        inputs.depth[k] = (0.55 / inputs.depth_scale) as u16;
-        inputs.image[k] = 128;
+    for k in 0..inputs.mask.len() {
+        let (column, row) = ((k % columns) as f64, (k / columns) as f64);
+        let inside = column - (from.x + (to.x - from.x) * (row - from.y) / (to.y - from.y)) + 0.05 * width;
+        if inside > 0.0 {
+            inputs.mask[k] = 0;
+            inputs.depth[k] = (0.55 / inputs.depth_scale) as u16;
+        }
+        // A step with the blur of a limb.
+        let share = 1.0 / (1.0 + (-inside / 0.4).exp());
+        inputs.image[k] = (f64::from(inputs.image[k]) * (1.0 - share) + 40.0 * share).round() as u8;
     }
     for segments in [0, 1] {
         let fit = fit(&inputs, segments);
