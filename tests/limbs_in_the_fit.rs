@@ -79,6 +79,40 @@ fn a_mask_of_the_pixels_that_have_depth_is_noticed_and_keeps_the_radius() {
 }
 
 #[test]
+fn the_edge_of_what_stands_in_front_is_no_limb() {
+    let mut inputs = frames::Inputs::read(&sample());
+    let fit = |inputs: &frames::Inputs, segments: usize| {
+        let mut fitter = inputs.fitter();
+        inputs.push_image(&mut fitter);
+        fitter.push_edges(&inputs.edges[..segments]).unwrap();
+        fitter.fit().unwrap()
+    };
+    let whole = fit(&inputs, 2);
+    // A plate hides the right limb and a twentieth of the width; its edge is along the limb, as sharp as the image.
+    let [from, to] = inputs.edges[1].endpoints;
+    let width = from.x - inputs.edges[0].endpoints[0].x;
+    let columns = inputs.size.0;
+    for k in 0..inputs.mask.len() {
+        let (column, row) = ((k % columns) as f64, (k / columns) as f64);
+        let inside = column - (from.x + (to.x - from.x) * (row - from.y) / (to.y - from.y)) + 0.05 * width;
+        if inside > 0.0 {
+            inputs.mask[k] = 0;
+            inputs.depth[k] = (0.55 / inputs.depth_scale) as u16;
+        }
+        // A step with the blur of a limb.
+        let share = 1.0 / (1.0 + (-inside / 0.4).exp());
+        inputs.image[k] = (f64::from(inputs.image[k]) * (1.0 - share) + 40.0 * share).round() as u8;
+    }
+    for segments in [0, 1] {
+        let fit = fit(&inputs, segments);
+        assert_eq!(fit.limbs_located, 1, "with {segments} segments");
+        let (off, deviation) =
+            (fit.cylinder.radius - whole.cylinder.radius, fit.uncertainty.unwrap().radius());
+        assert!(off.abs() < 3.0 * deviation, "with {segments} segments: {off} +- {deviation}");
+    }
+}
+
+#[test]
 fn what_was_seen_of_the_limbs_can_be_asked_for() {
     let mut fitter = frames::fitter(&sample());
     assert!(fitter.limbs().is_none());

@@ -61,6 +61,9 @@ constants! {
 
     /// Samples of a window that are independent, by pixel: neighbours share pixels.
     INDEPENDENT = 1.0, "1/px";
+
+    /// Standard deviation of an end beyond which all is cut off at white, in blurs: see the measurements.
+    CUT_OFF_DEVIATION = 1.0, "σ";
 }
 
 /// Blur of the image that is tried, standard deviation in pixels. The first is for the search.
@@ -101,6 +104,8 @@ struct Profile {
     /// Sums of the samples and of their squares before each sample, and of all.
     sums: Vec<(f64, f64)>,
     zero: f64,
+    /// The samples whose light may be any from their value on.
+    cut_off: Vec<usize>,
 }
 
 /// Where arcs are searched.
@@ -200,8 +205,13 @@ fn locate(
     if !(mean >= LEAST_GAIN.get()) {
         return None;
     }
-    let model = MODEL_DEVIATION.get() * rough.pixel;
-    let samples = profiles.iter().filter_map(|profile| {
+    // A step that is cut off at white seems to lie inside, and an arc of such steps seems narrower than it is.
+    let whole: Vec<&Profile> =
+        profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across)).collect();
+    let share = 1.0 - whole.len() as f64 / profiles.len() as f64;
+    let cut_off = CUT_OFF_DEVIATION.get() * share * blur;
+    let model = MODEL_DEVIATION.get().hypot(cut_off) * rough.pixel;
+    let samples = whole.into_iter().filter_map(|profile| {
         let (edge, deviation) = profile.step(shift * profile.across, blur, noise, smooth_step)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
         let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
@@ -243,15 +253,23 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
         let count = 2 * reach as usize + 1;
-        let mut samples = Vec::with_capacity(count);
-        samples.extend((-reach..=reach).map_while(|k| {
-            at(SAMPLE_PIXELS.get() * k as f64).and_then(|pixel| interpolate(&arcs.image, &pixel))
+        let (mut samples, mut cut_off) = (Vec::with_capacity(count), Vec::new());
+        samples.extend((0..count).map_while(|k| {
+            let pixel = at(SAMPLE_PIXELS.get() * (k as i64 - reach) as f64)?;
+            let value = interpolate(&arcs.image, &pixel)?;
+            let [column, row] = [pixel.x, pixel.y].map(|x| x as usize);
+            let near = [(column, row), (column + 1, row), (column, row + 1), (column + 1, row + 1)];
+            if near.iter().any(|(column, row)| arcs.image.is_saturated(*column, *row)) {
+                cut_off.push(k);
+            }
+            Some(value)
         }));
         if samples.len() < count {
             continue;
         }
         let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
-        profiles.push(Profile::new(angle, crossing.across, cap, samples, reach as f64));
+        let profile = Profile::new(angle, crossing.across, cap, samples, reach as f64);
+        profiles.push(Profile { cut_off, ..profile });
     }
     profiles
 }
@@ -327,10 +345,7 @@ struct Window {
 
 impl Window {
     fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
-        // Rounded; the conversion holds what is below 0 at 0.
-        let place = |edge: f64| (edge / SAMPLE_PIXELS.get() + profile.zero + 0.5) as u32 as usize;
-        let last = place(edge + WINDOW_PIXELS.get()).min(profile.samples.len() - 1);
-        let first = place(edge - WINDOW_PIXELS.get()).min(last);
+        let (first, last) = profile.window(edge);
         let has_cap = profile.cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
         // In units of the blur.
         let step = SAMPLE_PIXELS.get() / blur;
@@ -417,7 +432,21 @@ impl Profile {
             sum = (sum.0 + *sample, sum.1 + *sample * *sample);
             sums.push(sum);
         }
-        Self { angle, across, cap, samples, sums, zero }
+        Self { angle, across, cap, samples, sums, zero, cut_off: Vec::new() }
+    }
+
+    /// The first and the last sample that a step at `edge` is judged by.
+    fn window(&self, edge: f64) -> (usize, usize) {
+        // Rounded; the conversion holds what is below 0 at 0.
+        let place = |edge: f64| (edge / SAMPLE_PIXELS.get() + self.zero + 0.5) as u32 as usize;
+        let last = place(edge + WINDOW_PIXELS.get()).min(self.samples.len() - 1);
+        (place(edge - WINDOW_PIXELS.get()).min(last), last)
+    }
+
+    /// Whether light about a step at `edge` is cut off at white.
+    fn is_cut_off(&self, edge: f64) -> bool {
+        let (first, last) = self.window(edge);
+        self.cut_off.iter().any(|sample| (first..=last).contains(sample))
     }
 
     /// The same for one profile and a step at `edge`, in pixels across the arc.
@@ -476,3 +505,6 @@ impl SmoothStep {
         self.0[(place as u32 as usize).min(TABLE)]
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -195,7 +195,13 @@ impl Sequence<'_, '_> {
             let appearance = self.last.view(view.index).and_then(|last| last.appearance.as_ref());
             let (Some(range), Some(appearance)) = (guided.range, appearance) else { return Ok(None) };
             let reach = [view.noise.pixel * if rest { RESTING } else { MOVED }; 2];
-            let search = LimbSearch { range, reach, deviation: [guided.deviation; 2], noise: view.noise };
+            let search = LimbSearch {
+                range,
+                reach,
+                deviation: [guided.deviation; 2],
+                covered: [false; 2],
+                noise: view.noise,
+            };
             let seen = view.seen(cylinder);
             let seen = locate_limbs_again(image, camera, &seen, &search, appearance, rest);
             if seen.is_none() {

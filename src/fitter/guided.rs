@@ -327,8 +327,10 @@ impl<'a> View<'_, 'a, '_, '_> {
             let range = view.range_of_given(camera, fit.cylinder());
             return unconfirmed(fit.guided(range, noise.side));
         }
-        let sides: Vec<PixelSegment> = sides_of(&alone).iter().flat_map(Sides::segments).collect();
-        self.by_one(camera, given, &sides, alone)
+        let (sides, cut) = sides_of(&alone).map(|sides| (sides.segments(), sides.cut())).unwrap_or_default();
+        let mut guided = self.by_one(camera, given, &sides, alone)?;
+        guided.views[0].guides.cut = cut;
+        Ok(guided)
     }
 
     /// Without a mask: the given segments if the points admit them, else a single one.
@@ -368,8 +370,8 @@ impl<'a> View<'_, 'a, '_, '_> {
         let mut best: Option<Attempt> = None;
         let seen = self.view().seen(alone.cylinder());
         let beside = nearest_to_limbs(given, camera, &seen, MOST_SINGLE_SEGMENTS);
-        let given = beside.iter().map(|line| Guides { given: vec![*line], sides: Vec::new() });
-        let sides = sides.iter().map(|line| Guides { given: Vec::new(), sides: vec![*line] });
+        let given = beside.iter().map(|line| Guides::given(&[*line]));
+        let sides = sides.iter().map(|line| Guides { sides: vec![*line], ..Guides::default() });
         for single in given.chain(sides) {
             if self.run.is_long(self.data) {
                 break;

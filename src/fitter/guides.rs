@@ -18,12 +18,14 @@ pub(super) struct Guides {
     pub given: Vec<PixelSegment>,
     /// Sides of the mask.
     pub sides: Vec<PixelSegment>,
+    /// Sides at which something in front ends the mask, or the image ends.
+    pub cut: Vec<PixelSegment>,
 }
 
 impl Guides {
     /// Given segments alone.
     pub fn given(segments: &[PixelSegment]) -> Self {
-        Self { given: segments.to_vec(), sides: Vec::new() }
+        Self { given: segments.to_vec(), ..Self::default() }
     }
 
     /// All lines.
@@ -35,10 +37,16 @@ impl Guides {
     pub fn number(&mut self, camera: &Camera, cylinder: &Cylinder) {
         let Some(limbs) = LimbFrame::new(cylinder) else { return };
         let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
-        for guide in self.given.iter_mut().chain(&mut self.sides) {
+        for guide in self.given.iter_mut().chain(&mut self.sides).chain(&mut self.cut) {
             let [first, second] = lines.map(|line| distance(&line, guide));
             guide.limb = Some(usize::from(second < first));
         }
+    }
+
+    /// The limbs of which nothing is seen: something in front ends the mask beside them, or the image.
+    pub fn covered(&self) -> [bool; 2] {
+        let on = |lines: &[PixelSegment], limb: usize| lines.iter().any(|line| line.limb == Some(limb));
+        [0, 1].map(|limb| on(&self.cut, limb) && !on(&self.sides, limb))
     }
 
     /// Which of two lines are not the limbs by whose sides of the mask they are: farther off than masks are, and not
@@ -163,11 +171,20 @@ impl Sides {
         Some(Self { sides: outline.sides(camera, rough)?, noise: *noise })
     }
 
-    /// The sides as segments of little weight.
-    pub fn segments(&self) -> impl Iterator<Item = PixelSegment> + use<> {
+    /// The sides that are limbs as segments of little weight.
+    pub fn segments(&self) -> Vec<PixelSegment> {
+        self.all(false).collect()
+    }
+
+    /// The sides that are no limbs.
+    pub fn cut(&self) -> Vec<PixelSegment> {
+        self.all(true).collect()
+    }
+
+    fn all(&self, cut: bool) -> impl Iterator<Item = PixelSegment> {
         let weight = (self.noise.endpoint / self.noise.side).powi(2);
-        let seen = self.sides.into_iter().enumerate().filter(|(_, side)| !side.cut);
-        seen.map(move |(k, side)| PixelSegment { endpoints: side.ends, weight, limb: Some(k) })
+        let sides = self.sides.into_iter().enumerate().filter(move |(_, side)| side.cut == cut);
+        sides.map(move |(k, side)| PixelSegment { endpoints: side.ends, weight, limb: Some(k) })
     }
 
     /// The rays through the ends of the sides.
@@ -230,7 +247,7 @@ impl Sides {
                 guide.limb = Some(agreement.sides[k]);
             }
         }
-        Guides { given, sides: self.segments().collect() }
+        Guides { given, sides: self.segments(), cut: self.cut() }
     }
 }
 
@@ -244,7 +261,8 @@ mod tests {
         let noise = NoiseModel::default().in_image((640, 480));
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
         let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
-        let guides = Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)] };
+        let guides =
+            Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)], cut: Vec::new() };
         let beside =
             |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
         assert_eq!(beside(301.0, 338.0), [false, false]);

@@ -109,7 +109,8 @@ fn observe_view(
     let range = moved(range, guided.minimum.cylinder(), cylinder);
     let mut located = |reach: [f64; 2]| {
         run.check()?;
-        let search = LimbSearch { range, reach, deviation: [deviation; 2], noise: view.noise };
+        let deviation = [deviation; 2];
+        let search = LimbSearch { range, reach, deviation, covered: guides.covered(), noise: view.noise };
         let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
         let beside = guides.beside(lines, &view.noise);

@@ -100,6 +100,8 @@ pub struct LimbSearch {
     /// Standard deviation of the limbs of the cylinder, in pixels, in the same order. A clear limb is found
     /// anywhere in reach; a faint one is believed near the expected place only.
     pub deviation: [f64; 2],
+    /// Limbs of which nothing is seen because something in front covers them: an edge there is not theirs.
+    pub covered: [bool; 2],
     /// What is known of the image.
     pub noise: ImageNoise,
 }
@@ -112,6 +114,7 @@ impl LimbSearch {
             range: self.range,
             reach: self.reach.map(|reach| reach / ratio),
             deviation: self.deviation.map(|deviation| deviation / ratio),
+            covered: self.covered,
             noise: self.noise.reduced(factor),
         }
     }
@@ -122,7 +125,7 @@ impl LimbSearch {
 pub enum NotVisible {
     /// The cylinder has no limbs in front of the camera: the camera is inside it, or the range lies behind.
     NoLimbs,
-    /// Less than 24 rows or columns of the image show the range.
+    /// Less than 24 rows or columns of the image show the range, or something in front covers the limb.
     TooShort,
     /// No line in reach has more of an edge than noise gives.
     NoEdge,
@@ -262,7 +265,7 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
     let mut roughs = [None, None];
     for (k, strip) in strips.iter().enumerate() {
         observations[k].line = Err(NotVisible::TooShort);
-        let Some((baseline, strip)) = strip else { continue };
+        let Some((baseline, strip)) = strip.as_ref().filter(|_| !search.covered[k]) else { continue };
         let (half_length, deviation) = (baseline.half_length, search.deviation[k]);
         let noise = strip.noise(grid);
         let Some(rough) = rough_line(strip, noise, half_length, search.reach[k], deviation) else { continue };

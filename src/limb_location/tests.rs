@@ -129,7 +129,13 @@ impl Scene {
     }
 
     fn search(&self) -> LimbSearch {
-        LimbSearch { range: self.range, reach: [4.0; 2], deviation: [1.5; 2], noise: noise() }
+        LimbSearch {
+            range: self.range,
+            reach: [4.0; 2],
+            deviation: [1.5; 2],
+            covered: [false; 2],
+            noise: noise(),
+        }
     }
 
     fn locate(&self) -> [LimbObservation; 2] {

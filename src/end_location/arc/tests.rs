@@ -1,0 +1,110 @@
+//! Arcs before a background that is cut off at white.
+
+use super::super::{End, EndSearch, locate_ends};
+use crate::camera::{Camera, Distortion, Intrinsics};
+use crate::geometry::Cylinder;
+use crate::noise::NoiseModel;
+use crate::observations::{GreyImage, ImageView, Mask, MaskView};
+use nalgebra::{Vector2, Vector3};
+use std::ops::ControlFlow;
+
+const SIZE: (usize, usize) = (160, 120);
+const HALF_LENGTH: f64 = 0.05;
+const BLUR: f64 = 0.7;
+
+fn camera() -> Camera {
+    Camera::new(Intrinsics {
+        width: SIZE.0 as u32,
+        height: SIZE.1 as u32,
+        fx: 570.0,
+        fy: 570.0,
+        cx: 79.5,
+        cy: 59.5,
+        distortion: Distortion::None,
+    })
+    .unwrap()
+}
+
+fn cylinder() -> Cylinder {
+    Cylinder::new(Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.02, 0.97, 0.25), 0.04).unwrap()
+}
+
+/// The ends in the image of a grey cylinder before a background of some light by column; 255 is white.
+fn ends(background: impl Fn(f64) -> f64) -> [End; 2] {
+    let (camera, cylinder) = (camera(), cylinder());
+    let on_body = |pixel: &Vector2<f64>| {
+        let hit = camera.unproject(pixel).and_then(|ray| cylinder.first_hit(&ray));
+        hit.is_some_and(|hit| (hit - cylinder.axis.point).dot(&cylinder.axis.direction).abs() <= HALF_LENGTH)
+    };
+    let light = |pixel: Vector2<f64>| if on_body(&pixel) { 120.0 } else { background(pixel.x) };
+    let pixels = (0..SIZE.0 * SIZE.1).map(|k| Vector2::new((k % SIZE.0) as f64, (k / SIZE.0) as f64));
+    let steps: Vec<(f64, f64)> = (-6..=6).map(|k| 0.35 * f64::from(k)).map(|x| (x, weight(x))).collect();
+    let blurred = |pixel: Vector2<f64>| {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (x, by_x) in &steps {
+            for (y, by_y) in &steps {
+                sum += by_x * by_y * light(pixel + Vector2::new(*x, *y));
+                total += by_x * by_y;
+            }
+        }
+        (sum / total).round() as u8
+    };
+    let values: Vec<u8> = pixels.clone().map(blurred).collect();
+    let image = GreyImage::copy(&ImageView::from_u8(&values, SIZE).unwrap()).unwrap();
+    let inside: Vec<u8> = pixels.map(|pixel| u8::from(on_body(&pixel))).collect();
+    let mask = Mask::copy(&MaskView::from_u8(&inside, SIZE).unwrap()).unwrap();
+    let search = EndSearch {
+        camera: &camera,
+        mask: &mask,
+        whole: true,
+        depth: None,
+        image: Some(&image),
+        tolerance: 0.01,
+        limbs_known: true,
+        noise: NoiseModel::default().in_image(SIZE),
+        blur: None,
+        last: [None; 2],
+    };
+    match locate_ends(&search, &cylinder, &mut || ControlFlow::Continue(())) {
+        ControlFlow::Continue(Some(ends)) => ends,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn weight(x: f64) -> f64 {
+    (-0.5 * (x / BLUR).powi(2)).exp()
+}
+
+/// Where the places of an end are in the image beside the true arc, in pixels outward.
+fn off(end: &End) -> Vec<f64> {
+    let (camera, cylinder) = (camera(), cylinder());
+    let axis = cylinder.axis;
+    let place = |sample: &super::ArcSample| {
+        let hit = cylinder.first_hit(&camera.unproject(&sample.pixel).unwrap()).unwrap();
+        ((hit - axis.point).dot(&axis.direction).abs() - HALF_LENGTH) * sample.across
+    };
+    end.samples.iter().map(place).collect()
+}
+
+#[test]
+fn an_arc_before_a_background_that_is_cut_off_at_white_tells_no_shape() {
+    let grey = ends(|_| 250.0);
+    for end in &grey {
+        assert!(end.samples.len() > 20 && off(end).iter().all(|off| off.abs() < 0.15), "{:?}", off(end));
+    }
+    for end in ends(|_| 700.0) {
+        assert!(end.samples.is_empty(), "off by {:?} px", off(&end));
+        let (error, deviation) = (end.position.abs() - HALF_LENGTH, end.deviation.unwrap());
+        assert!(error.abs() < 2.0 * deviation, "{error} +- {deviation}");
+    }
+}
+
+#[test]
+fn where_half_of_the_background_is_cut_off_the_other_half_tells_the_shape() {
+    for end in ends(|column| if column < 79.5 { 30.0 } else { 700.0 }) {
+        assert!(end.samples.len() >= 8, "{end:?}");
+        assert!(end.samples.iter().all(|sample| sample.pixel.x < 80.0), "{end:?}");
+        // One of them lies beside the border between both halves.
+        assert!(off(&end).iter().filter(|off| off.abs() > 0.15).count() <= 1, "{:?}", off(&end));
+    }
+}
