@@ -75,7 +75,8 @@ cargo clippy --locked --release --all-targets --all-features -- -D warnings
 cargo clippy --locked --release --features cli -- -D warnings
 
 step "library, program and tests of Rust"
-cargo test "${features[@]}" "${targets[@]}" --no-run
+# `cargo test` takes what this has built, and would leave the library where only tests find it.
+cargo build "${features[@]}" "${targets[@]}"
 
 rust > "$work/rust" 2>&1 &
 rust=$!
