@@ -2,7 +2,8 @@
 //! `cargo run --release --features twin --example sequence`.
 //!
 //! The captures of ../shared/frames/repeat, of which nothing moves, and frames of the twin, whose camera turns and moves from
-//! frame to frame.
+//! frame to frame. With the feature `sensitivity`, words of names of constants as arguments (`-- continued:: again::`) print how the
+//! mean of E_r changes when each of them is 20 % smaller or larger.
 #![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
 
 #[path = "../tests/support/frames.rs"]
@@ -26,7 +27,7 @@ use parallel::map;
 const FRAMES: usize = 6;
 
 /// Random scenes of each sensor.
-const SCENES: u64 = 10;
+const SCENES: u64 = 40;
 
 /// A frame and its truth.
 struct Seen {
@@ -155,17 +156,34 @@ fn fits(sequence: &Sequence, start: StartKind, edges: bool) -> Vec<(Cylinder, Cy
     all.split_off(1)
 }
 
-fn print(name: &str, sequences: &[Sequence], edges: bool) {
+/// Sequences of one kind, and whether the fits are given their edges.
+struct Set {
+    name: String,
+    sequences: Vec<Sequence>,
+    edges: bool,
+}
+
+impl Set {
+    fn errors(&self, start: StartKind) -> Errors {
+        Errors::new(&self.sequences, start, self.edges)
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn print(set: &Set) {
     for (how, start) in [("from scratch", StartKind::Auto), ("from the last fit", StartKind::Last)] {
-        let Errors { mut radius, mut direction, scatter } = Errors::new(sequences, start, edges);
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let Errors { mut radius, mut direction, scatter } = set.errors(start);
         let ninety = |values: &mut Vec<f64>| {
             values.sort_by(f64::total_cmp);
             values[(0.9 * (values.len() - 1) as f64).round() as usize]
         };
         let rms = mean(&scatter.iter().map(|x| x * x).collect::<Vec<_>>()).sqrt();
         println!(
-            "| {name} | {how} | {} | {:.3} | {:.3} | {:.3} | {:.3} | {rms:.3} |",
+            "| {} | {how} | {} | {:.3} | {:.3} | {:.3} | {:.3} | {rms:.3} |",
+            set.name,
             radius.len(),
             mean(&radius),
             ninety(&mut radius),
@@ -175,26 +193,74 @@ fn print(name: &str, sequences: &[Sequence], edges: bool) {
     }
 }
 
-fn main() {
-    println!(
-        "| sequences | fits | frames | E_r mean (%) | 90 % | E_o mean (°) | 90 % | scatter of the radius (%) |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
-    let repeated = captures();
-    if !repeated.is_empty() {
-        print("frames/repeat, edges", &repeated, true);
-        print("frames/repeat, mask", &repeated, false);
+/// How the mean of E_r changes with each constant whose name has one of the words, in percent by set.
+#[cfg(feature = "sensitivity")]
+fn print_changes(sets: &[Set], words: &[String]) {
+    use cylfuse::constant::Constant;
+    let mut constants: Vec<Constant> = [
+        cylfuse::fitter::constants(),
+        cylfuse::limb_location::constants(),
+        cylfuse::end_location::constants(),
+    ]
+    .concat();
+    constants.retain(|constant| words.iter().any(|word| constant.name.contains(word)));
+    let radius = |set: &Set| mean(&set.errors(StartKind::Last).radius);
+    let before: Vec<f64> = sets.iter().map(radius).collect();
+    let names: Vec<&str> = sets.iter().map(|set| &set.name[..]).collect();
+    println!("| constant | value | unit | {} |", names.join(" | "));
+    println!("|---|---|---|{}", "---|".repeat(sets.len()));
+    for constant in constants {
+        let [less, more] = [0.8, 1.2].map(|factor| {
+            constant.scale(factor);
+            let after: Vec<f64> = sets.iter().map(radius).collect();
+            Constant::reset();
+            after
+        });
+        let change = |k: usize, after: f64| match after == before[k] {
+            true => "·".to_string(),
+            false => format!("{:+.0}", (after / before[k] - 1.0) * 100.0),
+        };
+        let columns: Vec<String> =
+            (0..sets.len()).map(|k| format!("{} / {}", change(k, less[k]), change(k, more[k]))).collect();
+        let name = constant.name.trim_start_matches("cylfuse::");
+        println!("| {name} | {} | {} | {} |", constant.value, constant.unit, columns.join(" | "));
     }
+}
+
+/// All sequences there are.
+fn sets() -> Vec<Set> {
+    let mut sets = Vec::new();
+    for (name, edges) in [("frames/repeat, edges", true), ("frames/repeat, mask", false)] {
+        sets.push(Set { name: name.into(), sequences: captures(), edges });
+    }
+    sets.retain(|set| !set.sequences.is_empty());
     let sensors = [
         ("structured light", DepthSensor::StructuredLight(StructuredLight::default())),
         ("time of flight", DepthSensor::TimeOfFlight(TimeOfFlight::default())),
     ];
+    let seeds: Vec<u64> = (1..=SCENES).collect();
     for (name, sensor) in sensors {
         for pixels in [0.0, 1.0, 5.0, 20.0] {
-            let seeds: Vec<u64> = (1..=SCENES).collect();
             let mut sequences = map(&seeds, |&seed| of_twin(&sensor, seed, pixels));
             sequences.retain(|sequence| sequence.len() == FRAMES);
-            print(&format!("{name}, {pixels} px a frame"), &sequences, false);
+            sets.push(Set { name: format!("{name}, {pixels} px a frame"), sequences, edges: false });
         }
     }
+    sets
+}
+
+fn main() {
+    let sets = sets();
+    #[cfg(feature = "sensitivity")]
+    {
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        if !words.is_empty() {
+            return print_changes(&sets, &words);
+        }
+    }
+    println!(
+        "| sequences | fits | frames | E_r mean (%) | 90 % | E_o mean (°) | 90 % | scatter of the radius (%) |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    sets.iter().for_each(print);
 }

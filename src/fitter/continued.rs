@@ -20,12 +20,15 @@ use crate::geometry::{Cylinder, CylinderLimits};
 use crate::limb_location::{Appearance, LimbSearch, locate_limbs_again};
 use crate::residuals::RobustScales;
 
-/// A cylinder has not moved when its limbs are within so many pixels of where it had them: it moves the arcs of its ends by
-/// as little.
-const RESTING: f64 = 0.5;
+constants! {
+    /// A cylinder has not moved when its limbs are within so many pixels of where it had them: it moves the arcs of its
+    /// ends by as little.
+    RESTING = 0.5, "px";
 
-/// One that was moved to the points has its limbs within so many pixels of there. The steps find a limb from about as far.
-const MOVED: f64 = 1.5;
+    /// One that was moved to the points has its limbs within so many pixels of there. The steps find a limb from about as
+    /// far.
+    MOVED = 1.5, "px";
+}
 
 /// What a fit leaves to the next one.
 #[derive(Debug, Clone)]
@@ -194,7 +197,7 @@ impl Sequence<'_, '_> {
             };
             let appearance = self.last.view(view.index).and_then(|last| last.appearance.as_ref());
             let (Some(range), Some(appearance)) = (guided.range, appearance) else { return Ok(None) };
-            let reach = [view.noise.pixel * if rest { RESTING } else { MOVED }; 2];
+            let reach = [view.noise.pixel * if rest { RESTING.get() } else { MOVED.get() }; 2];
             let search = LimbSearch {
                 range,
                 reach,

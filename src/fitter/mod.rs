@@ -40,6 +40,13 @@ pub use result::{FitResult, Flags, Seconds};
 pub use uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 pub(crate) use view::View;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of fits that go on from the last one.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    continued::CONSTANTS.to_vec()
+}
+
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
