@@ -17,6 +17,34 @@ pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
     size_at(numbers, 2)
 }
 
+/// The upper median of the absolute values of many numbers that come in blocks, between whose bounds by a `sample` few are
+/// kept; `None` where the sample is no likeness of them.
+pub(crate) fn median_size_of_blocks(
+    count: usize,
+    sample: impl Iterator<Item = f64>,
+    blocks: impl FnOnce(&mut dyn FnMut(&[f64])),
+) -> Option<f64> {
+    let mut sample: Vec<u64> = sample.map(|number| number.abs().to_bits()).collect();
+    sample.sort_unstable();
+    // Four standard deviations of the place of the median in the sample.
+    let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
+    let low = *sample.get(middle.checked_sub(reach)?)?;
+    let high = *sample.get(middle + reach)?;
+    let mut below = 0;
+    let mut found = Vec::with_capacity(count / sample.len() * 3 * reach);
+    blocks(&mut |block| {
+        for number in block {
+            let size = number.abs().to_bits();
+            below += usize::from(size < low);
+            if (low..=high).contains(&size) {
+                found.push(size);
+            }
+        }
+    });
+    let place = (count / 2).checked_sub(below).filter(|&place| place < found.len())?;
+    Some(f64::from_bits(nth(&mut found, place)))
+}
+
 /// The absolute value that a quarter of those of numbers lie below, 0 for none.
 pub(crate) fn lower_quartile_size(numbers: impl Iterator<Item = f64>) -> f64 {
     size_at(numbers, 4)

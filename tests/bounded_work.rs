@@ -56,7 +56,8 @@ fn the_search_for_the_body_in_a_mask_asks_and_ends() {
 fn a_fit_to_dense_depth_that_is_no_cylinder_ends() {
     for name in ["half cylinders 24 wide and 60 long", "1000 segments", "noise of 0.001"] {
         let (asked, _) = fit(&input(name), StartKind::Auto, NEVER);
-        assert!(asked < 3000, "{name}: {asked}");
+        // Twice 1500, of a part of the points each, and what ends the fit.
+        assert!(asked < 3500, "{name}: {asked}");
     }
 }
 

@@ -73,7 +73,8 @@ impl Last {
     /// The scales of the points of some data; `None` where not all are known.
     fn scales(&self, data: &Data<'_>) -> Option<Scales> {
         let of_view = |view: &ViewData<'_>| self.view(view.index)?.scales;
-        Some(Scales { views: data.views.iter().map(of_view).collect::<Option<_>>()?, all: self.scale? })
+        let views = data.views.iter().map(of_view).collect::<Option<_>>()?;
+        Some(Scales { views, all: self.scale?, bends: Vec::new() })
     }
 }
 

@@ -1,8 +1,8 @@
 //! What is fitted: the checked data of one fit, with their middle and size. Nothing here changes during a fit.
 
 use super::continued::Last;
-use super::correlation::Lattice;
 use super::edges::UsableEdges;
+use super::few::Neighbours;
 use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
 use super::view::View;
 use crate::camera::Camera;
@@ -63,8 +63,10 @@ pub(super) struct ViewData<'a> {
     /// From the reference frame.
     pub into_view: RigidMotion,
     pub points: PointTerm<'a>,
-    /// The grid on which the noise of the points is correlated.
-    pub lattice: Option<Lattice>,
+    /// How many points these stand for.
+    pub stands_for: usize,
+    /// The points that tell how their noise is correlated.
+    pub neighbours: Neighbours,
     /// The given segments that can be limbs.
     pub edges: UsableEdges,
     /// The cylinder of two of them, where it is known already.
@@ -92,6 +94,12 @@ impl ViewData<'_> {
     pub fn points_in_reference(&self) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
         let to_reference = self.into_view.inverse();
         self.view.cloud.points().map(move |p| to_reference.point(&p))
+    }
+
+    /// How many points are at most so far from a cylinder.
+    pub fn points_within(&self, cylinder: &Cylinder, center: &Vector3<f64>, limit: f64) -> usize {
+        let frame = LocalFrame::new(cylinder, center, 1.0);
+        self.points.count_within(&frame.moved(&self.into_view), limit)
     }
 
     /// Signed distances of the points from a cylinder.
@@ -399,7 +407,8 @@ impl<'a> ViewData<'a> {
                 &view.cloud,
                 (options.threads != 1).then(|| Workers::asked(options.threads)),
             ),
-            lattice: Lattice::of_cloud(&view.cloud, observed),
+            stands_for: view.cloud.len(),
+            neighbours: Neighbours::new(&view.cloud, observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
             of_limbs: None,
             whole: false,

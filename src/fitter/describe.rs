@@ -81,7 +81,8 @@ pub(super) fn describe(
             &own
         }
     };
-    let frame = data.frame(cylinder);
+    // For the direction that the result shows.
+    let frame = data.frame(&data.canonical(cylinder));
     let objective = data.objective(held, cylinder, scales);
     let equations = objective.linearise(&frame).ok_or_else(infinite_cost)?;
     let squared = data.unit * data.unit;
@@ -100,7 +101,7 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii, shift) = data.uncertainty(held, cylinder, scales, &objective);
+    let (uncertainty, radii, shift) = data.uncertainty(held, &frame, scales, &objective);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held);

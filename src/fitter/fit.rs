@@ -36,6 +36,9 @@ pub(super) struct Fit {
 
 /// Fits by the method of the options. `started` is called when a start has been found.
 pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut()) -> Result<Fit> {
+    let views_of_few = data.views_of_few();
+    let few = views_of_few.as_ref().map(|views| data.of_few(views));
+    let few = few.as_ref().unwrap_or(data);
     match data.options.method {
         Method::Eberly => {
             let reason = || Error::NoStart { reason: "the moments of the points give no cylinder".into() };
@@ -43,18 +46,26 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
         }
         Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(run)?.cylinder),
         Method::Fused | Method::Points if !data.is_robust() => {
-            let candidates = data.candidates(run)?;
+            let candidates = few.candidates(run)?;
             started();
-            paper(data, &candidates, run)
+            paper(data, few, &candidates, run)
         }
         Method::Fused | Method::Points => {
             started();
-            if let Some((start, located)) = continued::locate(data, run)? {
-                return Ok(ended(start, located));
-            }
-            let candidates = data.candidates(run)?;
-            started();
-            robust(data, &candidates, run)
+            let (start, located) = match continued::locate(few, run)? {
+                Some(continued) if few.count() == data.count() => return Ok(ended(continued.0, continued.1)),
+                Some(continued) => continued,
+                None => {
+                    let candidates = few.candidates(run)?;
+                    started();
+                    robust(few, &candidates, run)?
+                }
+            };
+            let minimum = match few.count() == data.count() {
+                true => data.minimise_again(&located.held, &located.minimum, Precision::Full, run)?,
+                false => data.minimise_with_all(&located.held, &located.minimum, run)?,
+            };
+            Ok(ended(start, Located { minimum, ..located }))
         }
     }
 }
@@ -66,30 +77,34 @@ fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Re
 }
 
 /// The paper's objective, or its points alone.
-fn paper(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
+fn paper(data: &Data<'_>, few: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let mut held = Held::as_given(data);
     if !candidates.iter().any(|candidate| data.edges_are_finite(&held, &candidate.cylinder)) {
         held = Held::without_edges(data, reason_without_limbs(data, candidates));
     }
-    let (start, minimum) = data.best_minimum(&held, candidates, Precision::Full, run)?;
+    let (start, mut minimum) = few.best_minimum(&held, candidates, Precision::Full, run)?;
+    if few.count() < data.count() {
+        let of_few = minimum.convergence;
+        minimum = data.minimise(&held, &of_few.cylinder, Precision::Full, run)?;
+        data.check_radius(minimum.cylinder())?;
+        minimum.convergence.add_work_of(&of_few);
+    }
     Ok(Fit { scales: None, ..ended(start, Located { minimum, held }) })
 }
 
 /// The robust objective.
-fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
+fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<(Candidate, Located)> {
     let guided = guided::guide(data, candidates, run)?;
     if run.is_known(guided.minimum.cylinder()) {
         return Err(Error::NoStart { reason: "another start led to the same fit".into() });
     }
-    let (start, located) = match data.locates() {
+    Ok(match data.locates() {
         true => {
             let (start, located) = locate(data, &guided, run)?;
             (start, arcs::bend(data, located, run)?)
         }
         false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
-    };
-    let minimum = data.minimise_again(&located.held, &located.minimum, Precision::Full, run)?;
-    Ok(ended(start, Located { minimum, ..located }))
+    })
 }
 
 /// Locates the limbs about the first fit. Where that shows that the given segments were bad guides, what is found without

@@ -464,7 +464,12 @@ impl<'a> View<'_, 'a, '_, '_> {
         let held = hold(self.data, std::iter::once(&alone.guides), Flags::empty());
         let (cylinder, scales) = (alone.cylinder(), &alone.minimum.scales);
         let objective = self.data.objective(&held, cylinder, scales);
-        let (uncertainty, ..) = self.data.uncertainty(&held, cylinder, scales, &objective);
+        let (uncertainty, ..) = self.data.uncertainty(
+            &held,
+            &self.data.frame(&self.data.canonical(cylinder)),
+            scales,
+            &objective,
+        );
         Ok(uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius()))
     }
 }

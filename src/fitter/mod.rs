@@ -11,6 +11,7 @@ mod correlation;
 mod data;
 mod describe;
 mod edges;
+mod few;
 mod fit;
 mod guided;
 mod guides;

@@ -1,14 +1,14 @@
 //! From a start to the minimum of the chosen objective.
 
-use super::correlation::Lattice;
 use super::data::{Data, ViewData};
+use super::few;
 use super::held::Held;
 use super::options::ChartChoice;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    Bend, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
+    Bend, Known, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
     TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
 };
 use crate::solver::{Convergence, Domain, IterationLimits, Termination, minimise};
@@ -49,8 +49,8 @@ enum Purpose<'a> {
     /// Errors that points share count where limbs contest what the points say. What one objective finds out about them the
     /// next one knows, by view.
     Minimum(&'a [Cell<Option<Bend>>]),
-    /// They always count.
-    Covariance,
+    /// They always count. By view what a minimum found out about them.
+    Covariance(&'a [Option<Bend>]),
 }
 
 /// A minimum.
@@ -88,6 +88,8 @@ pub(super) struct Scales {
     pub views: Vec<RobustScales>,
     /// Of all views together.
     pub all: f64,
+    /// The errors that the points of a view share, by view, as far as an iteration to the cylinder found them.
+    pub bends: Vec<Option<Bend>>,
 }
 
 impl Scales {
@@ -119,7 +121,7 @@ impl Residuals {
     fn scales_with_counts_of(&self, before: &Scales) -> Scales {
         let pairs = self.points.iter().zip(&before.views);
         let views = pairs.map(|(&point, before)| RobustScales { point, ..*before });
-        Scales { views: views.collect(), all: self.all }
+        Scales { views: views.collect(), all: self.all, bends: Vec::new() }
     }
 }
 
@@ -134,7 +136,9 @@ impl Data<'_> {
     ) -> Result<Minimum> {
         match self.is_paper() {
             true => self.minimise_paper(held, start, run),
-            false => self.minimise_robust(held, start, self.scales(start), precision, run),
+            false => {
+                self.minimise_robust(held, start, self.scales(start), [Precision::Rough, precision], run)
+            }
         }
     }
 
@@ -147,10 +151,21 @@ impl Data<'_> {
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
         let scales = before.scales.clone();
-        let mut after = self.minimise_robust(held, before.cylinder(), scales, precision, run)?;
+        let mut after =
+            self.minimise_robust(held, before.cylinder(), scales, [Precision::Rough, precision], run)?;
         self.check_radius(after.cylinder())?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
+    }
+
+    /// Ends, with all points, what a part of them has begun.
+    pub fn minimise_with_all(&self, held: &Held, of_few: &Minimum, run: &mut Run<'_>) -> Result<Minimum> {
+        let scales = self.scales(of_few.cylinder());
+        let full = [Precision::Full; 2];
+        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, full, run)?;
+        self.check_radius(minimum.cylinder())?;
+        minimum.convergence.add_work_of(&of_few.convergence);
+        Ok(minimum)
     }
 
     /// Iterates with the robust objective from a cylinder whose scales are about known.
@@ -162,7 +177,7 @@ impl Data<'_> {
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let minimum = self.minimise_robust(held, start, scales, precision, run)?;
+        let minimum = self.minimise_robust(held, start, scales, [Precision::Rough, precision], run)?;
         self.check_radius(minimum.cylinder())?;
         Ok(minimum)
     }
@@ -188,22 +203,22 @@ impl Data<'_> {
             *radius = scaled;
         }
         // They weigh nothing here: the description measures them once.
-        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN } })
+        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN, bends: Vec::new() } })
     }
 
-    /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change a
-    /// rough minimum is enough.
+    /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change the
+    /// first precision is enough.
     fn minimise_robust(
         &self,
         held: &Held,
         start: &Cylinder,
         mut scales: Scales,
-        precision: Precision,
+        [first, precision]: [Precision; 2],
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
         let mut cylinder = *start;
         let mut total: Option<Convergence> = None;
-        let mut current = Precision::Rough;
+        let mut current = first;
         let mut counted = None;
         let memory = vec![Cell::new(None); self.views.len()];
         for _ in 0..SCALE_ROUNDS {
@@ -234,7 +249,8 @@ impl Data<'_> {
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
-        let scales = counted.unwrap_or_else(|| self.scales(&cylinder));
+        let mut scales = counted.unwrap_or_else(|| self.scales(&cylinder));
+        scales.bends = memory.into_iter().map(Cell::into_inner).collect();
         Ok(Minimum { convergence, scales })
     }
 
@@ -268,7 +284,7 @@ impl Data<'_> {
         purpose: Purpose<'a>,
     ) -> Sum<'a> {
         let contested = held.settled && held.has_limbs();
-        let shared_matter = contested || matches!(purpose, Purpose::Covariance);
+        let shared_matter = contested || matches!(purpose, Purpose::Covariance(_));
         let frame = self.frame(cylinder);
         let views: Vec<RobustView<'a>> = self
             .views
@@ -284,9 +300,9 @@ impl Data<'_> {
                     points: view.points,
                     observed: view.observed,
                     shared,
-                    memory: match purpose {
-                        Purpose::Minimum(memory) => memory.get(k),
-                        Purpose::Covariance => None,
+                    known: match purpose {
+                        Purpose::Minimum(memory) => Known::Iteration(&memory[k]),
+                        Purpose::Covariance(bends) => Known::Minimum(bends.get(k).copied().flatten()),
                     },
                     near,
                     scales: *scales,
@@ -328,10 +344,10 @@ impl Data<'_> {
     }
 
     /// The objective at a cylinder and its scales, with all that its covariance takes.
-    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
+    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &'a Scales) -> Sum<'a> {
         match self.is_paper() {
             true => self.paper_objective(held, cylinder, Some(scales)),
-            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance),
+            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance(&scales.bends)),
         }
     }
 
@@ -403,9 +419,8 @@ impl Data<'_> {
 
     /// Whether the scale of the point residuals of a cylinder is less than some limit, which takes no median.
     pub fn scale_is_below(&self, cylinder: &Cylinder, limit: f64) -> bool {
-        let below = |distance: &&f64| DEVIATION_OF_MEDIAN * distance.abs() < limit;
-        let of_view =
-            |view: &ViewData<'_>| view.distances(cylinder, &self.center).iter().filter(below).count();
+        let below = limit / DEVIATION_OF_MEDIAN;
+        let of_view = |view: &ViewData<'_>| view.points_within(cylinder, &self.center, below);
         self.rounding() < limit && 2 * self.views.iter().map(of_view).sum::<usize>() > self.count()
     }
 
@@ -425,10 +440,8 @@ impl Data<'_> {
             if self.is_paper() {
                 return scales.independent_points;
             }
-            let residuals = view.distances(cylinder, &self.center);
-            let cutoff = TUKEY_EFFICIENT * scales.point;
-            let inliers = residuals.iter().filter(|residual| residual.abs() <= cutoff).count();
-            scales.independent_points * inliers as f64 / residuals.len().max(1) as f64
+            let inliers = view.points_within(cylinder, &self.center, TUKEY_EFFICIENT * scales.point);
+            scales.independent_points * inliers as f64 / view.points.count().max(1) as f64
         };
         self.views.iter().zip(&scales.views).map(of_view).sum()
     }
@@ -445,13 +458,22 @@ impl Data<'_> {
             let independent_points = self.independent_points(view, cylinder, residuals, point);
             RobustScales { point, independent_points }
         });
-        Scales { views: views.collect(), all: residuals.all }
+        Scales { views: views.collect(), all: residuals.all, bends: Vec::new() }
     }
 
     fn residuals(&self, cylinder: &Cylinder) -> Residuals {
         let distances = |view: &ViewData<'_>| view.distances(cylinder, &self.center);
-        let views: Vec<Vec<f64>> = self.views.iter().map(distances).collect();
         let told = self.options.noise.depth;
+        if let [view] = &self.views[..]
+            && few::are_many(view.points.count())
+        {
+            // Without a list of them: the neighbours have one of their own.
+            let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
+            let all = (DEVIATION_OF_MEDIAN * few::median_distance(view, &frame)).max(self.rounding());
+            let point = if told > 0.0 { told } else { all };
+            return Residuals { views: vec![Vec::new()], points: vec![point], all };
+        }
+        let views: Vec<Vec<f64>> = self.views.iter().map(distances).collect();
         let scale = |view: &Vec<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
         let points: Vec<f64> = views.iter().map(scale).collect();
         let all = match points[..] {
@@ -469,32 +491,33 @@ impl Data<'_> {
         residuals: &[f64],
         scale: f64,
     ) -> f64 {
-        let count = residuals.len() as f64;
+        let count = view.stands_for as f64;
         let told = self.options.independent_points;
         if told > 0.0 {
             return told.min(count).max(1.0);
         }
         // What rounding leaves is alike everywhere and no noise.
-        if residuals.is_empty() || scale <= self.rounding() {
+        if view.points.count() == 0 || scale <= self.rounding() {
             return count.max(1.0);
         }
         let frame = self.frame(cylinder).moved(&view.into_view);
         // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
         // the minimum of the points would take away is no noise.
         let freed = if self.is_paper() { without_misfit(view, &frame) } else { None };
-        let residuals = freed.as_deref().unwrap_or(residuals);
-        let of_surface = match &view.lattice {
-            Some(_) => None,
-            None => Lattice::on_surface(&view.view.cloud, &frame),
+        let band = view.neighbours.band();
+        let own = match (freed, band) {
+            (Some(freed), band) => Some(band.unwrap_or(view.points).distances(&freed)),
+            (None, Some(band)) => Some(band.distances(&LocalFrame { unit: 1.0, ..frame })),
+            (None, None) => None,
         };
-        let Some(lattice) = view.lattice.as_ref().or(of_surface.as_ref()) else { return count };
-        lattice.independent_points(residuals, TUKEY_EFFICIENT * scale).max(1.0)
+        let residuals = own.as_deref().unwrap_or(residuals);
+        view.neighbours.independent_points(view, &frame, residuals, TUKEY_EFFICIENT * scale).max(1.0)
     }
 }
 
-/// Residuals after a step to the minimum of the points; `None` where that is not determined.
-fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<Vec<f64>> {
+/// The frame at the minimum of the points, by a step; `None` where that is not determined.
+fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
     let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
     let cylinder = frame.retract(&-hessian.cholesky()?.solve(&gradient));
-    Some(view.points.distances(&LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0)))
+    Some(LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0))
 }

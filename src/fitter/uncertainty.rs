@@ -38,30 +38,30 @@ const LEAST_SHARE: f64 = 1e-3;
 const LEAST_INDEPENDENT: f64 = 8.0;
 
 impl Data<'_> {
-    /// The uncertainty of a minimum, for the direction that a result shows, and its radius by points and limbs, where
-    /// limbs take part.
+    /// The uncertainty of a minimum, in the frame of the direction that a result shows, and its radius by points and limbs,
+    /// where limbs take part.
     pub fn uncertainty(
         &self,
         held: &Held,
-        cylinder: &Cylinder,
+        frame: &LocalFrame,
         scales: &Scales,
         objective: &Sum<'_>,
     ) -> (Option<Uncertainty>, Option<RadiusComparison>, Option<ImageShift>) {
-        let frame = self.frame(&self.canonical(cylinder));
+        let cylinder = &frame.cylinder;
         let minimises = self.count() > 0 && self.options.method.minimises();
         if !minimises || self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
             return (None, None, None);
         }
-        let Some(sandwich) = objective.sandwich(&frame) else { return (None, None, None) };
+        let Some(sandwich) = objective.sandwich(frame) else { return (None, None, None) };
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         let uncertainty = sandwich
             .covariance(&[false, false, axis, axis, radius])
-            .map(|tangent| Uncertainty { frame, tangent, center: self.center });
+            .map(|tangent| Uncertainty { frame: *frame, tangent, center: self.center });
         let radii = (uncertainty.is_some() && held.has_limbs())
             .then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit))
             .flatten();
-        let shift = uncertainty.and_then(|_| self.image_shift(held, &sandwich, &frame, scales));
+        let shift = uncertainty.and_then(|_| self.image_shift(held, &sandwich, frame, scales));
         (uncertainty, radii, shift)
     }
 

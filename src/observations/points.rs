@@ -104,19 +104,55 @@ impl<T: Copy + Into<f64>> WithSimd for Moments<'_, T> {
             let rest: f64 = rest.iter().map(|value| (*value).into()).sum();
             (sums.iter().sum::<f64>() + rest) / count
         });
-        let square = |i: usize, k: usize| {
-            let mut sums = [0.0; LANES];
-            let product = |a: T, b: T| (a.into() - mean[i]) * (b.into() - mean[k]);
-            let ((a, a_rest), (b, b_rest)) = (self.0[i].as_chunks::<LANES>(), self.0[k].as_chunks::<LANES>());
-            for (a, b) in a.iter().zip(b) {
-                for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-                    *sum += product(*a, *b);
+        const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+        let product = |i: usize, k: usize, a: T, b: T| (a.into() - mean[i]) * (b.into() - mean[k]);
+        let mut sums = [[0.0; LANES]; PAIRS.len()];
+        let chunks = self.0.each_ref().map(|axis| axis.as_chunks::<LANES>());
+        // Some at a time, of which the processor has all three coordinates at hand.
+        for start in (0..chunks[0].0.len()).step_by(BLOCK / LANES) {
+            for ((i, k), sums) in PAIRS.into_iter().zip(&mut sums) {
+                let part = |axis: usize| chunks[axis].0[start..].iter().take(BLOCK / LANES);
+                for (a, b) in part(i).zip(part(k)) {
+                    for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                        *sum += product(i, k, *a, *b);
+                    }
                 }
             }
-            let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| product(*a, *b)).sum();
-            (sums.iter().sum::<f64>() + rest) / count
-        };
-        (Vector3::from(mean), Matrix3::from_fn(|i, k| square(i.min(k), i.max(k))))
+        }
+        let mut covariance = Matrix3::zeros();
+        for ((i, k), sums) in PAIRS.into_iter().zip(&sums) {
+            let rest = chunks[i].1.iter().zip(chunks[k].1).map(|(a, b)| product(i, k, *a, *b)).sum::<f64>();
+            let mean = (sums.iter().sum::<f64>() + rest) / count;
+            (covariance[(i, k)], covariance[(k, i)]) = (mean, mean);
+        }
+        (Vector3::from(mean), covariance)
+    }
+}
+
+/// Points that are looked at in one go.
+const BLOCK: usize = 1024;
+
+/// Where points are along a direction.
+struct Along<'a, T, F> {
+    axes: &'a [Vec<T>; 3],
+    direction: [f64; 3],
+    /// Who gets the places, a block at a time.
+    block: F,
+}
+
+impl<T: Copy + Into<f64>, F: FnMut(&[f64])> WithSimd for Along<'_, T, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { axes: [x, y, z], direction: [a, b, c], block: mut receive } = self;
+        let mut places = [0.0; BLOCK];
+        for ((x, y), z) in x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)) {
+            for (((place, x), y), z) in places.iter_mut().zip(x).zip(y).zip(z) {
+                *place = a * (*x).into() + b * (*y).into() + c * (*z).into();
+            }
+            receive(&places[..x.len()]);
+        }
     }
 }
 
@@ -338,13 +374,30 @@ impl PointCloud {
         self.listed(&(0..self.len()).filter(|&index| choose(index)).collect::<Vec<_>>())
     }
 
+    /// The points whose places along a direction, from the origin of the cloud, lie between two bounds.
+    pub(crate) fn between(&self, direction: &Vector3<f64>, [low, high]: [f64; 2]) -> Self {
+        let (mut indices, mut first) = (Vec::new(), 0);
+        let block = |places: &[f64]| {
+            let inside = places.iter().enumerate().filter(|(_, place)| (low..=high).contains(*place));
+            indices.extend(inside.map(|(k, _)| first + k));
+            first += places.len();
+        };
+        let direction = (*direction).into();
+        match &self.offsets {
+            Offsets::F32(axes) => Arch::new().dispatch(Along { axes, direction, block }),
+            Offsets::F64(axes) => Arch::new().dispatch(Along { axes, direction, block }),
+        }
+        self.listed(&indices)
+    }
+
     /// At most `count` points as in [`PointCloud::sample`], with what belongs to each of them.
     pub(crate) fn thinned(&self, count: usize) -> Self {
         let count = count.min(self.len());
         self.listed(&(0..count).map(|k| k * self.len() / count).collect::<Vec<_>>())
     }
 
-    fn listed(&self, indices: &[usize]) -> Self {
+    /// The points with these numbers, with what belongs to each of them.
+    pub(crate) fn listed(&self, indices: &[usize]) -> Self {
         fn of<T: Copy>(all: &[T], indices: &[usize]) -> Vec<T> {
             if all.is_empty() { Vec::new() } else { indices.iter().map(|&index| all[index]).collect() }
         }

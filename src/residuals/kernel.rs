@@ -118,6 +118,33 @@ impl Terms<1> for Facing {
     }
 }
 
+/// The number of points at most so far from the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Within {
+    pub limit: f64,
+}
+
+impl Terms<1> for Within {
+    #[inline(always)]
+    fn add<S: Simd>(
+        &self,
+        simd: S,
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        _: &mut Notes<S::f64s>,
+        sums: &mut [S::f64s; 1],
+    ) {
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        for group in groups.range() {
+            let (_, e, weight) = groups.at(simd, kernel, group);
+            // What fills up a block has no weight.
+            let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
+            let within = simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(self.limit));
+            add(simd, sums, [simd.select_f64s(within, counted, zero)]);
+        }
+    }
+}
+
 impl<L: Loss> Terms<1> for CostAlone<L> {
     #[inline(always)]
     fn add<S: Simd>(
@@ -282,7 +309,14 @@ impl Kernel {
 
     /// Signed distances of points from the surface.
     pub fn distances<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
-        Arch::new().dispatch(Distances { kernel: self, axes })
+        let mut distances = Vec::with_capacity(axes[0].len());
+        self.distances_by_blocks(axes, |block| distances.extend_from_slice(block));
+        distances
+    }
+
+    /// The same, some at a time.
+    pub fn distances_by_blocks<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3], block: impl FnMut(&[f64])) {
+        Arch::new().dispatch(Distances { kernel: self, axes, block });
     }
 }
 
@@ -380,19 +414,20 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
 }
 
 /// The distances of all points.
-struct Distances<'a, T> {
+struct Distances<'a, T, F> {
     kernel: &'a Kernel,
     axes: &'a [Vec<T>; 3],
+    /// Who gets them.
+    block: F,
 }
 
-impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
-    type Output = Vec<f64>;
+impl<T: Copy + Into<f64>, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
-        let Self { kernel, axes } = self;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { kernel, axes, block: mut receive } = self;
         let count = axes[0].len();
-        let mut distances = Vec::with_capacity(count);
         let mut block = [[[0.0; LANES]; GROUPS]; 3];
         let mut rho = [[0.0; LANES]; GROUPS];
         for start in (0..count).step_by(LANES * GROUPS) {
@@ -407,9 +442,8 @@ impl<T: Copy + Into<f64>> WithSimd for Distances<'_, T> {
             for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {
                 *rho = kernel.residual(simd, &kernel.place(simd, [*x, *y, *z]));
             }
-            distances.extend_from_slice(&rho[..end - start]);
+            receive(&rho[..end - start]);
         }
-        distances
     }
 }
 

@@ -32,7 +32,7 @@ pub use points::PointTerm;
 pub use robust::{RobustScales, RobustView, robust_objective};
 pub(crate) use sandwich::root;
 pub use sandwich::{Sandwich, SandwichPart};
-pub use shared::{Bend, SharedErrors};
+pub use shared::{Bend, Known, SharedErrors};
 pub use terms::{Sum, Term};
 
 use crate::geometry::{LocalFrame, Tangent, TangentMap};

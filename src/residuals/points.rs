@@ -3,7 +3,7 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, Whole};
+use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, Whole, Within};
 use super::loss::{Loss, Squared};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
@@ -38,6 +38,12 @@ impl<'a> PointTerm<'a> {
             Some(weights) => weights.iter().map(|&weight| f64::from(weight)).sum(),
         };
         Self { cloud, total_weight, workers }
+    }
+
+    /// The term of another cloud, summed as this one is.
+    #[must_use]
+    pub fn of<'b>(&self, cloud: &'b PointCloud) -> PointTerm<'b> {
+        PointTerm::new(cloud, self.workers)
     }
 
     /// The number of points.
@@ -98,6 +104,15 @@ impl<'a> PointTerm<'a> {
         }
     }
 
+    /// The same, some at a time and without a list of all.
+    pub fn distances_by_blocks(&self, frame: &LocalFrame, block: impl FnMut(&[f64])) {
+        let kernel = Kernel::new(self.cloud.origin(), frame);
+        match self.cloud.offsets() {
+            Offsets::F32(axes) => kernel.distances_by_blocks(axes, block),
+            Offsets::F64(axes) => kernel.distances_by_blocks(axes, block),
+        }
+    }
+
     /// The points on the wall that an observer at the origin sees: see [`Cylinder::visible_wall`](crate::geometry::Cylinder::visible_wall).
     #[must_use]
     pub fn visible_wall(&self, frame: &LocalFrame) -> Walls {
@@ -105,6 +120,12 @@ impl<'a> PointTerm<'a> {
         let [facing] = self.sums(frame, Facing).map(|count| count as usize);
         let visible = if frame.cylinder.contains_origin() { total - facing } else { facing };
         Walls { visible, total }
+    }
+
+    /// How many of the points are at most so far from the surface, in units of the frame.
+    #[must_use]
+    pub fn count_within(&self, frame: &LocalFrame, limit: f64) -> usize {
+        self.sums(frame, Within { limit })[0] as usize
     }
 
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent. `equations` are

@@ -11,10 +11,9 @@ use super::pixel_terms::{InPixels, PixelResiduals, PixelScale};
 use super::pixels::PixelTerm;
 use super::point_terms::{Points, Robust};
 use super::points::PointTerm;
-use super::shared::{Bend, SharedErrors, SharingPoints};
+use super::shared::{Known, SharedErrors, SharingPoints};
 use super::terms::{Sum, Summand, Term};
 use crate::geometry::{LocalFrame, RigidMotion};
-use std::cell::Cell;
 
 /// The scales that weigh the terms of one view against each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +35,8 @@ pub struct RobustView<'a> {
     pub observed: bool,
     /// The errors that they share, as the observer sees them; `None` where nothing is known of an observer.
     pub shared: Option<SharedErrors>,
-    /// What an iteration knows of them from one objective to the next.
-    pub memory: Option<&'a Cell<Option<Bend>>>,
+    /// What is known of them.
+    pub known: Known<'a>,
     /// The frame at a cylinder near those at which the objective is asked for, in the coordinates of the view.
     pub near: LocalFrame,
     /// Its scales.
@@ -61,7 +60,7 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
     let total: f64 = views.iter().map(information).sum();
     let mut summands = Vec::new();
     for view in views {
-        let RobustView { into_view, points, observed, shared, memory, near, scales, lines, arcs, endpoint } =
+        let RobustView { into_view, points, observed, shared, known, near, scales, lines, arcs, endpoint } =
             *view;
         let scale = PixelScale { deviation: endpoint, length: total.sqrt().recip() };
         let mut add = |factor: f64, term: Box<dyn Term + 'a>| {
@@ -74,7 +73,7 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
             let points = Points { points, loss, independent_points };
             let variance = information(view).recip();
             let sharing = shared
-                .and_then(|shared| SharingPoints::new(points, shared, variance, contested, memory, &near));
+                .and_then(|shared| SharingPoints::new(points, shared, variance, contested, known, &near));
             let term: Box<dyn Term> = match sharing {
                 Some(sharing) => Box::new(sharing),
                 None => Box::new(points),

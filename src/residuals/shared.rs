@@ -65,9 +65,28 @@ pub struct SharingPoints<'a, L> {
     axis_shift: Vector3<f64>,
     /// Where an iteration asked last.
     last: Cell<Bend>,
-    /// The same across the terms of an iteration, which comes nearer with every step. Its cost is that at the b that is
-    /// expected.
-    memory: Option<&'a Cell<Option<Bend>>>,
+    known: Known<'a>,
+    /// What was asked last, where the cost is that at the best b.
+    asked: Cell<Option<(LocalFrame, Bent)>>,
+}
+
+/// What is known of a bend before it is asked for.
+#[derive(Debug, Clone, Copy)]
+pub enum Known<'a> {
+    /// What the terms of an iteration leave each other, which come nearer with every step. Their cost is that at the b that
+    /// is expected.
+    Iteration(&'a Cell<Option<Bend>>),
+    /// What an iteration has left. The cost is that at the best b.
+    Minimum(Option<Bend>),
+}
+
+impl Known<'_> {
+    fn bend(&self) -> Option<Bend> {
+        match self {
+            Self::Iteration(memory) => memory.get(),
+            Self::Minimum(bend) => *bend,
+        }
+    }
 }
 
 /// The best b to first order about a cylinder, so that one pass over the points is enough near it.
@@ -95,6 +114,7 @@ const SETTLED_BY_ITERATION: f64 = 1e-2;
 const USUAL_CURVATURE: std::ops::RangeInclusive<f64> = 0.2..=2.0;
 
 /// Next to the best b at a cylinder.
+#[derive(Debug, Clone, Copy)]
 struct Bent {
     b: f64,
     /// The direction of b in the tangent.
@@ -123,17 +143,17 @@ fn direction(frame: &LocalFrame, axis_shift: &Vector3<f64>) -> Tangent {
 }
 
 impl<'a, L: LossInFrame> SharingPoints<'a, L> {
-    /// `memory` is what the terms of an iteration before this one left. Without any, `near` is the frame of a cylinder near
+    /// Where nothing is known, `near` is the frame of a cylinder near
     /// those at which the term is asked for; `None` where the points there do not determine the axis.
     pub fn new(
         points: Points<'a, L>,
         shared: SharedErrors,
         variance: f64,
         contested: bool,
-        memory: Option<&'a Cell<Option<Bend>>>,
+        known: Known<'a>,
         near: &LocalFrame,
     ) -> Option<Self> {
-        let last = match memory.and_then(Cell::get) {
+        let last = match known.bend() {
             Some(last) => last,
             None => {
                 let equations = points.points.linearise(near, points.loss.at(near));
@@ -150,7 +170,8 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         };
         let axis_shift = last.axis_shift;
         let last = Cell::new(last);
-        Some(Self { points, shared, variance, contested, axis_shift, last, memory })
+        let asked = Cell::new(None);
+        Some(Self { points, shared, variance, contested, axis_shift, last, known, asked })
     }
 
     /// κ: a number, as b and residuals are in the same unit.
@@ -171,13 +192,23 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
     }
 
     fn bent(&self, frame: &LocalFrame) -> Bent {
+        let Known::Minimum(_) = self.known else { return self.found(frame) };
+        if let Some((_, bent)) = self.asked.get().filter(|(asked, _)| asked == frame) {
+            return bent;
+        }
+        let bent = self.found(frame);
+        self.asked.set(Some((*frame, bent)));
+        bent
+    }
+
+    fn found(&self, frame: &LocalFrame) -> Bent {
         if !self.contested {
             return self.at(frame, 0.0);
         }
         let Bend { frame: near, b, slope, .. } = self.last.get();
         let expected = b + slope.dot(&near.difference(&frame.cylinder));
         let bent = self.settled(frame, self.at(frame, expected));
-        if let Some(memory) = self.memory {
+        if let Known::Iteration(memory) = self.known {
             let slope = -(bent.equations.curvature * bent.direction) / bent.curvature;
             let b = bent.b + bent.step();
             let last = Bend { frame: *frame, b, slope, axis_shift: self.axis_shift };
@@ -190,13 +221,16 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
     /// From some b to next to the best one.
     fn settled(&self, frame: &LocalFrame, mut bent: Bent) -> Bent {
         let mut before: Option<(f64, f64)> = None;
+        let settled = match self.known {
+            Known::Iteration(_) => SETTLED_BY_ITERATION,
+            Known::Minimum(_) => SETTLED,
+        };
         for _ in 0..STEPS {
             // The last two slopes tell the curvature.
             let secant = before.map(|(b, slope)| (bent.slope - slope) / (bent.b - b));
             let secant = secant.filter(|secant| USUAL_CURVATURE.contains(&(secant / bent.curvature)));
             let curvature = secant.unwrap_or(bent.curvature);
             let step = -bent.slope / curvature;
-            let settled = if self.memory.is_some() { SETTLED_BY_ITERATION } else { SETTLED };
             if !(step * step * curvature > settled * bent.equations.cost) {
                 break;
             }
@@ -209,7 +243,10 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
     /// The cost of a cylinder, with the step to the best b.
     fn least(&self, bent: &Bent) -> f64 {
         // An iteration compares its costs: they are all those of some b.
-        let step = if self.memory.is_some() { 0.0 } else { bent.slope * bent.step() };
+        let step = match self.known {
+            Known::Iteration(_) => 0.0,
+            Known::Minimum(_) => bent.slope * bent.step(),
+        };
         bent.equations.cost + self.stiffness() * bent.b * bent.b + step
     }
 }
@@ -229,10 +266,10 @@ impl<L: LossInFrame> Term for SharingPoints<'_, L> {
     /// The gradient is that at the best b, on which the cost does not depend to first order; the matrix is what is left
     /// when b is eliminated.
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        if !self.contested {
-            return self.points.linearise(frame);
-        }
         let bent = self.bent(frame);
+        if !self.contested {
+            return Some(bent.equations);
+        }
         let NormalEquations { gradient, hessian, curvature, .. } = bent.equations;
         let (of_squares, column) = (hessian * bent.direction, curvature * bent.direction);
         Some(NormalEquations {
