@@ -40,10 +40,7 @@ impl Workers {
         if threads <= 1 {
             return work();
         }
-        thread::scope(|scope| {
-            start(scope, threads - 1, || work);
-            work();
-        });
+        side_by_side(threads, &work);
     }
 
     /// Computes something from every item and its index, changing it, and gives the calling thread each outcome with its
@@ -80,6 +77,14 @@ impl Workers {
             tell(index, outcome);
         }
     }
+}
+
+/// Does the same on so many threads, that of the caller among them. Not generic: a thread takes the compiler long.
+fn side_by_side(threads: usize, work: &(dyn Fn() + Sync)) {
+    thread::scope(|scope| {
+        start(scope, threads - 1, || work);
+        work();
+    });
 }
 
 /// The next of a queue that several threads empty.

@@ -15,8 +15,6 @@ step() { printf '\n== %s\n' "$*"; }
 features=(--locked --release --features bench)
 # The lints have compiled the examples.
 targets=(--lib --bins --tests)
-# Nobody looks at line numbers here.
-export CARGO_PROFILE_RELEASE_DEBUG=false
 
 # Rust: each check goes on where one before it failed.
 rust() {

@@ -2,7 +2,7 @@
 
 use super::callbacks::{Callback, cylfuse_detection_progress_fn};
 use super::frame::{content_of, cylfuse_frame};
-use super::handle::{Cancel, Handle, Logs, change, read as look, stateless};
+use super::handle::{Cancel, Handle, Logs, change, no_handle, read as look};
 use super::library::{create, destroy};
 use super::options::saturated;
 use super::outcomes::cylfuse_detection_phase;
@@ -106,7 +106,7 @@ unsafe fn enter(
     // SAFETY: the caller's obligation.
     match unsafe { detector.as_ref() } {
         Some(detector) => change(&detector.0, call),
-        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+        None => no_handle("detector"),
     }
 }
 
@@ -121,7 +121,7 @@ pub(super) unsafe fn enter_to_read(
     // SAFETY: the caller's obligation.
     match unsafe { detector.as_ref() } {
         Some(detector) => look(&detector.0, |content, _| call(content)),
-        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+        None => no_handle("detector"),
     }
 }
 
@@ -173,7 +173,7 @@ pub unsafe extern "C" fn cylfuse_detector_cancel(detector: *mut cylfuse_detector
     // SAFETY: NULL or a living detector, by the contract of the header.
     match unsafe { detector.as_ref() } {
         Some(detector) => detector.0.cancel(),
-        None => stateless(|| Err(Failure::NullPointer { name: "detector" })),
+        None => no_handle("detector"),
     }
 }
 

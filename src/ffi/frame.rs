@@ -1,7 +1,7 @@
 //! What a camera delivered at one time, for any number of fits.
 
 use super::data::{log_points, optional_mask};
-use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, stateless};
+use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, no_handle};
 use super::handle::{change, read as look};
 use super::library::{create, destroy};
 use super::sized::read;
@@ -33,7 +33,7 @@ unsafe fn enter(
     // SAFETY: the caller's obligation.
     match unsafe { frame.as_ref() } {
         Some(handle) => change(&handle.0, |frame, _| call(frame)),
-        None => stateless(|| Err(Failure::NullPointer { name: "frame" })),
+        None => no_handle("frame"),
     }
 }
 

@@ -11,12 +11,24 @@ thread_local! {
 
 /// Runs the body of a call; a panic becomes its text.
 pub(super) fn guard<T>(body: impl FnOnce() -> T) -> Result<T, String> {
-    silence_panics();
-    // A callback may call another fitter: the text of the outer call comes back afterwards.
-    let outer = swap_text(Some(String::new()));
+    // Compiled for every call: what does not depend on the body is in functions of its own.
+    let outer = begin();
     let outcome = catch_unwind(AssertUnwindSafe(body));
-    let text = swap_text(outer);
-    outcome.map_err(|_| text.unwrap_or_default())
+    let text = end(outer);
+    outcome.map_err(|_| text)
+}
+
+/// A callback may call another fitter: the text of the outer call, which comes back afterwards.
+#[inline(never)]
+fn begin() -> Option<String> {
+    silence_panics();
+    swap_text(Some(String::new()))
+}
+
+/// The text of the call that ends.
+#[inline(never)]
+fn end(outer: Option<String>) -> String {
+    swap_text(outer).unwrap_or_default()
 }
 
 /// `None` too when the thread is ending and its variables are gone.

@@ -136,19 +136,31 @@ impl<C> Handle<C> {
 
     /// Runs a call that has access.
     fn run(&self, call: impl FnOnce(&Cancel<'_>) -> Outcome) -> cylfuse_status {
+        // Compiled for every call: what does not depend on it is in functions of its own.
+        match self.begin() {
+            Some(cancel) => self.end(guard(|| call(&cancel))),
+            None => cylfuse_status::PANIC,
+        }
+    }
+
+    /// `None` after a panic.
+    #[inline(never)]
+    fn begin(&self) -> Option<Cancel<'_>> {
         if self.is_poisoned() {
             texts::keep(self.serial, *self.text());
-            return cylfuse_status::PANIC;
+            return None;
         }
-        let cancel = Cancel { cancels: &self.cancels, before: self.cancels.load(Ordering::Acquire) };
-        let (status, text) = match guard(|| call(&cancel)) {
-            Ok(outcome) => outcome,
-            Err(panic) => {
-                self.poisoned.store(true, Ordering::Release);
-                let text = format!("defect of the library, destroy the handle: {panic}");
-                (cylfuse_status::PANIC, Text::new(&text))
-            }
-        };
+        Some(Cancel { cancels: &self.cancels, before: self.cancels.load(Ordering::Acquire) })
+    }
+
+    /// Keeps the text of a call; after a panic no other call gets in.
+    #[inline(never)]
+    fn end(&self, outcome: Result<Outcome, String>) -> cylfuse_status {
+        let (status, text) = outcome.unwrap_or_else(|panic| {
+            self.poisoned.store(true, Ordering::Release);
+            let text = format!("defect of the library, destroy the handle: {panic}");
+            (cylfuse_status::PANIC, Text::new(&text))
+        });
         *self.text() = text;
         texts::keep(self.serial, text);
         status
@@ -158,6 +170,7 @@ impl<C> Handle<C> {
 type Outcome = (cylfuse_status, Text);
 
 /// Tells the log about a failure, and makes a status and a text of it.
+#[inline(never)]
 fn told(log: Log, result: Result<(), Failure>) -> Outcome {
     let Err(failure) = result else { return (cylfuse_status::OK, Text::EMPTY) };
     let text = failure.to_string();
@@ -228,7 +241,7 @@ pub(super) unsafe fn enter_to_change(
     // SAFETY: the caller's obligation. All that other threads reach is atomic, locked or guarded by `access`.
     match unsafe { fitter.as_ref() } {
         Some(fitter) => change(&fitter.0, call),
-        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
+        None => no_handle("fitter"),
     }
 }
 
@@ -243,16 +256,27 @@ pub(super) unsafe fn enter_to_read(
     // SAFETY: the caller's obligation, as above.
     match unsafe { fitter.as_ref() } {
         Some(fitter) => read(&fitter.0, call),
-        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
+        None => no_handle("fitter"),
     }
+}
+
+/// A call on a handle that is NULL.
+#[inline(never)]
+pub(super) fn no_handle(name: &'static str) -> cylfuse_status {
+    stateless(|| Err(Failure::NullPointer { name }))
 }
 
 /// Runs a call without a handle.
 pub(super) fn stateless(call: impl FnOnce() -> Result<(), Failure>) -> cylfuse_status {
-    let (status, text) = match guard(|| told(Log::default(), call())) {
-        Ok(outcome) => outcome,
-        Err(panic) => (cylfuse_status::PANIC, Text::new(&format!("defect of the library: {panic}"))),
-    };
+    keep(guard(|| told(Log::default(), call())))
+}
+
+/// Keeps the text of a call without a handle.
+#[inline(never)]
+fn keep(outcome: Result<Outcome, String>) -> cylfuse_status {
+    let (status, text) = outcome.unwrap_or_else(|panic| {
+        (cylfuse_status::PANIC, Text::new(&format!("defect of the library: {panic}")))
+    });
     texts::keep(texts::NO_HANDLE, text);
     status
 }

@@ -1,9 +1,9 @@
 //! From creating a fitter to destroying it.
 
 use super::constants::cylfuse_input;
-use super::handle::{Handle, cylfuse_fitter, enter_to_change, stateless};
+use super::handle::{Handle, cylfuse_fitter, enter_to_change, no_handle};
 use super::library::{create, destroy};
-use super::status::{Failure, cylfuse_status};
+use super::status::cylfuse_status;
 use super::texts;
 use std::ffi::c_char;
 
@@ -112,6 +112,6 @@ pub unsafe extern "C" fn cylfuse_fitter_cancel(fitter: *mut cylfuse_fitter) -> c
     // SAFETY: NULL or a living fitter, by the contract of the header.
     match unsafe { fitter.as_ref() } {
         Some(fitter) => fitter.0.cancel(),
-        None => stateless(|| Err(Failure::NullPointer { name: "fitter" })),
+        None => no_handle("fitter"),
     }
 }
