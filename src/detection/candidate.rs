@@ -4,6 +4,7 @@ use super::effort::Effort;
 use super::grid::{Cell, Grid};
 use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
 use super::noise::Noise;
+use super::normal_equations;
 use super::outline::{Normals, Side, outline};
 use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
@@ -70,21 +71,17 @@ pub(super) struct Candidate {
 
 impl Scene<'_> {
     /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
-    pub fn misfit(&self, surface: &Surface) -> impl Fn(&Cell) -> f64 {
-        let (surface, pixel, inside) = (*surface, self.optics.pixel, surface.contains_origin());
-        move |cell| {
-            let (place, distance, variance) = surface.residual(cell, pixel);
-            // The observer sees the near wall from outside, the far one from inside.
-            let seen = (place.normal.dot(&cell.point) < 0.0) != inside;
-            if seen { distance * distance / variance } else { f64::INFINITY }
-        }
+    pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> Vec<f64> {
+        let mut misfits = Vec::new();
+        normal_equations::misfits(surface, self.optics.pixel, &self.grid.cells, cells, &mut misfits);
+        misfits
     }
 
     /// The gain of a surface over cells.
     pub fn gain(&self, surface: &Surface, cells: &[usize]) -> f64 {
         self.effort.spend(cells.len());
-        let misfit = self.misfit(surface);
-        let sum: f64 = cells.iter().map(|&k| (REACH * REACH - misfit(&self.grid.cells[k])).max(0.0)).sum();
+        let misfits = self.misfits(surface, cells);
+        let sum: f64 = misfits.iter().map(|misfit| (REACH * REACH - misfit).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
     }
 
@@ -141,25 +138,19 @@ impl Scene<'_> {
         mark: &mut Marks,
     ) -> Vec<usize> {
         mark.next();
-        let misfit = self.misfit(surface);
-        let on = |k: usize| {
-            let cell = &self.grid.cells[k];
-            cell.measured() && free(k) && misfit(cell) <= REACH * REACH
-        };
-        let mut cells = Vec::new();
-        for &k in seeds {
-            if mark.set(k) && on(k) {
-                cells.push(k);
-            }
-        }
-        let mut next = 0;
-        while next < cells.len() {
-            let k = cells[next];
-            next += 1;
-            for neighbour in self.grid.neighbours(k) {
-                if mark.set(neighbour) && on(neighbour) {
-                    cells.push(neighbour);
-                }
+        let grid = self.grid;
+        let mut new = |k: usize| mark.set(k) && grid.cells[k].measured() && free(k);
+        let mut asked: Vec<usize> = seeds.iter().copied().filter(|&k| new(k)).collect();
+        let (mut cells, mut misfits) = (Vec::new(), Vec::new());
+        // Ring by ring.
+        while !asked.is_empty() {
+            normal_equations::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
+            let first = cells.len();
+            let on = asked.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
+            cells.extend(on.map(|(&k, _)| k));
+            asked.clear();
+            for &k in &cells[first..] {
+                asked.extend(grid.neighbours(k).into_iter().filter(|&k| new(k)));
             }
         }
         self.effort.spend(cells.len());

@@ -89,14 +89,14 @@ impl Scene<'_> {
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut squares = 0.0;
-        let misfit = self.misfit(&candidate.surface);
-        for &k in &candidate.cells {
+        let misfits = self.misfits(&candidate.surface, &candidate.cells);
+        for (&k, misfit) in candidate.cells.iter().zip(&misfits) {
             let cell = &self.grid.cells[k];
             let across = passes(&cylinder, cell.x, cell.y)?;
             let along = candidate.surface.place(&cell.point).along;
             (first, last) = (first.min(along), last.max(along));
             (left, right) = (left.min(across), right.max(across));
-            squares += misfit(cell).min(REACH * REACH);
+            squares += misfit.min(REACH * REACH);
         }
         if cylinder.contains_origin() {
             // From inside, rays pass the axis at any distance; the turn of the wall tells how much of it is seen.

@@ -113,6 +113,76 @@ pub(super) fn residual<S: Simd>(
     ResidualOf { place, distance, variance, shape }
 }
 
+/// The points of cells, their positions on the plane z = 1 and the standard deviations of their depths, side by side.
+#[inline(always)]
+fn side_by_side<'a>(cell: impl Fn(usize) -> &'a Cell) -> [[f64; LANES]; 6] {
+    let mut numbers = [[0.0; LANES]; 6];
+    for k in 0..LANES {
+        let Cell { x, y, point, sigma, .. } = cell(k);
+        numbers[0][k] = point.x;
+        numbers[1][k] = point.y;
+        numbers[2][k] = point.z;
+        numbers[3][k] = *x;
+        numbers[4][k] = *y;
+        numbers[5][k] = *sigma;
+    }
+    numbers
+}
+
+/// The squared distances of the cells `which` from a surface in standard deviations, infinite on the wall that is not seen.
+/// They take the place of what is in `misfits`. `pixel` is the side of a pixel on the plane z = 1.
+pub(super) fn misfits(
+    surface: &Surface,
+    pixel: f64,
+    cells: &[Cell],
+    which: &[usize],
+    misfits: &mut Vec<f64>,
+) {
+    misfits.clear();
+    misfits.reserve(which.len());
+    // The observer sees the near wall from outside, the far one from inside.
+    let inside = surface.contains_origin();
+    Arch::new().dispatch(Misfits { surface, pixel, inside, cells, which, misfits });
+}
+
+/// One pass over cells for their distances.
+struct Misfits<'a> {
+    surface: &'a Surface,
+    pixel: f64,
+    inside: bool,
+    cells: &'a [Cell],
+    which: &'a [usize],
+    misfits: &'a mut Vec<f64>,
+}
+
+impl WithSimd for Misfits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { surface, pixel, inside, cells, which, misfits } = self;
+        let (zero, hidden) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
+        for chunk in which.chunks(LANES) {
+            // The last one is repeated to the end of the group.
+            let last = chunk.len() - 1;
+            let [px, py, pz, x, y, sigma] = side_by_side(|k| &cells[chunk[k.min(last)]]);
+            let mut squares = [0.0; LANES];
+            for part in 0..LANES / S::F64_LANES {
+                let point = [lanes(simd, &px, part), lanes(simd, &py, part), lanes(simd, &pz, part)];
+                let position = [lanes(simd, &x, part), lanes(simd, &y, part)];
+                let sigma = lanes(simd, &sigma, part);
+                let residual = residual(simd, surface, pixel, point, position, sigma);
+                let distance = residual.distance;
+                let square = simd.div_f64s(simd.mul_f64s(distance, distance), residual.variance);
+                let from_outside = simd.less_than_f64s(dot(simd, residual.place.normal, point), zero);
+                let (near, far) = if inside { (hidden, square) } else { (square, hidden) };
+                S::as_mut_simd_f64s(&mut squares).0[part] = simd.select_f64s(from_outside, near, far);
+            }
+            misfits.extend_from_slice(&squares[..chunk.len()]);
+        }
+    }
+}
+
 /// Cells side by side: points, positions on the plane z = 1, standard deviations of the depths, and 1, or 0 for the rest
 /// of the last group.
 type Group = [[f64; LANES]; 7];
@@ -136,18 +206,20 @@ pub(super) struct NormalEquations {
 impl Cells {
     pub fn new(cells: &[&Cell], optics: Optics) -> Self {
         let group = |cells: &[&Cell]| {
-            let mut group: Group = [[0.0; LANES]; 7];
-            // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
-            for k in 0..LANES {
-                let cell = cells.get(k).unwrap_or(&cells[0]);
-                let Cell { x, y, point, sigma, .. } = cell;
-                let given = if k < cells.len() { 1.0 } else { 0.0 };
-                let values = [point.x, point.y, point.z, *x, *y, *sigma, given];
-                group.iter_mut().zip(values).for_each(|(lanes, value)| lanes[k] = value);
-            }
-            group
+            let [px, py, pz, x, y, sigma] = side_by_side(|k| *cells.get(k).unwrap_or(&cells[0]));
+            let given = std::array::from_fn(|k| if k < cells.len() { 1.0 } else { 0.0 });
+            [px, py, pz, x, y, sigma, given]
         };
-        Self { groups: cells.chunks(LANES).map(group).collect(), optics }
+        let chunks = cells.chunks_exact(LANES);
+        // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
+        let rest = Some(chunks.remainder()).filter(|rest| !rest.is_empty()).map(group);
+        let mut groups = Vec::with_capacity(cells.len().div_ceil(LANES));
+        groups.extend(chunks.map(|cells| {
+            let [px, py, pz, x, y, sigma] = side_by_side(|k| cells[k]);
+            [px, py, pz, x, y, sigma, [1.0; LANES]]
+        }));
+        groups.extend(rest);
+        Self { groups, optics }
     }
 
     /// The normal equations at a surface, with Tukey's weights: cells beyond `reach` standard deviations do not count.

@@ -71,9 +71,9 @@ fn joined(
     let mut best: Option<(f64, Surface, Vec<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
-        let misfit = scene.misfit(&surface);
-        let on = |&k: &usize| misfit(&scene.grid.cells[k]) <= REACH * REACH;
-        let on: Vec<usize> = cells.iter().copied().filter(on).collect();
+        let misfits = scene.misfits(&surface, &cells);
+        let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
+        let on: Vec<usize> = on.map(|(&k, _)| k).collect();
         let worth = scene.worth(&surface, &on, marks);
         if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
             best = Some((worth, surface, on));

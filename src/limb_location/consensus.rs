@@ -6,6 +6,7 @@
 //! block count for much more than another, and by the significance of all blocks together.
 
 use super::strip::Strip;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Pixels on either side of an edge that the step filter spans.
 pub(super) const FILTER_HALF: usize = 3;
@@ -51,24 +52,19 @@ pub(super) struct RoughLine {
     pub visible: bool,
 }
 
+/// 2⁵²: a number from here on is a whole one, and ends with what was added.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// Lines whose evidence is summed side by side.
+const LINES: usize = 8;
+
 /// Responses of the step filter in one run.
 struct Response {
     s: f64,
     first_u: f64,
     step: f64,
-    values: Vec<f64>,
-}
-
-impl Response {
-    fn at(&self, u: f64) -> f64 {
-        let x = (u - self.first_u) / self.step;
-        // Rounds towards zero: a negative x is off by its sign alone.
-        let k = x as u32;
-        let beside = self.values.get(k as usize..k as usize + 2);
-        let Some([below, above]) = beside.filter(|_| x.is_sign_positive()) else { return 0.0 };
-        let part = x - f64::from(k);
-        below * (1.0 - part) + above * part
-    }
+    /// Each response with the next one; zeros at the end.
+    pairs: Vec<[f64; 2]>,
 }
 
 /// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
@@ -92,13 +88,19 @@ pub(super) fn rough_line(
     let count = (reach / LINE_STEP.get()).ceil().max(1.0) as i32;
     let mut best: Option<RoughLine> = None;
     for i in -count..=count {
-        for j in -count..=count {
-            let ends = [i, j].map(|k| f64::from(k) * reach / f64::from(count));
-            let deviations = ends.map(|u| u / deviation);
-            let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
-            let score = evidence(&responses, half_length, &ends) - prior;
-            if best.is_none_or(|best| score > best.score) {
-                best = Some(RoughLine { ends, score, visible: score >= needed });
+        for first in (-count..=count).step_by(LINES) {
+            // Those beyond the last are not looked at.
+            let ends: [_; LINES] = std::array::from_fn(|k| {
+                [i, first + k as i32].map(|k| f64::from(k) * reach / f64::from(count))
+            });
+            let evidence = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
+            for ((ends, evidence), _) in ends.into_iter().zip(evidence).zip(first..=count) {
+                let deviations = ends.map(|u| u / deviation);
+                let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
+                let score = evidence - prior;
+                if best.is_none_or(|best| score > best.score) {
+                    best = Some(RoughLine { ends, score, visible: score >= needed });
+                }
             }
         }
     }
@@ -109,7 +111,7 @@ pub(super) fn rough_line(
 fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
     let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
     let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
-    let values = (0..count)
+    let values: Vec<f64> = (0..count)
         .map(|k| {
             let sum = |sum: f64, (d, w): (usize, &f64)| {
                 sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
@@ -118,22 +120,72 @@ fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
         })
         .collect();
     let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
-    Some(Response { s: run[run.len() / 2].s, first_u, step, values })
+    let mut pairs: Vec<[f64; 2]> = values.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    pairs.push([0.0; 2]);
+    Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
 }
 
-/// Twice the log-evidence of an edge along a line.
-fn evidence(responses: &[Response], half_length: f64, ends: &[f64; 2]) -> f64 {
-    let (middle, slope) = (f64::midpoint(ends[0], ends[1]), (ends[1] - ends[0]) / (2.0 * half_length));
-    let (mut product, mut sum_of_all, mut blocks) = (Logarithm::default(), 0.0, 0.0);
-    for block in responses.chunks(BLOCK_RUNS.count()) {
-        let sum: f64 = block.iter().map(|response| response.at(middle + slope * response.s)).sum();
-        let t = sum / (block.len() as f64).sqrt();
-        product.add(1.0 + t * t);
-        sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
-        blocks += 1.0;
+/// Twice the log-evidence of an edge along each of some lines, given by u at their ends.
+struct Evidence<'a> {
+    responses: &'a [Response],
+    half_length: f64,
+    ends: &'a [[f64; 2]; LINES],
+}
+
+impl WithSimd for Evidence<'_> {
+    type Output = [f64; LINES];
+
+    /// Plain loops over the lines, which the compiler makes the widest instructions of the machine of. Each line has the sums
+    /// that it has alone.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> [f64; LINES] {
+        let Self { responses, half_length, ends } = self;
+        let middle = ends.map(|ends| f64::midpoint(ends[0], ends[1]));
+        let slope = ends.map(|ends| (ends[1] - ends[0]) / (2.0 * half_length));
+        let mut products: [Logarithm; LINES] = std::array::from_fn(|_| Logarithm::default());
+        let (mut sums_of_all, mut blocks) = ([0.0; LINES], 0.0);
+        for block in responses.chunks(BLOCK_RUNS.count()) {
+            let mut sums = [0.0; LINES];
+            for response in block {
+                add_responses(response, &middle, &slope, &mut sums);
+            }
+            let norm = (block.len() as f64).sqrt();
+            for ((sum, product), sum_of_all) in sums.iter().zip(&mut products).zip(&mut sums_of_all) {
+                let t = sum / norm;
+                product.add(1.0 + t * t);
+                *sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
+            }
+            blocks += 1.0;
+        }
+        // Of one polarity, the blocks tell more together than one by one.
+        std::array::from_fn(|k| products[k].sum() + sums_of_all[k] * sums_of_all[k] / blocks)
     }
-    // Of one polarity, the blocks tell more together than one by one.
-    product.sum() + sum_of_all * sum_of_all / blocks
+}
+
+/// Adds to each sum what a run responds where a line crosses it: between two responses by both, outside of them 0.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
+fn add_responses(response: &Response, middle: &[f64; LINES], slope: &[f64; LINES], sums: &mut [f64; LINES]) {
+    let Response { s, first_u, step, pairs } = response;
+    let last = (pairs.len() - 1) as f64;
+    let (mut place, mut part) = ([0.0; LINES], [0.0; LINES]);
+    for k in 0..LINES {
+        let x = (middle[k] + slope[k] * s - first_u) / step;
+        let x = if x >= 0.0 { x } else { last };
+        let x = if x < last { x } else { last };
+        // The whole number below; `f64::floor` is a call.
+        let nearest = (x + WHOLE) - WHOLE;
+        let whole = if nearest > x { nearest - 1.0 } else { nearest };
+        part[k] = x - whole;
+        place[k] = whole + WHOLE;
+    }
+    let (mut below, mut above) = ([0.0; LINES], [0.0; LINES]);
+    for k in 0..LINES {
+        [below[k], above[k]] = pairs[place[k].to_bits() as u32 as usize];
+    }
+    for k in 0..LINES {
+        sums[k] += below[k] * (1.0 - part[k]) + above[k] * part[k];
+    }
 }
 
 /// A sum of logarithms, of which hardly any is computed: the logarithm of a product is their sum.
@@ -150,6 +202,7 @@ impl Default for Logarithm {
 
 impl Logarithm {
     /// Adds the logarithm of a number, 1 at least.
+    #[inline(always)]
     fn add(&mut self, number: f64) {
         /// Products beyond it might overflow with the next factor.
         const LARGE: f64 = 1e150;
