@@ -391,4 +391,30 @@ mod tests {
             assert!(difference.amax() <= 1e-9 * matrix.amax(), "{} {matrix}", found.matrix);
         }
     }
+
+    #[test]
+    fn misfits_are_those_of_one_cell_after_the_other() {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.1, -0.05, 0.8), Vector3::new(0.3, 0.9, 0.2), 0.06).unwrap();
+        let around = Cylinder::new(Vector3::new(0.0, 0.0, 0.1), Vector3::z(), 0.3).unwrap();
+        let (cells, pixel) = (cells(&cylinder), 1.0 / 570.0);
+        // More than a group, in any order.
+        let which = [4, 0, 7, 10, 2, 1, 3, 9, 8, 5, 4];
+        let mut found = vec![1.0; 3];
+        for surface in [
+            Surface::Cylinder(cylinder, 0.001),
+            Surface::Cylinder(around, 0.0),
+            Surface::Cone(cylinder, 0.02),
+            Surface::Sphere(cylinder.axis.point, 0.065),
+        ] {
+            let plain = which.map(|k| {
+                let (place, distance, variance) = surface.residual(&cells[k], pixel);
+                let outside = place.normal.dot(&cells[k].point) < 0.0;
+                let seen = outside != surface.contains_origin();
+                if seen { distance * distance / variance } else { f64::INFINITY }
+            });
+            misfits(&surface, pixel, &cells, &which, &mut found);
+            assert_eq!(found, plain);
+        }
+    }
 }

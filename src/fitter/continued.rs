@@ -74,7 +74,7 @@ impl Last {
     fn scales(&self, data: &Data<'_>) -> Option<Scales> {
         let of_view = |view: &ViewData<'_>| self.view(view.index)?.scales;
         let views = data.views.iter().map(of_view).collect::<Option<_>>()?;
-        Some(Scales { views, all: self.scale?, bends: Vec::new() })
+        Some(Scales { views, all: self.scale? })
     }
 }
 

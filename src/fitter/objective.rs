@@ -49,8 +49,8 @@ enum Purpose<'a> {
     /// Errors that points share count where limbs contest what the points say. What one objective finds out about them the
     /// next one knows, by view.
     Minimum(&'a [Cell<Option<Bend>>]),
-    /// They always count. By view what a minimum found out about them.
-    Covariance(&'a [Option<Bend>]),
+    /// They always count.
+    Covariance,
 }
 
 /// A minimum.
@@ -88,8 +88,6 @@ pub(super) struct Scales {
     pub views: Vec<RobustScales>,
     /// Of all views together.
     pub all: f64,
-    /// The errors that the points of a view share, by view, as far as an iteration to the cylinder found them.
-    pub bends: Vec<Option<Bend>>,
 }
 
 impl Scales {
@@ -121,7 +119,7 @@ impl Residuals {
     fn scales_with_counts_of(&self, before: &Scales) -> Scales {
         let pairs = self.points.iter().zip(&before.views);
         let views = pairs.map(|(&point, before)| RobustScales { point, ..*before });
-        Scales { views: views.collect(), all: self.all, bends: Vec::new() }
+        Scales { views: views.collect(), all: self.all }
     }
 }
 
@@ -203,7 +201,7 @@ impl Data<'_> {
             *radius = scaled;
         }
         // They weigh nothing here: the description measures them once.
-        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN, bends: Vec::new() } })
+        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN } })
     }
 
     /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change the
@@ -249,8 +247,7 @@ impl Data<'_> {
             }
         }
         let convergence = total.ok_or(Error::Numerical { what: "no round of the robust fit was run" })?;
-        let mut scales = counted.unwrap_or_else(|| self.scales(&cylinder));
-        scales.bends = memory.into_iter().map(Cell::into_inner).collect();
+        let scales = counted.unwrap_or_else(|| self.scales(&cylinder));
         Ok(Minimum { convergence, scales })
     }
 
@@ -284,7 +281,7 @@ impl Data<'_> {
         purpose: Purpose<'a>,
     ) -> Sum<'a> {
         let contested = held.settled && held.has_limbs();
-        let shared_matter = contested || matches!(purpose, Purpose::Covariance(_));
+        let shared_matter = contested || matches!(purpose, Purpose::Covariance);
         let frame = self.frame(cylinder);
         let views: Vec<RobustView<'a>> = self
             .views
@@ -302,7 +299,7 @@ impl Data<'_> {
                     shared,
                     known: match purpose {
                         Purpose::Minimum(memory) => Known::Iteration(&memory[k]),
-                        Purpose::Covariance(bends) => Known::Minimum(bends.get(k).copied().flatten()),
+                        Purpose::Covariance => Known::Nothing,
                     },
                     near,
                     scales: *scales,
@@ -344,10 +341,10 @@ impl Data<'_> {
     }
 
     /// The objective at a cylinder and its scales, with all that its covariance takes.
-    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &'a Scales) -> Sum<'a> {
+    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
         match self.is_paper() {
             true => self.paper_objective(held, cylinder, Some(scales)),
-            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance(&scales.bends)),
+            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance),
         }
     }
 
@@ -458,7 +455,7 @@ impl Data<'_> {
             let independent_points = self.independent_points(view, cylinder, residuals, point);
             RobustScales { point, independent_points }
         });
-        Scales { views: views.collect(), all: residuals.all, bends: Vec::new() }
+        Scales { views: views.collect(), all: residuals.all }
     }
 
     fn residuals(&self, cylinder: &Cylinder) -> Residuals {

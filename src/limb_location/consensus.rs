@@ -111,16 +111,16 @@ pub(super) fn rough_line(
 fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
     let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
     let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
-    let values: Vec<f64> = (0..count)
-        .map(|k| {
-            let sum = |sum: f64, (d, w): (usize, &f64)| {
-                sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
-            };
-            FILTER.iter().enumerate().fold(0.0, sum) / norm
-        })
-        .collect();
+    let mut values = (0..count).map(|k| {
+        let sum = |sum: f64, (d, w): (usize, &f64)| {
+            sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
+        };
+        FILTER.iter().enumerate().fold(0.0, sum) / norm
+    });
     let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
-    let mut pairs: Vec<[f64; 2]> = values.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let mut below = values.next()?;
+    let mut pairs = Vec::with_capacity(count);
+    pairs.extend(values.map(|above| [std::mem::replace(&mut below, above), above]));
     pairs.push([0.0; 2]);
     Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
 }
@@ -215,5 +215,48 @@ impl Logarithm {
 
     fn sum(&self) -> f64 {
         self.sum + self.product.ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a run responds at u.
+    fn at(response: &Response, u: f64) -> f64 {
+        let x = (u - response.first_u) / response.step;
+        let inside = x >= 0.0 && x < (response.pairs.len() - 1) as f64;
+        let [below, above] = response.pairs[if inside { x.floor() as usize } else { 0 }];
+        let part = x - x.floor();
+        if inside { below * (1.0 - part) + above * part } else { 0.0 }
+    }
+
+    #[test]
+    fn lines_side_by_side_have_the_evidence_of_each_alone() {
+        let responses: Vec<Response> = (0..29)
+            .map(|k| {
+                let value = |j: usize| ((7 * k + 3 * j) % 11) as f64 - 4.0;
+                let mut pairs: Vec<[f64; 2]> = (0..12).map(|j| [value(j), value(j + 1)]).collect();
+                pairs.push([0.0; 2]);
+                Response { s: k as f64 - 14.0, first_u: -5.5 - 0.01 * k as f64, step: 0.97, pairs }
+            })
+            .collect();
+        // Some leave the runs at either side.
+        let ends: [[f64; 2]; LINES] = std::array::from_fn(|k| [2.0 * k as f64 - 7.0, 5.5 - 1.5 * k as f64]);
+        let half_length = 15.0;
+        let found = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
+        for ([first, last], found) in ends.into_iter().zip(found) {
+            let (middle, slope) = (f64::midpoint(first, last), (last - first) / (2.0 * half_length));
+            let (mut sum_of_logarithms, mut sum_of_all, mut blocks) = (0.0, 0.0, 0.0);
+            for block in responses.chunks(BLOCK_RUNS.count()) {
+                let sum: f64 = block.iter().map(|response| at(response, middle + slope * response.s)).sum();
+                let t = sum / (block.len() as f64).sqrt();
+                sum_of_logarithms += (1.0 + t * t).ln();
+                sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
+                blocks += 1.0;
+            }
+            let plain = sum_of_logarithms + sum_of_all * sum_of_all / blocks;
+            assert!((found - plain).abs() <= 1e-12 * plain, "{found} {plain}");
+        }
     }
 }

@@ -76,15 +76,15 @@ pub enum Known<'a> {
     /// What the terms of an iteration leave each other, which come nearer with every step. Their cost is that at the b that
     /// is expected.
     Iteration(&'a Cell<Option<Bend>>),
-    /// What an iteration has left. The cost is that at the best b.
-    Minimum(Option<Bend>),
+    /// Nothing: what is said about a cylinder must not depend on the way to it. The cost is that at the best b.
+    Nothing,
 }
 
 impl Known<'_> {
     fn bend(&self) -> Option<Bend> {
         match self {
             Self::Iteration(memory) => memory.get(),
-            Self::Minimum(bend) => *bend,
+            Self::Nothing => None,
         }
     }
 }
@@ -192,7 +192,7 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
     }
 
     fn bent(&self, frame: &LocalFrame) -> Bent {
-        let Known::Minimum(_) = self.known else { return self.found(frame) };
+        let Known::Nothing = self.known else { return self.found(frame) };
         if let Some((_, bent)) = self.asked.get().filter(|(asked, _)| asked == frame) {
             return bent;
         }
@@ -223,7 +223,7 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         let mut before: Option<(f64, f64)> = None;
         let settled = match self.known {
             Known::Iteration(_) => SETTLED_BY_ITERATION,
-            Known::Minimum(_) => SETTLED,
+            Known::Nothing => SETTLED,
         };
         for _ in 0..STEPS {
             // The last two slopes tell the curvature.
@@ -245,7 +245,7 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         // An iteration compares its costs: they are all those of some b.
         let step = match self.known {
             Known::Iteration(_) => 0.0,
-            Known::Minimum(_) => bent.slope * bent.step(),
+            Known::Nothing => bent.slope * bent.step(),
         };
         bent.equations.cost + self.stiffness() * bent.b * bent.b + step
     }

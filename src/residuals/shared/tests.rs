@@ -36,7 +36,7 @@ fn term(cloud: &PointCloud, bend: f64) -> SharingPoints<'_, Robust> {
     };
     let shared = SharedErrors { bend, offset: 7e-4, across: 3e-4, tilt: 0.003 };
     let near = LocalFrame::new(&can(), &can().axis.point, 0.05);
-    SharingPoints::new(points, shared, 5e-4_f64.powi(2) / 200.0, true, Known::Minimum(None), &near).unwrap()
+    SharingPoints::new(points, shared, 5e-4_f64.powi(2) / 200.0, true, Known::Nothing, &near).unwrap()
 }
 
 fn frame_beside(cylinder: &Cylinder) -> LocalFrame {
