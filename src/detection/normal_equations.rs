@@ -115,6 +115,7 @@ pub(super) fn residual<S: Simd>(
 
 /// The points of cells, their positions on the plane z = 1 and the standard deviations of their depths, side by side.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
 fn side_by_side<'a>(cell: impl Fn(usize) -> &'a Cell) -> [[f64; LANES]; 6] {
     let mut numbers = [[0.0; LANES]; 6];
     for k in 0..LANES {
