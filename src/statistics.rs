@@ -1,5 +1,7 @@
 //! Robust location and scale of numbers.
 
+use std::cell::Cell;
+
 /// The standard deviation of normal errors over the median of their absolute values.
 pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 
@@ -122,16 +124,17 @@ fn nth(numbers: &mut [u64], place: usize) -> u64 {
         return *numbers.select_nth_unstable(place).1;
     }
     let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| numbers[k * count / SAMPLE]);
-    sample.sort_unstable();
     let middle = place * SAMPLE / count;
-    let low = sample[middle.saturating_sub(AROUND)];
-    let high = sample[(middle + AROUND).min(SAMPLE - 1)];
+    let (low, high) = (middle.saturating_sub(AROUND), (middle + AROUND).min(SAMPLE - 1));
+    let (_, low, above) = sample.select_nth_unstable(low);
+    let (low, high) = (*low, *above.select_nth_unstable(high - middle.saturating_sub(AROUND) - 1).1);
     // Those between them come first; without branches, which nobody could predict.
     let (mut below, mut found) = (0, 0);
-    for k in 0..count {
-        let number = numbers[k];
-        numbers.swap(found, k);
-        found += usize::from((low <= number) & (number <= high));
+    let cells = Cell::from_mut(&mut *numbers).as_slice_of_cells();
+    for cell in cells {
+        let number = cell.replace(cells[found].get());
+        cells[found].set(number);
+        found += usize::from(number.wrapping_sub(low) <= high - low);
         below += usize::from(number < low);
     }
     match place.checked_sub(below).filter(|&place| place < found) {

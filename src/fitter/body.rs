@@ -72,14 +72,7 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
         return None;
     }
     let body = parts.body(camera, mask)?;
-    Some(View {
-        frame: view.frame.clone(),
-        mask: view.mask.clone(),
-        body: Some(body),
-        mask_is_body: false,
-        cloud,
-        segments: view.segments.clone(),
-    })
+    Some(view.with_points(cloud, Some(body)))
 }
 
 /// A cylinder that is known before it is searched, on which the points lie.

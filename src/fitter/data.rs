@@ -408,7 +408,7 @@ impl<'a> ViewData<'a> {
                 (options.threads != 1).then(|| Workers::asked(options.threads)),
             ),
             stands_for: view.cloud.len(),
-            neighbours: Neighbours::new(&view.cloud, observed),
+            neighbours: view.neighbours(observed).clone(),
             edges: UsableEdges::new(view.camera(), segments, &noise),
             of_limbs: None,
             whole: false,

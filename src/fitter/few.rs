@@ -132,14 +132,7 @@ impl View {
     fn with_part(&self, part: f64) -> Self {
         let count = self.cloud.len();
         let few = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
-        Self {
-            frame: self.frame.clone(),
-            mask: self.mask.clone(),
-            body: self.body.clone(),
-            mask_is_body: self.mask_is_body,
-            cloud: self.cloud.listed(&spread(count, few)),
-            segments: self.segments.clone(),
-        }
+        self.with_points(self.cloud.listed(&spread(count, few)), self.body.clone())
     }
 }
 

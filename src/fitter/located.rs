@@ -231,5 +231,5 @@ fn agreement(line: &PixelSegment, given: &PixelSegment, endpoint: f64) -> f64 {
     let variance = endpoint.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
     let distances = given.endpoints.map(|q| along.perp(&(q - line.endpoints[0])).abs());
     let loss = Tukey { cutoff: TUKEY_EFFICIENT * variance.sqrt(), wall: Wall::Either };
-    loss.loss_and_weight(distances[0].max(distances[1]), 0.0).1
+    loss.influence(distances[0].max(distances[1]), 0.0).weight
 }

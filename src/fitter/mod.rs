@@ -294,7 +294,7 @@ impl Fitter {
         let rows = PointRows::new(&frame);
         let weight = |point| {
             let (residual, facing) = rows.residual(&point);
-            loss.loss_and_weight(residual, facing).1
+            loss.influence(residual, facing).weight
         };
         listed(cloud.len(), cloud.points().map(weight))
     }

@@ -27,6 +27,11 @@ const ROUGH_COST_TOLERANCE: f64 = 1e-5;
 /// a tenth at best.
 const INFORMATION_TOLERANCE: f64 = 0.1;
 
+/// Damping of the first step from next to a minimum that is wanted in full: far below the curvature along what the data
+/// tell least, so that it shortens no step. With the damping of a start an iteration creeps until that has fallen. On the
+/// way to a minimum that is as well: along what nothing tells yet the cylinder should stay.
+const LAMBDA_NEAR_MINIMUM: f64 = 1e-9;
+
 /// Most rounds of scale and minimum. The scale settles in three or four; without a limit it could alternate.
 const SCALE_ROUNDS: usize = 20;
 
@@ -159,7 +164,7 @@ impl Data<'_> {
     /// Ends, with all points, what a part of them has begun.
     pub fn minimise_with_all(&self, held: &Held, of_few: &Minimum, run: &mut Run<'_>) -> Result<Minimum> {
         let scales = self.scales(of_few.cylinder());
-        let full = [Precision::Full; 2];
+        let full = [Precision::Rough, Precision::Full];
         let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, full, run)?;
         self.check_radius(minimum.cylinder())?;
         minimum.convergence.add_work_of(&of_few.convergence);
@@ -183,11 +188,12 @@ impl Data<'_> {
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
         // The numbers of independent points matter for the covariance only.
         let objective = self.paper_objective(held, start, None);
-        let mut convergence = self.iterate(&objective, start, Precision::Full, 0, run)?;
+        let limits = self.limits([Precision::Full; 2], None, run);
+        let mut convergence = self.iterate(self.chart(start), &objective, start, &limits, run)?;
         if convergence.termination == Termination::MaxIterations {
             // Algorithm 2 creeps where there is no minimum, too: the local chart gets to the bottom of it.
-            let bottom =
-                self.iterate_in(Chart::Local, &objective, &convergence.cylinder, Precision::Full, 0, run)?;
+            let limits = self.limits([Precision::Full; 2], None, run);
+            let bottom = self.iterate(Chart::Local, &objective, &convergence.cylinder, &limits, run)?;
             self.check_radius(&bottom.cylinder)?;
         }
         if held.edge_weight == 1.0 {
@@ -221,9 +227,8 @@ impl Data<'_> {
         let memory = vec![Cell::new(None); self.views.len()];
         for _ in 0..SCALE_ROUNDS {
             let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum(&memory));
-            // The rounds share the solves: where the scale alternates each could take all of them.
-            let before = total.as_ref().map_or(0, |before| before.iterations);
-            let mut round = self.iterate(&objective, &cylinder, current, before, run)?;
+            let limits = self.limits([current, precision], total.as_ref(), run);
+            let mut round = self.iterate(self.chart(&cylinder), &objective, &cylinder, &limits, run)?;
             if let Some(before) = &total {
                 round.add_work_of(before);
             }
@@ -234,15 +239,16 @@ impl Data<'_> {
             let next = residuals.scales_with_counts_of(&scales);
             let settled = next.differ_by_less_than(precision.scale_tolerance(), &scales);
             scales = next;
-            if settled || ended {
+            if ended || settled && current == precision {
                 // The correlation changes far less than the scale: it is looked at where that has settled.
                 let all = self.scales_of(&cylinder, &residuals);
                 let same = all.same_information(&scales);
                 scales = all.clone();
                 counted = Some(all);
-                if ended || same && current == precision {
+                if ended || same {
                     break;
                 }
+            } else if settled {
                 current = precision;
             }
         }
@@ -367,36 +373,38 @@ impl Data<'_> {
         })
     }
 
-    fn iterate(
+    /// The limits of a round of some precision after others, on the way to a minimum of another.
+    fn limits(
         &self,
-        objective: &Sum<'_>,
-        start: &Cylinder,
-        precision: Precision,
-        solves_before: usize,
-        run: &mut Run<'_>,
-    ) -> Result<Convergence> {
-        self.iterate_in(self.chart(start), objective, start, precision, solves_before, run)
+        [current, wanted]: [Precision; 2],
+        before: Option<&Convergence>,
+        run: &Run<'_>,
+    ) -> IterationLimits {
+        let mut limits = self.options.limits;
+        // The rounds share the solves: where the scale alternates each could take all of them.
+        let solves = before.map_or(0, |before| before.iterations);
+        limits.max_iterations = run.most_solves(self, current).saturating_sub(solves);
+        if current == Precision::Rough {
+            limits.cost_tolerance = limits.cost_tolerance.max(ROUGH_COST_TOLERANCE);
+        }
+        if wanted == Precision::Full && self.is_robust() {
+            limits.initial_lambda = before.map_or(LAMBDA_NEAR_MINIMUM, |before| before.lambda);
+        }
+        limits
     }
 
-    fn iterate_in(
+    fn iterate(
         &self,
         chart: Chart,
         objective: &Sum<'_>,
         start: &Cylinder,
-        precision: Precision,
-        solves_before: usize,
+        limits: &IterationLimits,
         run: &mut Run<'_>,
     ) -> Result<Convergence> {
-        let most = run.most_solves(self, precision);
-        let max_iterations = most.saturating_sub(solves_before);
-        let mut limits = IterationLimits { max_iterations, ..self.options.limits };
-        if precision == Precision::Rough {
-            limits.cost_tolerance = limits.cost_tolerance.max(ROUGH_COST_TOLERANCE);
-        }
         let kept = &self.limits_of_iteration();
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
         let convergence =
-            minimise(objective, &self.within_limits(start), &domain, &limits, &mut |iteration| {
+            minimise(objective, &self.within_limits(start), &domain, limits, &mut |iteration| {
                 run.tell(iteration)
             })?;
         run.count(convergence.iterations);

@@ -55,7 +55,6 @@ impl View {
         let belongs = |pixel: (usize, usize)| {
             depth.depth(pixel.0, pixel.1).is_none() && ray(pixel).is_some_and(|ray| between(&ray))
         };
-        let mask = Some(mask.extended(belongs));
-        Some(View { mask, body: None, ..self.clone() })
+        Some(self.with_mask(mask.extended(belongs)))
     }
 }

@@ -1,10 +1,12 @@
 //! The data of one view, as they were pushed.
 
+use super::few::Neighbours;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
+use std::sync::OnceLock;
 
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
 #[derive(Debug, Clone, Default)]
@@ -17,9 +19,39 @@ pub(crate) struct View {
     pub mask_is_body: bool,
     pub cloud: PointCloud,
     pub segments: Vec<EdgeSegment>,
+    /// The neighbours among the points, as soon as a fit has asked for them; those that an observer sees come second.
+    neighbours: [OnceLock<Neighbours>; 2],
 }
 
 impl View {
+    /// The same view with other points, and with that part of its mask.
+    pub fn with_points(&self, cloud: PointCloud, body: Option<Mask>) -> Self {
+        Self {
+            frame: self.frame.clone(),
+            mask: self.mask.clone(),
+            body,
+            mask_is_body: self.mask_is_body,
+            cloud,
+            segments: self.segments.clone(),
+            neighbours: Default::default(),
+        }
+    }
+
+    /// The same view with another mask.
+    pub fn with_mask(&self, mask: Mask) -> Self {
+        Self { mask: Some(mask), body: None, ..self.clone() }
+    }
+
+    /// The points are about to change.
+    pub fn forget_neighbours(&mut self) {
+        self.neighbours = Default::default();
+    }
+
+    /// The neighbours among the points, found once.
+    pub(super) fn neighbours(&self, observed: bool) -> &Neighbours {
+        self.neighbours[usize::from(observed)].get_or_init(|| Neighbours::new(&self.cloud, observed))
+    }
+
     /// Some of its points alone, evenly spread.
     pub fn thinned(&self, count: usize) -> Self {
         let (frame, cloud) = (self.frame.clone(), self.cloud.thinned(count));

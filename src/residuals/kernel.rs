@@ -4,7 +4,7 @@
 //! multiplications and additions are never fused: every machine gets the same bits. The mathematics stands here once,
 //! for one point ([`Scalar`](pulp::Scalar)) and for as many as an instruction takes.
 
-use super::loss::Loss;
+use super::loss::{Influence, Loss};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
@@ -14,22 +14,21 @@ use std::ops::Range;
 const LANES: usize = 8;
 
 /// Groups of points that are converted to f64 in one go.
-const GROUPS: usize = 16;
+const GROUPS: usize = 32;
 
 /// Distinct sums: loss, slopes of the influence, weights, residual times Jacobian, Jacobian times Jacobian.
 pub(super) const SUMS: usize = 21;
 
 /// What is summed over the points.
 pub(super) trait Terms<const N: usize>: Copy + Sync {
-    /// Adds the terms of some groups of points.
-    fn add<S: Simd>(
+    /// The sums over some groups of points.
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         notes: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; N],
-    );
+    ) -> [S::f64s; N];
 }
 
 /// Everything that the normal equations need.
@@ -41,48 +40,46 @@ pub(super) struct Whole<L>(pub L);
 pub(super) struct CostAlone<L>(pub L);
 
 /// What one round of sums notes of each group for the next.
-pub(super) type Notes<T> = [[T; 7]; GROUPS];
+pub(super) type Notes<T> = [[T; 5]; GROUPS];
 
 impl<L: Loss> Terms<SUMS> for Whole<L> {
-    /// In three rounds, of each of which the processor holds all sums in its registers.
+    /// In three rounds, each with sums of its own, which the processor holds in its registers.
     #[inline(always)]
-    fn add<S: Simd>(
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         notes: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; SUMS],
-    ) {
-        let [loss, slopes, weights, rest @ ..] = sums;
-        let mut own = [*loss, *slopes, *weights];
+    ) -> [S::f64s; SUMS] {
+        let zero = simd.splat_f64s(0.0);
+        let (mut losses, mut gradient, mut products) = ([zero; 3], [zero; 9], [zero; 9]);
         for group in groups.range() {
             let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
-            let (value, factor) = self.0.losses_and_weights(simd, e, facing);
-            let slope = self.0.influence_slopes(simd, e, facing);
+            let Influence { loss, weight: factor, slope } = self.0.influences(simd, e, facing);
             let w = simd.mul_f64s(weight, factor);
-            add(simd, &mut own, [simd.mul_f64s(weight, value), simd.mul_f64s(weight, slope), w]);
-            notes[group] = [w, simd.mul_f64s(w, e), a, b, h, w, w];
+            add(simd, &mut losses, [simd.mul_f64s(weight, loss), simd.mul_f64s(weight, slope), w]);
+            notes[group] = [w, simd.mul_f64s(w, e), a, b, h];
         }
-        [*loss, *slopes, *weights] = own;
-        let [e, ea, eb, eah, ebh, a, b, ah, bh, rest @ ..] = rest;
-        let mut own = [*e, *ea, *eb, *eah, *ebh, *a, *b, *ah, *bh];
-        for [w, we, a, b, h, wa, wb] in notes.iter_mut().take(groups.count) {
+        for [w, we, a, b, h] in notes.iter_mut().take(groups.count) {
             let (ea, eb) = (simd.mul_f64s(*we, *a), simd.mul_f64s(*we, *b));
             let (eah, ebh) = (simd.mul_f64s(ea, *h), simd.mul_f64s(eb, *h));
-            (*wa, *wb) = (simd.mul_f64s(*w, *a), simd.mul_f64s(*w, *b));
-            let (wah, wbh) = (simd.mul_f64s(*wa, *h), simd.mul_f64s(*wb, *h));
-            add(simd, &mut own, [*we, ea, eb, eah, ebh, *wa, *wb, wah, wbh]);
+            let (wa, wb) = (simd.mul_f64s(*w, *a), simd.mul_f64s(*w, *b));
+            let (wah, wbh) = (simd.mul_f64s(wa, *h), simd.mul_f64s(wb, *h));
+            add(simd, &mut gradient, [*we, ea, eb, eah, ebh, wa, wb, wah, wbh]);
+            (*w, *we) = (wa, wb);
         }
-        [*e, *ea, *eb, *eah, *ebh, *a, *b, *ah, *bh] = own;
-        let mut own = *rest;
-        for [.., a, b, h, wa, wb] in notes.iter().take(groups.count) {
+        for [wa, wb, a, b, h] in notes.iter().take(groups.count) {
             let (aa, ab, bb) = (simd.mul_f64s(*wa, *a), simd.mul_f64s(*wa, *b), simd.mul_f64s(*wb, *b));
             let (aah, abh, bbh) = (simd.mul_f64s(aa, *h), simd.mul_f64s(ab, *h), simd.mul_f64s(bb, *h));
             let (aahh, abhh) = (simd.mul_f64s(aah, *h), simd.mul_f64s(abh, *h));
-            add(simd, &mut own, [aa, ab, bb, aah, abh, bbh, aahh, abhh, simd.mul_f64s(bbh, *h)]);
+            add(simd, &mut products, [aa, ab, bb, aah, abh, bbh, aahh, abhh, simd.mul_f64s(bbh, *h)]);
         }
-        *rest = own;
+        let mut sums = [zero; SUMS];
+        sums[..3].copy_from_slice(&losses);
+        sums[3..12].copy_from_slice(&gradient);
+        sums[12..].copy_from_slice(&products);
+        sums
     }
 }
 
@@ -99,22 +96,23 @@ pub(super) struct Facing;
 
 impl Terms<1> for Facing {
     #[inline(always)]
-    fn add<S: Simd>(
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         _: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; 1],
-    ) {
+    ) -> [S::f64s; 1] {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let mut sums = [zero];
         for group in groups.range() {
             let (place, _, weight) = groups.at(simd, kernel, group);
             // What fills up a block has no weight.
             let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
             let facing = simd.less_than_f64s(place.facing, zero);
-            add(simd, sums, [simd.select_f64s(facing, counted, zero)]);
+            add(simd, &mut sums, [simd.select_f64s(facing, counted, zero)]);
         }
+        sums
     }
 }
 
@@ -126,40 +124,42 @@ pub(super) struct Within {
 
 impl Terms<1> for Within {
     #[inline(always)]
-    fn add<S: Simd>(
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         _: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; 1],
-    ) {
+    ) -> [S::f64s; 1] {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let mut sums = [zero];
         for group in groups.range() {
             let (_, e, weight) = groups.at(simd, kernel, group);
             // What fills up a block has no weight.
             let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
             let within = simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(self.limit));
-            add(simd, sums, [simd.select_f64s(within, counted, zero)]);
+            add(simd, &mut sums, [simd.select_f64s(within, counted, zero)]);
         }
+        sums
     }
 }
 
 impl<L: Loss> Terms<1> for CostAlone<L> {
     #[inline(always)]
-    fn add<S: Simd>(
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         _: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; 1],
-    ) {
+    ) -> [S::f64s; 1] {
+        let mut sums = [simd.splat_f64s(0.0)];
         for group in groups.range() {
             let (place, e, weight) = groups.at(simd, kernel, group);
-            let (value, _) = self.0.losses_and_weights(simd, e, place.facing);
-            add(simd, sums, [simd.mul_f64s(weight, value)]);
+            let Influence { loss, .. } = self.0.influences(simd, e, place.facing);
+            add(simd, &mut sums, [simd.mul_f64s(weight, loss)]);
         }
+        sums
     }
 }
 
@@ -184,20 +184,20 @@ impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
     /// Weights, slopes of the influence, their squares, and the upper half of influence times influence.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
-    fn add<S: Simd>(
+    fn sums<S: Simd>(
         &self,
         simd: S,
         kernel: &Kernel,
         groups: &Groups<'_>,
         _: &mut Notes<S::f64s>,
-        sums: &mut [S::f64s; INFLUENCES],
-    ) {
+    ) -> [S::f64s; INFLUENCES] {
+        let mut sums = [simd.splat_f64s(0.0); INFLUENCES];
         for group in groups.range() {
             let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
             let jacobian = [a, b, simd.mul_f64s(h, a), simd.mul_f64s(h, b), simd.splat_f64s(1.0)];
             let part = simd.mul_f64s(weight, simd.splat_f64s(self.part));
-            let w = simd.mul_f64s(part, self.loss.losses_and_weights(simd, e, facing).1);
-            let slope = self.loss.influence_slopes(simd, e, facing);
+            let Influence { weight, slope, .. } = self.loss.influences(simd, e, facing);
+            let w = simd.mul_f64s(part, weight);
             let part_slope = simd.mul_f64s(part, slope);
             // J is the negative of these five: that matters for the noise alone.
             let (mut leverage, mut noise) = (simd.splat_f64s(0.0), e);
@@ -226,6 +226,7 @@ impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
                 }
             }
         }
+        sums
     }
 }
 
@@ -297,7 +298,7 @@ impl Kernel {
     }
 
     /// The sums over some points.
-    pub fn chunk<T: Copy + Into<f64>, X: Terms<N>, const N: usize>(
+    pub fn chunk<T: Coordinate, X: Terms<N>, const N: usize>(
         &self,
         axes: &[Vec<T>; 3],
         weights: Option<&[f32]>,
@@ -308,14 +309,14 @@ impl Kernel {
     }
 
     /// Signed distances of points from the surface.
-    pub fn distances<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
+    pub fn distances<T: Coordinate>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
         let mut distances = Vec::with_capacity(axes[0].len());
         self.distances_by_blocks(axes, |block| distances.extend_from_slice(block));
         distances
     }
 
     /// The same, some at a time.
-    pub fn distances_by_blocks<T: Copy + Into<f64>>(&self, axes: &[Vec<T>; 3], block: impl FnMut(&[f64])) {
+    pub fn distances_by_blocks<T: Coordinate>(&self, axes: &[Vec<T>; 3], block: impl FnMut(&[f64])) {
         Arch::new().dispatch(Distances { kernel: self, axes, block });
     }
 }
@@ -323,7 +324,34 @@ impl Kernel {
 /// Points side by side.
 type Block = [[f64; LANES]; GROUPS];
 
-/// The next points, as many as a block holds at most; the rest is filled up with zeros.
+const EMPTY: Block = [[0.0; LANES]; GROUPS];
+
+/// The numbers that coordinates are kept as.
+pub(super) trait Coordinate: Copy + Into<f64> {
+    /// The next coordinates as a block, in `room` where they are not one already.
+    #[inline(always)]
+    fn block<'a>(values: &'a [Self], room: &'a mut Block) -> &'a Block {
+        load(room, values);
+        room
+    }
+}
+
+impl Coordinate for f32 {}
+
+impl Coordinate for f64 {
+    #[inline(always)]
+    fn block<'a>(values: &'a [Self], room: &'a mut Block) -> &'a Block {
+        match values.as_chunks().0.try_into() {
+            Ok(block) => block,
+            Err(_) => {
+                load(room, values);
+                room
+            }
+        }
+    }
+}
+
+/// The next numbers, as many as a block holds at most; the rest is filled up with zeros.
 #[inline(always)]
 fn load<T: Copy + Into<f64>>(block: &mut Block, values: &[T]) {
     let flat = block.as_flattened_mut();
@@ -331,6 +359,17 @@ fn load<T: Copy + Into<f64>>(block: &mut Block, values: &[T]) {
         *value = (*x).into();
     }
     flat[values.len()..].fill(0.0);
+}
+
+/// The next points of three axes.
+#[inline(always)]
+fn next<'a, T: Coordinate>(
+    axes: &'a [Vec<T>; 3],
+    range: Range<usize>,
+    [of_x, of_y, of_z]: [&'a mut Block; 3],
+) -> [&'a Block; 3] {
+    let [x, y, z] = axes.each_ref().map(|axis| &axis[range.clone()]);
+    [T::block(x, of_x), T::block(y, of_y), T::block(z, of_z)]
 }
 
 /// As many of a group as an instruction takes.
@@ -375,21 +414,19 @@ struct Chunk<'a, T, X, const N: usize> {
     terms: X,
 }
 
-impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T, X, N> {
+impl<T: Coordinate, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T, X, N> {
     type Output = [f64; N];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
         let Self { kernel, axes, weights, range, terms } = self;
         let mut sums = [[0.0; LANES]; N];
-        let mut block = [[[0.0; LANES]; GROUPS]; 3];
+        let (mut x, mut y, mut z) = (EMPTY, EMPTY, EMPTY);
         let mut weight = [[1.0; LANES]; GROUPS];
-        let mut notes = [[simd.splat_f64s(0.0); 7]; GROUPS];
+        let mut notes = [[simd.splat_f64s(0.0); 5]; GROUPS];
         for start in range.clone().step_by(LANES * GROUPS) {
             let end = range.end.min(start + LANES * GROUPS);
-            for (values, axis) in block.iter_mut().zip(axes) {
-                load(values, &axis[start..end]);
-            }
+            let points = next(axes, start..end, [&mut x, &mut y, &mut z]);
             if let Some(weights) = weights {
                 load(&mut weight, &weights[start..end]);
             } else {
@@ -398,14 +435,11 @@ impl<T: Copy + Into<f64>, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T,
             }
             let count = (end - start).div_ceil(LANES);
             for part in 0..LANES / S::F64_LANES {
-                let mut own = [simd.splat_f64s(0.0); N];
-                for (own, sum) in own.iter_mut().zip(&sums) {
-                    *own = lanes(simd, sum, part);
-                }
-                let groups = Groups { points: block.each_ref(), weights: &weight, count, part };
-                terms.add(simd, kernel, &groups, &mut notes, &mut own);
-                for (sum, own) in sums.iter_mut().zip(&own) {
-                    S::as_mut_simd_f64s(sum).0[part] = *own;
+                let groups = Groups { points, weights: &weight, count, part };
+                let of_block = terms.sums(simd, kernel, &groups, &mut notes);
+                for (sum, term) in sums.iter_mut().zip(of_block) {
+                    let sum = &mut S::as_mut_simd_f64s(sum).0[part];
+                    *sum = simd.add_f64s(*sum, term);
                 }
             }
         }
@@ -421,22 +455,19 @@ struct Distances<'a, T, F> {
     block: F,
 }
 
-impl<T: Copy + Into<f64>, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
+impl<T: Coordinate, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { kernel, axes, block: mut receive } = self;
         let count = axes[0].len();
-        let mut block = [[[0.0; LANES]; GROUPS]; 3];
+        let (mut x, mut y, mut z) = (EMPTY, EMPTY, EMPTY);
         let mut rho = [[0.0; LANES]; GROUPS];
         for start in (0..count).step_by(LANES * GROUPS) {
             let end = count.min(start + LANES * GROUPS);
-            for (values, axis) in block.iter_mut().zip(axes) {
-                load(values, &axis[start..end]);
-            }
-            let [x, y, z] = block.each_ref();
-            let (x, y, z) = (x.as_flattened(), y.as_flattened(), z.as_flattened());
+            let [x, y, z] =
+                next(axes, start..end, [&mut x, &mut y, &mut z]).map(|block| block.as_flattened());
             let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
             let rho = rho.as_flattened_mut();
             for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {

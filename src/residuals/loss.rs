@@ -4,21 +4,28 @@
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use pulp::{Scalar, Simd};
 
+/// What residuals count for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Influence<T> {
+    /// The loss ρ(e).
+    pub loss: T,
+    /// The weight ρ′(e) / (2 e) of the square in the normal equations.
+    pub weight: T,
+    /// The derivative of the influence ψ(e) = ρ′(e) / 2.
+    pub slope: T,
+}
+
 /// How a residual counts.
 pub trait Loss: Copy + Sync {
-    /// The loss ρ of residuals and the weights ρ′(e) / (2 e) of their squares in the normal equations. `facing` is
-    /// negative where the outward normal of the surface points towards the observer at the origin.
-    fn losses_and_weights<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s)
-    -> (S::f64s, S::f64s);
+    /// What residuals count for. `facing` is negative where the outward normal of the surface points towards the observer at
+    /// the origin.
+    fn influences<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> Influence<S::f64s>;
 
     /// The same of one residual.
     #[inline]
-    fn loss_and_weight(&self, residual: f64, facing: f64) -> (f64, f64) {
-        self.losses_and_weights(Scalar::new(), residual, facing)
+    fn influence(&self, residual: f64, facing: f64) -> Influence<f64> {
+        self.influences(Scalar::new(), residual, facing)
     }
-
-    /// The derivatives of the influence ψ(e) = ρ′(e) / 2 of residuals.
-    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s;
 }
 
 /// The plain square.
@@ -68,11 +75,8 @@ impl Wall {
     /// Where points cannot be where they are: a mask, because a branch would keep sums from vector instructions.
     #[inline(always)]
     fn hidden<S: Simd>(self, simd: S, facing: S::f64s) -> S::m64s {
-        let sign = match self {
-            Wall::Either => 0.0,
-            Wall::Facing => 1.0,
-            Wall::Averted => -1.0,
-        };
+        // Looked up: where it is branched over the loop about it is, too.
+        let sign = [0.0, 1.0, -1.0][self as usize];
         simd.greater_than_f64s(simd.mul_f64s(simd.splat_f64s(sign), facing), simd.splat_f64s(0.0))
     }
 }
@@ -82,71 +86,43 @@ pub const TUKEY_EFFICIENT: f64 = 4.685;
 
 impl Loss for Squared {
     #[inline(always)]
-    fn losses_and_weights<S: Simd>(
-        &self,
-        simd: S,
-        residuals: S::f64s,
-        _facing: S::f64s,
-    ) -> (S::f64s, S::f64s) {
-        (simd.mul_f64s(residuals, residuals), simd.splat_f64s(1.0))
-    }
-
-    #[inline(always)]
-    fn influence_slopes<S: Simd>(&self, simd: S, _residuals: S::f64s, _facing: S::f64s) -> S::f64s {
-        simd.splat_f64s(1.0)
+    fn influences<S: Simd>(&self, simd: S, residuals: S::f64s, _facing: S::f64s) -> Influence<S::f64s> {
+        let one = simd.splat_f64s(1.0);
+        Influence { loss: simd.mul_f64s(residuals, residuals), weight: one, slope: one }
     }
 }
 
 impl Loss for Tukey {
+    /// ψ = e (1 − (e/c)²)².
     #[inline(always)]
-    fn losses_and_weights<S: Simd>(
-        &self,
-        simd: S,
-        residuals: S::f64s,
-        facing: S::f64s,
-    ) -> (S::f64s, S::f64s) {
+    fn influences<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> Influence<S::f64s> {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         // Finite for the smallest cutoff, too.
-        let ratio = simd.mul_f64s(residuals, simd.splat_f64s(self.cutoff.recip().min(f64::MAX)));
-        let rest = simd.max_f64s(simd.sub_f64s(one, simd.mul_f64s(ratio, ratio)), zero);
-        let rest = simd.select_f64s(self.wall.hidden(simd, facing), zero, rest);
-        let weight = simd.mul_f64s(rest, rest);
-        let most = simd.splat_f64s(self.cutoff * self.cutoff / 3.0);
-        (simd.mul_f64s(most, simd.sub_f64s(one, simd.mul_f64s(weight, rest))), weight)
-    }
-
-    #[inline(always)]
-    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s {
-        // ψ = e (1 − (e/c)²)².
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let ratio = simd.mul_f64s(residuals, simd.splat_f64s(self.cutoff.recip().min(f64::MAX)));
         let square = simd.mul_f64s(ratio, ratio);
         let rest = simd.max_f64s(simd.sub_f64s(one, square), zero);
         let rest = simd.select_f64s(self.wall.hidden(simd, facing), zero, rest);
+        let weight = simd.mul_f64s(rest, rest);
+        let most = simd.splat_f64s(self.cutoff * self.cutoff / 3.0);
         // Where nothing is left the other factor is bounded, too: it could be infinite.
         let square = simd.min_f64s(square, one);
-        simd.mul_f64s(rest, simd.sub_f64s(one, simd.mul_f64s(simd.splat_f64s(5.0), square)))
+        Influence {
+            loss: simd.mul_f64s(most, simd.sub_f64s(one, simd.mul_f64s(weight, rest))),
+            weight,
+            slope: simd.mul_f64s(rest, simd.sub_f64s(one, simd.mul_f64s(simd.splat_f64s(5.0), square))),
+        }
     }
 }
 
 impl Loss for Truncated {
     #[inline(always)]
-    fn losses_and_weights<S: Simd>(
-        &self,
-        simd: S,
-        residuals: S::f64s,
-        facing: S::f64s,
-    ) -> (S::f64s, S::f64s) {
+    fn influences<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> Influence<S::f64s> {
         let most = simd.splat_f64s(self.threshold * self.threshold);
         let square = simd.mul_f64s(residuals, residuals);
         let square = simd.select_f64s(self.wall.hidden(simd, facing), most, square);
         let inlier = simd.less_than_f64s(square, most);
-        (simd.min_f64s(square, most), simd.select_f64s(inlier, simd.splat_f64s(1.0), simd.splat_f64s(0.0)))
-    }
-
-    #[inline(always)]
-    fn influence_slopes<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> S::f64s {
-        self.losses_and_weights(simd, residuals, facing).1
+        let weight = simd.select_f64s(inlier, simd.splat_f64s(1.0), simd.splat_f64s(0.0));
+        Influence { loss: simd.min_f64s(square, most), weight, slope: weight }
     }
 }
 
@@ -235,7 +211,7 @@ impl Reweighting {
         };
         let loss = Tukey { cutoff: TUKEY_EFFICIENT * reweighted.scale, wall: Wall::Either };
         for (weight, residual) in reweighted.weights.iter_mut().zip(residuals) {
-            *weight = if residual.is_finite() { loss.loss_and_weight(*residual, 0.0).1 } else { 0.0 };
+            *weight = if residual.is_finite() { loss.influence(*residual, 0.0).weight } else { 0.0 };
         }
     }
 }
@@ -265,20 +241,20 @@ mod tests {
     #[test]
     fn the_weight_is_the_derivative_of_the_loss_over_twice_the_residual() {
         let tukey = Tukey { cutoff: 2.0, wall: Wall::Facing };
-        let at = |e: f64| tukey.loss_and_weight(e, -1.0);
+        let at = |e: f64| tukey.influence(e, -1.0);
         for e in [-1.9, -0.5, 0.3, 1.0, 1.999, 2.5] {
             let h = 1e-6;
-            let slope = (at(e + h).0 - at(e - h).0) / (2.0 * h);
-            assert!((slope - 2.0 * e * at(e).1).abs() < 1e-8, "{e}");
-            let influence = |e: f64| e * at(e).1;
+            let slope = (at(e + h).loss - at(e - h).loss) / (2.0 * h);
+            assert!((slope - 2.0 * e * at(e).weight).abs() < 1e-8, "{e}");
+            let influence = |e: f64| e * at(e).weight;
             let of_influence = (influence(e + h) - influence(e - h)) / (2.0 * h);
-            assert!((of_influence - tukey.influence_slopes(Scalar::new(), e, -1.0)).abs() < 1e-8, "{e}");
+            assert!((of_influence - at(e).slope).abs() < 1e-8, "{e}");
         }
-        assert_eq!(at(3.0), (4.0 / 3.0, 0.0));
-        assert!((at(1e-4).0 - 1e-8).abs() < 1e-15);
+        assert_eq!(at(3.0), Influence { loss: 4.0 / 3.0, weight: 0.0, slope: 0.0 });
+        assert!((at(1e-4).loss - 1e-8).abs() < 1e-15);
         // A point on the hidden wall counts as one far away.
-        assert_eq!(tukey.loss_and_weight(0.1, 1.0), at(3.0));
-        assert_eq!(tukey.influence_slopes(Scalar::new(), 0.1, 1.0), 0.0);
+        let hidden = tukey.influence(0.1, 1.0);
+        assert_eq!((hidden.loss, hidden.weight, hidden.slope.abs()), (4.0 / 3.0, 0.0, 0.0));
     }
 
     #[test]
@@ -292,8 +268,13 @@ mod tests {
             (Wall::Averted, -1.0, false),
         ] {
             let expected = if inlier { (0.0625, 1.0) } else { (0.25, 0.0) };
-            assert_eq!(loss(wall).loss_and_weight(-0.25, facing), expected, "{wall:?} {facing}");
-            assert_eq!(loss(wall).loss_and_weight(0.6, facing), (0.25, 0.0));
+            let of = |e: f64| {
+                let Influence { loss, weight, slope } = loss(wall).influence(e, facing);
+                assert_eq!(weight, slope);
+                (loss, weight)
+            };
+            assert_eq!(of(-0.25), expected, "{wall:?} {facing}");
+            assert_eq!(of(0.6), (0.25, 0.0));
         }
     }
 

@@ -27,7 +27,7 @@ const LARGEST_LEVERAGE: f64 = 0.5;
 const LEAST_RELIEF: f64 = 0.2;
 
 /// Points summed in one go. A fixed number, so that the sums do not depend on the number of threads.
-const CHUNK: usize = 4096;
+const CHUNK: usize = 8192;
 
 impl<'a> PointTerm<'a> {
     /// The term of a cloud, summed on the thread of the caller or with those of workers, to the same bits.
@@ -89,7 +89,7 @@ impl<'a> PointTerm<'a> {
         let rows = PointRows::new(frame);
         cloud.points().enumerate().map(move |(index, point)| {
             let (residual, jacobian, facing) = rows.row(&point);
-            let weight = cloud.weight(index) / total_weight * loss.loss_and_weight(residual, facing).1;
+            let weight = cloud.weight(index) / total_weight * loss.influence(residual, facing).weight;
             (residual * weight.sqrt(), jacobian * weight.sqrt())
         })
     }
@@ -248,7 +248,7 @@ impl PointRows {
         self.kernel.place(pulp::Scalar::new(), (point - self.axis_point).into())
     }
 
-    /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::loss_and_weight`].
+    /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::influence`].
     #[inline]
     pub fn row(&self, point: &Vector3<f64>) -> (f64, Tangent, f64) {
         let Place { rho, a, b, h, facing } = self.place(point);

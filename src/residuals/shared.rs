@@ -97,10 +97,16 @@ pub struct Bend {
     slope: Tangent,
     /// s, of the first cylinder that was asked for.
     axis_shift: Vector3<f64>,
+    /// Half the first derivative of the cost by b at the cylinder for b = 0, where that was asked for.
+    at_zero: Option<f64>,
 }
 
 /// Most steps to the best b: none or one is usual where it is expected.
 const STEPS: usize = 12;
+
+/// Two cylinders are the same that differ by less than this, in units of the frame: the coordinates of one may be
+/// another's to rounding.
+const SAME: f64 = 1e-12;
 
 /// The part of the cost by which one more step would lower it. That step is taken by the linearisation alone, so what
 /// is left is far less.
@@ -164,8 +170,14 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
                 let direction = direction(near, &axis_shift);
                 let column = equations.curvature * direction;
                 let square = direction.dot(&column) + variance / (shared.bend * shared.bend);
-                let b = -equations.gradient.dot(&direction) / square;
-                Bend { frame: *near, b, slope: -column / square, axis_shift }
+                let at_zero = equations.gradient.dot(&direction);
+                Bend {
+                    frame: *near,
+                    b: -at_zero / square,
+                    slope: -column / square,
+                    axis_shift,
+                    at_zero: Some(at_zero),
+                }
             }
         };
         let axis_shift = last.axis_shift;
@@ -205,22 +217,22 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         if !self.contested {
             return self.at(frame, 0.0);
         }
-        let Bend { frame: near, b, slope, .. } = self.last.get();
-        let expected = b + slope.dot(&near.difference(&frame.cylinder));
-        let bent = self.settled(frame, self.at(frame, expected));
+        let Bend { frame: near, b, slope, at_zero, .. } = self.last.get();
+        let moved = near.difference(&frame.cylinder);
+        let before = at_zero.filter(|_| moved.norm() < SAME).map(|slope| (0.0, slope));
+        let bent = self.settled(frame, self.at(frame, b + slope.dot(&moved)), before);
         if let Known::Iteration(memory) = self.known {
             let slope = -(bent.equations.curvature * bent.direction) / bent.curvature;
             let b = bent.b + bent.step();
-            let last = Bend { frame: *frame, b, slope, axis_shift: self.axis_shift };
+            let last = Bend { frame: *frame, b, slope, axis_shift: self.axis_shift, at_zero: None };
             self.last.set(last);
             memory.set(Some(last));
         }
         bent
     }
 
-    /// From some b to next to the best one.
-    fn settled(&self, frame: &LocalFrame, mut bent: Bent) -> Bent {
-        let mut before: Option<(f64, f64)> = None;
+    /// From some b to next to the best one, where another one may be known `before` with its slope.
+    fn settled(&self, frame: &LocalFrame, mut bent: Bent, mut before: Option<(f64, f64)>) -> Bent {
         let settled = match self.known {
             Known::Iteration(_) => SETTLED_BY_ITERATION,
             Known::Nothing => SETTLED,

@@ -1,5 +1,5 @@
 use super::super::NormalEquations;
-use super::super::loss::{Truncated, Tukey, Wall};
+use super::super::loss::{Influence, Truncated, Tukey, Wall};
 use super::super::points::{PointRows, unpack};
 use super::*;
 use crate::geometry::Cylinder;
@@ -33,7 +33,7 @@ fn compare(axes: &[Vec<f64>; 3], frame: &LocalFrame, loss: impl Loss) {
     let rows = PointRows::new(frame);
     for (k, weight) in weights.iter().enumerate() {
         let (e, jacobian, facing) = rows.row(&Vector3::new(axes[0][k], axes[1][k], axes[2][k]));
-        let (value, factor) = loss.loss_and_weight(e, facing);
+        let Influence { loss: value, weight: factor, .. } = loss.influence(e, facing);
         let weight = f64::from(*weight);
         expected.add_residual(weight * factor, e, &jacobian);
         expected.cost += weight * (value - factor * e * e);

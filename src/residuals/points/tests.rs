@@ -130,8 +130,9 @@ fn the_covariance_is_that_of_single_points() {
         let part = 1.0 / points.len() as f64;
         for point in &points {
             let (residual, jacobian, facing) = PointRows::new(&frame).row(&Vector3::from(*point));
-            let weight = part * loss.loss_and_weight(residual, facing).1;
-            let slope = loss.influence_slopes(pulp::Scalar::new(), residual, facing);
+            let influence = loss.influence(residual, facing);
+            let weight = part * influence.weight;
+            let slope = influence.slope;
             let leverage = weight * jacobian.dot(&(leverages * jacobian));
             let noise = (residual + jacobian.dot(&to_minimum)) / (1.0 - leverage.min(LARGEST_LEVERAGE));
             covariance += jacobian * jacobian.transpose() * (weight * noise).powi(2);
