@@ -35,9 +35,6 @@ const LARGEST_KNOWN_RADIUS: f64 = 1e4;
 /// Points that tell one view from another.
 const KEY_POINTS: usize = 8;
 
-/// Points that tell a proportion: a few hundred are enough.
-const SAMPLE: usize = 500;
-
 /// The data of one fit.
 pub(super) struct Data<'a> {
     pub options: &'a Options,
@@ -48,6 +45,8 @@ pub(super) struct Data<'a> {
     pub last: Option<&'a Last>,
     /// Mean of the points.
     pub center: Vector3<f64>,
+    /// Their covariance; 0 where there are too few.
+    pub covariance: Matrix3<f64>,
     /// Root mean square distance of the points from their mean.
     pub unit: f64,
     /// w_L as far as edges can count: 0 where there are none for the paper's objective.
@@ -188,13 +187,15 @@ impl<'a> Data<'a> {
             });
         }
         let center = Vector3::zeros();
-        let mut data = Self { options, views, start, last: None, center, unit: 1.0, edge_weight };
+        let covariance = Matrix3::zeros();
+        let mut data = Self { options, views, start, last: None, center, covariance, unit: 1.0, edge_weight };
         if usable < LEAST_POINTS {
             data.center = start.map_or(Vector3::zeros(), |start| start.axis.nearest_to_origin());
             data.unit = data.center.norm().max(f64::MIN_POSITIVE);
             return Ok(data);
         }
-        (data.center, data.unit) = data.middle_and_size()?;
+        (data.center, data.covariance) = data.middle_and_covariance()?;
+        data.unit = data.covariance.trace().sqrt();
         let smallest = options.cylinder_limits.radius_min;
         if smallest > LARGEST_KNOWN_RADIUS * data.unit {
             let size = data.unit;
@@ -234,8 +235,8 @@ impl<'a> Data<'a> {
         self.views.iter().flat_map(of_view).collect()
     }
 
-    /// Mean and size of the points; refuses those that no cylinder is determined by.
-    fn middle_and_size(&self) -> Result<(Vector3<f64>, f64)> {
+    /// Mean and covariance of the points; refuses those that no cylinder is determined by.
+    fn middle_and_covariance(&self) -> Result<(Vector3<f64>, Matrix3<f64>)> {
         let count = self.count() as f64;
         let views: Vec<(f64, Vector3<f64>, Matrix3<f64>)> = self.views.iter().filter_map(of_view).collect();
         // Differences of nearby points first: all may be far from the origin of coordinates.
@@ -250,8 +251,7 @@ impl<'a> Data<'a> {
             .sum();
         let mut spreads = covariance.symmetric_eigenvalues().map(|value| value.max(0.0).sqrt());
         spreads.as_mut_slice().sort_unstable_by(|a, b| b.total_cmp(a));
-        let unit = covariance.trace().sqrt();
-        if !(unit.is_finite() && (origin + mean).iter().all(|x| x.is_finite())) {
+        if !(covariance.trace().is_finite() && (origin + mean).iter().all(|x| x.is_finite())) {
             return Err(Error::Numerical { what: "the spread of the points overflows" });
         }
         if spreads[1] <= COLLINEAR * spreads[0] {
@@ -261,7 +261,7 @@ impl<'a> Data<'a> {
             let limit = LARGEST_RADIUS;
             return Err(Error::PlanarPoints { radius: f64::INFINITY, spread: spreads[1], limit });
         }
-        Ok((origin + mean, unit))
+        Ok((origin + mean, covariance))
     }
 
     /// Whether the objective has the weight w_L.
@@ -353,12 +353,11 @@ impl<'a> Data<'a> {
 
     /// Refuses a radius that is out of proportion to the points, unless the limits chose it.
     pub fn check_radius(&self, cylinder: &Cylinder) -> Result<()> {
-        if self.count() == 0 || cylinder.radius >= self.options.cylinder_limits.radius_max {
+        if self.count() < LEAST_POINTS || cylinder.radius >= self.options.cylinder_limits.radius_max {
             return Ok(());
         }
-        let sample = self.sample(SAMPLE);
-        let across = |p: &Vector3<f64>| (p - self.center).cross(&cylinder.axis.direction).norm_squared();
-        let spread = (sample.iter().map(across).sum::<f64>() / sample.len() as f64).sqrt();
+        let along = cylinder.axis.direction;
+        let spread = (self.covariance.trace() - along.dot(&(self.covariance * along))).max(0.0).sqrt();
         if cylinder.radius > LARGEST_RADIUS * spread {
             return Err(Error::PlanarPoints { radius: cylinder.radius, spread, limit: LARGEST_RADIUS });
         }
@@ -369,7 +368,7 @@ impl<'a> Data<'a> {
 /// The number of points of a view with their mean and covariance in the reference frame; `None` for none.
 fn of_view(view: &ViewData<'_>) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
     let to_reference = view.into_view.inverse();
-    let (mean, covariance) = view.view.cloud.mean_and_covariance()?;
+    let (mean, covariance) = view.view.mean_and_covariance()?;
     let axes = Matrix3::identity()
         .column_iter()
         .map(|axis| to_reference.direction(&axis.into()))

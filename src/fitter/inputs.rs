@@ -77,7 +77,7 @@ impl Fitter {
         self.made_with = None;
         let view = &mut self.views[self.selected];
         view.mask_is_body = false;
-        view.forget_neighbours();
+        view.forget_points();
         view
     }
 

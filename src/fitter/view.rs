@@ -6,6 +6,7 @@ use crate::geometry::{Cylinder, RigidMotion};
 use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
+use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
@@ -21,6 +22,8 @@ pub(crate) struct View {
     pub segments: Vec<EdgeSegment>,
     /// The neighbours among the points, as soon as a fit has asked for them; those that an observer sees come second.
     neighbours: [OnceLock<Neighbours>; 2],
+    /// The mean and covariance of the points, likewise.
+    spread: OnceLock<Option<(Vector3<f64>, Matrix3<f64>)>>,
 }
 
 impl View {
@@ -34,6 +37,7 @@ impl View {
             cloud,
             segments: self.segments.clone(),
             neighbours: Default::default(),
+            spread: OnceLock::new(),
         }
     }
 
@@ -43,8 +47,13 @@ impl View {
     }
 
     /// The points are about to change.
-    pub fn forget_neighbours(&mut self) {
-        self.neighbours = Default::default();
+    pub fn forget_points(&mut self) {
+        (self.neighbours, self.spread) = Default::default();
+    }
+
+    /// The mean and covariance of the points, found once; `None` for none.
+    pub fn mean_and_covariance(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
+        *self.spread.get_or_init(|| self.cloud.mean_and_covariance())
     }
 
     /// The neighbours among the points, found once.

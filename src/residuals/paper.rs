@@ -27,7 +27,7 @@ pub fn paper_objective<'a>(
     for &(points, into_view, independent_points) in points {
         let factor = (1.0 - edge_weight) * points.total_weight() / total;
         if factor > 0.0 {
-            let term = Box::new(Points { points, loss: Plain, independent_points });
+            let term = Box::new(Points::new(points, Plain, independent_points));
             summands.push(Summand { factor, into_view, term });
         }
     }

@@ -5,6 +5,7 @@ use super::points::PointTerm;
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::LocalFrame;
+use std::cell::Cell;
 
 /// A loss whose scale is a length, for residuals in units of a frame.
 pub trait LossInFrame {
@@ -48,7 +49,7 @@ impl LossInFrame for Robust {
 }
 
 /// The mean loss of points, of which some number are independent.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Points<'a, L> {
     /// The points.
     pub points: PointTerm<'a>,
@@ -56,9 +57,25 @@ pub struct Points<'a, L> {
     pub loss: L,
     /// The number of independent points, for the covariance.
     pub independent_points: f64,
+    /// What was asked last.
+    asked: Cell<Option<(LocalFrame, NormalEquations)>>,
 }
 
-impl<L: LossInFrame> Points<'_, L> {
+impl<'a, L: LossInFrame> Points<'a, L> {
+    /// The term of points with a loss.
+    pub fn new(points: PointTerm<'a>, loss: L, independent_points: f64) -> Self {
+        Self { points, loss, independent_points, asked: Cell::new(None) }
+    }
+
+    fn equations(&self, frame: &LocalFrame) -> NormalEquations {
+        if let Some((_, equations)) = self.asked.get().filter(|(asked, _)| asked == frame) {
+            return equations;
+        }
+        let equations = self.points.linearise(frame, self.loss.at(frame));
+        self.asked.set(Some((*frame, equations)));
+        equations
+    }
+
     /// What they add to the covariance of a minimum where their normal equations are known.
     pub(super) fn sandwich_with(&self, frame: &LocalFrame, equations: &NormalEquations) -> SandwichPart {
         self.points.sandwich(frame, self.loss.at(frame), self.independent_points, equations)
@@ -75,7 +92,7 @@ impl<L: LossInFrame> Term for Points<'_, L> {
     }
 
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        Some(self.points.linearise(frame, self.loss.at(frame)))
+        Some(self.equations(frame))
     }
 
     fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
@@ -83,6 +100,6 @@ impl<L: LossInFrame> Term for Points<'_, L> {
     }
 
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
-        Some(self.sandwich_with(frame, &self.points.linearise(frame, self.loss.at(frame))))
+        Some(self.sandwich_with(frame, &self.equations(frame)))
     }
 }

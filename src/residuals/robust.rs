@@ -70,10 +70,10 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
         if points.count() > 0 {
             let loss = Robust { scale: scales.point, observed };
             let RobustScales { independent_points, .. } = scales;
-            let points = Points { points, loss, independent_points };
+            let points = Points::new(points, loss, independent_points);
             let variance = information(view).recip();
             let sharing = shared
-                .and_then(|shared| SharingPoints::new(points, shared, variance, contested, known, &near));
+                .and_then(|shared| SharingPoints::new(points.clone(), shared, variance, contested, known, &near));
             let term: Box<dyn Term> = match sharing {
                 Some(sharing) => Box::new(sharing),
                 None => Box::new(points),

@@ -29,11 +29,7 @@ fn can() -> Cylinder {
 }
 
 fn term(cloud: &PointCloud, bend: f64) -> SharingPoints<'_, Robust> {
-    let points = Points {
-        points: PointTerm::new(cloud, None),
-        loss: Robust { scale: 5e-4, observed: true },
-        independent_points: 200.0,
-    };
+    let points = Points::new(PointTerm::new(cloud, None), Robust { scale: 5e-4, observed: true }, 200.0);
     let shared = SharedErrors { bend, offset: 7e-4, across: 3e-4, tilt: 0.003 };
     let near = LocalFrame::new(&can(), &can().axis.point, 0.05);
     SharingPoints::new(points, shared, 5e-4_f64.powi(2) / 200.0, true, Known::Nothing, &near).unwrap()
