@@ -3,10 +3,11 @@
 use super::dropped::Dropped;
 use crate::error::{Error, Result};
 use crate::statistics::median;
-use nalgebra::{Scalar, Vector3};
+use nalgebra::Vector3;
+use pulp::Arch;
 
 /// The type of the coordinates of points on their way.
-pub(super) trait Coordinate: Scalar + Copy + Default + Into<f64> {}
+pub(super) trait Coordinate: Copy + Default + Into<f64> {}
 
 impl Coordinate for f32 {}
 impl Coordinate for f64 {}
@@ -17,12 +18,13 @@ pub(super) struct Batch<T> {
     /// Columns and rows of the grid that they come from; one row stands for no order.
     pub width: usize,
     pub height: usize,
-    pub points: Vec<Vector3<T>>,
+    /// The coordinates, axis by axis.
+    pub axes: [Vec<T>; 3],
     /// Empty where every weight is 1.
     pub weights: Vec<f64>,
     pub normals: Vec<Vector3<f32>>,
-    /// Where they are in the grid, counted row by row.
-    pub indices: Vec<usize>,
+    /// Where they are in the grid, column and row.
+    pub pixels: Vec<[u32; 2]>,
     pub dropped: Dropped,
     pub given: usize,
 }
@@ -35,21 +37,29 @@ impl<T: Coordinate> Batch<T> {
 
     /// Makes room for so many points that are pushed next.
     pub fn reserve(&mut self, additional: usize) -> Result<()> {
-        let bytes = self
-            .points
-            .len()
-            .saturating_add(additional)
-            .saturating_mul(size_of::<Vector3<T>>() + size_of::<usize>());
+        let size = size_of::<[T; 3]>() + size_of::<[u32; 2]>();
+        let bytes = self.len().saturating_add(additional).saturating_mul(size);
         let out_of_memory = |_| Error::OutOfMemory { what: "the points", bytes };
-        self.points.try_reserve(additional).map_err(out_of_memory)?;
-        self.indices.try_reserve(additional).map_err(out_of_memory)
+        self.axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)).map_err(out_of_memory)?;
+        self.pixels.try_reserve(additional).map_err(out_of_memory)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.axes[0].len()
     }
 
     /// Adds a point, for which there is room.
     #[inline]
-    pub fn push(&mut self, point: Vector3<T>, index: usize) {
-        self.points.push(point);
-        self.indices.push(index);
+    pub fn push(&mut self, point: [T; 3], column: usize, row: usize) {
+        for (axis, coordinate) in self.axes.iter_mut().zip(point) {
+            axis.push(coordinate);
+        }
+        self.pixels.push([column as u32, row as u32]);
+    }
+
+    fn point(&self, index: usize) -> Vector3<f64> {
+        self.axes.each_ref().map(|axis| axis[index].into()).into()
     }
 
     pub fn push_weight(&mut self, weight: f64) -> Result<()> {
@@ -62,10 +72,19 @@ impl<T: Coordinate> Batch<T> {
     /// Checks that the offsets from the origin have a place in the type that keeps them.
     pub fn check_distances(&self, origin: &Vector3<f64>, wide: bool) -> Result<()> {
         let largest = if wide { f64::MAX } else { f64::from(f32::MAX) };
-        let far = |point: &Vector3<T>| !((point.map(Into::into) - origin).amax() <= largest);
-        let Some(far) = self.points.iter().position(far) else { return Ok(()) };
-        let name = format!("point {}", self.indices[far]);
-        let value = format!("{:?}", self.points[far].map(Into::<f64>::into).as_slice());
+        let far = |k: usize, x: T| !((x.into() - origin[k]).abs() <= largest);
+        let any = |k: usize| {
+            let axis = &self.axes[k];
+            Arch::new().dispatch(|| axis.iter().fold(false, |any, x| any | far(k, *x)))
+        };
+        if !(0..3).any(any) {
+            return Ok(());
+        }
+        let is_far = |index: &usize| (0..3).any(|k| far(k, self.axes[k][*index]));
+        let Some(index) = (0..self.len()).find(is_far) else { return Ok(()) };
+        let [column, row] = self.pixels[index].map(|x| x as usize);
+        let name = format!("point {}", row * self.width + column);
+        let value = format!("{:?}", self.point(index).as_slice());
         let requirement = format!(
             "lie within {largest:.1e} of the points around {:?} in each coordinate; leave it out or give f64 in \
              a smaller unit of length",
@@ -83,20 +102,41 @@ impl<T: Coordinate> Batch<T> {
         Ok(())
     }
 
+    /// The largest size of a coordinate.
+    pub fn largest(&self) -> f64 {
+        let of_axis = |axis: &Vec<T>| Arch::new().dispatch(|| largest(axis));
+        self.axes.iter().map(of_axis).fold(0.0, f64::max)
+    }
+
     /// A point in the middle of most of them: the median of a few in each coordinate, which single far
     /// points do not carry away.
     pub fn middle(&self) -> Vector3<f64> {
         const SAMPLES: usize = 255;
-        let count = self.points.len().min(SAMPLES);
+        let count = self.len().min(SAMPLES);
         if count == 0 {
             return Vector3::zeros();
         }
         Vector3::from_fn(|axis, _| {
             let mut values = [0.0; SAMPLES];
             for (k, value) in values[..count].iter_mut().enumerate() {
-                *value = self.points[k * self.points.len() / count][axis].into();
+                *value = self.axes[axis][k * self.len() / count].into();
             }
             median(&mut values[..count])
         })
     }
+}
+
+/// The largest size of some numbers, side by side.
+#[inline(always)]
+fn largest<T: Copy + Into<f64>>(numbers: &[T]) -> f64 {
+    const LANES: usize = 8;
+    let (chunks, rest) = numbers.as_chunks::<LANES>();
+    let mut lanes = [0.0_f64; LANES];
+    for numbers in chunks {
+        for (lane, number) in lanes.iter_mut().zip(numbers) {
+            let size = (*number).into().abs();
+            *lane = if size > *lane { size } else { *lane };
+        }
+    }
+    lanes.into_iter().chain(rest.iter().map(|number| (*number).into().abs())).fold(0.0, f64::max)
 }

@@ -9,8 +9,9 @@ use super::strided::Scalar;
 use super::views::DepthView;
 use crate::error::{Error, Result};
 use crate::geometry::RigidMotion;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// Which depths count.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,6 +173,48 @@ impl WithSimd for Copied<'_, '_> {
     }
 }
 
+/// Pixels of a row that are looked at in one go.
+const RUN: usize = 32;
+
+/// Which of some pixels side by side have a usable depth.
+struct Run {
+    /// Their places and depths, as many as there are.
+    places: [usize; RUN],
+    depths: [f64; RUN],
+    count: usize,
+    no_depth: usize,
+    out_of_range: usize,
+}
+
+impl Run {
+    /// Of stored values, of which a mask may select some. Without branches: nobody could predict where a depth is missing.
+    #[inline(always)]
+    fn new(values: &[f32], set: Option<&[bool]>, scale: f64, range: &DepthRange) -> Self {
+        let (places, depths) = ([0; RUN], [0.0; RUN]);
+        let mut run = Self { places, depths, count: 0, no_depth: 0, out_of_range: 0 };
+        for (k, value) in values.iter().take(RUN).enumerate() {
+            let depth = f64::from(*value) * scale;
+            let (set, measured) = (set.is_none_or(|set| set[k]), *value > 0.0);
+            let within = (range.min <= depth) & (depth <= range.max);
+            (run.places[run.count], run.depths[run.count]) = (k, depth);
+            run.count += usize::from(set & measured & within);
+            run.no_depth += usize::from(set & !measured);
+            run.out_of_range += usize::from(set & measured & !within);
+        }
+        run
+    }
+
+    /// Their places and depths.
+    fn usable(&self) -> (&[usize], &[f64]) {
+        (&self.places[..self.count], &self.depths[..self.count])
+    }
+}
+
+/// Columns in runs.
+fn runs(columns: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+    columns.clone().step_by(RUN).map(move |start| start..columns.end.min(start + RUN))
+}
+
 /// Room for the values of a depth image.
 fn room_for(width: usize, height: usize) -> Result<Vec<f32>> {
     let bytes = width.saturating_mul(height).saturating_mul(size_of::<f32>());
@@ -209,13 +252,18 @@ impl PointCloud {
         let (width, height) = depth.size();
         let mut batch = Batch::grid(width, height);
         let range = frame.depth_range();
+        let own = frame.depth_camera().is_some();
         let (sensor, to_color) = match frame.depth_camera() {
             Some(own) => (&own.camera, own.to_color),
             None => (camera, RigidMotion::identity()),
         };
+        let rays = sensor.rays_by_column_and_row();
+        let ray = |column: usize, row: usize| match &rays {
+            Some((of_columns, of_rows)) => Some(Vector3::new(of_columns[column], of_rows[row], 1.0)),
+            None => sensor.unproject(&Vector2::new(column as f64, row as f64)),
+        };
         let take = |batch: &mut Batch<f64>, column: usize, row: usize, sight: Sight| {
-            let index = row * width + column;
-            let Some(depth) = depth.depth_at(index) else {
+            let Some(depth) = depth.depth_at(row * width + column) else {
                 batch.dropped.no_depth += 1;
                 return;
             };
@@ -223,24 +271,53 @@ impl PointCloud {
                 batch.dropped.out_of_range += 1;
             } else if sight == Sight::Hidden {
                 batch.dropped.hidden += 1;
-            } else if let Some(ray) = sensor.unproject(&Vector2::new(column as f64, row as f64)) {
-                batch.push(to_color.point(&(ray * depth)), index);
+            } else if let Some(ray) = ray(column, row) {
+                let point = ray * depth;
+                let point = if own { to_color.point(&point) } else { point };
+                batch.push(point.into(), column, row);
             } else {
                 batch.dropped.outside_camera += 1;
+            }
+        };
+        let take_run = |batch: &mut Batch<f64>, columns: Range<usize>, row: usize| match &rays {
+            Some((of_columns, of_rows)) if !own => {
+                let pixels = row * width + columns.start..row * width + columns.end;
+                let set = mask.map(|mask| mask.pixels_by_index(pixels.clone()));
+                let run = Run::new(&depth.values[pixels], set, depth.scale, range);
+                batch.dropped.no_depth += run.no_depth;
+                batch.dropped.out_of_range += run.out_of_range;
+                let [x, y, z] = &mut batch.axes;
+                let rays = &of_columns[columns.clone()];
+                let (places, depths) = run.usable();
+                x.extend(places.iter().zip(depths).map(|(k, depth)| rays[*k] * depth));
+                y.extend(depths.iter().map(|depth| of_rows[row] * depth));
+                z.extend_from_slice(depths);
+                batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
+            }
+            _ => {
+                for column in columns {
+                    if mask.is_none_or(|mask| mask.contains_index(row * width + column)) {
+                        take(batch, column, row, Sight::Seen);
+                    }
+                }
             }
         };
         match (mask, frame.registration()) {
             (None, _) => {
                 for row in 0..height {
                     batch.reserve(width)?;
-                    (0..width).for_each(|column| take(&mut batch, column, row, Sight::Seen));
+                    runs(0..width).for_each(|columns| take_run(&mut batch, columns, row));
                 }
             }
             (Some(mask), None) => {
                 let count = mask.count();
                 batch.dropped.outside_mask = batch.given - count;
                 batch.reserve(count)?;
-                mask.set_pixels().for_each(|(column, row)| take(&mut batch, column, row, Sight::Seen));
+                let (columns, rows) = mask.bounds();
+                for row in rows {
+                    let runs = runs(columns.clone());
+                    runs.for_each(|columns| take_run(&mut batch, columns, row));
+                }
             }
             (Some(mask), Some(registration)) => {
                 for row in 0..height {
@@ -254,7 +331,7 @@ impl PointCloud {
                 }
             }
         }
-        if batch.points.is_empty() {
+        if batch.len() == 0 {
             return Err(Error::NoDepth {
                 pixels: batch.given - batch.dropped.outside_mask,
                 missing: batch.dropped.no_depth,

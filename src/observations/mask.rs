@@ -77,6 +77,12 @@ impl Mask {
         self.pixels[index]
     }
 
+    /// Which of some pixels, counted row by row, belong to the cylinder.
+    #[inline]
+    pub(super) fn pixels_by_index(&self, pixels: Range<usize>) -> &[bool] {
+        &self.pixels[pixels]
+    }
+
     /// How many pixels are set.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -312,8 +312,8 @@ impl PointCloud {
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
         // On their way the coordinates take as much memory as in the hands of the caller.
         match view.scalar() {
-            Scalar::F32 => self.push_as(view, mask, Vector3::cast::<f32>),
-            Scalar::F64 => self.push_as(view, mask, |point| point),
+            Scalar::F32 => self.push_as(view, mask, |point| point.cast::<f32>().into()),
+            Scalar::F64 => self.push_as(view, mask, Vector3::into),
         }
     }
 
@@ -321,7 +321,7 @@ impl PointCloud {
         &mut self,
         view: &PointsView<'_>,
         mask: Option<&Mask>,
-        point_of: impl Fn(Vector3<f64>) -> Vector3<T>,
+        point_of: impl Fn(Vector3<f64>) -> [T; 3],
     ) -> Result<()> {
         let (width, height) = (view.width(), view.height());
         if let Some(mask) = mask {
@@ -330,15 +330,14 @@ impl PointCloud {
         let mut batch = Batch::grid(width, height);
         let take = |batch: &mut Batch<T>, column: usize, row: usize| -> Result<()> {
             let (point, weight) = (view.points.at(column, row), view.weight(column, row));
-            let index = row * width + column;
             if !(point.iter().all(|x| x.is_finite()) && weight.is_finite()) {
                 batch.dropped.not_finite += 1;
             } else if !(0.0..=LARGEST_WEIGHT).contains(&weight) {
-                return Err(bad_weight(index, weight));
+                return Err(bad_weight(row * width + column, weight));
             } else if weight as f32 == 0.0 {
                 batch.dropped.zero_weight += 1;
             } else {
-                batch.push(point_of(point), index);
+                batch.push(point_of(point), column, row);
                 if view.weights.is_some() {
                     batch.push_weight(weight)?;
                 }
@@ -423,15 +422,15 @@ impl PointCloud {
         batch.check_distances(&origin, wide)?;
         let ordered = first && batch.height > 1;
         if !ordered {
-            batch.indices = Vec::new();
+            batch.pixels = Vec::new();
         }
         match &self.offsets {
             Offsets::F64(_) if !wide => self.offsets = Offsets::F32(Default::default()),
             Offsets::F32(axes) if wide => self.offsets = widened(axes)?,
             _ => {}
         }
-        self.reserve(batch.points.len())?;
-        let added = batch.points.len();
+        let added = batch.len();
+        self.reserve(added)?;
         let weighted = !self.weights.is_empty() || batch.weights.iter().any(|&weight| weight != 1.0);
         let oriented = (first || !self.normals.is_empty()) && batch.normals.len() == added;
         let total = self.len() + added;
@@ -456,28 +455,27 @@ impl PointCloud {
             self.normals.clear();
         }
         if ordered {
-            let pixel = |&index: &usize| [(index % batch.width) as u32, (index / batch.width) as u32];
-            self.pixels.extend(batch.indices.iter().map(pixel));
-            batch.indices = Vec::new();
+            self.pixels.append(&mut batch.pixels);
+            batch.pixels = Vec::new();
         } else if added > 0 {
             self.pixels.clear();
         }
         self.origin = origin;
         for k in 0..3 {
-            let offsets = batch.points.iter().map(|point| point[k].into() - origin[k]);
-            match &mut self.offsets {
+            let (coordinates, from) = (&batch.axes[k], origin[k]);
+            let offsets = coordinates.iter().map(|x| (*x).into() - from);
+            Arch::new().dispatch(|| match &mut self.offsets {
                 Offsets::F32(axes) => axes[k].extend(offsets.map(|offset| offset as f32)),
                 Offsets::F64(axes) => axes[k].extend(offsets),
-            }
+            });
         }
         self.given += batch.given;
         self.dropped.add(&batch.dropped);
-        let largest = batch.points.iter().map(|point| point.map(Into::into).amax()).fold(0.0, f64::max);
         let epsilon = match scalar {
             Scalar::F32 => f64::from(f32::EPSILON),
             Scalar::F64 => f64::EPSILON,
         };
-        self.resolution = self.resolution.max(largest * epsilon);
+        self.resolution = self.resolution.max(batch.largest() * epsilon);
         Ok(())
     }
 }

@@ -72,8 +72,9 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
             let RobustScales { independent_points, .. } = scales;
             let points = Points::new(points, loss, independent_points);
             let variance = information(view).recip();
-            let sharing = shared
-                .and_then(|shared| SharingPoints::new(points.clone(), shared, variance, contested, known, &near));
+            let sharing = shared.and_then(|shared| {
+                SharingPoints::new(points.clone(), shared, variance, contested, known, &near)
+            });
             let term: Box<dyn Term> = match sharing {
                 Some(sharing) => Box::new(sharing),
                 None => Box::new(points),
