@@ -190,18 +190,18 @@ impl Run {
     /// Of stored values, of which a mask may select some. Without branches: nobody could predict where a depth is missing.
     #[inline(always)]
     fn new(values: &[f32], set: Option<&[bool]>, scale: f64, range: &DepthRange) -> Self {
-        let (places, depths) = ([0; RUN], [0.0; RUN]);
-        let mut run = Self { places, depths, count: 0, no_depth: 0, out_of_range: 0 };
-        for (k, value) in values.iter().take(RUN).enumerate() {
+        let (mut places, mut depths) = ([0; RUN], [0.0; RUN]);
+        let (mut count, mut measured, mut selected) = (0, 0, 0);
+        for (k, (value, set)) in values.iter().zip(set.unwrap_or(&[true; RUN])).enumerate() {
             let depth = f64::from(*value) * scale;
-            let (set, measured) = (set.is_none_or(|set| set[k]), *value > 0.0);
-            let within = (range.min <= depth) & (depth <= range.max);
-            (run.places[run.count], run.depths[run.count]) = (k, depth);
-            run.count += usize::from(set & measured & within);
-            run.no_depth += usize::from(set & !measured);
-            run.out_of_range += usize::from(set & measured & !within);
+            let has_depth = set & (*value > 0.0);
+            // There are never more than a run has; the compiler can't know it.
+            (places[count % RUN], depths[count % RUN]) = (k, depth);
+            selected += usize::from(*set);
+            measured += usize::from(has_depth);
+            count += usize::from(has_depth & (range.min <= depth) & (depth <= range.max));
         }
-        run
+        Self { places, depths, count, no_depth: selected - measured, out_of_range: measured - count }
     }
 
     /// Their places and depths.
@@ -289,8 +289,9 @@ impl PointCloud {
                 let [x, y, z] = &mut batch.axes;
                 let rays = &of_columns[columns.clone()];
                 let (places, depths) = run.usable();
-                x.extend(places.iter().zip(depths).map(|(k, depth)| rays[*k] * depth));
-                y.extend(depths.iter().map(|depth| of_rows[row] * depth));
+                let of_row = of_rows[row];
+                x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
+                y.extend(depths.iter().map(move |depth| of_row * depth));
                 z.extend_from_slice(depths);
                 batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
             }
