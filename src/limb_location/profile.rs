@@ -21,6 +21,9 @@ constants! {
     TAIL = 4.0, "σ";
 }
 
+/// How far from their line, in pixels, the pixels in its window may be looked up: the tables reach a cell beyond it.
+pub(super) const MARGIN: f64 = 0.09;
+
 pub(super) const FUNCTIONS: usize = 5;
 
 /// The functions of a profile at one u: 1 and the distance from the limb outside; the expected brightness, sin θ and
