@@ -268,3 +268,75 @@ fn step(
         .clamp(LEAST_BLUR, MOST_BLUR.get());
     moved
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Distortion, Intrinsics};
+    use crate::limb_location::consensus::RoughLine;
+    use crate::limb_location::limb::Expected;
+    use crate::limb_location::shading::LimbShading;
+    use crate::limb_location::strip::{Baseline, Grid, Strip};
+    use crate::noise::NoiseModel;
+    use crate::observations::{GreyImage, ImageView, ReducedImage};
+
+    const SIZE: (usize, usize) = (80, 80);
+    const CONTRAST: f64 = 12.0;
+    const NOISE: f64 = 6.0;
+
+    /// An upright limb that the noise nearly hides.
+    fn faint(seed: u64) -> GreyImage {
+        let mut state = seed;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let pixels = (0..SIZE.0 * SIZE.1).map(|k| {
+            let inside = 1.0 / (1.0 + (-2.0 * ((k % SIZE.0) as f64 - 40.3)).exp());
+            // Four uniform numbers are nearly Gaussian, with variance 1/3.
+            let noise = ((0..4).map(|_| uniform()).sum::<f64>() - 2.0) * 3.0_f64.sqrt() * NOISE;
+            (100.0 + CONTRAST * inside + noise).round() as u8
+        });
+        let bytes: Vec<u8> = pixels.collect();
+        GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap()
+    }
+
+    /// How far the last step moves the limb, in pixels.
+    fn last_step(image: &GreyImage) -> f64 {
+        let intrinsics = Intrinsics {
+            width: SIZE.0 as u32,
+            height: SIZE.1 as u32,
+            fx: 500.0,
+            fy: 500.0,
+            cx: 39.5,
+            cy: 39.5,
+            distortion: Distortion::None,
+        };
+        let camera = Camera::new(intrinsics).unwrap();
+        let noise = NoiseModel::default().in_image(SIZE);
+        let grid = Grid { image: ReducedImage::new(image, 1), camera: &camera, noise, least_noise: 0.0 };
+        let ideal =
+            |x: f64, y: f64| camera.ideal_pixel(&camera.unproject(&Vector2::new(x, y)).unwrap()).unwrap();
+        let baseline = Baseline::new(&[ideal(40.0, 0.0), ideal(40.0, 79.0)], &ideal(60.0, 40.0)).unwrap();
+        let strip = Strip::gather(&grid, &baseline, 10.0);
+        let rough = RoughLine { ends: [0.0; 2], score: 0.0, visible: true };
+        let half_length = baseline.half_length;
+        let expected = Expected { rough, half_length, deviation: 1.5, noise: NOISE };
+        let mut limbs = [Limb::new(&strip, expected, &LimbShading::plain(0.3), 30.0)];
+        let expected = ExpectedBlur::new(0.0);
+        let (mut blur, mut moved) = (expected.value, f64::INFINITY);
+        for count in 1..=STEPS.count() {
+            look_about(&mut limbs, count);
+            let profiles = profiles(&limbs, blur);
+            moved = moved.min(step(&mut limbs, &profiles, &expected, &mut blur, Window::full()));
+        }
+        moved
+    }
+
+    #[test]
+    fn faint_limbs_settle() {
+        let settled = (0..20).filter(|seed| last_step(&faint(*seed)) < SETTLED.get()).count();
+        // With pixels that enter and leave at each step it was 8.
+        assert!(settled >= 14, "{settled} of 20");
+    }
+}
