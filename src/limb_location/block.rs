@@ -125,19 +125,20 @@ impl Block {
     }
 }
 
-/// The blocks of a limb with a given line, from the pixels in a window about it. `noise` is the standard deviation of a
-/// pixel.
+/// The blocks of a limb with a given line, from the pixels in a window about the line `near`, which is within
+/// [`super::profile::MARGIN`] of it. `noise` is the standard deviation of a pixel.
 pub(super) fn fit_blocks(
     strip: &Strip,
     noise: f64,
     background: Background,
     profile: &Table<ShadedRow>,
     line: &StripLine,
+    near: &StripLine,
     window: Window,
 ) -> Vec<Block> {
     let mut rows = Vec::with_capacity(strip.pixels_of_block());
-    let sums =
-        blocks(strip).filter_map(|runs| ShadedSums::new(strip, profile, line, window, runs, &mut rows));
+    let sums = |runs| ShadedSums::new(Gather { strip, profile, line, near, window, runs, rows: &mut rows });
+    let sums = blocks(strip).filter_map(sums);
     let mut blocks = Vec::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
     blocks.extend(sums.filter_map(|sums| sums.fit(noise, background)));
     blocks
@@ -190,15 +191,7 @@ struct ShadedSums {
 }
 
 impl ShadedSums {
-    fn new(
-        strip: &Strip,
-        profile: &Table<ShadedRow>,
-        line: &StripLine,
-        window: Window,
-        runs: Range<usize>,
-        rows: &mut Vec<ShadedRow>,
-    ) -> Option<Self> {
-        let gather = Gather { strip, profile, line, near: line, window, runs, rows };
+    fn new(gather: Gather<'_, 12>) -> Option<Self> {
         let Gathered { products, count, s } = Arch::new().dispatch(gather)?;
         (count >= LEAST_PIXELS.count() as f64).then_some(Self { count, s, products })
     }

@@ -81,6 +81,8 @@ pub(super) struct Limb<'a> {
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
+    /// The line about which pixels are looked at.
+    pub near: StripLine,
     pub blocks: Vec<Block>,
     /// Covariance of (offset, slope).
     pub covariance: Matrix2<f64>,
@@ -107,6 +109,7 @@ impl<'a> Limb<'a> {
             background: Background::Flat,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
+            near: line,
             blocks: Vec::new(),
             covariance: Matrix2::zeros(),
             misfit: 0.0,
@@ -145,6 +148,12 @@ impl<'a> Limb<'a> {
     pub fn is_beyond(&self, reach: f64) -> bool {
         let half = self.expected.half_length;
         [-half, half].iter().any(|s| self.state.line.at(*s).abs() > reach)
+    }
+
+    /// Whether the line goes within `distance` of another one, in pixels.
+    pub fn is_along(&self, other: &StripLine, distance: f64) -> bool {
+        let half = self.expected.half_length;
+        [-half, half].iter().all(|s| (self.state.line.at(*s) - other.at(*s)).abs() <= distance)
     }
 
     /// How many blocks carry the line: all when they count alike, one when one of them carries it.

@@ -21,6 +21,9 @@ constants! {
     TAIL = 4.0, "σ";
 }
 
+/// How far from their line, in pixels, the pixels in its window may be looked up: the tables reach a cell beyond it.
+pub(super) const MARGIN: f64 = 0.09;
+
 pub(super) const FUNCTIONS: usize = 5;
 
 /// The functions of a profile at one u: 1 and the distance from the limb outside; the expected brightness, sin θ and
@@ -60,8 +63,9 @@ impl SharpProfile {
 
     /// The functions over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
     pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
-        let kernel: Vec<[f64; 2]> = kernel(blur).iter().map(|&[g, slope, _]| [g, slope]).collect();
-        self.table(&kernel, margin, |u, [values, slopes]| {
+        let kernel = kernel(blur).into_iter().map(|[g, slope, _]| [[g; 4], [slope; 4]]);
+        let cells = self.cells.iter().map(|cell| [(*cell).into(); 2]);
+        table(&cells.collect::<Vec<_>>(), &kernel.collect::<Vec<_>>(), margin, |u, [values, slopes]| {
             let [outside, distance] = background(u, blur, values[0], slopes[0]);
             [outside, distance, values[1], values[2], values[3], 0.0, 0.0, 0.0]
         })
@@ -69,40 +73,45 @@ impl SharpProfile {
 
     /// The profile over the window, for a blur and a shading.
     pub fn shaded(&self, blur: f64, shading: &Vector2<f64>) -> Table<ShadedRow> {
-        let mix = |sums: &Vector4<f64>| sums[1] + shading[0] * sums[2] + shading[1] * sums[3];
-        self.table(&kernel(blur), 0.0, |u, [values, slopes, blur_slopes]| {
-            let (inside, slope, blur_slope) = (mix(&values), mix(&slopes), mix(&blur_slopes));
-            let [outside, distance] = background(u, blur, values[0], slopes[0]);
+        let kernel =
+            kernel(blur).into_iter().map(|[g, slope, by_blur]| [[g; 4], [slope, slope, by_blur, by_blur]]);
+        let cells = self.cells.iter().map(|cell| {
+            let (one, sine, lean) = (cell[0], cell[2], cell[3]);
+            let inside = cell[1] + shading[0] * sine + shading[1] * lean;
+            [[one, inside, sine, lean], [one, inside, one, inside]]
+        });
+        table(&cells.collect::<Vec<_>>(), &kernel.collect::<Vec<_>>(), 0.0, |u, [values, slopes]| {
+            let [one, inside, sine, lean] = values;
+            let [one_by_u, inside_by_u, one_by_blur, inside_by_blur] = slopes;
+            let [outside, distance] = background(u, blur, one, one_by_u);
             let levels = [outside, distance, inside];
-            let by_u = [-slopes[0], -outside, slope];
-            let by_blur = [-blur_slopes[0], blur * slopes[0], blur_slope];
+            let by_u = [-one_by_u, -outside, inside_by_u];
+            let by_blur = [-one_by_blur, blur * one_by_u, inside_by_blur];
             let mut row = [0.0; 12];
             row[..3].copy_from_slice(&levels);
             row[3..6].copy_from_slice(&by_u);
             row[6..9].copy_from_slice(&by_blur);
-            row[9..SHADED].copy_from_slice(&[values[2], values[3]]);
+            row[9..SHADED].copy_from_slice(&[sine, lean]);
             row
         })
     }
+}
 
-    /// A table over the window widened by `margin`: `row` of u and of the sums of the cells by each column of a kernel.
-    fn table<const N: usize, Row>(
-        &self,
-        kernel: &[[f64; N]],
-        margin: f64,
-        row: impl Fn(f64, [Vector4<f64>; N]) -> Row,
-    ) -> Table<Row> {
-        let taps = (kernel.len() / 2) as i32;
-        let (first_index, last_index) = window(margin);
-        let rows = (first_index..=last_index).map(|index| {
-            // The kernel reaches from the first to the last of these cells, as far as there are any.
-            let (first, last) = (index - taps, index + taps);
-            let weights = &kernel[(-first).clamp(0, 2 * taps + 1) as usize..];
-            let cells = &self.cells[first.max(0) as usize..(last + 1).max(0) as usize];
-            row(f64::from(index) * STEP.get(), weighted_sums(weights, cells))
-        });
-        Table { first: f64::from(first_index) * STEP.get(), rows: rows.collect() }
-    }
+/// Two times four numbers: of a cell, or what they are multiplied by.
+type Pair = [[f64; 4]; 2];
+
+/// A table over the window widened by `margin`: `row` of u and of the sums of the cells by a kernel.
+fn table<Row>(cells: &[Pair], kernel: &[Pair], margin: f64, row: impl Fn(f64, Pair) -> Row) -> Table<Row> {
+    let taps = (kernel.len() / 2) as i32;
+    let (first_index, last_index) = window(margin);
+    let rows = (first_index..=last_index).map(|index| {
+        // The kernel reaches from the first to the last of these cells, as far as there are any.
+        let (first, last) = (index - taps, index + taps);
+        let weights = &kernel[(-first).clamp(0, 2 * taps + 1) as usize..];
+        let cells = &cells[first.max(0) as usize..(last + 1).max(0) as usize];
+        row(f64::from(index) * STEP.get(), weighted_sums(weights, cells))
+    });
+    Table { first: f64::from(first_index) * STEP.get(), rows: rows.collect() }
 }
 
 /// 1 and the distance from the limb outside of it, blurred, where 1 inside of it is `inside` and rises by `slope` per
@@ -127,19 +136,18 @@ fn kernel(blur: f64) -> Vec<[f64; 3]> {
     kernel.iter().map(|k| [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum]).collect()
 }
 
-fn weighted_sums<const N: usize>(weights: &[[f64; N]], cells: &[Vector4<f64>]) -> [Vector4<f64>; N] {
+fn weighted_sums(weights: &[Pair], cells: &[Pair]) -> Pair {
     // The widest instructions of the machine; they all round alike.
     Arch::new().dispatch(|| {
-        let mut sums = [[0.0; 4]; N];
+        let mut sums = [[0.0; 4]; 2];
         for (weights, cell) in weights.iter().zip(cells) {
-            let cell: &[f64; 4] = cell.as_ref();
-            for (sum, weight) in sums.iter_mut().zip(weights) {
-                for (sum, x) in sum.iter_mut().zip(cell) {
+            for ((sums, weights), cell) in sums.iter_mut().zip(weights).zip(cell) {
+                for ((sum, weight), x) in sums.iter_mut().zip(weights).zip(cell) {
                     *sum += x * weight;
                 }
             }
         }
-        sums.map(Vector4::from)
+        sums
     })
 }
 
