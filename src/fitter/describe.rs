@@ -2,8 +2,8 @@
 
 use super::data::{self, Data};
 use super::held::Held;
-use super::objective::Scales;
 use super::result::{FitResult, Flags, Seconds};
+use super::scales::Scales;
 use super::start::Candidate;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};

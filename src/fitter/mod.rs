@@ -24,6 +24,7 @@ mod options;
 mod outline;
 mod result;
 mod run;
+mod scales;
 mod selection;
 mod start;
 mod uncertainty;

@@ -1,18 +1,17 @@
 //! From a start to the minimum of the chosen objective.
 
 use super::data::{Data, ViewData};
-use super::few;
 use super::held::Held;
 use super::options::ChartChoice;
 use super::run::Run;
+use super::scales::Scales;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
 use crate::residuals::{
-    Bend, Known, NormalEquations, PixelResiduals, RobustScales, RobustView, SharedErrors, Squared, Sum,
-    TUKEY_EFFICIENT, Term, paper_objective, robust_objective,
+    Bend, Known, PixelResiduals, RobustScales, RobustView, SharedErrors, Sum, Term, paper_objective,
+    robust_objective,
 };
 use crate::solver::{Convergence, Domain, IterationLimits, Termination, minimise};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use std::cell::Cell;
 
 /// The scale of the point residuals is settled when it changes by less than this part.
@@ -22,10 +21,6 @@ const SCALE_TOLERANCE: f64 = 1e-4;
 /// what the image adds.
 const ROUGH_TOLERANCE: f64 = 1e-2;
 const ROUGH_COST_TOLERANCE: f64 = 1e-5;
-
-/// The part by which a number of independent points may change without another minimum: it is an estimate, good to
-/// a tenth at best.
-const INFORMATION_TOLERANCE: f64 = 0.1;
 
 /// Damping of the first step from next to a minimum that is wanted in full: far below the curvature along what the data
 /// tell least, so that it shortens no step. With the damping of a start an iteration creeps until that has fallen. On the
@@ -84,47 +79,6 @@ impl Precision {
             Precision::Rough => ROUGH_TOLERANCE,
             Precision::Full => SCALE_TOLERANCE,
         }
-    }
-}
-
-/// The scales of the point residuals of a cylinder.
-#[derive(Debug, Clone)]
-pub(super) struct Scales {
-    pub views: Vec<RobustScales>,
-    /// Of all views together.
-    pub all: f64,
-}
-
-impl Scales {
-    /// Whether the numbers of independent points are the same to within what their estimate is good for.
-    fn same_information(&self, before: &Self) -> bool {
-        let count = |scales: &RobustScales| scales.independent_points;
-        let mut pairs = self.views.iter().zip(&before.views);
-        pairs.all(|(next, before)| (count(next) / count(before) - 1.0).abs() <= INFORMATION_TOLERANCE)
-    }
-
-    fn differ_by_less_than(&self, part: f64, before: &Self) -> bool {
-        let mut pairs = self.views.iter().zip(&before.views);
-        pairs.all(|(next, before)| (next.point - before.point).abs() <= part * before.point)
-    }
-}
-
-/// The residuals of the points at a cylinder.
-struct Residuals {
-    /// By view.
-    views: Vec<Vec<f64>>,
-    /// Their scales, by view,
-    points: Vec<f64>,
-    /// and of all together.
-    all: f64,
-}
-
-impl Residuals {
-    /// The scales with the numbers of independent points of others.
-    fn scales_with_counts_of(&self, before: &Scales) -> Scales {
-        let pairs = self.points.iter().zip(&before.views);
-        let views = pairs.map(|(&point, before)| RobustScales { point, ..*before });
-        Scales { views: views.collect(), all: self.all }
     }
 }
 
@@ -421,108 +375,4 @@ impl Data<'_> {
             ChartChoice::Auto => Chart::Local,
         }
     }
-
-    /// Whether the scale of the point residuals of a cylinder is less than some limit, which takes no median.
-    pub fn scale_is_below(&self, cylinder: &Cylinder, limit: f64) -> bool {
-        let below = limit / DEVIATION_OF_MEDIAN;
-        let of_view = |view: &ViewData<'_>| view.points_within(cylinder, &self.center, below);
-        self.rounding() < limit && 2 * self.views.iter().map(of_view).sum::<usize>() > self.count()
-    }
-
-    /// By the median absolute deviation. Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
-    fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
-        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
-    }
-
-    /// What rounding leaves of the residuals of exact data.
-    fn rounding(&self) -> f64 {
-        64.0 * f64::EPSILON * self.center.amax().max(self.unit)
-    }
-
-    /// The number of independent points that count at a cylinder: those that are not outliers.
-    pub fn independent_inliers(&self, cylinder: &Cylinder, scales: &Scales) -> f64 {
-        let of_view = |(view, scales): (&ViewData<'_>, &RobustScales)| {
-            if self.is_paper() {
-                return scales.independent_points;
-            }
-            let inliers = view.points_within(cylinder, &self.center, TUKEY_EFFICIENT * scales.point);
-            scales.independent_points * inliers as f64 / view.points.count().max(1) as f64
-        };
-        self.views.iter().zip(&scales.views).map(of_view).sum()
-    }
-
-    /// The scales of a cylinder.
-    pub fn scales(&self, cylinder: &Cylinder) -> Scales {
-        self.scales_of(cylinder, &self.residuals(cylinder))
-    }
-
-    /// The same where the residuals are known.
-    fn scales_of(&self, cylinder: &Cylinder, residuals: &Residuals) -> Scales {
-        let views = self.views.iter().zip(&residuals.views).zip(&residuals.points);
-        let views = views.map(|((view, residuals), &point)| {
-            let independent_points = self.independent_points(view, cylinder, residuals, point);
-            RobustScales { point, independent_points }
-        });
-        Scales { views: views.collect(), all: residuals.all }
-    }
-
-    fn residuals(&self, cylinder: &Cylinder) -> Residuals {
-        let distances = |view: &ViewData<'_>| view.distances(cylinder, &self.center);
-        let told = self.options.noise.depth;
-        if let [view] = &self.views[..]
-            && few::are_many(view.points.count())
-        {
-            // Without a list of them: the neighbours have one of their own.
-            let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
-            let all = (DEVIATION_OF_MEDIAN * few::median_distance(view, &frame)).max(self.rounding());
-            let point = if told > 0.0 { told } else { all };
-            return Residuals { views: vec![Vec::new()], points: vec![point], all };
-        }
-        let views: Vec<Vec<f64>> = self.views.iter().map(distances).collect();
-        let scale = |view: &Vec<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
-        let points: Vec<f64> = views.iter().map(scale).collect();
-        let all = match points[..] {
-            [one] if told == 0.0 => one,
-            _ => self.scale_of(views.iter().flatten().copied()),
-        };
-        Residuals { views, points, all }
-    }
-
-    /// The number of independent points of a view whose residuals have some scale, unless the caller told it.
-    fn independent_points(
-        &self,
-        view: &ViewData<'_>,
-        cylinder: &Cylinder,
-        residuals: &[f64],
-        scale: f64,
-    ) -> f64 {
-        let count = view.stands_for as f64;
-        let told = self.options.independent_points;
-        if told > 0.0 {
-            return told.min(count).max(1.0);
-        }
-        // What rounding leaves is alike everywhere and no noise.
-        if view.points.count() == 0 || scale <= self.rounding() {
-            return count.max(1.0);
-        }
-        let frame = self.frame(cylinder).moved(&view.into_view);
-        // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
-        // the minimum of the points would take away is no noise.
-        let freed = if self.is_paper() { without_misfit(view, &frame) } else { None };
-        let band = view.neighbours.band();
-        let own = match (freed, band) {
-            (Some(freed), band) => Some(band.unwrap_or(view.points).distances(&freed)),
-            (None, Some(band)) => Some(band.distances(&LocalFrame { unit: 1.0, ..frame })),
-            (None, None) => None,
-        };
-        let residuals = own.as_deref().unwrap_or(residuals);
-        view.neighbours.independent_points(view, &frame, residuals, TUKEY_EFFICIENT * scale).max(1.0)
-    }
-}
-
-/// The frame at the minimum of the points, by a step; `None` where that is not determined.
-fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
-    let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
-    let cylinder = frame.retract(&-hessian.cholesky()?.solve(&gradient));
-    Some(LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0))
 }

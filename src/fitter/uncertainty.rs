@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::held::Held;
-use super::objective::Scales;
+use super::scales::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
 use crate::residuals::{Sandwich, Sum, root};
 use nalgebra::{Matrix2, SMatrix, SVector, SymmetricEigen, Vector3};
