@@ -5,7 +5,7 @@ use super::points::PointTerm;
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::LocalFrame;
-use std::cell::Cell;
+use std::cell::RefCell;
 
 /// A loss whose scale is a length, for residuals in units of a frame.
 pub trait LossInFrame {
@@ -58,21 +58,28 @@ pub struct Points<'a, L> {
     /// The number of independent points, for the covariance.
     pub independent_points: f64,
     /// What was asked last.
-    asked: Cell<Option<(LocalFrame, NormalEquations)>>,
+    asked: RefCell<Option<Box<(LocalFrame, NormalEquations)>>>,
 }
 
 impl<'a, L: LossInFrame> Points<'a, L> {
     /// The term of points with a loss.
     pub fn new(points: PointTerm<'a>, loss: L, independent_points: f64) -> Self {
-        Self { points, loss, independent_points, asked: Cell::new(None) }
+        Self { points, loss, independent_points, asked: RefCell::new(None) }
     }
 
     fn equations(&self, frame: &LocalFrame) -> NormalEquations {
-        if let Some((_, equations)) = self.asked.get().filter(|(asked, _)| asked == frame) {
-            return equations;
+        let mut asked = self.asked.borrow_mut();
+        if let Some(asked) = &*asked
+            && asked.0 == *frame
+        {
+            return asked.1;
         }
         let equations = self.points.linearise(frame, self.loss.at(frame));
-        self.asked.set(Some((*frame, equations)));
+        let kept = (*frame, equations);
+        match &mut *asked {
+            Some(asked) => **asked = kept,
+            None => *asked = Some(Box::new(kept)),
+        }
         equations
     }
 
