@@ -189,7 +189,7 @@ enum Lens {
 /// A camera: checked [`Intrinsics`] and the valid field of the lens.
 ///
 /// One with distortion remembers the rays of whole pixels of the image that it was asked for, together with its clones. That
-/// takes 16 bytes a pixel at most.
+/// takes 16 bytes a pixel when all were asked for.
 #[derive(Clone)]
 pub struct Camera {
     intrinsics: Intrinsics,
@@ -256,6 +256,12 @@ impl Camera {
             distortion,
         };
         Self::with_lens(intrinsics, self.lens.clone())
+    }
+
+    /// Whether the two remember rays together.
+    #[cfg(test)]
+    pub(crate) fn shares_rays_with(&self, other: &Self) -> bool {
+        self.rays.as_ref().zip(other.rays.as_ref()).is_some_and(|(own, other)| Arc::ptr_eq(own, other))
     }
 
     /// Columns and rows of the image.

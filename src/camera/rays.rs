@@ -14,10 +14,10 @@ const NO_RAY: u64 = f64::NAN.to_bits();
 type Place = [AtomicU64; 2];
 
 /// The rays of the whole pixels of an image through a lens, remembered from when they are first asked for: 16 bytes a
-/// pixel at most.
+/// pixel when all were asked for.
 ///
-/// There is only memory for blocks of pixels that were asked for. A block has as many pixels as there are blocks, but for a
-/// factor of 2, so that a single ray of a large image takes little. Where memory is missing nothing is remembered.
+/// There is only memory for blocks of pixels that were asked for. A block has about as many pixels as there are blocks, so
+/// that a single ray of a large image takes little. Where memory is missing nothing is remembered.
 pub(super) struct Rays {
     width: usize,
     height: usize,
@@ -161,8 +161,8 @@ mod tests {
                 assert_eq!(bits(camera.ray_of_pixel(column, row)), bits(camera.find_ray(&pixel)), "{pixel}");
             }
         }
-        let without =
-            pixels().filter(|pixel| folding().contains(pixel) && folding().unproject(pixel).is_none());
+        let camera = folding();
+        let without = pixels().filter(|pixel| camera.contains(pixel) && camera.unproject(pixel).is_none());
         assert!(without.count() > 100);
     }
 
