@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{Mask, MaskView};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 /// What became of the pixels of the mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -108,7 +108,7 @@ impl<'a> Region<'a> {
         row: usize,
         counts: &mut CompletionCounts,
     ) -> Option<Vector3<f64>> {
-        let Some(ray) = self.camera.unproject(&Vector2::new(column as f64, row as f64)) else {
+        let Some(ray) = self.camera.ray_of_pixel(column, row) else {
             counts.outside_camera += 1;
             return None;
         };

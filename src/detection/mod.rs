@@ -164,7 +164,7 @@ pub(crate) fn detect_until(
     let rays = camera.rays_by_column_and_row();
     let ray = |column: usize, row: usize| match &rays {
         Some((x, y)) => Some(Vector3::new(x[column], y[row], 1.0)),
-        None => camera.unproject(&Vector2::new(column as f64, row as f64)),
+        None => camera.ray_of_pixel(column, row),
     };
     let mut points: Vec<Vector3<f32>> = Vec::with_capacity(width * height);
     for row in 0..height {

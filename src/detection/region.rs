@@ -13,7 +13,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::observations::{DepthImage, Mask};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 /// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
 /// the depth is estimated from all of it.
@@ -51,7 +51,7 @@ pub(crate) fn detect_in_mask(
     let point = |x: usize, y: usize| -> Option<Vector3<f64>> {
         let (x, y) = (x + left, y + top);
         let z = depth.depth(x, y)?;
-        Some(camera.unproject(&Vector2::new(x as f64, y as f64))? * z)
+        Some(camera.ray_of_pixel(x, y)? * z)
     };
     let mut grid = Grid::new((right - left, bottom - top), pixel, side, &point);
     let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };

@@ -2,7 +2,6 @@
 
 use super::silhouette::Silhouette;
 use crate::observations::Mask;
-use nalgebra::Vector2;
 use std::ops::Range;
 
 constants! {
@@ -36,7 +35,7 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     });
     let mut last: Option<f64> = None;
     for (column, row) in pixels {
-        let ray = surface.camera.unproject(&Vector2::new(column as f64, row as f64));
+        let ray = surface.camera.ray_of_pixel(column, row);
         let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
         let position = (point - axis.point).dot(&axis.direction);
         let beyond = (position - silhouette.middle()) * outward;

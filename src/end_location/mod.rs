@@ -22,7 +22,6 @@ use crate::parts::{BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
-use nalgebra::Vector2;
 use silhouette::{RoughEnd, Silhouette};
 use std::ops::ControlFlow;
 use surface::Surface;
@@ -215,7 +214,7 @@ fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Optio
     let (mask, axis) = (search.mask, cylinder.axis);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (column, row) in mask.set_pixels_of_grid(stride) {
-        let ray = search.camera.unproject(&Vector2::new(column as f64, row as f64));
+        let ray = search.camera.ray_of_pixel(column, row);
         if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
             let position = (point - axis.point).dot(&axis.direction);
             low = low.min(position);

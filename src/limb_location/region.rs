@@ -96,7 +96,7 @@ impl<'a> Outline<'a> {
         noise: &ImageNoise,
     ) -> Option<Self> {
         let pixel = |at: (usize, usize)| {
-            let ray = camera.unproject(&Vector2::new(at.0 as f64, at.1 as f64))?;
+            let ray = camera.ray_of_pixel(at.0, at.1)?;
             Some(OutlinePixel { position: camera.ideal_pixel(&ray)?, at })
         };
         let pixels: Vec<OutlinePixel> = mask.outline().filter_map(pixel).collect();

@@ -9,7 +9,7 @@ use super::strided::Scalar;
 use super::views::DepthView;
 use crate::error::{Error, Result};
 use crate::geometry::RigidMotion;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -260,7 +260,15 @@ impl PointCloud {
         let rays = sensor.rays_by_column_and_row();
         let ray = |column: usize, row: usize| match &rays {
             Some((of_columns, of_rows)) => Some(Vector3::new(of_columns[column], of_rows[row], 1.0)),
-            None => sensor.unproject(&Vector2::new(column as f64, row as f64)),
+            None => sensor.ray_of_pixel(column, row),
+        };
+        let add = |batch: &mut Batch<f64>, column: usize, row: usize, depth: f64| match ray(column, row) {
+            Some(ray) => {
+                let point = ray * depth;
+                let point = if own { to_color.point(&point) } else { point };
+                batch.push(point.into(), column, row);
+            }
+            None => batch.dropped.outside_camera += 1,
         };
         let take = |batch: &mut Batch<f64>, column: usize, row: usize, sight: Sight| {
             let Some(depth) = depth.depth_at(row * width + column) else {
@@ -271,35 +279,30 @@ impl PointCloud {
                 batch.dropped.out_of_range += 1;
             } else if sight == Sight::Hidden {
                 batch.dropped.hidden += 1;
-            } else if let Some(ray) = ray(column, row) {
-                let point = ray * depth;
-                let point = if own { to_color.point(&point) } else { point };
-                batch.push(point.into(), column, row);
             } else {
-                batch.dropped.outside_camera += 1;
+                add(batch, column, row, depth);
             }
         };
-        let take_run = |batch: &mut Batch<f64>, columns: Range<usize>, row: usize| match &rays {
-            Some((of_columns, of_rows)) if !own => {
-                let pixels = row * width + columns.start..row * width + columns.end;
-                let set = mask.map(|mask| mask.pixels_by_index(pixels.clone()));
-                let run = Run::new(&depth.values[pixels], set, depth.scale, range);
-                batch.dropped.no_depth += run.no_depth;
-                batch.dropped.out_of_range += run.out_of_range;
-                let [x, y, z] = &mut batch.axes;
-                let rays = &of_columns[columns.clone()];
-                let (places, depths) = run.usable();
-                let of_row = of_rows[row];
-                x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
-                y.extend(depths.iter().map(move |depth| of_row * depth));
-                z.extend_from_slice(depths);
-                batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
-            }
-            _ => {
-                for column in columns {
-                    if mask.is_none_or(|mask| mask.contains_index(row * width + column)) {
-                        take(batch, column, row, Sight::Seen);
-                    }
+        let take_run = |batch: &mut Batch<f64>, columns: Range<usize>, row: usize| {
+            let pixels = row * width + columns.start..row * width + columns.end;
+            let set = mask.map(|mask| mask.pixels_by_index(pixels.clone()));
+            let run = Run::new(&depth.values[pixels], set, depth.scale, range);
+            batch.dropped.no_depth += run.no_depth;
+            batch.dropped.out_of_range += run.out_of_range;
+            let (places, depths) = run.usable();
+            match &rays {
+                Some((of_columns, of_rows)) if !own => {
+                    let [x, y, z] = &mut batch.axes;
+                    let rays = &of_columns[columns.clone()];
+                    let of_row = of_rows[row];
+                    x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
+                    y.extend(depths.iter().map(move |depth| of_row * depth));
+                    z.extend_from_slice(depths);
+                    batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
+                }
+                _ => {
+                    let measured = places.iter().zip(depths);
+                    measured.for_each(|(k, depth)| add(batch, columns.start + k, row, *depth));
                 }
             }
         };

@@ -49,12 +49,16 @@ impl Frame {
         Self { camera: Some(camera), ..Self::default() }
     }
 
-    /// Replaces the colour camera. Images stay: they must have its size.
+    /// Replaces the colour camera, unless it has the same parameters. Images stay: they must have its size.
     ///
     /// # Errors
     /// `SizeMismatch` with an image of another size ([`Frame::clear_image`], [`Frame::clear_depth`]), `OutOfMemory`.
     /// The old camera stays then.
     pub fn set_camera(&mut self, camera: Camera) -> Result<()> {
+        // The one that is there knows rays already, and nothing else would change.
+        if self.camera.as_ref().is_some_and(|known| known.intrinsics() == camera.intrinsics()) {
+            return Ok(());
+        }
         if let Some(image) = &self.image {
             check_same_size(COLOR_GRID, camera.size(), "image", (image.width(), image.height()))?;
         }

@@ -11,7 +11,7 @@ use crate::geometry::Cylinder;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 constants! {
     /// About how many pixels of a mask are looked at.
@@ -226,7 +226,7 @@ impl Parts {
     #[must_use]
     pub fn body(&self, camera: &Camera, mask: &Mask) -> Option<Mask> {
         mask.chosen(|column, row| {
-            let ray = camera.unproject(&Vector2::new(column as f64, row as f64));
+            let ray = camera.ray_of_pixel(column, row);
             ray.is_some_and(|ray| self.within(&ray))
         })
     }
@@ -300,7 +300,7 @@ impl Sight {
         (column, row): (usize, usize),
     ) -> Option<Self> {
         let z = depth.depth(column, row)?;
-        let ray = camera.unproject(&Vector2::new(column as f64, row as f64))?;
+        let ray = camera.ray_of_pixel(column, row)?;
         let axis = &cylinder.axis;
         let normal = ray.cross(&axis.direction);
         if normal.dot(&axis.point).abs() > WIDTH_PART.get() * normal.norm() * cylinder.radius {

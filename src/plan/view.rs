@@ -31,7 +31,7 @@ impl Plan {
         let [columns, rows] = self.bounds(cylinder, limbs);
         let mut points = Vec::new();
         for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
-            let Some(ray) = self.camera.unproject(&Vector2::new(x as f64, y as f64)) else { continue };
+            let Some(ray) = self.camera.ray_of_pixel(x, y) else { continue };
             let Some((position, normal)) = near_wall(cylinder, &ray) else { continue };
             // The ray has the depth 1.
             let across = -normal.dot(&ray);

@@ -192,3 +192,17 @@ fn frames_are_shared_between_threads() {
     });
     assert_eq!(others.map(|thread| thread.join().unwrap()), [80 * 60; 2]);
 }
+
+#[test]
+fn the_same_camera_again_keeps_the_rays_that_are_known() {
+    let mut frame = frame();
+    let first = frame.camera().unwrap().clone();
+    let again = Camera::new(*first.intrinsics()).unwrap();
+    assert!(!again.shares_rays_with(&first));
+    frame.set_camera(again).unwrap();
+    assert!(frame.camera().unwrap().shares_rays_with(&first));
+    let other = Camera::new(Intrinsics { fx: 181.0, ..*first.intrinsics() }).unwrap();
+    frame.set_camera(other).unwrap();
+    assert!(!frame.camera().unwrap().shares_rays_with(&first));
+    assert_eq!(frame.camera().unwrap().intrinsics().fx, 181.0);
+}

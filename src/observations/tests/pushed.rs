@@ -41,6 +41,40 @@ fn without_a_mask_every_measured_pixel_counts() {
 }
 
 #[test]
+fn pixels_that_the_lens_does_not_see_are_counted_and_the_next_push_has_the_same_bits() {
+    // It folds over within the image.
+    let folding = Distortion::BrownConrady([-0.3, 0.02, 1e-3, -2e-3, 0.0, 0.0, 0.0, 0.0]);
+    let camera = camera((131, 77), 60.0, folding);
+    let depths: Vec<f32> = (0..131 * 77_u16).map(|k| f32::from(k % 7)).collect();
+    let set: Vec<u8> = (0..131 * 77_u16).map(|k| u8::from(k % 5 < 3)).collect();
+    let mask = Mask::copy(&MaskView::from_u8(&set, (131, 77)).unwrap()).unwrap();
+    let mut frame = Frame::new(camera.clone());
+    let view = DepthView::from_f32(&depths, (131, 77), 1.0).unwrap();
+    frame.set_depth(&view, &DepthRange { min: 1.5, max: 5.0 }).unwrap();
+    let (mut pixels, mut expected) = (Vec::new(), Dropped::default());
+    for (k, (depth, set)) in depths.iter().zip(&set).enumerate() {
+        let pixel = [(k % 131) as u32, (k / 131) as u32];
+        let ray = camera.unproject(&Vector2::from(pixel.map(f64::from)));
+        match () {
+            () if *set == 0 => expected.outside_mask += 1,
+            () if *depth == 0.0 => expected.no_depth += 1,
+            () if !(1.5..=5.0).contains(depth) => expected.out_of_range += 1,
+            () if ray.is_none() => expected.outside_camera += 1,
+            () => pixels.push(pixel),
+        }
+    }
+    assert!(expected.outside_camera > 100 && pixels.len() > 100);
+    let pushed = || {
+        let mut cloud = PointCloud::default();
+        cloud.push_frame(&frame, Some(&mask)).unwrap();
+        assert_eq!(*cloud.dropped(), expected);
+        assert_eq!(cloud.pixels().unwrap(), pixels);
+        cloud.points().collect::<Vec<_>>()
+    };
+    assert_eq!(pushed(), pushed());
+}
+
+#[test]
 fn points_know_their_pixels_while_they_come_from_one_grid() {
     let organised: Vec<f32> = (0..18_u8).map(f32::from).collect();
     let bytes = organised.iter().flat_map(|x| x.to_ne_bytes()).collect::<Vec<_>>();
