@@ -58,10 +58,10 @@ fn asked_by(mut fitter: Fitter) -> usize {
 #[test]
 fn repeated_fits_ask_for_memory_no_more_often_than_before_and_keep_none() {
     let cases = [
-        ("paper, 5,000 points, from a model", fits::noisy(5_000, true, fits::paper(StartKind::Model)), 61),
-        ("robust, 5,000 points and edges", fits::noisy(5_000, true, Options::default()), 330),
-        ("robust, image and edges", fits::framed(true, true), 4050),
-        ("robust, image and mask", fits::framed(true, false), 5800),
+        ("paper, 5,000 points, from a model", fits::noisy(5_000, true, fits::paper(StartKind::Model)), 40),
+        ("robust, 5,000 points and edges", fits::noisy(5_000, true, Options::default()), 265),
+        ("robust, image and edges", fits::framed(true, true), 3700),
+        ("robust, image and mask", fits::framed(true, false), 5500),
     ];
     let mut rises = String::new();
     for (name, fitter, most) in cases {
