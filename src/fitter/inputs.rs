@@ -293,4 +293,35 @@ mod tests {
         fitter.clear_inputs(Inputs::DEPTH);
         assert!(!fitter.view().mask_is_body);
     }
+
+    #[test]
+    fn what_is_known_of_points_is_forgotten_with_them() {
+        let wave = |k: i32| 1e-4 * (f64::from(k) * 12.9898).sin();
+        let points = |turn: f64| -> Vec<[f64; 3]> {
+            let point = |k: i32| {
+                let (angle, radius) = (turn + 0.005 * f64::from(k % 200), 0.05 + wave(k));
+                [radius * angle.sin(), 0.002 * f64::from(k / 200), 0.8 - radius * angle.cos()]
+            };
+            (0..4000).map(point).collect()
+        };
+        let push = |fitter: &mut Fitter, points: &[[f64; 3]]| {
+            fitter.push_points(&PointsView::from_f64(points), None).unwrap();
+        };
+        let (first, second) = (points(-0.5), points(0.3));
+        let mut fitter = Fitter::new();
+        push(&mut fitter, &first);
+        fitter.fit().unwrap();
+        push(&mut fitter, &second);
+        let both = fitter.fit().unwrap();
+        fitter.clear_inputs(Inputs::POINTS);
+        push(&mut fitter, &second);
+        let alone = fitter.fit().unwrap();
+        for (pushed, result) in [(vec![&first, &second], &both), (vec![&second], &alone)] {
+            let mut fresh = Fitter::new();
+            pushed.into_iter().for_each(|points| push(&mut fresh, points));
+            let fresh = fresh.fit().unwrap();
+            assert_eq!(fresh.cylinder, result.cylinder);
+            assert_eq!(fresh.independent_points.to_bits(), result.independent_points.to_bits());
+        }
+    }
 }

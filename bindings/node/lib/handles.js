@@ -14,9 +14,13 @@ function destroy(held) {
   functions[`cylfuse_${held.kind}_destroy`](held.handle);
 }
 
-// Frees the handles that were forgotten, and those that a worker leaves behind; the main thread leaves none.
+/** How many calls of this thread wait for the pool or run on it. */
+const calls = { onPool: 0 };
+
+// Frees the handles that were forgotten, and those that a worker leaves behind; the main thread leaves none. A call that
+// still waits for the pool would begin with what is freed here, and nothing tells it: then they are left.
 const registry = new FinalizationRegistry(destroy);
-if (!isMainThread) process.on('exit', () => open.forEach(destroy));
+if (!isMainThread) process.on('exit', () => { if (calls.onPool === 0) open.forEach(destroy); });
 
 /** Creates a fitter, frame or detector, which is destroyed with its owner; `make` may do so by another function. */
 function create(kind, owner, make = functions[`cylfuse_${kind}_create`]) {
@@ -34,4 +38,4 @@ function close(held, owner) {
   destroy(held);
 }
 
-module.exports = { create, close };
+module.exports = { calls, create, close };

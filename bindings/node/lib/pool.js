@@ -4,6 +4,7 @@
 const fs = require('node:fs');
 const { inspect } = require('node:util');
 const { isMainThread } = require('node:worker_threads');
+const { calls } = require('./handles.js');
 const { koffi, Handle, FitEndedCallback, onPool, initialised, structs } = require('./native.js');
 
 // koffi takes 256 calls at a time, and the callbacks of calls count as such. The pool has 4 threads, or as many as
@@ -40,7 +41,12 @@ async function run(call, parameters, hears, cancelled) {
   try {
     if (cancelled()) return undefined;
     return await new Promise((resolve, reject) => {
-      call(...parameters, (error, value) => (error ? reject(error) : resolve(value)));
+      calls.onPool += 1;
+      call(...parameters, (error, value) => {
+        calls.onPool -= 1;
+        if (error) reject(error);
+        else resolve(value);
+      });
     });
   } finally {
     heard -= hears;
