@@ -6,7 +6,8 @@
 //! Data ─ start ─▶ candidates ─ guided ─▶ Guided ─ located ─▶ Located ─ arcs ─▶ Located ─ minimum ─▶ Fit
 //! ```
 //!
-//! Of very many points a part goes through all stages but the last minimum: see `few`. In a sequence `continued` may lead from the data to the last minimum at once.
+//! Of very many points a part goes through all stages but the last minimum: see `few`. In a sequence `continued` may lead
+//! from the data to the last minimum at once.
 
 use super::arcs;
 use super::continued;

@@ -57,7 +57,7 @@ pub struct Points<'a, L> {
     pub loss: L,
     /// The number of independent points, for the covariance.
     pub independent_points: f64,
-    /// What was asked last.
+    /// What was asked last. In a box, so that no frame is read where there is none: valgrind takes that for an error.
     asked: RefCell<Option<Box<(LocalFrame, NormalEquations)>>>,
 }
 
