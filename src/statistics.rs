@@ -1,6 +1,6 @@
 //! Robust location and scale of numbers.
 
-use std::cell::Cell;
+use pulp::Arch;
 
 /// The standard deviation of normal errors over the median of their absolute values.
 pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
@@ -117,7 +117,7 @@ const SAMPLE: usize = 256;
 /// How far from its own place in the sample they are, at least 3 standard deviations of that.
 const AROUND: usize = 25;
 
-/// The number at some place of the ordered list, which comes out in another order.
+/// The number at some place of the ordered list; few numbers come out in another order.
 fn nth(numbers: &mut [u64], place: usize) -> u64 {
     let count = numbers.len();
     if count < 8 * SAMPLE {
@@ -128,19 +128,26 @@ fn nth(numbers: &mut [u64], place: usize) -> u64 {
     let (low, high) = (middle.saturating_sub(AROUND), (middle + AROUND).min(SAMPLE - 1));
     let (_, low, above) = sample.select_nth_unstable(low);
     let (low, high) = (*low, *above.select_nth_unstable(high - middle.saturating_sub(AROUND) - 1).1);
-    // Those between them come first; without branches, which nobody could predict.
-    let (mut below, mut found) = (0, 0);
-    let cells = Cell::from_mut(&mut *numbers).as_slice_of_cells();
-    for cell in cells {
-        let number = cell.replace(cells[found].get());
-        cells[found].set(number);
-        found += usize::from(number.wrapping_sub(low) <= high - low);
-        below += usize::from(number < low);
+    let is_between = |number: u64| number.wrapping_sub(low) <= high - low;
+    let (below, between) = Arch::new().dispatch(|| {
+        let (mut below, mut between) = (0, 0);
+        for number in numbers.iter() {
+            below += u64::from(*number < low);
+            between += u64::from(is_between(*number));
+        }
+        (below as usize, between as usize)
+    });
+    let Some(place) = place.checked_sub(below).filter(|&place| place < between) else {
+        return *numbers.select_nth_unstable(place).1;
+    };
+    // Without branches, which nobody could predict: what is not between them is written over.
+    let mut found = vec![0; between + 1];
+    let mut at = 0;
+    for number in numbers.iter() {
+        found[at] = *number;
+        at += usize::from(is_between(*number));
     }
-    match place.checked_sub(below).filter(|&place| place < found) {
-        Some(place) => *numbers[..found].select_nth_unstable(place).1,
-        None => *numbers.select_nth_unstable(place).1,
-    }
+    *found[..between].select_nth_unstable(place).1
 }
 
 #[cfg(test)]

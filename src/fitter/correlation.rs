@@ -133,9 +133,14 @@ impl Lattice {
     pub fn independent_points(&self, residuals: &[f64], cutoff: f64) -> f64 {
         let mut values = vec![0.0; self.shares.len()];
         for (residual, &cell) in residuals.iter().zip(&self.cells) {
-            if cell != OUTSIDE && residual.abs() <= cutoff {
-                values[cell as usize] += residual * f64::from(self.shares[cell as usize]);
+            // Without branches, which nobody could predict.
+            let counted = if residual.abs() <= cutoff { *residual } else { 0.0 };
+            if let Some(value) = values.get_mut(cell as usize) {
+                *value += counted;
             }
+        }
+        for (value, share) in values.iter_mut().zip(&self.shares) {
+            *value *= f64::from(*share);
         }
         let variance = dot(&values, &values) / self.taken;
         if !(variance > 0.0) {

@@ -225,14 +225,23 @@ impl<'a> Data<'a> {
         self.views.iter().map(|view| view.points.count()).sum()
     }
 
-    /// At most `count` points of each view, evenly spread.
+    /// At most `count` points, evenly spread over those of each view: in the frames of the views,
+    pub fn samples(&self, count: usize) -> Vec<Vec<Vector3<f64>>> {
+        self.views.iter().map(|view| view.view.cloud.sample(count / self.views.len())).collect()
+    }
+
+    /// and in the reference frame.
     pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
-        let of_view = |view: &ViewData<'_>| {
+        self.in_reference(&self.samples(count))
+    }
+
+    /// Points in the frames of the views in the reference frame.
+    pub fn in_reference(&self, by_view: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
+        let of_view = |(view, points): (&ViewData<'_>, &Vec<Vector3<f64>>)| {
             let to_reference = view.into_view.inverse();
-            let sample = view.view.cloud.sample(count / self.views.len());
-            sample.iter().map(|p| to_reference.point(p)).collect::<Vec<_>>()
+            points.iter().map(|p| to_reference.point(p)).collect::<Vec<_>>()
         };
-        self.views.iter().flat_map(of_view).collect()
+        self.views.iter().zip(by_view).flat_map(of_view).collect()
     }
 
     /// Mean and covariance of the points; refuses those that no cylinder is determined by.

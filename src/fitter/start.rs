@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacFit, RansacOptions, ransac};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
@@ -100,53 +100,47 @@ impl Data<'_> {
 
     /// All candidates, the one that explains the sample best first.
     fn choose(&self, given: Option<Candidate>, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
-        let sample = self.sample(SAMPLE);
-        let from_limbs = self.limbs_starts();
-        let mut candidates = Vec::new();
-        candidates.extend(given);
-        candidates.extend(&from_limbs);
+        let by_view = self.samples(SAMPLE);
+        let sample = self.in_reference(&by_view);
+        let judge = |candidate: Candidate| (median_distance(&candidate.cylinder, &sample), candidate);
+        let mut candidates: Vec<(f64, Candidate)> = self.limbs_starts().into_iter().map(judge).collect();
+        // Random samples take longer than all the rest: only where the limbs do not explain the points.
+        let explained = candidates.iter().any(|(median, start)| *median <= EXPLAINED * start.cylinder.radius);
+        candidates.splice(0..0, given.map(judge));
         // Of some points: as good for a start.
         let moments = self.moments_start_of(sample.iter().map(|p| (*p, 1.0)));
-        candidates.extend(moments.map(|cylinder| Candidate { kind: StartKind::Moments, cylinder }));
+        candidates.extend(moments.map(|cylinder| judge(Candidate { kind: StartKind::Moments, cylinder })));
         let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
-        // Random samples take longer than all the rest: only where the limbs do not explain the points.
-        let explained = |start: &Candidate| {
-            median_distance(&start.cylinder, &sample) <= EXPLAINED * start.cylinder.radius
-        };
-        if !from_limbs.iter().any(explained) {
+        if !explained {
             match self.ransac(run) {
-                Ok(fit) => candidates.push(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
+                Ok(fit) => {
+                    candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }))
+                }
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = error.to_string(),
             }
         }
-        if candidates.is_empty() {
-            return Err(Error::NoStart { reason: failure });
-        }
-        let smallest =
-            candidates.iter().map(|c| median_distance(&c.cylinder, &sample)).fold(f64::INFINITY, f64::min);
+        let smallest = candidates.iter().map(|(median, _)| *median).min_by(f64::total_cmp);
+        let smallest = smallest.ok_or(Error::NoStart { reason: failure })?;
         // Three standard deviations of the noise around the best candidate.
         let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
         let held = Held::as_given(self);
-        let cost = |candidate: &Candidate| self.robust_cost(&held, &candidate.cylinder, &sample, scale);
-        let mut judged: Vec<(f64, Candidate)> = candidates.into_iter().map(|c| (cost(&c), c)).collect();
+        let cost = |cylinder: &Cylinder| {
+            cost_of_points(cylinder, &sample, scale) + self.cost_of_views(&held, cylinder, &by_view)
+        };
+        let mut judged: Vec<(f64, Candidate)> =
+            candidates.into_iter().map(|(_, candidate)| (cost(&candidate.cylinder), candidate)).collect();
         judged.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
     }
 
-    /// Truncated squares of points and endpoints, each part in [0, 1]; 1 more when most points are on the wall
-    /// that the camera cannot see.
-    fn robust_cost(&self, held: &Held, cylinder: &Cylinder, sample: &[Vector3<f64>], scale: f64) -> f64 {
-        let truncated = |ratio: f64| (ratio * ratio).min(1.0);
+    /// For each view the mean of truncated squares of endpoints, in [0, 1]; 1 more when most of its points are on the wall that
+    /// the camera cannot see.
+    fn cost_of_views(&self, held: &Held, cylinder: &Cylinder, samples: &[Vec<Vector3<f64>>]) -> f64 {
         let mut cost = 0.0;
-        if !sample.is_empty() {
-            let sum: f64 = sample.iter().map(|p| truncated(cylinder.distance(p) / scale)).sum();
-            cost += sum / sample.len() as f64;
-        }
-        for (view, held) in self.views.iter().zip(&held.views) {
+        for ((view, held), sample) in self.views.iter().zip(&held.views).zip(samples) {
             let seen = view.seen(cylinder);
-            let sample = view.view.cloud.sample(SAMPLE / self.views.len());
-            if view.observed && seen.visible_wall(sample.into_iter()).fraction() < 0.5 {
+            if view.observed && seen.visible_wall(sample.iter().copied()).fraction() < 0.5 {
                 cost += 1.0;
             }
             let Some(lines) = &held.lines else { continue };
@@ -160,6 +154,17 @@ impl Data<'_> {
     }
 }
 
+/// The mean of truncated squares of points, in [0, 1]; 0 for none.
+fn cost_of_points(cylinder: &Cylinder, sample: &[Vector3<f64>], scale: f64) -> f64 {
+    let sum: f64 = sample.iter().map(|p| truncated(cylinder.distance(p) / scale)).sum();
+    sum / sample.len().max(1) as f64
+}
+
+/// The square of a ratio, at most 1.
+fn truncated(ratio: f64) -> f64 {
+    (ratio * ratio).min(1.0)
+}
+
 impl ViewData<'_> {
     /// The normals of the points in the reference frame, where all have one.
     fn normals(&self) -> Option<Vec<Vector3<f64>>> {
@@ -171,6 +176,5 @@ impl ViewData<'_> {
 
 /// Median distance of points from a surface, 0 for no points.
 pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
-    let mut distances: Vec<f64> = points.iter().map(|p| cylinder.distance(p).abs()).collect();
-    median(&mut distances)
+    median_size(points.iter().map(|p| cylinder.distance(p)))
 }

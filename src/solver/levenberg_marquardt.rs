@@ -136,7 +136,8 @@ pub struct Domain<'a> {
     pub limits: &'a CylinderLimits,
 }
 
-/// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed; in the local
+/// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed, but that the step after
+/// which the linearisation promises no progress is not looked at any more; in the local
 /// one the second derivative is completed where the iteration creeps. The orthonormal chart takes the caller's unit
 /// of length, as the paper does, and not that of the data. `report` hears of every solve and may stop the iteration.
 ///
@@ -223,10 +224,8 @@ pub fn minimise(
         if !promises(ROUNDING) {
             break if disappointed { Termination::Stalled } else { Termination::Cost };
         }
-        // In the local chart the last step is taken without a look: its decrease would not count as progress.
-        if let (Chart::Local, Some(step), false, false) =
-            (chart, step, promises(limits.cost_tolerance), disappointed)
-        {
+        // The last step is taken without a look: its decrease would not count as progress.
+        if let (Some(step), false, false) = (step, promises(limits.cost_tolerance), disappointed) {
             frame = LocalFrame::new(&step.cylinder, &data_center, unit);
             equations.cost -= step.decrease;
             step_norm = step.tangent.norm();
