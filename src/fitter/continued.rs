@@ -201,7 +201,7 @@ impl Sequence<'_, '_> {
             let (Some(range), Some(appearance)) = (guided.range, appearance) else { return Ok(None) };
             let reach = [view.noise.pixel * if rest { RESTING.get() } else { MOVED.get() }; 2];
             let search = LimbSearch {
-                range,
+                ranges: [range; 2],
                 reach,
                 deviation: [guided.deviation; 2],
                 covered: [false; 2],

@@ -327,9 +327,11 @@ impl<'a> View<'_, 'a, '_, '_> {
             let range = view.range_of_given(camera, fit.cylinder());
             return unconfirmed(fit.guided(range, noise.side));
         }
-        let (sides, cut) = sides_of(&alone).map(|sides| (sides.segments(), sides.cut())).unwrap_or_default();
+        let (sides, hidden) =
+            sides_of(&alone).map(|sides| (sides.segments(), sides.hidden())).unwrap_or_default();
         let mut guided = self.by_one(camera, given, &sides, alone)?;
-        guided.views[0].guides.cut = cut;
+        let guides = &mut guided.views[0].guides;
+        (guides.cut, guides.seen) = (hidden.cut, hidden.seen);
         Ok(guided)
     }
 

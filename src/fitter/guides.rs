@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
-use crate::limb_location::{Outline, Side};
+use crate::limb_location::{Outline, Side, axial_range};
 use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
@@ -20,6 +20,8 @@ pub(super) struct Guides {
     pub sides: Vec<PixelSegment>,
     /// Sides at which something in front ends the mask, or the image ends.
     pub cut: Vec<PixelSegment>,
+    /// The parts of sides beside which the limb is seen, and beyond which of their ends something in front hides it.
+    pub seen: Vec<(PixelSegment, [bool; 2])>,
 }
 
 impl Guides {
@@ -37,7 +39,9 @@ impl Guides {
     pub fn number(&mut self, camera: &Camera, cylinder: &Cylinder) {
         let Some(limbs) = LimbFrame::new(cylinder) else { return };
         let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
-        for guide in self.given.iter_mut().chain(&mut self.sides).chain(&mut self.cut) {
+        let seen = self.seen.iter_mut().map(|part| &mut part.0);
+        let of_mask = self.sides.iter_mut().chain(&mut self.cut).chain(seen);
+        for guide in self.given.iter_mut().chain(of_mask) {
             let [first, second] = lines.map(|line| distance(&line, guide));
             guide.limb = Some(usize::from(second < first));
         }
@@ -47,6 +51,27 @@ impl Guides {
     pub fn covered(&self) -> [bool; 2] {
         let on = |lines: &[PixelSegment], limb: usize| lines.iter().any(|line| line.limb == Some(limb));
         [0, 1].map(|limb| on(&self.cut, limb) && !on(&self.sides, limb))
+    }
+
+    /// Of a range along the axis of a cylinder, the part along which each limb is seen.
+    pub fn seen_of(&self, range: [f64; 2], camera: &Camera, cylinder: &Cylinder) -> [[f64; 2]; 2] {
+        let position = |q: &Vector2<f64>| {
+            let pixel = camera.project(&camera.ideal_ray(q));
+            axial_range(camera, cylinder, pixel.into_iter(), 0.0).map(|[position, _]| position)
+        };
+        [0, 1].map(|limb| {
+            let mut seen = range;
+            for (part, hidden) in self.seen.iter().filter(|(part, _)| part.limb == Some(limb)) {
+                let [Some(a), Some(b)] = part.endpoints.each_ref().map(position) else { continue };
+                for ((end, other), _) in
+                    [(a, b), (b, a)].into_iter().zip(hidden).filter(|(_, hidden)| **hidden)
+                {
+                    let k = usize::from(end > other);
+                    seen[k] = if k == 0 { seen[k].max(end) } else { seen[k].min(end) };
+                }
+            }
+            if seen[0] < seen[1] { seen } else { range }
+        })
     }
 
     /// Which of two lines are not the limbs by whose sides of the mask they are: farther off than masks are, and not
@@ -176,15 +201,25 @@ impl Sides {
         self.all(false).collect()
     }
 
-    /// The sides that are no limbs.
-    pub fn cut(&self) -> Vec<PixelSegment> {
-        self.all(true).collect()
+    fn all(&self, cut: bool) -> impl Iterator<Item = PixelSegment> {
+        let sides = self.sides.into_iter().enumerate().filter(move |(_, side)| side.cut == cut);
+        sides.map(|(k, side)| self.segment(k, side.ends))
     }
 
-    fn all(&self, cut: bool) -> impl Iterator<Item = PixelSegment> {
+    fn segment(&self, side: usize, endpoints: [Vector2<f64>; 2]) -> PixelSegment {
         let weight = (self.noise.endpoint / self.noise.side).powi(2);
-        let sides = self.sides.into_iter().enumerate().filter(move |(_, side)| side.cut == cut);
-        sides.map(move |(k, side)| PixelSegment { endpoints: side.ends, weight, limb: Some(k) })
+        PixelSegment { endpoints, weight, limb: Some(side) }
+    }
+
+    /// No lines but what is known of the limbs where something in front hides them.
+    pub fn hidden(&self) -> Guides {
+        let parts = self.sides.iter().enumerate();
+        let seen = parts.filter_map(|(k, side)| {
+            let (ends, hidden) = side.seen?;
+            Some((self.segment(k, ends), hidden))
+        });
+        let seen = seen.collect();
+        Guides { cut: self.all(true).collect(), seen, ..Guides::default() }
     }
 
     /// The rays through the ends of the sides.
@@ -247,7 +282,7 @@ impl Sides {
                 guide.limb = Some(agreement.sides[k]);
             }
         }
-        Guides { given, sides: self.segments(), cut: self.cut() }
+        Guides { given, sides: self.segments(), ..self.hidden() }
     }
 }
 
@@ -262,7 +297,7 @@ mod tests {
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
         let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
         let guides =
-            Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)], cut: Vec::new() };
+            Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)], ..Guides::default() };
         let beside =
             |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
         assert_eq!(beside(301.0, 338.0), [false, false]);
@@ -280,7 +315,8 @@ mod tests {
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
         let segment = |x: f64| PixelSegment { endpoints: line(x), weight: 1.0, limb: None };
         let holds = |cut: bool, x: f64| {
-            let sides = [Side { ends: line(300.0), cut: false }, Side { ends: line(340.0), cut }];
+            let sides =
+                [(300.0, false), (340.0, cut)].map(|(x, cut)| Side { ends: line(x), seen: None, cut });
             Sides { sides, noise }.compare(&[segment(300.0), segment(x)]).is_some_and(|told| told.holds())
         };
         assert!(holds(false, 340.5));

@@ -107,10 +107,11 @@ fn observe_view(
         return Ok(None);
     }
     let range = moved(range, guided.minimum.cylinder(), cylinder);
+    let ranges = guides.seen_of(range, camera, &view.seen(cylinder));
     let mut located = |reach: [f64; 2]| {
         run.check()?;
         let deviation = [deviation; 2];
-        let search = LimbSearch { range, reach, deviation, covered: guides.covered(), noise: view.noise };
+        let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
         let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
         let beside = guides.beside(lines, &view.noise);
@@ -124,6 +125,10 @@ fn observe_view(
     }
     for (limb, _) in seen.limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
         limb.line = Err(NotVisible::OutOfReach);
+        seen.appearance = None;
+    }
+    if !guides.seen.is_empty() {
+        // In the next image it may be another part.
         seen.appearance = None;
     }
     Ok(Some(seen))

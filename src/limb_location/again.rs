@@ -112,7 +112,7 @@ pub fn locate_limbs_again(
     let least_noise = if lit_alike { 0.0 } else { noise_of_compression(image) };
     let image = ReducedImage::new(image, factor);
     let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
-    let (baselines, radius) = baselines(grid.camera, model, &search.range)?;
+    let (baselines, radius) = baselines(grid.camera, model, &search.ranges)?;
     let [first, second] = [0, 1].map(|k| {
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get());
         let (baseline, strip) = visible_strip(&grid, &baselines[k], half_width)?;

@@ -91,9 +91,9 @@ constants! {
 /// Where to look for the limbs of a rough cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LimbSearch {
-    /// The visible part of the surface, from one position along the axis to another, measured from the point of
-    /// the axis in the unit of length: see [`axial_range`].
-    pub range: [f64; 2],
+    /// By limb, in the order of [`LimbFrame::limb_lines`]: the visible part, from one position along the axis to another,
+    /// measured from the point of the axis in the unit of length: see [`axial_range`].
+    pub ranges: [[f64; 2]; 2],
     /// How far each limb may be from that of the cylinder at most, in pixels of the image, in the order of
     /// [`LimbFrame::limb_lines`]: 4 for a fit with segments set by hand, 8 for a fit of points alone.
     pub reach: [f64; 2],
@@ -111,7 +111,7 @@ impl LimbSearch {
     fn reduced(&self, factor: usize) -> Self {
         let ratio = factor as f64;
         Self {
-            range: self.range,
+            ranges: self.ranges,
             reach: self.reach.map(|reach| reach / ratio),
             deviation: self.deviation.map(|deviation| deviation / ratio),
             covered: self.covered,
@@ -255,7 +255,7 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
 fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
     let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
     let without = |limbs| SeenLimbs { limbs, appearance: None };
-    let Some((baselines, radius)) = baselines(grid.camera, model, &search.range) else {
+    let Some((baselines, radius)) = baselines(grid.camera, model, &search.ranges) else {
         return without(observations);
     };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
@@ -349,17 +349,20 @@ fn inner_shading(
     Shading::observe(&strip, strip.noise(grid), limbs, radius)
 }
 
-/// The expected limb lines within the range and the radius of the cylinder in the image, in pixels; `None` when
+/// The expected limb lines within their ranges and the radius of the cylinder in the image, in pixels; `None` when
 /// any part lies behind the camera.
-fn baselines(camera: &Camera, model: &Cylinder, range: &[f64; 2]) -> Option<([Baseline; 2], f64)> {
+fn baselines(camera: &Camera, model: &Cylinder, ranges: &[[f64; 2]; 2]) -> Option<([Baseline; 2], f64)> {
     let limbs = LimbFrame::new(model)?;
     let axis = &model.axis;
-    let inner = camera.ideal_pixel(&(axis.point + axis.direction * f64::midpoint(range[0], range[1])))?;
+    let [first, second] = ranges.map(|[low, high]| f64::midpoint(low, high));
+    let inner = camera.ideal_pixel(&(axis.point + axis.direction * f64::midpoint(first, second)))?;
     // Limb lines are given by their point nearest to the origin, ranges from the point of the axis.
     let start = axis.point.dot(&axis.direction);
-    let [first, second] = limbs.limb_lines().map(|line| {
+    let lines = limbs.limb_lines();
+    let [first, second] = [0, 1].map(|k| {
+        let (line, [low, high]) = (&lines[k], ranges[k]);
         let end = |position: f64| camera.ideal_pixel(&(line.point + line.direction * (start + position)));
-        Baseline::new(&[end(range[0])?, end(range[1])?], &inner)
+        Baseline::new(&[end(low)?, end(high)?], &inner)
     });
     let (first, second) = (first?, second?);
     let radius = (second.middle - first.middle).dot(&first.inward).abs() / 2.0;

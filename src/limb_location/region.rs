@@ -22,6 +22,9 @@ constants! {
     /// A side is drawn again through the positions within this many median distances, so that a piece that an
     /// occluder cuts off does not turn it.
     MEDIANS = 3.0, "";
+
+    /// A region that ends so many deviations of the unevenness of a side within the limb does not end there with it.
+    WITHIN = 2.0, "σ";
 }
 
 /// At how many places beyond the edge of a mask, and within it, depths are compared.
@@ -81,6 +84,9 @@ struct OutlinePixel {
 pub struct Side {
     /// Its ends in ideal pixels.
     pub ends: [Vector2<f64>; 2],
+    /// Where something in front hides a part of the limb: the ends of the longest part that is seen, and beyond which of them it
+    /// is hidden.
+    pub seen: Option<([Vector2<f64>; 2], [bool; 2])>,
     /// Whether it is the border of the image or of something in front of the cylinder rather than a limb.
     pub cut: bool,
 }
@@ -112,7 +118,7 @@ impl<'a> Outline<'a> {
     }
 
     /// The two sides along the axis of a rough cylinder: a start for the search and for a fit, within some pixels of
-    /// the limbs where the mask is. Only the direction of the axis in the image is taken from the cylinder. `None`
+    /// the limbs where the mask is. Only the directions of axis and limbs in the image are taken from the cylinder. `None`
     /// when the axis cannot be seen or the region is too small.
     #[must_use]
     pub fn sides(&self, camera: &Camera, rough: &Cylinder) -> Option<[Side; 2]> {
@@ -149,21 +155,39 @@ impl<'a> Outline<'a> {
                 *second = (u, pixel.at);
             }
         }
+        let limbs = camera.limb_lines(rough).ok();
         let side = |k: usize| {
             let positions = extremes.iter().enumerate().filter(|(_, extreme)| extreme[0].0 < extreme[1].0);
             let all: Vec<(f64, f64, bool)> = positions
                 .map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, self.is_cut(extreme[k].1)))
                 .collect();
-            let whole = all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
+            let whole: Vec<(f64, f64)> =
+                all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
             // The raster of the mask.
             let least = 0.5 * self.noise.pixel;
             let anyway = || robust_line(all.iter().map(|&(s, u, _)| (s, u)).collect(), least);
-            let (line, cut) = match robust_line(whole, least) {
+            let (line, cut) = match robust_line(whole.clone(), least) {
                 Some(line) => (line, false),
                 None => (anyway()?, true),
             };
             let ends = line.range.map(|s| center + along * s + normal * (line.offset + line.slope * s));
-            Some(Side { ends, cut })
+            let seen = limbs.filter(|_| !cut).and_then(|limbs| {
+                let [first, second] = limbs.map(|limb| {
+                    move |s: f64| -limb.dot(&(center + along * s).push(1.0)) / limb.xy().dot(&normal)
+                });
+                let middle = f64::midpoint(low, high);
+                let is_first = (first(middle) < second(middle)) == (k == 0);
+                let limb = move |s: f64| if is_first { first(s) } else { second(s) };
+                // The region, and the depth that the cylinder is from, may be shifted.
+                let mut apart: Vec<f64> = whole.iter().map(|&(s, u)| u - limb(s)).collect();
+                let apart = median(&mut apart);
+                let limb = |s: f64| limb(s) + apart;
+                let least = WITHIN.get() * self.noise.unevenness;
+                let is_within = |&(s, u, _): &(f64, f64, bool)| [1.0, -1.0][k] * (u - limb(s)) >= least;
+                let (part, hidden) = seen_part(&all, is_within)?;
+                Some((part.map(|s| center + along * s + normal * limb(s)), hidden))
+            });
+            Some(Side { ends, seen, cut })
         };
         Some([side(0)?, side(1)?])
     }
@@ -177,6 +201,36 @@ impl<'a> Outline<'a> {
         let difference = camera.ideal_pixel(&(nearest + step))? - camera.ideal_pixel(&(nearest - step))?;
         difference.try_normalize(0.0)
     }
+}
+
+/// The longest part of a side beside which the limb is seen, and beyond which of its ends something in front hides the rest;
+/// `None` where it hides none of it. `all` are positions along the axis, where the region ends there, and whether that is
+/// beside something nearer. What is nearer may stand beside a limb that is seen: where it hides the limb, the region ends within
+/// it. A few positions at an end are left to the search.
+fn seen_part(
+    all: &[(f64, f64, bool)],
+    is_within: impl Fn(&(f64, f64, bool)) -> bool,
+) -> Option<([f64; 2], [bool; 2])> {
+    // The stretch with the most positions where the limb is seen beyond those where it is hidden.
+    let (mut count, mut begin, mut most, mut longest) = (0, 0, 0, None);
+    let mut next = 0;
+    for run in all.chunk_by(|a, b| is_within(a) == is_within(b)) {
+        let cut = run.iter().filter(|position| position.2).count();
+        if is_within(&run[0]) && 2 * cut >= run.len() {
+            count -= run.len() as i64;
+        } else {
+            count += run.len() as i64;
+        }
+        next += run.len();
+        if count <= 0 {
+            (count, begin) = (0, next);
+        } else if count > most {
+            (most, longest) = (count, Some((begin, next - 1)));
+        }
+    }
+    let (begin, end) = longest?;
+    let hidden = [begin, all.len() - 1 - end].map(|count| count >= LEAST_POSITIONS.count());
+    hidden.contains(&true).then(|| ([all[begin].0, all[end].0], hidden))
 }
 
 /// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer

@@ -130,7 +130,7 @@ impl Scene {
 
     fn search(&self) -> LimbSearch {
         LimbSearch {
-            range: self.range,
+            ranges: [self.range; 2],
             reach: [4.0; 2],
             deviation: [1.5; 2],
             covered: [false; 2],
@@ -326,7 +326,7 @@ fn what_cannot_be_seen_is_not_found() {
     };
     let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.2), Vector3::x(), 1.0).unwrap();
     assert_eq!(reasons(&around, &scene.search()), [NotVisible::NoLimbs; 2]);
-    let short = LimbSearch { range: [0.0, 0.01], ..scene.search() };
+    let short = LimbSearch { ranges: [[0.0, 0.01]; 2], ..scene.search() };
     assert_eq!(reasons(&scene.rough(), &short), [NotVisible::TooShort; 2]);
     let outside = Cylinder::new(Vector3::new(0.9, 0.0, 0.6), Vector3::y(), 0.04).unwrap();
     assert_eq!(reasons(&outside, &scene.search()), [NotVisible::TooShort; 2]);
@@ -387,16 +387,16 @@ fn a_mask_and_segments_say_where_to_search() {
     assert_eq!(axial_range(&scene.camera, &scene.cylinder, std::iter::empty(), 0.1), None);
 }
 
-/// The sides of the scene where something in front of it covers the image right of a column from a row on.
-fn sides_behind(column: usize, row: usize) -> [Side; 2] {
+/// The sides of the scene behind something, given which pixels that covers; also told is whether the surface is at a pixel.
+fn sides_behind(covers: impl Fn(usize, usize, &dyn Fn(usize, usize) -> bool) -> bool) -> [Side; 2] {
     let scene = Scene::new();
     let axis = &scene.cylinder.axis;
-    let in_front = |x: usize, y: usize| x >= column && y >= row;
     let hit = |x: usize, y: usize| {
         let ray = scene.camera.unproject(&Vector2::new(x as f64, y as f64)).unwrap();
         let hit = scene.cylinder.first_hit(&ray);
         hit.filter(|p| (p - axis.point).dot(&axis.direction).abs() <= scene.range[1])
     };
+    let in_front = |x: usize, y: usize| covers(x, y, &|x, y| hit(x, y).is_some());
     let pixels = (0..SIZE.0 * SIZE.1).map(|k| (k % SIZE.0, k / SIZE.0));
     let bytes: Vec<u8> =
         pixels.clone().map(|(x, y)| u8::from(!in_front(x, y) && hit(x, y).is_some())).collect();
@@ -415,13 +415,31 @@ fn the_edge_of_something_in_front_is_no_side() {
     let (column, row) = (axis.x as usize, axis.y as usize);
     let right = |sides: &[Side; 2]| usize::from(sides[1].ends[0].x > sides[0].ends[0].x);
     // The lower half is covered: the side follows the upper one.
-    let sides = sides_behind(column, row);
+    let sides = sides_behind(|x, y, _| x >= column && y >= row);
     assert!(!sides[0].cut && !sides[1].cut, "{sides:?}");
     let line = LimbLine { ends: sides[right(&sides)].ends, sigma: 1.0 };
     let near = |limb: usize| scene.errors(limb, &line).iter().all(|(error, _)| error.abs() < 1.5);
     assert!(near(0) || near(1), "{sides:?}");
+    // There the limb is seen.
+    let (part, hidden) = sides[right(&sides)].seen.unwrap();
+    let covered = usize::from(part[1].y > part[0].y);
+    assert!((part[covered].y - row as f64).abs() < 3.0, "{sides:?} {row}");
+    assert!(hidden[covered] && !hidden[1 - covered], "{sides:?}");
+    assert_eq!(sides[1 - right(&sides)].seen, None);
     // All of it is covered.
-    let sides = sides_behind(column, 0);
+    let sides = sides_behind(|x, _, _| x >= column);
     let right = right(&sides);
     assert!(sides[right].cut && !sides[1 - right].cut, "{sides:?}");
+    assert_eq!(sides[right].seen, None);
+}
+
+#[test]
+fn what_is_nearer_beside_a_limb_hides_nothing_of_it() {
+    let scene = Scene::new();
+    let axis = scene.camera.project(&scene.cylinder.axis.point).unwrap();
+    let (column, row) = (axis.x as usize, axis.y as usize);
+    let sides = sides_behind(|x, y, on_surface| {
+        x >= column && y >= row && (0..4).all(|beside| !on_surface(x - beside, y))
+    });
+    assert!(sides.iter().all(|side| side.seen.is_none() && !side.cut), "{sides:?}");
 }
