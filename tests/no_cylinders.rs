@@ -1,4 +1,4 @@
-//! Where there is no cylinder, none is found.
+//! Where there is no cylinder, none is found; and the wall of a can is no plane.
 #![cfg(feature = "twin")]
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
@@ -79,4 +79,17 @@ fn nothing_is_found_in_noise() {
         let wall: Vec<u16> = (0..SIZE.0 * SIZE.1).map(|_| (8000 + next() % spread) as u16).collect();
         assert_eq!(complaint(&format!("a wall with noise of {spread} units"), &wall), None);
     }
+}
+
+/// Its wall is as flat as its noise in strips of a quarter of its width, and no part of it was left for a cylinder.
+#[test]
+fn a_wide_can_on_a_table_is_no_plane() {
+    let sensor = DepthSensor::StructuredLight(StructuredLight::default());
+    let options =
+        CaptureOptions { camera: camera(), picture: PictureOptions::default(), sensor, registered: true };
+    let seed = 9152;
+    let frame = capture(&random_scene(Kind::Table, seed).unwrap(), &options, seed).unwrap();
+    let found = found(&frame.depth);
+    let radii: Vec<f64> = found.cylinders.iter().map(|found| 1e3 * found.result.cylinder.radius).collect();
+    assert!(radii.iter().any(|radius| (radius / 53.0 - 1.0).abs() < 0.1), "{radii:?}");
 }

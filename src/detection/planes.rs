@@ -23,6 +23,17 @@ const FLAT: f64 = 1.5;
 /// bodies side by side, cells fill its reach evenly, which gives 1.7.
 const SPREAD: f64 = 1.4;
 
+/// The same for planes narrower than [`WIDE`]. A strip that bends by [`FLAT`] gives 1.1; what cuts through a body and goes on over
+/// the table that it stands on gives 1.3 and more, though it does not bend.
+const SPREAD_OF_NARROW: f64 = 1.25;
+
+/// The most by which the middle of a plane narrower than [`WIDE`] may stand out towards the observer across its width, in
+/// standard deviations: less than [`FLAT`], as strips of cylinders do and few faces.
+const RIDGE: f64 = 0.9;
+
+/// What is wider, in cells, is no part of a body: a third of the image.
+const WIDE: f64 = 60.0;
+
 /// The least width of a plane in cells. Strips that bend less than [`FLAT`] are facets of any cylinder with a radius of
 /// up to 125 pixels, but narrower than this.
 const NARROWEST: f64 = 10.0;
@@ -191,10 +202,11 @@ fn settle(
         plane = fitted;
         spread = rms;
     }
-    if spread > SPREAD * noise.deviation {
-        return None;
-    }
-    (bend(grid, &cells)? <= FLAT * noise.deviation).then_some(cells)
+    let Shape { width, bend, ridge } = shape(grid, &cells)?;
+    let narrow = width < WIDE;
+    let most_spread = if narrow { SPREAD_OF_NARROW } else { SPREAD };
+    let flat = spread <= most_spread * noise.deviation && bend <= FLAT * noise.deviation;
+    (flat && !(narrow && ridge > RIDGE * noise.deviation)).then_some(cells)
 }
 
 fn flood(
@@ -235,9 +247,19 @@ fn flood(
     cells
 }
 
-/// How far a quadratic surface through cells bends off its plane over their extent, in w: the curvature across their
-/// shorter extent and that along the longer, each times a quarter of the variance-based half extent squared.
-fn bend(grid: &Grid, cells: &[usize]) -> Option<f64> {
+/// The shape of what may be a plane.
+struct Shape {
+    /// Its width in cells.
+    width: f64,
+    /// How far a quadratic surface through its cells bends off the plane over their extent, in w: the curvature across their
+    /// shorter extent and that along the longer, each times a quarter of the variance-based half extent squared.
+    bend: f64,
+    /// By how much the middle stands out towards the observer across the width, likewise.
+    ridge: f64,
+}
+
+/// The shape of cells; `None` for those that are too narrow.
+fn shape(grid: &Grid, cells: &[usize]) -> Option<Shape> {
     let count = cells.len() as f64;
     let mean =
         cells.iter().map(|&k| grid.cells[k]).fold([0.0; 2], |m, c| [m[0] + c.x / count, m[1] + c.y / count]);
@@ -248,7 +270,8 @@ fn bend(grid: &Grid, cells: &[usize]) -> Option<f64> {
     }
     let eigen = spread.symmetric_eigen();
     // The width of a uniform stretch is 2 √3 standard deviations.
-    if (12.0 * eigen.eigenvalues.min()).sqrt() < NARROWEST * grid.spacing {
+    let width = (12.0 * eigen.eigenvalues.min()).sqrt() / grid.spacing;
+    if width < NARROWEST {
         return None;
     }
     let mut matrix = SMatrix::<f64, 6, 6>::zeros();
@@ -265,5 +288,6 @@ fn bend(grid: &Grid, cells: &[usize]) -> Option<f64> {
         vector += row * cell.w;
     }
     let solution = matrix.cholesky()?.solve(&vector);
-    Some(solution[3].abs().max(solution[5].abs()))
+    let across = if eigen.eigenvalues.imin() == 0 { solution[3] } else { solution[5] };
+    Some(Shape { width, bend: solution[3].abs().max(solution[5].abs()), ridge: -across })
 }
