@@ -114,7 +114,7 @@ impl Data<'_> {
         if !explained {
             match self.ransac(run) {
                 Ok(fit) => {
-                    candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }))
+                    candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }));
                 }
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = error.to_string(),
