@@ -24,12 +24,8 @@ const FLAT: f64 = 1.5;
 const SPREAD: f64 = 1.4;
 
 /// The same for planes narrower than [`WIDE`]. A strip that bends by [`FLAT`] gives 1.1; what cuts through a body and goes on over
-/// the table that it stands on gives 1.3 and more, though it does not bend.
-const SPREAD_OF_NARROW: f64 = 1.25;
-
-/// The most by which the middle of a plane narrower than [`WIDE`] may stand out towards the observer across its width, in
-/// standard deviations: less than [`FLAT`], as strips of cylinders do and few faces.
-const RIDGE: f64 = 0.9;
+/// the table that it stands on gives more than this, though it does not bend.
+const SPREAD_OF_NARROW: f64 = 1.3;
 
 /// What is wider, in cells, is no part of a body: a third of the image.
 const WIDE: f64 = 60.0;
@@ -202,11 +198,10 @@ fn settle(
         plane = fitted;
         spread = rms;
     }
-    let Shape { width, bend, ridge } = shape(grid, &cells)?;
-    let narrow = width < WIDE;
-    let most_spread = if narrow { SPREAD_OF_NARROW } else { SPREAD };
+    let (width, bend) = width_and_bend(grid, &cells)?;
+    let most_spread = if width < WIDE { SPREAD_OF_NARROW } else { SPREAD };
     let flat = spread <= most_spread * noise.deviation && bend <= FLAT * noise.deviation;
-    (flat && !(narrow && ridge > RIDGE * noise.deviation)).then_some(cells)
+    flat.then_some(cells)
 }
 
 fn flood(
@@ -247,19 +242,10 @@ fn flood(
     cells
 }
 
-/// The shape of what may be a plane.
-struct Shape {
-    /// Its width in cells.
-    width: f64,
-    /// How far a quadratic surface through its cells bends off the plane over their extent, in w: the curvature across their
-    /// shorter extent and that along the longer, each times a quarter of the variance-based half extent squared.
-    bend: f64,
-    /// By how much the middle stands out towards the observer across the width, likewise.
-    ridge: f64,
-}
-
-/// The shape of cells; `None` for those that are too narrow.
-fn shape(grid: &Grid, cells: &[usize]) -> Option<Shape> {
+/// The width of cells, in cells, and how far a quadratic surface through them bends off its plane over their extent, in w: the
+/// curvature across their shorter extent and that along the longer, each times a quarter of the variance-based half extent
+/// squared. `None` for those that are too narrow.
+fn width_and_bend(grid: &Grid, cells: &[usize]) -> Option<(f64, f64)> {
     let count = cells.len() as f64;
     let mean =
         cells.iter().map(|&k| grid.cells[k]).fold([0.0; 2], |m, c| [m[0] + c.x / count, m[1] + c.y / count]);
@@ -288,6 +274,5 @@ fn shape(grid: &Grid, cells: &[usize]) -> Option<Shape> {
         vector += row * cell.w;
     }
     let solution = matrix.cholesky()?.solve(&vector);
-    let across = if eigen.eigenvalues.imin() == 0 { solution[3] } else { solution[5] };
-    Some(Shape { width, bend: solution[3].abs().max(solution[5].abs()), ridge: -across })
+    Some((width, solution[3].abs().max(solution[5].abs())))
 }
