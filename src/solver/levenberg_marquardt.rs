@@ -136,10 +136,10 @@ pub struct Domain<'a> {
     pub limits: &'a CylinderLimits,
 }
 
-/// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed, but that the step after
-/// which the linearisation promises no progress is not looked at any more; in the local
-/// one the second derivative is completed where the iteration creeps. The orthonormal chart takes the caller's unit
-/// of length, as the paper does, and not that of the data. `report` hears of every solve and may stop the iteration.
+/// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed, but for the last step:
+/// where the linearisation promises no more progress it is taken without a look, and the cost is that which was promised. In
+/// the local chart the second derivative is completed where the iteration creeps. The orthonormal chart takes the caller's
+/// unit of length, as the paper does, and not that of the data. `report` hears of every solve and may stop the iteration.
 ///
 /// # Errors
 /// `NoStart` when the cost of the start is infinite, `Cancelled` when `report` breaks.
