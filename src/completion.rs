@@ -34,9 +34,10 @@ impl Fitter {
         emit: &mut dyn FnMut(usize, usize, Option<Vector3<f64>>),
     ) -> Result<CompletionCounts> {
         let pose = *self.pose();
-        self.cast("completing the points", model, mask, &mut |column, row, point| {
+        let emit = &mut |column, row, point: Option<Vector3<f64>>| {
             emit(column, row, point.map(|point| pose.point(&point)));
-        })
+        };
+        self.memory().lend(|| self.cast("completing the points", model, mask, emit))
     }
 
     /// The same for the depth image of the selected view: `emit` gets the depth z along the axis of its camera.
@@ -49,9 +50,10 @@ impl Fitter {
         mask: Option<&MaskView<'_>>,
         emit: &mut dyn FnMut(usize, usize, Option<f64>),
     ) -> Result<CompletionCounts> {
-        self.cast("completing the depth image", model, mask, &mut |column, row, point| {
+        let emit = &mut |column, row, point: Option<Vector3<f64>>| {
             emit(column, row, point.map(|point| point.z));
-        })
+        };
+        self.memory().lend(|| self.cast("completing the depth image", model, mask, emit))
     }
 
     /// Points in the coordinates of the view.

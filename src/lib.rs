@@ -60,6 +60,7 @@ pub mod geometry;
 mod limb_location;
 #[cfg(feature = "sensitivity")]
 pub mod limb_location;
+pub mod memory;
 pub mod noise;
 pub mod observations;
 #[cfg(feature = "opencv")]

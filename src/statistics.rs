@@ -1,5 +1,6 @@
 //! Robust location and scale of numbers.
 
+use crate::memory::List;
 use pulp::Arch;
 
 /// The standard deviation of normal errors over the median of their absolute values.
@@ -26,14 +27,14 @@ pub(crate) fn median_size_of_blocks(
     sample: impl Iterator<Item = f64>,
     blocks: impl FnOnce(&mut dyn FnMut(&[f64])),
 ) -> Option<f64> {
-    let mut sample: Vec<u64> = sample.map(|number| number.abs().to_bits()).collect();
+    let mut sample: List<u64> = sample.map(|number| number.abs().to_bits()).collect();
     sample.sort_unstable();
     // Four standard deviations of the place of the median in the sample.
     let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
     let low = *sample.get(middle.checked_sub(reach)?)?;
     let high = *sample.get(middle + reach)?;
     let mut below = 0;
-    let mut found = Vec::with_capacity(count / sample.len() * 3 * reach);
+    let mut found = List::with_capacity(count / sample.len() * 3 * reach);
     blocks(&mut |block| {
         for number in block {
             let size = number.abs().to_bits();
@@ -55,7 +56,7 @@ pub(crate) fn lower_quartile_size(numbers: impl Iterator<Item = f64>) -> f64 {
 /// The absolute value that one part in `parts` of those of numbers lie below, 0 for none.
 fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     // Numbers without sign are ordered as their bits are, which are quicker to compare.
-    let mut sizes: Vec<u64> = numbers.map(|number| number.abs().to_bits()).collect();
+    let mut sizes: List<u64> = numbers.map(|number| number.abs().to_bits()).collect();
     if sizes.is_empty() {
         return 0.0;
     }
@@ -73,7 +74,7 @@ pub(crate) fn ordered(number: f64) -> u64 {
 
 /// The numbers at some places of the ordered list, of which there must be as many.
 pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
-    let mut ordered: Vec<u64> = numbers.map(ordered).collect();
+    let mut ordered: List<u64> = numbers.map(ordered).collect();
     places.map(|place| number(nth(&mut ordered, place)))
 }
 
@@ -96,7 +97,7 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     sample.sort_unstable();
     let [low, high] = [sample[reach], sample[SAMPLE - 1 - reach]].map(number);
     let room = 2 * reach * count / SAMPLE;
-    let (mut lowest, mut highest) = (Vec::with_capacity(room), Vec::with_capacity(room));
+    let (mut lowest, mut highest) = (List::with_capacity(room), List::with_capacity(room));
     for number in numbers {
         if *number <= low {
             lowest.push(*number);
@@ -141,7 +142,7 @@ fn nth(numbers: &mut [u64], place: usize) -> u64 {
         return *numbers.select_nth_unstable(place).1;
     };
     // Without branches, which nobody could predict: what is not between them is written over.
-    let mut found = vec![0; between + 1];
+    let mut found = List::filled(0, between + 1);
     let mut at = 0;
     for number in numbers.iter() {
         found[at] = *number;

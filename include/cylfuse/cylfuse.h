@@ -2191,7 +2191,8 @@ cylfuse_status cylfuse_extent_init(struct cylfuse_extent *extent,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Makes a fitter with default options, one view at the identity, and no data.
+ * Makes a fitter with default options, one view at the identity, and no data. It keeps the memory of its calls for the
+ * next ones, about as much as its data take, so that a repeated call asks for none: use it again.
  *
  * @param abi_version `CYLFUSE_ABI_VERSION`
  * @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call

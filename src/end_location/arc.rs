@@ -5,18 +5,20 @@
 //! and all steps lie on one end circle: the position of that circle is the only unknown they share. Brightness on
 //! both sides, and with it the polarity, is free on every generator; background texture meets few of them in the
 //! same place. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
-//! profile has two steps then, with the brightness of the cap between them.
+//! profile has two steps then, with the brightness of the cap between them. So it has where an open end shows the edge of its
+//! wall, a ring that is wider or narrower than the blur.
 
 mod profile;
 
 use super::LastArc;
 use super::silhouette::RoughEnd;
 use super::surface::Surface;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
-use profile::{Profile, SMOOTH_STEP, gain};
+use profile::{Profile, SMOOTH_STEP, Template, WALLS, gain};
 
 constants! {
     /// How far about the rough end the arc is searched, in standard deviations of the rough end.
@@ -49,6 +51,12 @@ constants! {
     /// The mean gain in log-likelihood per generator from which on an arc is believed.
     LEAST_GAIN = 2.0, "";
 
+    /// By how much the edge of a wall must explain a generator better than none, in log-likelihood: see the measurements.
+    WALL_GAIN = 6.0, "";
+
+    /// What a template leaves out, as a part of the contrast: no wall is made of that.
+    MODEL_CONTRAST = 0.02, "contrast";
+
     /// How far from the common arc the step of one generator is looked for, in pixels: an arc seen with a wrong tilt of
     /// the axis by some degrees departs by so much.
     SAMPLE_REACH_PIXELS = 2.5, "px";
@@ -67,6 +75,9 @@ constants! {
     CUT_OFF_DEVIATION = 1.0, "σ";
 }
 
+/// Width of the edge of a wall that is tried, in pixels in the middle of the arc.
+const WALL_PIXELS: [f64; WALLS] = [1.0, 1.7, 3.0];
+
 /// Blur of the image that is tried, standard deviation in pixels. The first is for the search.
 const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
 
@@ -75,7 +86,7 @@ const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
 pub(super) struct ArcEnd {
     pub position: f64,
     pub deviation: f64,
-    pub samples: Vec<ArcSample>,
+    pub samples: List<ArcSample>,
     pub blur: f64,
 }
 
@@ -147,56 +158,35 @@ fn locate(
     }
     let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
     let smooth_step = &*SMOOTH_STEP;
-    let score = |shift: f64, blur: f64| gain(&profiles, shift, blur, noise, smooth_step);
-    // Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
-    // generator: the mean gain answers it together with the rough end.
-    let step = COARSE_PIXELS.get() * rough.pixel;
-    let steps = (search / step).ceil() as i64;
-    let scores: Vec<f64> = (-steps..=steps).map(|k| score(step * k as f64, BLURS[0])).collect();
-    let evidence = |peak: usize| {
-        let deviations = step * (peak as f64 - steps as f64) / rough.deviation;
-        scores[peak] / profiles.len() as f64 - 0.5 * deviations * deviations
-    };
-    let peak = (1..scores.len() - 1)
-        .filter(|&k| scores[k] >= scores[k - 1] && scores[k] >= scores[k + 1])
-        .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
-    let coarse = step * (peak as f64 - steps as f64);
-    // The position hardly depends on the blur, so one after the other.
-    let blur = match (arcs.noise.blur, blur) {
-        (told, _) if told > 0.0 => told,
-        (_, Some(known)) => known,
-        _ => {
-            let scores = BLURS.map(|blur| (blur, score(coarse, blur)));
-            scores.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0
-        }
-    };
-    let side = 0.25 * step;
-    let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift, blur)));
+    let told = if arcs.noise.blur > 0.0 { Some(arcs.noise.blur) } else { blur };
+    let (coarse, template) = coarse_place(&profiles, rough, search, noise, told)?;
+    let score = |shift: f64| gain(&profiles, shift, template, noise, smooth_step);
+    let side = 0.25 * COARSE_PIXELS.get() * rough.pixel;
+    let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift)));
     let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
     // A parabola through three scores, twice; its curvature is one over the variance.
     let mut variance = 0.0;
     for _ in 0..2 {
-        let (before, after) = (score(shift - side, blur), score(shift + side, blur));
+        let (before, after) = (score(shift - side), score(shift + side));
         let curvature = (before - 2.0 * value + after) / (side * side);
         if !(curvature < 0.0) {
             return None;
         }
         variance = -1.0 / curvature;
         shift += (0.5 * (after - before) / side * variance).clamp(-side, side);
-        value = score(shift, blur);
+        value = score(shift);
     }
     let mean = value / profiles.len() as f64;
     if !(mean >= LEAST_GAIN.get()) {
         return None;
     }
     // A step that is cut off at white seems to lie inside, and an arc of such steps seems narrower than it is.
-    let whole: Vec<&Profile> =
-        profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across)).collect();
-    let share = 1.0 - whole.len() as f64 / profiles.len() as f64;
-    let cut_off = CUT_OFF_DEVIATION.get() * share * blur;
+    let whole = || profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across));
+    let share = 1.0 - whole().count() as f64 / profiles.len() as f64;
+    let cut_off = CUT_OFF_DEVIATION.get() * share * template.blur;
     let model = MODEL_DEVIATION.get().hypot(cut_off) * rough.pixel;
-    let samples = whole.into_iter().filter_map(|profile| {
-        let (edge, deviation) = profile.step(shift * profile.across, blur, noise, smooth_step)?;
+    let samples = whole().filter_map(|profile| {
+        let (edge, deviation) = profile.step(shift * profile.across, template, noise, smooth_step)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
         let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
             - surface.pixel(profile.angle, rough.position)?;
@@ -210,20 +200,78 @@ fn locate(
         position: rough.position + outward * shift,
         deviation: (variance + model * model).sqrt(),
         samples: samples.collect(),
-        blur,
+        blur: template.blur,
     })
 }
 
+/// The arc by which the image, together with the rough end, is explained best: by how much it lies outward of that, and
+/// how it looks. Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
+/// generator: the mean gain answers it together with the rough end.
+fn coarse_place(
+    profiles: &[Profile],
+    rough: &RoughEnd,
+    search: f64,
+    noise: f64,
+    blur: Option<f64>,
+) -> Option<(f64, Template)> {
+    let smooth_step = &*SMOOTH_STEP;
+    let count = profiles.len() as f64;
+    let step = COARSE_PIXELS.get() * rough.pixel;
+    let steps = (search / step).ceil() as i64;
+    let score = |shift: f64, template: Template, noise: f64| {
+        gain(profiles, shift, template, noise, smooth_step) / count
+    };
+    let price = |shift: f64| 0.5 * (shift / rough.deviation).powi(2);
+    let best = |wall: Option<usize>, noise: f64| {
+        let look = |blur: f64| Template { blur, wall };
+        let shift = |k: usize| step * (k as i64 - steps) as f64;
+        let scores: List<f64> =
+            (0..=2 * steps as usize).map(|k| score(shift(k), look(BLURS[0]), noise)).collect();
+        let evidence = |k: usize| scores[k] - price(shift(k));
+        let peak = (1..scores.len() - 1)
+            .filter(|&k| scores[k] >= scores[k - 1] && scores[k] >= scores[k + 1])
+            .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
+        // The position hardly depends on the blur, so one after the other.
+        let blur = match blur {
+            Some(known) => known,
+            None => {
+                let scores = BLURS.map(|blur| (blur, score(shift(peak), look(blur), noise)));
+                scores.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0
+            }
+        };
+        Some((shift(peak), look(blur)))
+    };
+    let plain = best(None, noise)?;
+    if !profiles.iter().any(|profile| profile.cap.is_finite()) {
+        return Some(plain);
+    }
+    // A step that explains what is there, as it mostly does, leaves a wall nothing to gain.
+    let noise = noise.max(MODEL_CONTRAST.get() * contrast(profiles));
+    let (shift, template) = plain;
+    let unexplained = profiles
+        .iter()
+        .map(|profile| profile.unexplained(shift * profile.across, template, noise, smooth_step));
+    if unexplained.sum::<f64>() <= WALL_GAIN.get() * count {
+        return Some(plain);
+    }
+    let with_evidence = |(shift, template)| (score(shift, template, noise) - price(shift), (shift, template));
+    let (least, _) = with_evidence(plain);
+    let walls = (0..WALLS).filter_map(|wall| best(Some(wall), noise)).map(with_evidence);
+    let found = walls.filter(|wall| wall.0 > least + WALL_GAIN.get()).max_by(|a, b| a.0.total_cmp(&b.0));
+    Some(found.map_or(plain, |found| found.1))
+}
+
 /// Samples the image along the generators.
-fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> Vec<Profile> {
+fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> List<Profile> {
     let surface = &arcs.surface;
-    let Some(half_width) = surface.half_width(rough.position) else { return Vec::new() };
+    let Some(half_width) = surface.half_width(rough.position) else { return List::new() };
     let part = 1.0 - LIMB_MARGIN_PIXELS.get() / half_width;
     if !(part > 0.0) {
-        return Vec::new();
+        return List::new();
     }
     let count = GENERATORS.count().min((2.0 * part * half_width) as usize);
-    let mut profiles = Vec::with_capacity(count);
+    let inner = WALL_PIXELS.map(|width| inner_circle(surface, rough, outward, width));
+    let mut profiles = List::with_capacity(count);
     for angle in surface.generators(count, part) {
         let Some(crossing) = surface.crossing(angle, rough.position) else { continue };
         if crossing.across < LEAST_SINE.get() * crossing.along {
@@ -237,7 +285,7 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
         let count = 2 * reach as usize + 1;
-        let (mut samples, mut cut_off) = (Vec::with_capacity(count), Vec::new());
+        let (mut samples, mut cut_off) = (List::with_capacity(count), List::new());
         samples.extend((0..count).map_while(|k| {
             let pixel = at(SAMPLE_PIXELS.get() * (k as i64 - reach) as f64)?;
             let value = interpolate(&arcs.image, &pixel)?;
@@ -251,28 +299,50 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
         if samples.len() < count {
             continue;
         }
-        let cap = cap_width(surface, angle, rough.position, outward) * crossing.across;
-        let profile = Profile::new(angle, crossing.across, cap, samples, reach as f64);
+        let width =
+            |circle: f64| cap_width(surface, angle, rough.position, outward, circle) * crossing.across;
+        let cap = width(1.0);
+        let walls = inner.map(|circle| if circle < 1.0 { width(circle).min(cap) } else { cap });
+        let profile = Profile::new(angle, crossing.across, cap, walls, samples, reach as f64);
         profiles.push(profile.with_cut_off(cut_off));
     }
     profiles
 }
 
-/// The length along the axis by which the generator at an angle must be continued beyond the end until it leaves
-/// the cap in the image; infinite when the cap is not seen.
-fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> f64 {
+/// The length along the axis by which the generator at an angle must be continued beyond the end until its place on
+/// the cap leaves (`circle` 1) or enters (below 1) a circle about the axis, of this part of the radius; infinite where
+/// the cap is not seen or it never does.
+fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64, circle: f64) -> f64 {
     let direction = surface.cylinder.axis.direction;
     let point = surface.point(angle, position);
     let height = point.dot(&direction);
     if !(outward * height < 0.0) {
         return f64::INFINITY;
     }
-    // The ray of the continued generator meets the plane of the cap at λ times its place across the axis; the
-    // two λ on the circle are 1 and, by Vieta, this one.
+    // The ray of the continued generator meets the plane of the cap at λ times its place a across the axis. On the
+    // circle about c is |λ a − c| = R: with λ = 1 on that of the surface, and, by Vieta, with the other.
     let across = point - direction * height;
-    let axis = surface.frame.toward * surface.frame.distance;
-    let other = (axis.norm_squared() - surface.cylinder.radius.powi(2)) / across.norm_squared();
+    let center = surface.frame.toward * surface.frame.distance;
+    let radius = circle * surface.cylinder.radius;
+    let (a, b) = (across.norm_squared(), across.dot(&center));
+    let c = center.norm_squared() - radius * radius;
+    let other = if circle < 1.0 { (b - (b * b - a * c).sqrt()) / a } else { c / a };
     if other > 1.0 { height.abs() * (1.0 - 1.0 / other) } else { f64::INFINITY }
+}
+
+/// The part of the radius at which the edge of a wall ends that is so many pixels wide in the middle of the arc; 1 where
+/// the cap is not seen.
+fn inner_circle(surface: &Surface<'_>, rough: &RoughEnd, outward: f64, width: f64) -> f64 {
+    let point = surface.point(0.0, rough.position);
+    let direction = surface.cylinder.axis.direction;
+    let height = point.dot(&direction);
+    let part = width * rough.pixel / height.abs();
+    if !(outward * height < 0.0 && part < 1.0) {
+        return 1.0;
+    }
+    let across = (point - direction * height) / (1.0 - part);
+    let center = surface.frame.toward * surface.frame.distance;
+    ((across - center).norm() / surface.cylinder.radius).max(0.0)
 }
 
 /// The brightness between pixels, bilinear.
@@ -294,20 +364,21 @@ fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
 /// The noise of the samples: the median size of their second difference over a step of one pixel, at which they
 /// hardly share pixels, on the inner half of the profiles. Not below a thousandth of the contrast.
 fn noise(profiles: &[Profile]) -> f64 {
-    let mut differences: Vec<f64> = Vec::new();
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for profile in profiles {
-        let samples = &profile.samples;
-        differences.extend(
-            (4..=profile.zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()),
-        );
-        low = samples.iter().copied().fold(low, f64::min);
-        high = samples.iter().copied().fold(high, f64::max);
+    let mut differences: List<f64> = List::new();
+    for Profile { samples, zero, .. } in profiles {
+        differences
+            .extend((4..=*zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()));
     }
     // (1, −2, 1) has the norm √6.
     (DEVIATION_OF_MEDIAN * median(&mut differences) / 6.0_f64.sqrt())
-        .max(1e-3 * (high - low))
+        .max(1e-3 * contrast(profiles))
         .max(f64::MIN_POSITIVE)
+}
+
+/// How far the samples go up and down.
+fn contrast(profiles: &[Profile]) -> f64 {
+    let samples = || profiles.iter().flat_map(|profile| profile.samples.iter().copied());
+    samples().fold(f64::NEG_INFINITY, f64::max) - samples().fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Ends that the border of the image cuts off.
 
 use super::silhouette::Silhouette;
+use crate::memory::List;
 use crate::observations::Mask;
 use std::ops::Range;
 
@@ -54,14 +55,14 @@ struct NearMask {
     columns: Range<usize>,
     rows: Range<usize>,
     /// The pixels of the mask above and to the left of each corner of a pixel of its bounds, row by row.
-    counts: Vec<u32>,
+    counts: List<u32>,
 }
 
 impl NearMask {
     fn new(mask: &Mask, reach: usize) -> Self {
         let (columns, rows) = mask.bounds();
         let width = columns.len() + 1;
-        let mut counts = vec![0; width * (rows.len() + 1)];
+        let mut counts = List::filled(0, width * (rows.len() + 1));
         for (y, row) in rows.clone().enumerate() {
             let mut of_row = 0;
             for (x, column) in columns.clone().enumerate() {

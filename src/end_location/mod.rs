@@ -16,6 +16,7 @@ mod surroundings;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::parts::{BodyEnd, Parts};
@@ -103,7 +104,7 @@ pub struct End {
     /// Whether the mask goes on beyond it: over a cap or an inner wall, whose rim or lid may be wider than the body.
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
-    pub samples: Vec<ArcSample>,
+    pub samples: List<ArcSample>,
     /// The blur with which the image shows the arc, in pixels of the grid on which it was looked for.
     pub blur: Option<f64>,
 }
@@ -133,7 +134,7 @@ constants! {
 #[must_use]
 pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     let stride = cloud.len() / TOLERANCE_POINTS.count() + 1;
-    let mut distances: Vec<f64> =
+    let mut distances: List<f64> =
         cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
     (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE.get() * cylinder.radius)
 }
@@ -198,7 +199,7 @@ fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End 
         state,
         source: EndSource::Extreme,
         rim: false,
-        samples: Vec::new(),
+        samples: List::new(),
         blur: None,
     }
 }
@@ -248,7 +249,7 @@ fn locate(
             state,
             source: EndSource::Border,
             rim: told.is_some(),
-            samples: Vec::new(),
+            samples: List::new(),
             blur: None,
         };
     }
@@ -272,7 +273,7 @@ fn locate(
             state,
             source: EndSource::Mask,
             rim: told.is_some(),
-            samples: Vec::new(),
+            samples: List::new(),
             blur: None,
         },
     }
@@ -300,7 +301,7 @@ mod tests {
     fn an_arc_far_from_what_the_depth_says_of_an_end_gives_way_to_it() {
         let depth = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
         let arc =
-            |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: Vec::new(), blur: 1.0 };
+            |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: List::new(), blur: 1.0 };
         let (position, deviation) = with_depth(&depth, &arc(8e-4));
         assert!((position - 0.1008).abs() < 2e-5 && deviation < 2e-4, "{position} {deviation}");
         let (position, deviation) = with_depth(&depth, &arc(4e-3));

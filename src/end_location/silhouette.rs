@@ -3,6 +3,7 @@
 use super::EndState;
 use super::surface::Surface;
 use super::surroundings::Surroundings;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
 use crate::parts::BodyEnd;
@@ -98,7 +99,7 @@ impl<'a> Silhouette<'a> {
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
         let (extreme, noise) = (self.extreme(outward), &self.noise);
         // (position, pixels per unit across the arc)
-        let mut ends = Vec::with_capacity(GENERATORS.count());
+        let mut ends = List::with_capacity(GENERATORS.count());
         for angle in self.surface.generators(GENERATORS.count(), WIDTH_PART.get()) {
             let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
             let Some(position) =
@@ -108,12 +109,12 @@ impl<'a> Silhouette<'a> {
             };
             ends.push((angle, position, crossing.across));
         }
-        let all: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
+        let all: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         // Generators that an occluder covers end early.
         ends.retain(|&(angle, position, _)| {
             surroundings.state_on(self.surface, angle, position, outward) != EndState::Hidden
         });
-        let open: Vec<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
+        let open: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
         let (position, across) = robust_mean(&used, ROBUST_DEVIATION.get() * noise.boundary)?;
         let pixel = 1.0 / across;
@@ -157,7 +158,7 @@ impl<'a> Silhouette<'a> {
         let reach = (LIMB_REACH_PIXELS.get() * self.noise.pixel).min(0.6 * half_width);
         let mut sum = 0.0;
         for angle in [-limb, limb] {
-            let mut offsets = Vec::new();
+            let mut offsets = List::new();
             for k in 0..LIMB_PLACES.count() {
                 // Beside the ends the boundary turns away from the limb.
                 let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES.count() - 1) as f64;
@@ -167,7 +168,7 @@ impl<'a> Silhouette<'a> {
             if offsets.len() < LIMB_PLACES.count() / 8 {
                 return None;
             }
-            offsets.sort_by(f64::total_cmp);
+            offsets.sort_unstable_by(f64::total_cmp);
             sum += offsets[offsets.len() / 2];
         }
         Some(0.5 * sum)
@@ -200,7 +201,7 @@ fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
 /// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority
 /// of others, and the root mean square of these numbers there.
 fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
-    let mut sorted = ends.to_vec();
+    let mut sorted = List::from(ends);
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
     let mut below = 0.0;
@@ -214,7 +215,7 @@ fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
             *residual = (position - location) * scale;
         }
     };
-    let mut residuals = vec![0.0; sorted.len()];
+    let mut residuals = List::filled(0.0, sorted.len());
     distances(location, &mut residuals);
     let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::Known(deviation) };
     reweighting.continue_from(&mut residuals, |weights, residuals| {

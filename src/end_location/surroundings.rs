@@ -4,6 +4,7 @@ use super::EndState;
 use super::surface::Surface;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, any_orthogonal};
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use nalgebra::Vector3;
@@ -84,7 +85,7 @@ impl Surroundings<'_> {
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
-        let mut steps = Vec::with_capacity(places.len());
+        let mut steps = List::with_capacity(places.len());
         for beyond in places {
             let point = rim + outward * (pixel * beyond);
             let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {

@@ -20,6 +20,7 @@ use crate::fitter::ExtentRule;
 use crate::fitter::{FitResult, Fitter};
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::limb_location::blur_of;
+use crate::memory::List;
 use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
@@ -83,7 +84,7 @@ impl Fitter {
     /// `BadState` without a model, intrinsics or mask (of one view); `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no
     /// ray of a mask meets the cylinder.
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
-        Ok(self.extent_and_arcs(model, mask)?.0)
+        self.memory().lend(|| Ok(self.find_extent(model, mask, None)?.0))
     }
 
     /// The same, and by view the samples of the arcs of start and end in its image. They are empty for an end that the
@@ -96,20 +97,28 @@ impl Fitter {
         model: Option<&Cylinder>,
         mask: Option<&MaskView<'_>>,
     ) -> Result<(Extent, Vec<[Vec<ArcSample>; 2]>)> {
-        self.find_extent(model, mask, None)
+        self.memory().lend(|| {
+            let (extent, views) = self.find_extent(model, mask, None)?;
+            let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); self.view_count()];
+            for EndsOfView { view, ends, .. } in &views {
+                arcs[*view] = ends.each_ref().map(|end| end.samples.to_vec());
+            }
+            Ok((extent, arcs))
+        })
     }
 
+    /// The extent, and the ends that it was made of, by view.
     fn find_extent(
         &self,
         model: Option<&Cylinder>,
         mask: Option<&MaskView<'_>>,
         limbs_known: Option<bool>,
-    ) -> Result<(Extent, Vec<[Vec<ArcSample>; 2]>)> {
+    ) -> Result<(Extent, List<EndsOfView>)> {
         let cylinder = self.model_or_result(CALL, model)?;
         // Of several views any may show the ends; of one, what is missing has a name.
         let region = Region::new(CALL, self, mask);
         let region = if self.view_count() == 1 { Some(region?) } else { region.ok() };
-        let mut views = Vec::new();
+        let mut views = List::new();
         for (index, view) in self.views().iter().enumerate() {
             let selected = index == self.selected_view();
             let own = region.as_ref().filter(|_| selected && mask.is_some()).map(Region::mask);
@@ -146,11 +155,7 @@ impl Fitter {
             limbs_known: start_view.limbs_known && end_view.limbs_known,
             uncertainty,
         };
-        let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); self.view_count()];
-        for EndsOfView { view, ends, .. } in views {
-            arcs[view] = ends.map(|end| end.samples);
-        }
-        Ok((extent, arcs))
+        Ok((extent, views))
     }
 
     /// The ends of one view in a mask, which may be known to hold the body alone.

@@ -44,13 +44,14 @@ pub(super) fn of_ends(
     let (at_start, at_end) = (at_start?, at_end?);
     // Start, end and length.
     let joint = fit.propagate(|cylinder| {
-        let position = |(rays, into_view): &(Vec<Vector3<f64>>, RigidMotion)| {
+        let position = |(rays, into_view): &([Vector3<f64>; GENERATORS], RigidMotion)| {
             position_on(&into_view.cylinder(cylinder), rays)
         };
         let [start, end] = [position(&at_start)?, position(&at_end)?];
         let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
-        let numbers = at(start).iter().chain(&at(end)).copied().chain([end - start]).collect::<Vec<_>>();
-        Some(SVector::<f64, 7>::from_column_slice(&numbers))
+        let ends = [at(start), at(end)];
+        let numbers = ends.iter().flatten().copied().chain([end - start]);
+        Some(SVector::<f64, 7>::from_iterator(numbers))
     })?;
     let block = |row: usize, column: usize| -> Matrix3<f64> { joint.fixed_view::<3, 3>(row, column).into() };
     let (start, end, both) = (block(0, 0), block(3, 3), block(0, 3) + block(3, 0));
@@ -65,7 +66,7 @@ pub(super) fn of_ends(
 }
 
 /// The rays to the arc of an end: to the generators that are evenly spaced between the limbs.
-fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> Vec<Vector3<f64>> {
+fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> [Vector3<f64>; GENERATORS] {
     let middle = cylinder.axis.point + cylinder.axis.direction * position;
     let ray = |k: usize| {
         let part = WIDTH_PART * (2.0 * (k as f64 + 0.5) / GENERATORS as f64 - 1.0);
@@ -74,7 +75,7 @@ fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> Vec<Vector3<f6
         let normal = frame.sideways * sine - frame.toward * (1.0 - sine * sine).sqrt();
         middle + normal * cylinder.radius
     };
-    (0..GENERATORS).map(ray).collect()
+    std::array::from_fn(ray)
 }
 
 /// The mean position along the axis at which rays meet a cylinder; `None` when one does not.
@@ -134,7 +135,7 @@ mod tests {
                 state: EndState::Seen,
                 source: EndSource::Image,
                 rim: false,
-                samples: Vec::new(),
+                samples: crate::memory::List::new(),
                 blur: None,
             });
             let at = |end| (end, RigidMotion::identity());

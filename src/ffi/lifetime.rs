@@ -7,7 +7,8 @@ use super::status::cylfuse_status;
 use super::texts;
 use std::ffi::c_char;
 
-/// Makes a fitter with default options, one view at the identity, and no data.
+/// Makes a fitter with default options, one view at the identity, and no data. It keeps the memory of its calls for the
+/// next ones, about as much as its data take, so that a repeated call asks for none: use it again.
 ///
 /// @param abi_version `CYLFUSE_ABI_VERSION`
 /// @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call

@@ -11,6 +11,7 @@ use crate::end_location::{ArcSample, EndSearch, LastArc, depth_tolerance, locate
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
+use crate::memory::List;
 use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::ControlFlow;
@@ -46,7 +47,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
         let before = *minimum.cylinder();
         let known =
             held.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
-        held = with_arcs(data, &without, &known.collect::<Vec<_>>(), &before, run)?;
+        held = with_arcs(data, &without, &known.collect::<List<_>>(), &before, run)?;
         if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
@@ -135,10 +136,15 @@ fn arcs(
 }
 
 /// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.
-fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint: f64) -> Option<Vec<ArcRay>> {
+fn places(
+    camera: &Camera,
+    cylinder: &Cylinder,
+    samples: &[ArcSample],
+    endpoint: f64,
+) -> Option<List<ArcRay>> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
-    let found: Vec<(ArcRay, f64, Vector3<f64>)> = samples
+    let found: List<(ArcRay, f64, Vector3<f64>)> = samples
         .iter()
         .filter_map(|sample| {
             let ray = camera.unproject(&sample.pixel)?;
@@ -153,7 +159,7 @@ fn places(camera: &Camera, cylinder: &Cylinder, samples: &[ArcSample], endpoint:
     if found.len() < LEAST_PLACES {
         return None;
     }
-    let deviations: Vec<f64> = found.iter().map(|(place, ..)| place.weight.sqrt().recip()).collect();
+    let deviations: List<f64> = found.iter().map(|(place, ..)| place.weight.sqrt().recip()).collect();
     // The scale is how much more the places scatter than their deviations explain.
     let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
     let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {

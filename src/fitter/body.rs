@@ -9,6 +9,7 @@ use crate::camera::Camera;
 use crate::detection::detect_in_mask;
 use crate::error::Result;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::start::moments::Moments;
 use std::cell::RefCell;
 
@@ -85,7 +86,7 @@ struct Known {
 
 /// The start model, the cylinder of two segments or that of the moments of the points, where the points lie on it.
 fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Known {
-    let sample = view.cloud.sample(SAMPLE);
+    let sample: List<_> = view.cloud.sampled(SAMPLE).collect();
     let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
     let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
     if given.is_some() {

@@ -19,6 +19,7 @@ use super::start::{Candidate, EXPLAINED, SAMPLE, median_distance};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::limb_location::{Appearance, LimbSearch, locate_limbs_again};
+use crate::memory::List;
 use crate::residuals::RobustScales;
 
 constants! {
@@ -38,7 +39,7 @@ pub(super) struct Last {
     pub cylinder: Cylinder,
     /// The scale of the points of all views together; `None` where no scale was measured.
     scale: Option<f64>,
-    views: Vec<LastView>,
+    views: List<LastView>,
 }
 
 /// The same of one view.
@@ -139,7 +140,7 @@ impl Sequence<'_, '_> {
     /// both.
     fn locate_about(&self, cylinder: &Cylinder, rest: bool, run: &mut Run<'_>) -> Result<Option<Located>> {
         let data = self.data;
-        let guided: Vec<GuidedView> = data.views.iter().map(|view| guided(view, cylinder)).collect();
+        let guided: List<GuidedView> = data.views.iter().map(|view| guided(view, cylinder)).collect();
         let Some(observations) = self.observe(&guided, cylinder, rest, run)? else { return Ok(None) };
         let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
         let mut without = held(data, &guided, flags, &lines_of(data, &observations));
@@ -151,9 +152,9 @@ impl Sequence<'_, '_> {
             let ends = self.last.view(view.index).map_or([None; 2], |last| last.ends);
             KnownEnds { whole: view.whole, last: ends.map(|end| end.map(|end| end.on(cylinder))) }
         };
-        let mut known: Vec<KnownEnds> = match rest {
+        let mut known: List<KnownEnds> = match rest {
             true => data.views.iter().map(at_rest).collect(),
-            false => vec![KnownEnds::default(); data.views.len()],
+            false => List::filled(KnownEnds::default(), data.views.len()),
         };
         let mut before = *cylinder;
         let mut located: Option<Located> = None;
@@ -190,7 +191,7 @@ impl Sequence<'_, '_> {
         rest: bool,
         run: &mut Run<'_>,
     ) -> Result<Option<Observations>> {
-        let mut observations = Vec::new();
+        let mut observations = List::new();
         for (view, guided) in self.data.views.iter().zip(guided) {
             run.check()?;
             let (Some(image), Some(camera)) = (view.view.image(), view.camera()) else {

@@ -6,6 +6,7 @@
 //! these are not known by where they are seen; never by the order in which they were pushed.
 
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::memory::List;
 use crate::observations::{Offsets, PointCloud};
 use crate::statistics::at_both_ends;
 use nalgebra::Vector3;
@@ -34,8 +35,8 @@ const MOST_CELLS: f64 = 64.0;
 const OUTSIDE: u32 = u32::MAX;
 
 /// Places of points on a plane, or columns and rows of their cells: by axis, so that many are looked at side by side.
-type Places = [Vec<f64>; 2];
-type Cells = [Vec<u32>; 2];
+type Places = [List<f64>; 2];
+type Cells = [List<u32>; 2];
 
 /// How many of them are computed in one go.
 const BLOCK: usize = 128;
@@ -44,9 +45,9 @@ const BLOCK: usize = 128;
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
     /// The cell of each point.
-    cells: Vec<u32>,
+    cells: List<u32>,
     /// One over the number of points in each cell, 0 where there is none.
-    shares: Vec<f32>,
+    shares: List<f32>,
     /// Cells from one row to the next: the columns and, so that rows don't meet, the longest range.
     stride: usize,
     /// How many cells have points.
@@ -102,7 +103,7 @@ impl Lattice {
         let occupied = {
             let cells = cells(coarse);
             let grid = Grid::around(&cells, 0)?;
-            let mut taken = Vec::new();
+            let mut taken = List::new();
             taken.try_reserve_exact(grid.size).ok()?;
             taken.resize(grid.size, false);
             let inside = grid.indices(cells).into_iter().filter(|&cell| cell != OUTSIDE);
@@ -119,7 +120,7 @@ impl Lattice {
     fn new(cells: Cells) -> Option<Self> {
         let grid = Grid::around(&cells, LONGEST_CORRELATION)?;
         let stride = grid.stride;
-        let mut shares = Vec::new();
+        let mut shares = List::new();
         shares.try_reserve_exact(grid.size).ok()?;
         shares.resize(grid.size, 0.0_f32);
         let cells = grid.indices(cells);
@@ -131,7 +132,7 @@ impl Lattice {
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
     pub fn independent_points(&self, residuals: &[f64], cutoff: f64) -> f64 {
-        let mut values = vec![0.0; self.shares.len()];
+        let mut values = List::filled(0.0, self.shares.len());
         for (residual, &cell) in residuals.iter().zip(&self.cells) {
             // Without branches, which nobody could predict.
             let counted = if residual.abs() <= cutoff { *residual } else { 0.0 };
@@ -172,7 +173,7 @@ impl Lattice {
 /// The directions in which points are seen from the origin, on the plane z = 1; `None` where one lies behind it.
 struct Seen<'a, T> {
     origin: &'a Vector3<f64>,
-    axes: &'a [Vec<T>; 3],
+    axes: [&'a [T]; 3],
 }
 
 impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
@@ -188,7 +189,7 @@ impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
         if behind != 0 {
             return None;
         }
-        let mut places = [Vec::with_capacity(z.len()), Vec::with_capacity(z.len())];
+        let mut places = [List::with_capacity(z.len()), List::with_capacity(z.len())];
         let mut block = [0.0; BLOCK];
         for ((places, values), from) in places.iter_mut().zip([x, y]).zip([origin.x, origin.y]) {
             for (values, z) in values.chunks(BLOCK).zip(z.chunks(BLOCK)) {
@@ -216,7 +217,7 @@ impl WithSimd for InCells<'_> {
     fn with_simd<S: Simd>(self, _simd: S) -> Cells {
         let Self { places: [x, y], bounds: [[left, right], [top, bottom]], step } = self;
         let per_step = step.recip();
-        let mut cells = [Vec::with_capacity(x.len()), Vec::with_capacity(x.len())];
+        let mut cells = [List::with_capacity(x.len()), List::with_capacity(x.len())];
         let (mut columns, mut rows) = ([0; BLOCK], [0; BLOCK]);
         for (x, y) in x.chunks(BLOCK).zip(y.chunks(BLOCK)) {
             for (((x, y), column), row) in x.iter().zip(y).zip(&mut columns).zip(&mut rows) {
@@ -242,7 +243,7 @@ struct Grid {
 impl Grid {
     /// With so many empty cells after each row; `None` for no cells.
     fn around(cells: &Cells, gap: usize) -> Option<Self> {
-        let bounds = |cells: &Vec<u32>| {
+        let bounds = |cells: &List<u32>| {
             Arch::new().dispatch(|| {
                 let (mut low, mut end) = (u32::MAX, 0);
                 for cell in cells {
@@ -260,7 +261,7 @@ impl Grid {
     }
 
     /// The places of cells in the rectangle, row by row.
-    fn indices(&self, [mut columns, rows]: Cells) -> Vec<u32> {
+    fn indices(&self, [mut columns, rows]: Cells) -> List<u32> {
         let ([left, top], stride) = (self.low, self.stride as u32);
         Arch::new().dispatch(|| {
             for (column, row) in columns.iter_mut().zip(&rows) {
@@ -354,8 +355,10 @@ mod tests {
         let count = 10_000;
         for (slope, scatter) in [(1.0, 0.0), (0.0, 1e-6), (0.0, 1e-12), (1e-3, 1e-9)] {
             let along = noise(count, 4).into_iter().zip(noise(count, 5));
-            let places = along.map(|(t, jitter)| (slope * t + scatter * jitter, t)).unzip();
-            let cells = Lattice::of_places(places.into()).map_or(0, |lattice| lattice.shares.len());
+            let places: (Vec<f64>, Vec<f64>) =
+                along.map(|(t, jitter)| (slope * t + scatter * jitter, t)).unzip();
+            let cells = Lattice::of_places([&places.0[..], &places.1[..]].map(List::from))
+                .map_or(0, |lattice| lattice.shares.len());
             assert!(cells < 100 * count, "{slope} {scatter}: {cells} cells");
         }
     }

@@ -8,6 +8,7 @@ use super::view::View;
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, RigidMotion, Walls};
+use crate::memory::{ByView, List};
 use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::PointTerm;
@@ -38,7 +39,7 @@ const KEY_POINTS: usize = 8;
 /// The data of one fit.
 pub(super) struct Data<'a> {
     pub options: &'a Options,
-    pub views: Vec<ViewData<'a>>,
+    pub views: ByView<ViewData<'a>>,
     /// The model that the caller gave to start from.
     pub start: Option<&'a Cylinder>,
     /// What the last fit of a sequence left to go on from.
@@ -65,7 +66,7 @@ pub(super) struct ViewData<'a> {
     /// How many points these stand for.
     pub stands_for: usize,
     /// The points that tell how their noise is correlated.
-    pub neighbours: Neighbours,
+    pub neighbours: &'a Neighbours,
     /// The given segments that can be limbs.
     pub edges: UsableEdges,
     /// The cylinder of two of them, where it is known already.
@@ -102,7 +103,7 @@ impl ViewData<'_> {
     }
 
     /// Signed distances of the points from a cylinder.
-    pub fn distances(&self, cylinder: &Cylinder, center: &Vector3<f64>) -> Vec<f64> {
+    pub fn distances(&self, cylinder: &Cylinder, center: &Vector3<f64>) -> List<f64> {
         let frame = LocalFrame::new(cylinder, center, 1.0);
         self.points.distances(&frame.moved(&self.into_view))
     }
@@ -142,10 +143,12 @@ impl<'a> Data<'a> {
                 });
             }
         }
-        let mut views: Vec<ViewData<'a>> =
+        let mut views: ByView<ViewData<'a>> =
             views.enumerate().map(|(index, view)| ViewData::new(options, index, view)).collect();
         // One order whatever that of the caller was.
-        views.sort_by_cached_key(ViewData::key);
+        if views.len() > 1 {
+            views.sort_by_cached_key(ViewData::key);
+        }
         let has_limbs = views.iter().any(|view| view.edges.limb_pair().is_some());
         let edge_weight = if paper && has_limbs { options.edge_weight } else { 0.0 };
         let given = views.iter().map(|view| view.view.cloud.given()).sum();
@@ -156,7 +159,7 @@ impl<'a> Data<'a> {
     pub fn only(&self, view: usize) -> Result<Data<'a>> {
         let view = self.views[view].clone();
         let given = view.view.cloud.given();
-        Self::with(self.options, vec![view], self.start, self.edge_weight, given)
+        Self::with(self.options, ByView::One(view), self.start, self.edge_weight, given)
     }
 
     /// The same data without edges.
@@ -171,7 +174,7 @@ impl<'a> Data<'a> {
 
     fn with(
         options: &'a Options,
-        views: Vec<ViewData<'a>>,
+        views: ByView<ViewData<'a>>,
         start: Option<&'a Cylinder>,
         edge_weight: f64,
         given: usize,
@@ -226,28 +229,29 @@ impl<'a> Data<'a> {
     }
 
     /// At most `count` points, evenly spread over those of each view: in the frames of the views,
-    pub fn samples(&self, count: usize) -> Vec<Vec<Vector3<f64>>> {
-        self.views.iter().map(|view| view.view.cloud.sample(count / self.views.len())).collect()
+    pub fn samples(&self, count: usize) -> List<List<Vector3<f64>>> {
+        self.views.iter().map(|view| view.view.cloud.sampled(count / self.views.len()).collect()).collect()
     }
 
     /// and in the reference frame.
-    pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
+    pub fn sample(&self, count: usize) -> List<Vector3<f64>> {
         self.in_reference(&self.samples(count))
     }
 
     /// Points in the frames of the views in the reference frame.
-    pub fn in_reference(&self, by_view: &[Vec<Vector3<f64>>]) -> Vec<Vector3<f64>> {
-        let of_view = |(view, points): (&ViewData<'_>, &Vec<Vector3<f64>>)| {
+    pub fn in_reference(&self, by_view: &[List<Vector3<f64>>]) -> List<Vector3<f64>> {
+        let mut all = List::new();
+        for (view, points) in self.views.iter().zip(by_view) {
             let to_reference = view.into_view.inverse();
-            points.iter().map(|p| to_reference.point(p)).collect::<Vec<_>>()
-        };
-        self.views.iter().zip(by_view).flat_map(of_view).collect()
+            all.extend(points.iter().map(|p| to_reference.point(p)));
+        }
+        all
     }
 
     /// Mean and covariance of the points; refuses those that no cylinder is determined by.
     fn middle_and_covariance(&self) -> Result<(Vector3<f64>, Matrix3<f64>)> {
         let count = self.count() as f64;
-        let views: Vec<(f64, Vector3<f64>, Matrix3<f64>)> = self.views.iter().filter_map(of_view).collect();
+        let views: List<(f64, Vector3<f64>, Matrix3<f64>)> = self.views.iter().filter_map(of_view).collect();
         // Differences of nearby points first: all may be far from the origin of coordinates.
         let origin = views.first().map_or(Vector3::zeros(), |view| view.1);
         let mean = views.iter().map(|(part, mean, _)| (mean - origin) * (part / count)).sum::<Vector3<f64>>();
@@ -378,11 +382,8 @@ impl<'a> Data<'a> {
 fn of_view(view: &ViewData<'_>) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
     let to_reference = view.into_view.inverse();
     let (mean, covariance) = view.view.mean_and_covariance()?;
-    let axes = Matrix3::identity()
-        .column_iter()
-        .map(|axis| to_reference.direction(&axis.into()))
-        .collect::<Vec<_>>();
-    let rotation = Matrix3::from_columns(&axes);
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let rotation = Matrix3::from_columns(&axes.map(|axis| to_reference.direction(&axis)));
     let covariance = rotation * covariance * rotation.transpose();
     Some((view.points.count() as f64, to_reference.point(&mean), covariance))
 }
@@ -390,11 +391,8 @@ fn of_view(view: &ViewData<'_>) -> Option<(f64, Vector3<f64>, Matrix3<f64>)> {
 impl<'a> ViewData<'a> {
     /// Tells views apart by what was measured in them.
     fn key(&self) -> (usize, Vec<[u64; 3]>) {
-        let sample = self.view.cloud.sample(KEY_POINTS);
-        (
-            self.view.cloud.len(),
-            sample.iter().map(|p| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()]).collect(),
-        )
+        let sample = self.view.cloud.sampled(KEY_POINTS);
+        (self.view.cloud.len(), sample.map(|p| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()]).collect())
     }
 
     fn new(options: &Options, index: usize, view: &'a View) -> Self {
@@ -416,7 +414,7 @@ impl<'a> ViewData<'a> {
                 (options.threads != 1).then(|| Workers::asked(options.threads)),
             ),
             stands_for: view.cloud.len(),
-            neighbours: view.neighbours(observed).clone(),
+            neighbours: view.neighbours(observed),
             edges: UsableEdges::new(view.camera(), segments, &noise),
             of_limbs: None,
             whole: false,

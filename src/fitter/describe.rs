@@ -7,6 +7,7 @@ use super::scales::Scales;
 use super::start::Candidate;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::memory::List;
 use crate::noise::LARGEST_DEPTH_NOISE;
 use crate::residuals::Objective;
 use crate::solver::{Convergence, LeastSquares, Rank, Termination};
@@ -181,7 +182,7 @@ fn energy_of_points(data: &Data<'_>, frame: &LocalFrame) -> f64 {
 /// E_L over the views with two usable segments that count.
 fn energy_of_edges(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Option<f64> {
     let terms = data.views.iter().filter_map(|view| Some((view.limb_term()?, view.seen(cylinder))));
-    let energies = terms.map(|(term, seen)| term.energy(&seen)).collect::<Option<Vec<f64>>>()?;
+    let energies = terms.map(|(term, seen)| term.energy(&seen)).collect::<Option<List<f64>>>()?;
     let counts = !held.flags.contains(Flags::EDGES_IGNORED) && !energies.is_empty();
     counts.then(|| energies.iter().sum::<f64>() / energies.len() as f64)
 }

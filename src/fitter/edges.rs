@@ -3,6 +3,7 @@
 use super::result::Flags;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::EdgeSegment;
 use crate::residuals::{LimbPair, PixelSegment, PixelTerm};
@@ -12,15 +13,15 @@ use nalgebra::{Vector2, Vector3};
 /// The usable segments, without distortion.
 #[derive(Debug, Clone)]
 pub(super) struct UsableEdges {
-    pub segments: Vec<PixelSegment>,
-    pub rays: Vec<[Vector3<f64>; 2]>,
+    pub segments: List<PixelSegment>,
+    pub rays: List<[Vector3<f64>; 2]>,
     pub flags: Flags,
 }
 
 impl UsableEdges {
     /// Undistorts segments and drops those that cannot be limbs, with a flag for each reason.
     pub fn new(camera: Option<&Camera>, segments: &[EdgeSegment], noise: &ImageNoise) -> Self {
-        let mut usable = Self { segments: Vec::new(), rays: Vec::new(), flags: Flags::empty() };
+        let mut usable = Self { segments: List::new(), rays: List::new(), flags: Flags::empty() };
         for segment in segments.iter().filter(|segment| segment.weight > 0.0) {
             let [a, b] = segment.endpoints.map(|q| camera.and_then(|camera| undistort(camera, &q)));
             match (a, b) {
@@ -57,17 +58,17 @@ impl UsableEdges {
 
     /// Signed distances in pixels of the endpoints from the limb lines of a cylinder in the coordinates of the view;
     /// `None` where it has no limbs.
-    pub fn distances(&self, camera: &Camera, seen: &Cylinder) -> Option<Vec<f64>> {
+    pub fn distances(&self, camera: &Camera, seen: &Cylinder) -> Option<List<f64>> {
         if self.segments.is_empty() {
-            return Some(Vec::new());
+            return Some(List::new());
         }
-        let lines = PixelTerm::new(self.segments.clone(), camera.line_projection());
+        let lines = PixelTerm::new(self.segments.iter().copied(), camera.line_projection());
         Some(lines.distances(seen)?.into_iter().flatten().collect())
     }
 
     /// The cylinder of the two longest segments, which say most about the limbs, and of some points.
     pub fn cylinder(&self, points: &[Vector3<f64>]) -> Option<Cylinder> {
-        let mut order: Vec<usize> = (0..self.segments.len()).collect();
+        let mut order: List<usize> = (0..self.segments.len()).collect();
         let length = |k: &usize| {
             let [a, b] = self.segments[*k].endpoints;
             (a - b).norm()

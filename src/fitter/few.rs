@@ -5,11 +5,11 @@ use super::correlation::Lattice;
 use super::data::{Data, ViewData};
 use super::view::View;
 use crate::geometry::LocalFrame;
+use crate::memory::List;
 use crate::observations::PointCloud;
 use crate::residuals::PointTerm;
 use crate::statistics::{at_places, median_size, median_size_of_blocks};
 use nalgebra::Vector3;
-use std::sync::Arc;
 
 /// Points that lead to a minimum, and that tell the correlation of noise: that of neighbours is known to 1/√n then.
 const ENOUGH: usize = 20_000;
@@ -35,21 +35,21 @@ pub(super) fn are_many(count: usize) -> bool {
 #[derive(Debug, Clone)]
 pub(super) struct Neighbours {
     /// Some of very many points, all within one band; `None` for all.
-    band: Option<Arc<PointCloud>>,
+    band: Option<PointCloud>,
     /// `None` where it is that of a surface, or there is none.
-    lattice: Option<Arc<Lattice>>,
+    lattice: Option<Lattice>,
 }
 
 impl Neighbours {
     pub fn new(cloud: &PointCloud, observed: bool) -> Self {
-        let band = are_many(cloud.len()).then(|| Arc::new(middle_band(cloud)));
-        let lattice = Lattice::of_cloud(band.as_deref().unwrap_or(cloud), observed).map(Arc::new);
+        let band = are_many(cloud.len()).then(|| middle_band(cloud));
+        let lattice = Lattice::of_cloud(band.as_ref().unwrap_or(cloud), observed);
         Self { band, lattice }
     }
 
     /// The points of the band, where there is one.
     pub fn band(&self) -> Option<PointTerm<'_>> {
-        Some(PointTerm::new(self.band.as_deref()?, None))
+        Some(PointTerm::new(self.band.as_ref()?, None))
     }
 
     /// The number of independent points of a view about a surface, in the frame of the view, by the residuals of the band or
@@ -61,9 +61,9 @@ impl Neighbours {
         residuals: &[f64],
         cutoff: f64,
     ) -> f64 {
-        let cloud = self.band.as_deref().unwrap_or(&view.view.cloud);
+        let cloud = self.band.as_ref().unwrap_or(&view.view.cloud);
         let of_surface = if self.lattice.is_none() { Lattice::on_surface(cloud, frame) } else { None };
-        let independent = match self.lattice.as_deref().or(of_surface.as_ref()) {
+        let independent = match self.lattice.as_ref().or(of_surface.as_ref()) {
             Some(lattice) => lattice.independent_points(residuals, cutoff),
             None => residuals.len() as f64,
         };
@@ -98,7 +98,7 @@ fn middle_band(cloud: &PointCloud) -> PointCloud {
 }
 
 /// So many places of a list, evenly spread over it without the period of rows.
-fn spread(length: usize, count: usize) -> Vec<usize> {
+fn spread(length: usize, count: usize) -> List<usize> {
     let count = count.min(length);
     let step = length as f64 / count as f64;
     (0..count).map(|k| ((k as f64 + (k as f64 * GOLDEN).fract()) * step) as usize).collect()
@@ -106,7 +106,7 @@ fn spread(length: usize, count: usize) -> Vec<usize> {
 
 impl Data<'_> {
     /// The views with a part of their points, where there are very many.
-    pub fn views_of_few(&self) -> Option<Vec<View>> {
+    pub fn views_of_few(&self) -> Option<List<View>> {
         let count = self.count();
         are_many(count).then(|| {
             let part = ENOUGH as f64 / count as f64;
@@ -120,7 +120,6 @@ impl Data<'_> {
             view,
             points: of_all.points.of(&view.cloud),
             edges: of_all.edges.clone(),
-            neighbours: of_all.neighbours.clone(),
             ..*of_all
         };
         Data { views: self.views.iter().zip(views).map(view).collect(), ..*self }
@@ -190,7 +189,7 @@ mod tests {
         let mut taken = vec![0; columns];
         places.iter().for_each(|place| taken[place % columns] += 1);
         assert!(taken.iter().all(|taken| (15..=25).contains(taken)), "{taken:?}");
-        assert_eq!(spread(5, 20), [0, 1, 2, 3, 4]);
+        assert_eq!(*spread(5, 20), [0, 1, 2, 3, 4]);
     }
 
     #[test]

@@ -79,6 +79,7 @@ fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Re
 }
 
 /// The paper's objective, or its points alone.
+#[inline(never)] // Frames of ways that are not taken need no stack.
 fn paper(data: &Data<'_>, few: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let mut held = Held::as_given(data);
     if !candidates.iter().any(|candidate| data.edges_are_finite(&held, &candidate.cylinder)) {

@@ -17,6 +17,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::{Outline, axial_range};
+use crate::memory::List;
 use crate::residuals::PixelSegment;
 use crate::start::limbs::from_limbs;
 use crate::statistics::at_places;
@@ -56,7 +57,7 @@ const DOUBT: f64 = 1.5;
 pub(super) struct Guided {
     pub start: Candidate,
     pub minimum: Minimum,
-    pub views: Vec<GuidedView>,
+    pub views: List<GuidedView>,
     /// Warnings about the edges.
     pub flags: Flags,
 }
@@ -106,7 +107,7 @@ pub(super) fn guide(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>
     if let [_] = data.views[..] {
         return View { data, run }.guide(candidates);
     }
-    let mut alone = Vec::new();
+    let mut alone = List::new();
     for view in 0..data.views.len() {
         // A view that determines no cylinder joins the others all the same.
         let guided = data.only(view).and_then(|data| View { data: &data, run }.guide(candidates));
@@ -128,12 +129,12 @@ pub(super) fn reason_without_limbs(data: &Data<'_>, candidates: &[Candidate]) ->
 fn join(
     data: &Data<'_>,
     candidates: &[Candidate],
-    alone: Vec<Option<Guided>>,
+    alone: List<Option<Guided>>,
     flags: Flags,
     run: &mut Run<'_>,
 ) -> Result<Guided> {
     let flags = alone.iter().flatten().fold(flags, |flags, guided| flags | guided.flags);
-    let guides: Vec<Guides> = alone
+    let guides: List<Guides> = alone
         .iter()
         .zip(&data.views)
         .map(|(guided, view)| match guided {
@@ -218,7 +219,7 @@ impl Attempt {
     fn guided(self, range: Option<[f64; 2]>, deviation: f64) -> Guided {
         let Self { start, minimum, guides } = self;
         let view = GuidedView { guides, range, deviation, unconfirmed: false };
-        Guided { start, minimum, views: vec![view], flags: Flags::empty() }
+        Guided { start, minimum, views: List::from([view]), flags: Flags::empty() }
     }
 }
 
@@ -270,6 +271,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// With a mask: the given segments if its sides agree with them, else segments and sides together, else the segments
     /// alone, else what single lines the points admit.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn by_mask(
         &mut self,
         camera: &Camera,
@@ -304,10 +306,11 @@ impl<'a> View<'_, 'a, '_, '_> {
         let mut joined: Option<(Attempt, Sides)> = None;
         for _ in 0..SIDE_ROUNDS {
             let Some(sides) = sides_of(joined.as_ref().map_or(&alone, |joined| &joined.0)) else { break };
-            let mut starts = vec![alone.start];
+            let mut starts = List::from([alone.start]);
             if matches!(self.data.options.start, StartKind::Auto | StartKind::Limbs | StartKind::Last) {
                 let [a, b] = sides.rays(camera);
-                let found = from_limbs(&a, &b, &view.view.cloud.sample(SAMPLE));
+                let sample: List<_> = view.view.cloud.sampled(SAMPLE).collect();
+                let found = from_limbs(&a, &b, &sample);
                 let found = found.map(|cylinder| view.into_view.inverse().cylinder(&cylinder));
                 starts.splice(0..0, found.map(|cylinder| Candidate { kind: StartKind::Limbs, cylinder }));
             }
@@ -336,6 +339,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     }
 
     /// Without a mask: the given segments if the points admit them, else a single one.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn by_segments(
         &mut self,
         camera: &Camera,
@@ -362,6 +366,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// Of the fits to single lines the one that the points contradict least, or the one to the points alone if they
     /// contradict all.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn by_one(
         &mut self,
         camera: &Camera,
@@ -373,7 +378,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         let seen = self.view().seen(alone.cylinder());
         let beside = nearest_to_limbs(given, camera, &seen, MOST_SINGLE_SEGMENTS);
         let given = beside.iter().map(|line| Guides::given(&[*line]));
-        let sides = sides.iter().map(|line| Guides { sides: vec![*line], ..Guides::default() });
+        let sides = sides.iter().map(|line| Guides { sides: List::from([*line]), ..Guides::default() });
         for single in given.chain(sides) {
             if self.run.is_long(self.data) {
                 break;
@@ -401,7 +406,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// The fit to the points alone.
     fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
-        let mut starts = candidates.to_vec();
+        let mut starts = List::from(candidates);
         if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
             match self.data.ransac(self.run) {
                 Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),

@@ -3,6 +3,7 @@
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::limb_location::{Outline, Side, axial_range};
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
@@ -15,24 +16,24 @@ pub(super) const BESIDE: f64 = 2.0;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Guides {
     /// Segments that were given.
-    pub given: Vec<PixelSegment>,
+    pub given: List<PixelSegment>,
     /// Sides of the mask.
-    pub sides: Vec<PixelSegment>,
+    pub sides: List<PixelSegment>,
     /// Sides at which something in front ends the mask, or the image ends.
-    pub cut: Vec<PixelSegment>,
+    pub cut: List<PixelSegment>,
     /// The parts of sides beside which the limb is seen, and beyond which of their ends something in front hides it.
-    pub seen: Vec<(PixelSegment, [bool; 2])>,
+    pub seen: List<(PixelSegment, [bool; 2])>,
 }
 
 impl Guides {
     /// Given segments alone.
     pub fn given(segments: &[PixelSegment]) -> Self {
-        Self { given: segments.to_vec(), ..Self::default() }
+        Self { given: List::from(segments), ..Self::default() }
     }
 
     /// All lines.
-    pub fn all(&self) -> Vec<PixelSegment> {
-        [&self.given[..], &self.sides[..]].concat()
+    pub fn all(&self) -> List<PixelSegment> {
+        self.given.iter().chain(&self.sides).copied().collect()
     }
 
     /// Numbers the lines by the limb of a cylinder that they lie on.
@@ -97,10 +98,10 @@ impl Guides {
         limb: usize,
         other: Option<&PixelSegment>,
         noise: &ImageNoise,
-    ) -> Vec<PixelSegment> {
+    ) -> List<PixelSegment> {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let given = self.given.iter().filter(|guide| guide.limb == Some(limb));
-        let mut lines: Vec<PixelSegment> = given.copied().collect();
+        let mut lines: List<PixelSegment> = given.copied().collect();
         let Some(own) = side(limb) else { return lines };
         lines.push(match (other, side(1 - limb)) {
             (Some(located), Some(beside)) => {
@@ -127,8 +128,8 @@ pub(super) fn nearest_to_limbs(
     camera: &Camera,
     cylinder: &Cylinder,
     count: usize,
-) -> Vec<PixelSegment> {
-    let mut nearest = segments.to_vec();
+) -> List<PixelSegment> {
+    let mut nearest = List::from(segments);
     if let Some(limbs) = LimbFrame::new(cylinder) {
         let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
         let apart = |segment: &PixelSegment| {
@@ -168,10 +169,10 @@ pub(super) struct Sides {
 #[derive(Debug, Clone)]
 pub(super) struct Agreement {
     /// By segment: the side that it goes with.
-    pub sides: Vec<usize>,
+    pub sides: List<usize>,
     /// By segment: the root mean square distance of its endpoints from that side in pixels, apart from what may be
     /// the growth of the mask all round.
-    pub apart: Vec<f64>,
+    pub apart: List<f64>,
     /// The root mean square distance of all endpoints, growth included, in pixels.
     pub total: f64,
     /// The largest distance of a segment that agrees with its side.
@@ -197,7 +198,7 @@ impl Sides {
     }
 
     /// The sides that are limbs as segments of little weight.
-    pub fn segments(&self) -> Vec<PixelSegment> {
+    pub fn segments(&self) -> List<PixelSegment> {
         self.all(false).collect()
     }
 
@@ -228,7 +229,7 @@ impl Sides {
     }
 
     /// The ends of the sides in pixels of the (distorted) image.
-    pub fn pixels(&self, camera: &Camera) -> Vec<Vector2<f64>> {
+    pub fn pixels(&self, camera: &Camera) -> List<Vector2<f64>> {
         self.rays(camera).iter().flatten().filter_map(|ray| camera.project(ray)).collect()
     }
 
@@ -245,12 +246,12 @@ impl Sides {
         let sum = |distances: &[f64; 2]| distances[0].abs() + distances[1].abs();
         let side =
             |segment: &PixelSegment| usize::from(sum(&distances(segment, 1)) < sum(&distances(segment, 0)));
-        let sides: Vec<usize> = segments.iter().map(side).collect();
-        let outward: Vec<[f64; 2]> =
+        let sides: List<usize> = segments.iter().map(side).collect();
+        let outward: List<[f64; 2]> =
             segments.iter().zip(&sides).map(|(segment, &side)| distances(segment, side)).collect();
         // A side that is cut says nothing.
         let told = outward.iter().zip(&sides).filter(|&(_, &side)| !self.sides[side].cut);
-        let mut all: Vec<f64> = told.flat_map(|(distances, _)| *distances).collect();
+        let mut all: List<f64> = told.flat_map(|(distances, _)| *distances).collect();
         all.sort_by(f64::total_cmp);
         let middle = all.len() / 2;
         let growth = f64::midpoint(*all.get(middle.checked_sub(1)?)?, all[middle]);
@@ -267,12 +268,12 @@ impl Sides {
 
     /// Segments and sides together, each segment weighed by how far it is from its side.
     pub fn with_segments(&self, segments: &[PixelSegment]) -> Guides {
-        let mut given = segments.to_vec();
+        let mut given = List::from(segments);
         if let Some(agreement) = self.compare(segments) {
             let ImageNoise { endpoint, unevenness, .. } = self.noise;
             let gross = self.noise.gross();
             // One hand sets all segments alike, those apart that are grossly wrong.
-            let alike: Vec<f64> = agreement.apart.iter().copied().filter(|&apart| apart < gross).collect();
+            let alike: List<f64> = agreement.apart.iter().copied().filter(|&apart| apart < gross).collect();
             let pooled = alike.iter().map(|apart| apart * apart).sum::<f64>() / alike.len().max(1) as f64;
             for (k, guide) in given.iter_mut().enumerate() {
                 let apart = agreement.apart[k];
@@ -296,8 +297,7 @@ mod tests {
         let noise = NoiseModel::default().in_image((640, 480));
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
         let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
-        let guides =
-            Guides { given: Vec::new(), sides: vec![side(300.0, 0), side(340.0, 1)], ..Guides::default() };
+        let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
         let beside =
             |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
         assert_eq!(beside(301.0, 338.0), [false, false]);

@@ -5,6 +5,7 @@ use super::result::Flags;
 use crate::end_location::LastArc;
 use crate::geometry::{Cylinder, Line};
 use crate::limb_location::{Appearance, LimbObservation};
+use crate::memory::List;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm};
 use nalgebra::Vector3;
 
@@ -12,7 +13,7 @@ use nalgebra::Vector3;
 /// new one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Held {
-    pub views: Vec<HeldView>,
+    pub views: List<HeldView>,
     /// Warnings about the edges.
     pub flags: Flags,
     /// w_L: 0 where no edges count.
@@ -88,9 +89,9 @@ impl Held {
     }
 
     /// The paper's edge terms, by view.
-    pub fn limb_terms(&self, data: &Data<'_>) -> Vec<Option<LimbTerm>> {
+    pub fn limb_terms(&self, data: &Data<'_>) -> impl Iterator<Item = Option<LimbTerm>> {
         let counts = self.edge_weight > 0.0;
-        data.views.iter().map(|view| view.limb_term().filter(|_| counts)).collect()
+        data.views.iter().map(move |view| view.limb_term().filter(|_| counts))
     }
 }
 
@@ -126,7 +127,7 @@ impl HeldView {
     /// Lines, of which some are given segments and some were located in the image.
     pub fn new(view: &ViewData<'_>, lines: &[PixelSegment], given: usize, located: usize) -> Self {
         let camera = view.camera().filter(|_| !lines.is_empty());
-        let lines = camera.map(|camera| PixelTerm::new(lines.to_vec(), camera.line_projection()));
+        let lines = camera.map(|camera| PixelTerm::new(lines.iter().copied(), camera.line_projection()));
         Self { index: view.index, lines, given, located, ..Self::default() }
     }
 }

@@ -11,6 +11,7 @@ use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, locate_limbs};
+use crate::memory::List;
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
@@ -30,7 +31,7 @@ pub(super) struct Located {
 pub(super) type Lines = [Option<PixelSegment>; 2];
 
 /// What the images show of the limbs, by view.
-pub(super) type Observations = Vec<Option<SeenLimbs>>;
+pub(super) type Observations = List<Option<SeenLimbs>>;
 
 /// Locates the limbs near those of the first fit and fits again with them. A limb that is not seen, or that contradicts
 /// the points, is left to what the first fit held it to.
@@ -70,7 +71,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         }
     }
     let mut located = fit.unwrap_or_else(|| {
-        let none = vec![[None, None]; lines.len()];
+        let none = List::filled([None, None], lines.len());
         Located { minimum: guided.minimum.clone(), held: held(data, &guided.views, guided.flags, &none) }
     });
     located.held.settle(observations);
@@ -135,7 +136,7 @@ fn observe_view(
 }
 
 /// The lines that were located, each weighed by its own standard deviation.
-pub(super) fn lines_of(data: &Data<'_>, observations: &Observations) -> Vec<Lines> {
+pub(super) fn lines_of(data: &Data<'_>, observations: &Observations) -> List<Lines> {
     let of_view = |(view, seen): (&ViewData<'_>, &Option<SeenLimbs>)| {
         seen.as_ref().map_or([None, None], |seen| lines_of_view(view, &seen.limbs))
     };
@@ -168,7 +169,7 @@ fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) 
 pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: &[Lines]) -> Held {
     let views = data.views.iter().zip(guided).zip(lines).map(|((view, guided), lines)| {
         let guides = &guided.guides;
-        let (mut all, mut given) = (Vec::new(), 0);
+        let (mut all, mut given) = (List::new(), 0);
         for limb in [0, 1] {
             let own = || guides.given.iter().filter(|segment| segment.limb == Some(limb));
             match &lines[limb] {

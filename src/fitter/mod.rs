@@ -53,6 +53,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
+use crate::memory::{List, Memory};
 use crate::observations::Mask;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
@@ -72,11 +73,17 @@ const BYTES_OF_FIT: usize = 96;
 /// The same for a diagnosis: rows of six numbers, gathered, stacked, and factorised in place of a copy.
 const BYTES_OF_DIAGNOSIS: usize = 320;
 
+/// So much memory is not asked for before a call: where it is not there nothing else is.
+const ALWAYS_THERE: usize = 4 << 20;
+
 /// Estimates one cylinder from one view or several. Set intrinsics, push observations, call [`Fitter::fit`]; whatever
 /// fails leaves everything as it was.
 ///
 /// A fitter begins with one view at the identity. [`Fitter::select_view`] adds others and chooses the one that what
 /// follows is about; options, start model, fit and result are about all.
+///
+/// A fitter keeps the memory of its calls for the next ones, some 2 MB after a fit of an image of 640 × 480 pixels, and
+/// frees it when it is dropped: a call like the ones before asks for none.
 #[derive(Debug, Clone)]
 pub struct Fitter {
     options: Options,
@@ -89,6 +96,7 @@ pub struct Fitter {
     result: Option<FitResult>,
     /// What the last fit left to the next one of a sequence.
     last: Option<Last>,
+    memory: Memory,
 }
 
 /// What a fit was made with.
@@ -97,7 +105,7 @@ struct MadeWith {
     /// What it held the cylinder to.
     held: Held,
     /// By view: what was fitted of it, where its mask holds more than the body.
-    bodies: Vec<Option<View>>,
+    bodies: List<Option<View>>,
 }
 
 impl Default for Fitter {
@@ -110,6 +118,7 @@ impl Default for Fitter {
             made_with: None,
             result: None,
             last: None,
+            memory: Memory::default(),
         }
     }
 }
@@ -203,9 +212,16 @@ impl Fitter {
     }
 
     fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
+        let memory = std::mem::take(&mut self.memory);
+        let result = memory.lend(|| self.fit_in_memory(run));
+        self.memory = memory;
+        result
+    }
+
+    fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let (mut made_with, mut result, mut last) = self.fit_views(Vec::new(), run, &clock)?;
+        let (mut made_with, mut result, mut last) = self.fit_views(List::new(), run, &clock)?;
         if self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth) {
             for factor in outline::RADII {
                 let drawn = self.drawn_again(&result.cylinder, factor);
@@ -227,6 +243,16 @@ impl Fitter {
         Ok(result)
     }
 
+    /// Frees the memory that the next call would use again, where none is to come soon.
+    pub(crate) fn free_memory(&mut self) {
+        self.memory = Memory::default();
+    }
+
+    /// The memory that a call uses again.
+    pub(crate) fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
     /// What a fit would report for a given model in the reference frame, without iterating: with the limb lines and arcs
     /// of the last fit, or with the given segments where data or options have changed since.
     ///
@@ -234,9 +260,11 @@ impl Fitter {
     /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
     pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
         self.check_memory(BYTES_OF_FIT)?;
-        let data = self.data()?;
-        let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
-        describe::describe(&data, &self.held(&data), &start, cylinder, None)
+        self.memory.lend(|| {
+            let data = self.data()?;
+            let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
+            describe::describe(&data, &self.held(&data), &start, cylinder, None)
+        })
     }
 
     /// The same, kept as if a fit had given it.
@@ -263,10 +291,11 @@ impl Fitter {
                 let Some(camera) = view.camera() else { return Ok(Vec::new()) };
                 let noise = self.options.noise.in_image(camera.size());
                 let edges = UsableEdges::new(Some(camera), &view.segments, &noise);
-                edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
+                let distances = edges.distances(camera, &seen).ok_or_else(|| Error::EdgeGeometry {
                     reason: "the camera is inside the cylinder, which has no limbs then".into(),
                     remedy: "ask for the residuals of the points",
-                })?
+                })?;
+                distances.to_vec()
             }
         };
         if residuals.iter().any(|residual| !residual.is_finite()) {
@@ -342,6 +371,9 @@ impl Fitter {
     fn check_memory(&self, bytes_of_point: usize) -> Result<()> {
         let points = self.views.iter().map(|view| view.cloud.len()).sum::<usize>();
         let bytes = points.saturating_mul(bytes_of_point);
+        if bytes <= ALWAYS_THERE {
+            return Ok(());
+        }
         let mut memory: Vec<u8> = Vec::new();
         let asked = memory.try_reserve_exact(bytes);
         // What nobody looks at need not be allocated.
@@ -352,14 +384,14 @@ impl Fitter {
     /// A fit of the views, of which some are `drawn` again.
     fn fit_views(
         &self,
-        drawn: Vec<Option<View>>,
+        drawn: List<Option<View>>,
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<(MadeWith, FitResult, Last)> {
         let seconds = || clock.elapsed().as_secs_f64();
         let separated = self.separated(drawn, run)?;
-        let known: Vec<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
-        let bodies: Vec<_> = separated.into_iter().map(|view| view.body).collect();
+        let known: List<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
+        let bodies: List<_> = separated.into_iter().map(|view| view.body).collect();
         let mut data = self.data_of(&bodies)?;
         data.last = self.continued();
         for view in &mut data.views {
@@ -392,7 +424,7 @@ impl Fitter {
     }
 
     /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
-    fn drawn_again(&self, cylinder: &Cylinder, factor: f64) -> Vec<Option<View>> {
+    fn drawn_again(&self, cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
         let again = |view: &View| {
             let needed = view.image().is_some() && view.mask_ends_with_depth();
             let seen = view.pose().inverse().cylinder(cylinder);
@@ -408,9 +440,9 @@ impl Fitter {
 
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
     /// its mask holds more, or the view that was drawn again.
-    fn separated(&self, drawn: Vec<Option<View>>, run: &mut Run<'_>) -> Result<Vec<body::Separated>> {
+    fn separated(&self, drawn: List<Option<View>>, run: &mut Run<'_>) -> Result<List<body::Separated>> {
         if !self.takes_bodies() {
-            return Ok(Vec::new());
+            return Ok(List::new());
         }
         let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());
         let mut drawn = drawn.into_iter();

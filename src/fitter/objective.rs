@@ -7,6 +7,7 @@ use super::run::Run;
 use super::scales::Scales;
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, LocalFrame, Tangent};
+use crate::memory::{ByView, List};
 use crate::residuals::{
     Bend, Known, PixelResiduals, RobustScales, RobustView, SharedErrors, Sum, Term, paper_objective,
     robust_objective,
@@ -139,6 +140,7 @@ impl Data<'_> {
         Ok(minimum)
     }
 
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
         // The numbers of independent points matter for the covariance only.
         let objective = self.paper_objective(held, start, None);
@@ -161,7 +163,7 @@ impl Data<'_> {
             *radius = scaled;
         }
         // They weigh nothing here: the description measures them once.
-        Ok(Minimum { convergence, scales: Scales { views: Vec::new(), all: f64::NAN } })
+        Ok(Minimum { convergence, scales: Scales { views: List::new(), all: f64::NAN } })
     }
 
     /// Alternates between the minimum at fixed scales and the scales of its residuals. While the scales still change the
@@ -178,7 +180,7 @@ impl Data<'_> {
         let mut total: Option<Convergence> = None;
         let mut current = first;
         let mut counted = None;
-        let memory = vec![Cell::new(None); self.views.len()];
+        let memory = List::filled(Cell::new(None), self.views.len());
         for _ in 0..SCALE_ROUNDS {
             let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum(&memory));
             let limits = self.limits([current, precision], total.as_ref(), run);
@@ -211,13 +213,14 @@ impl Data<'_> {
         Ok(Minimum { convergence, scales })
     }
 
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn paper_objective(&self, held: &Held, start: &Cylinder, scales: Option<&Scales>) -> Sum<'_> {
         let independent = |k: usize| scales.map_or(1.0, |scales| scales.views[k].independent_points);
-        let points: Vec<_> = (self.views.iter().enumerate())
+        let points: ByView<_> = (self.views.iter().enumerate())
             .filter(|(_, view)| view.points.count() > 0)
             .map(|(k, view)| (view.points, view.into_view, independent(k)))
             .collect();
-        let limbs: Vec<_> = self
+        let limbs: ByView<_> = self
             .views
             .iter()
             .zip(held.limb_terms(self))
@@ -233,6 +236,7 @@ impl Data<'_> {
         paper_objective(&points, &limbs, held.edge_weight)
     }
 
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn robust_objective<'a>(
         &'a self,
         held: &'a Held,
@@ -243,7 +247,7 @@ impl Data<'_> {
         let contested = held.settled && held.has_limbs();
         let shared_matter = contested || matches!(purpose, Purpose::Covariance);
         let frame = self.frame(cylinder);
-        let views: Vec<RobustView<'a>> = self
+        let views: ByView<RobustView<'a>> = self
             .views
             .iter()
             .zip(&held.views)

@@ -3,6 +3,7 @@
 use super::data::{Data, ViewData};
 use super::few;
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::memory::List;
 use crate::residuals::{NormalEquations, RobustScales, Squared, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 
@@ -13,7 +14,7 @@ const INFORMATION_TOLERANCE: f64 = 0.1;
 /// The scales of the point residuals of a cylinder.
 #[derive(Debug, Clone)]
 pub(super) struct Scales {
-    pub views: Vec<RobustScales>,
+    pub views: List<RobustScales>,
     /// Of all views together.
     pub all: f64,
 }
@@ -35,9 +36,9 @@ impl Scales {
 /// The residuals of the points at a cylinder.
 pub(super) struct Residuals {
     /// By view.
-    views: Vec<Vec<f64>>,
+    views: List<List<f64>>,
     /// Their scales, by view,
-    points: Vec<f64>,
+    points: List<f64>,
     /// and of all together.
     all: f64,
 }
@@ -105,11 +106,11 @@ impl Data<'_> {
             let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
             let all = (DEVIATION_OF_MEDIAN * few::median_distance(view, &frame)).max(self.rounding());
             let point = if told > 0.0 { told } else { all };
-            return Residuals { views: vec![Vec::new()], points: vec![point], all };
+            return Residuals { views: List::from([List::new()]), points: List::from([point]), all };
         }
-        let views: Vec<Vec<f64>> = self.views.iter().map(distances).collect();
-        let scale = |view: &Vec<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
-        let points: Vec<f64> = views.iter().map(scale).collect();
+        let views: List<List<f64>> = self.views.iter().map(distances).collect();
+        let scale = |view: &List<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
+        let points: List<f64> = views.iter().map(scale).collect();
         let all = match points[..] {
             [one] if told == 0.0 => one,
             _ => self.scale_of(views.iter().flatten().copied()),
@@ -144,7 +145,7 @@ impl Data<'_> {
             (None, Some(band)) => Some(band.distances(&LocalFrame { unit: 1.0, ..frame })),
             (None, None) => None,
         };
-        let residuals = own.as_deref().unwrap_or(residuals);
+        let residuals = own.as_ref().map_or(residuals, |own| &own[..]);
         view.neighbours.independent_points(view, &frame, residuals, TUKEY_EFFICIENT * scale).max(1.0)
     }
 }

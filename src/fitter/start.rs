@@ -6,6 +6,7 @@ use super::options::StartKind;
 use super::run::Run;
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacFit, RansacOptions, ransac};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
@@ -27,11 +28,11 @@ pub(super) struct Candidate {
 
 impl Data<'_> {
     /// The starts that the options ask for, the most promising first.
-    pub fn candidates(&self, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
+    pub fn candidates(&self, run: &mut Run<'_>) -> Result<List<Candidate>> {
         let given = self.start.map(|cylinder| self.within_limits(cylinder));
         let of_model = given.map(|cylinder| Candidate { kind: StartKind::Model, cylinder });
         let found = |kind: StartKind, cylinder: Option<Cylinder>| {
-            cylinder.map(|cylinder| vec![Candidate { kind, cylinder }])
+            cylinder.map(|cylinder| List::from([Candidate { kind, cylinder }]))
         };
         match self.options.start {
             StartKind::Model => found(StartKind::Model, given).ok_or(Error::BadState {
@@ -51,7 +52,7 @@ impl Data<'_> {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
             StartKind::Ransac => {
-                Ok(vec![Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }])
+                Ok(List::from([Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }]))
             }
             StartKind::Auto => self.choose(of_model, run),
             StartKind::Last => self.choose(self.last.map(|last| self.start_of(last)).or(of_model), run),
@@ -73,7 +74,7 @@ impl Data<'_> {
 
     /// The best of random samples. The points of several views have no common observer.
     pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
-        let points: Vec<Vector3<f64>> = self.points().collect();
+        let points: List<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
@@ -81,16 +82,26 @@ impl Data<'_> {
             limits: self.limits_of_iteration(),
             ..RansacOptions::default()
         };
-        let normals =
-            self.views.iter().map(ViewData::normals).collect::<Option<Vec<_>>>().map(|all| all.concat());
+        let normals = self.normals();
         let observed = self.views.len() == 1 && self.near_wall();
-        ransac(&points, normals.as_deref(), observed, &options, &mut || run.poll())
+        ransac(&points, normals.as_ref().map(|normals| &normals[..]), observed, &options, &mut || run.poll())
+    }
+
+    /// The normals of the points in the reference frame, where all have one.
+    fn normals(&self) -> Option<List<Vector3<f64>>> {
+        let mut all = List::new();
+        for view in &self.views {
+            let to_reference = view.into_view.inverse();
+            let normals = view.view.cloud.normals()?;
+            all.extend(normals.iter().map(|normal| to_reference.direction(&normal.cast())));
+        }
+        Some(all)
     }
 
     /// The starts from the two longest segments of each view.
-    fn limbs_starts(&self) -> Vec<Candidate> {
+    fn limbs_starts(&self) -> List<Candidate> {
         let start = |view: &ViewData<'_>| {
-            let sample = || view.view.cloud.sample(SAMPLE);
+            let sample = || view.view.cloud.sampled(SAMPLE).collect::<List<_>>();
             let found = view.of_limbs.or_else(|| view.edges.cylinder(&sample()))?;
             let cylinder = self.within_limits(&view.into_view.inverse().cylinder(&found));
             Some(Candidate { kind: StartKind::Limbs, cylinder })
@@ -99,36 +110,37 @@ impl Data<'_> {
     }
 
     /// All candidates, the one that explains the sample best first.
-    fn choose(&self, given: Option<Candidate>, run: &mut Run<'_>) -> Result<Vec<Candidate>> {
+    fn choose(&self, given: Option<Candidate>, run: &mut Run<'_>) -> Result<List<Candidate>> {
         let by_view = self.samples(SAMPLE);
         let sample = self.in_reference(&by_view);
         let judge = |candidate: Candidate| (median_distance(&candidate.cylinder, &sample), candidate);
-        let mut candidates: Vec<(f64, Candidate)> = self.limbs_starts().into_iter().map(judge).collect();
+        let mut candidates: List<(f64, Candidate)> = self.limbs_starts().into_iter().map(judge).collect();
         // Random samples take longer than all the rest: only where the limbs do not explain the points.
         let explained = candidates.iter().any(|(median, start)| *median <= EXPLAINED * start.cylinder.radius);
         candidates.splice(0..0, given.map(judge));
         // Of some points: as good for a start.
         let moments = self.moments_start_of(sample.iter().map(|p| (*p, 1.0)));
         candidates.extend(moments.map(|cylinder| judge(Candidate { kind: StartKind::Moments, cylinder })));
-        let mut failure = "limbs, moments and random samples of the points give no cylinder".to_string();
+        let mut failure = None;
         if !explained {
             match self.ransac(run) {
                 Ok(fit) => {
                     candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }));
                 }
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
-                Err(error) => failure = error.to_string(),
+                Err(error) => failure = Some(error.to_string()),
             }
         }
         let smallest = candidates.iter().map(|(median, _)| *median).min_by(f64::total_cmp);
-        let smallest = smallest.ok_or(Error::NoStart { reason: failure })?;
+        let nothing = || "limbs, moments and random samples of the points give no cylinder".into();
+        let smallest = smallest.ok_or_else(|| Error::NoStart { reason: failure.unwrap_or_else(nothing) })?;
         // Three standard deviations of the noise around the best candidate.
         let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
         let held = Held::as_given(self);
         let cost = |cylinder: &Cylinder| {
             cost_of_points(cylinder, &sample, scale) + self.cost_of_views(&held, cylinder, &by_view)
         };
-        let mut judged: Vec<(f64, Candidate)> =
+        let mut judged: List<(f64, Candidate)> =
             candidates.into_iter().map(|(_, candidate)| (cost(&candidate.cylinder), candidate)).collect();
         judged.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(judged.into_iter().map(|(_, candidate)| candidate).collect())
@@ -136,7 +148,7 @@ impl Data<'_> {
 
     /// For each view the mean of truncated squares of endpoints, in [0, 1]; 1 more when most of its points are on the wall that
     /// the camera cannot see.
-    fn cost_of_views(&self, held: &Held, cylinder: &Cylinder, samples: &[Vec<Vector3<f64>>]) -> f64 {
+    fn cost_of_views(&self, held: &Held, cylinder: &Cylinder, samples: &[List<Vector3<f64>>]) -> f64 {
         let mut cost = 0.0;
         for ((view, held), sample) in self.views.iter().zip(&held.views).zip(samples) {
             let seen = view.seen(cylinder);
@@ -163,15 +175,6 @@ fn cost_of_points(cylinder: &Cylinder, sample: &[Vector3<f64>], scale: f64) -> f
 /// The square of a ratio, at most 1.
 fn truncated(ratio: f64) -> f64 {
     (ratio * ratio).min(1.0)
-}
-
-impl ViewData<'_> {
-    /// The normals of the points in the reference frame, where all have one.
-    fn normals(&self) -> Option<Vec<Vector3<f64>>> {
-        let to_reference = self.into_view.inverse();
-        let normals = self.view.cloud.normals()?;
-        Some(normals.iter().map(|normal| to_reference.direction(&normal.cast())).collect())
-    }
 }
 
 /// Median distance of points from a surface, 0 for no points.

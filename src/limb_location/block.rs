@@ -3,6 +3,7 @@
 use super::consensus::BLOCK_RUNS;
 use super::profile::{FUNCTIONS, Functions, SHADED, ShadedRow, Table};
 use super::strip::{Strip, StripPixel};
+use crate::memory::List;
 use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -135,11 +136,11 @@ pub(super) fn fit_blocks(
     line: &StripLine,
     near: &StripLine,
     window: Window,
-) -> Vec<Block> {
-    let mut rows = Vec::with_capacity(strip.pixels_of_block());
+) -> List<Block> {
+    let mut rows = List::with_capacity(strip.pixels_of_block());
     let sums = |runs| ShadedSums::new(Gather { strip, profile, line, near, window, runs, rows: &mut rows });
     let sums = blocks(strip).filter_map(sums);
-    let mut blocks = Vec::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
+    let mut blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
     blocks.extend(sums.filter_map(|sums| sums.fit(noise, background)));
     blocks
 }
@@ -151,12 +152,12 @@ pub(super) fn sums_of_blocks(
     profile: &Table<Functions>,
     line: &StripLine,
     near: &StripLine,
-) -> Vec<BlockSums> {
-    let mut rows = Vec::with_capacity(strip.pixels_of_block());
+) -> List<BlockSums> {
+    let mut rows = List::with_capacity(strip.pixels_of_block());
     let sums = |runs| {
         BlockSums::new(Gather { strip, profile, line, near, window: Window::full(), runs, rows: &mut rows })
     };
-    let mut of_blocks = Vec::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
+    let mut of_blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
     of_blocks.extend(blocks(strip).filter_map(sums));
     of_blocks
 }
@@ -245,7 +246,7 @@ struct Gather<'a, const WIDTH: usize> {
     window: Window,
     runs: Range<usize>,
     /// Room for a row a pixel.
-    rows: &'a mut Vec<[f64; WIDTH]>,
+    rows: &'a mut List<[f64; WIDTH]>,
 }
 
 /// The sums of a block.

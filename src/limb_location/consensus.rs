@@ -6,6 +6,7 @@
 //! block count for much more than another, and by the significance of all blocks together.
 
 use super::strip::Strip;
+use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Pixels on either side of an edge that the step filter spans.
@@ -64,7 +65,7 @@ struct Response {
     first_u: f64,
     step: f64,
     /// Each response with the next one; zeros at the end.
-    pairs: Vec<[f64; 2]>,
+    pairs: List<[f64; 2]>,
 }
 
 /// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
@@ -77,7 +78,7 @@ pub(super) fn rough_line(
     deviation: f64,
 ) -> Option<RoughLine> {
     let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
-    let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
+    let responses: List<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
     if responses.len() < LEAST_BLOCKS.count() * BLOCK_RUNS.count() {
         return None;
     }
@@ -119,7 +120,7 @@ fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
     });
     let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
     let mut below = values.next()?;
-    let mut pairs = Vec::with_capacity(count);
+    let mut pairs = List::with_capacity(count);
     pairs.extend(values.map(|above| [std::mem::replace(&mut below, above), above]));
     pairs.push([0.0; 2]);
     Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
@@ -236,7 +237,7 @@ mod tests {
         let responses: Vec<Response> = (0..29)
             .map(|k| {
                 let value = |j: usize| ((7 * k + 3 * j) % 11) as f64 - 4.0;
-                let mut pairs: Vec<[f64; 2]> = (0..12).map(|j| [value(j), value(j + 1)]).collect();
+                let mut pairs: List<[f64; 2]> = (0..12).map(|j| [value(j), value(j + 1)]).collect();
                 pairs.push([0.0; 2]);
                 Response { s: k as f64 - 14.0, first_u: -5.5 - 0.01 * k as f64, step: 0.97, pairs }
             })

@@ -6,6 +6,7 @@ use super::consensus::RoughLine;
 use super::profile::SharpProfile;
 use super::shading::LimbShading;
 use super::strip::Strip;
+use crate::memory::List;
 use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
 
@@ -83,7 +84,7 @@ pub(super) struct Limb<'a> {
     pub state: LimbState,
     /// The line about which pixels are looked at.
     pub near: StripLine,
-    pub blocks: Vec<Block>,
+    pub blocks: List<Block>,
     /// Covariance of (offset, slope).
     pub covariance: Matrix2<f64>,
     /// Variance of the offset for what the profile does not describe: see [`super::refine`].
@@ -110,7 +111,7 @@ impl<'a> Limb<'a> {
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             near: line,
-            blocks: Vec::new(),
+            blocks: List::new(),
             covariance: Matrix2::zeros(),
             misfit: 0.0,
         }
@@ -165,18 +166,18 @@ impl<'a> Limb<'a> {
     }
 
     /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
-    pub fn scan(&mut self, blur: f64) -> Vec<LimbState> {
+    pub fn scan(&mut self, blur: f64) -> List<LimbState> {
         let profile = &self.sharp.blurred(blur, SCAN_REACH.get());
         let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
-        let sums: Vec<(LimbState, Vec<BlockSums>)> = (-count..=count)
+        let sums: List<(LimbState, List<BlockSums>)> = (-count..=count)
             .map(|k| {
                 let mut limb = self.state;
                 limb.line.offset += f64::from(k) * SCAN_STEP.get();
                 (limb, sums_of_blocks(self.strip, profile, &limb.line, &self.state.line))
             })
             .collect();
-        let places_on = |background: Background| -> Vec<(f64, LimbState)> {
-            let place = |(limb, blocks): &(LimbState, Vec<BlockSums>)| {
+        let places_on = |background: Background| -> List<(f64, LimbState)> {
+            let place = |(limb, blocks): &(LimbState, List<BlockSums>)| {
                 let limb = LimbState { shading: self.best_shading(blocks, background), ..*limb };
                 (self.cost(blocks, &limb, background), limb)
             };
@@ -195,7 +196,7 @@ impl<'a> Limb<'a> {
         let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
             places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
         };
-        let Some(best) = least(&mut places.iter()) else { return vec![self.state] };
+        let Some(best) = least(&mut places.iter()) else { return List::from([self.state]) };
         // A blur that is not known yet turns a second minimum into a shoulder.
         let other = least(&mut places.iter().filter(|place| {
             (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE.get()
@@ -240,7 +241,7 @@ impl<'a> Limb<'a> {
         let distance =
             |block: &Block, line: &StripLine| (block.shift - line.at(block.s)) / block.variance().sqrt();
         let start = line_of_most_blocks(blocks);
-        let mut distances: Vec<f64> = blocks.iter().map(|block| distance(block, &start)).collect();
+        let mut distances: List<f64> = blocks.iter().map(|block| distance(block, &start)).collect();
         let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
         let reweighted = reweighting.continue_from(&mut distances, |weights, distances| {
             let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());

@@ -54,6 +54,7 @@ pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::memory::List;
 use crate::noise::{ImageNoise, box_blur};
 use crate::observations::{GreyImage, ReducedImage, from_reduced};
 use again::Light;
@@ -64,6 +65,7 @@ use limb::{Expected, Limb, SHADING};
 use nalgebra::{Matrix2, Vector2};
 use refine::{MOST_BLUR, RefinedImage, refine};
 use shading::{LimbShading, Shading};
+use smallvec::SmallVec;
 use strip::{Baseline, Grid, Strip};
 
 /// Most grids of pixels on which the limbs are located: the first by the size of the image, the second by the blur that
@@ -179,7 +181,7 @@ pub struct LimbObservation {
     /// The line, or why there is none.
     pub line: Result<LimbLine, NotVisible>,
     /// The pieces along it, used and refused, also where no line came of them.
-    pub samples: Vec<LimbSample>,
+    pub samples: List<LimbSample>,
     /// Blur of the image at the limbs, standard deviation of a Gaussian in pixels, common to both limbs; `None`
     /// where no limb tells.
     pub blur: Option<f64>,
@@ -193,7 +195,7 @@ impl LimbObservation {
     }
 
     fn none(reason: NotVisible) -> Self {
-        Self { line: Err(reason), samples: Vec::new(), blur: None }
+        Self { line: Err(reason), samples: List::new(), blur: None }
     }
 
     /// The same in pixels of the image, of whose boxes of `factor` columns and rows it was in pixels.
@@ -275,8 +277,7 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
         }
     }
     let shading = inner_shading(grid, &baselines, &roughs, radius);
-    let mut limbs = Vec::new();
-    let mut seen = Vec::new();
+    let (mut limbs, mut seen) = (SmallVec::<[_; 2]>::new(), SmallVec::<[_; 2]>::new());
     for (k, found) in roughs.into_iter().enumerate() {
         let Some((strip, baseline, expected)) = found else { continue };
         let near =
@@ -419,7 +420,7 @@ fn judged(
     Ok(LimbLine { ends, sigma })
 }
 
-fn samples(limb: &Limb<'_>, baseline: &Baseline) -> Vec<LimbSample> {
+fn samples(limb: &Limb<'_>, baseline: &Baseline) -> List<LimbSample> {
     let sample = |block: &Block| LimbSample {
         position: baseline.position(block.s, limb.state.line.at(block.s) + block.shift),
         sigma: block.sigma,

@@ -10,6 +10,7 @@
 use super::block::{INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
+use crate::memory::List;
 use nalgebra::{Vector2, Vector4};
 use pulp::Arch;
 
@@ -39,9 +40,9 @@ pub(super) type ShadedRow = [f64; 12];
 
 /// What a profile is made of, tabulated over u.
 #[derive(Debug, Clone)]
-pub(super) struct Table<Row> {
+pub(super) struct Table<Row: Send + 'static> {
     first: f64,
-    rows: Vec<Row>,
+    rows: List<Row>,
 }
 
 /// The functions of one limb without blur, on the inner side: 1, the expected brightness, sin θ and 1 − cos θ. On the
@@ -49,7 +50,7 @@ pub(super) struct Table<Row> {
 #[derive(Debug, Clone)]
 pub(super) struct SharpProfile {
     /// Cell k is about u = k · `STEP`.
-    cells: Vec<Vector4<f64>>,
+    cells: List<Vector4<f64>>,
 }
 
 impl SharpProfile {
@@ -65,7 +66,7 @@ impl SharpProfile {
     pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
         let kernel = kernel(blur).into_iter().map(|[g, slope, _]| [[g; 4], [slope; 4]]);
         let cells = self.cells.iter().map(|cell| [(*cell).into(); 2]);
-        table(&cells.collect::<Vec<_>>(), &kernel.collect::<Vec<_>>(), margin, |u, [values, slopes]| {
+        table(&cells.collect::<List<_>>(), &kernel.collect::<List<_>>(), margin, |u, [values, slopes]| {
             let [outside, distance] = background(u, blur, values[0], slopes[0]);
             [outside, distance, values[1], values[2], values[3], 0.0, 0.0, 0.0]
         })
@@ -80,7 +81,7 @@ impl SharpProfile {
             let inside = cell[1] + shading[0] * sine + shading[1] * lean;
             [[one, inside, sine, lean], [one, inside, one, inside]]
         });
-        table(&cells.collect::<Vec<_>>(), &kernel.collect::<Vec<_>>(), 0.0, |u, [values, slopes]| {
+        table(&cells.collect::<List<_>>(), &kernel.collect::<List<_>>(), 0.0, |u, [values, slopes]| {
             let [one, inside, sine, lean] = values;
             let [one_by_u, inside_by_u, one_by_blur, inside_by_blur] = slopes;
             let [outside, distance] = background(u, blur, one, one_by_u);
@@ -101,7 +102,12 @@ impl SharpProfile {
 type Pair = [[f64; 4]; 2];
 
 /// A table over the window widened by `margin`: `row` of u and of the sums of the cells by a kernel.
-fn table<Row>(cells: &[Pair], kernel: &[Pair], margin: f64, row: impl Fn(f64, Pair) -> Row) -> Table<Row> {
+fn table<Row: Send + 'static>(
+    cells: &[Pair],
+    kernel: &[Pair],
+    margin: f64,
+    row: impl Fn(f64, Pair) -> Row,
+) -> Table<Row> {
     let taps = (kernel.len() / 2) as i32;
     let (first_index, last_index) = window(margin);
     let rows = (first_index..=last_index).map(|index| {
@@ -122,9 +128,9 @@ fn background(u: f64, blur: f64, inside: f64, slope: f64) -> [f64; 2] {
 }
 
 /// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.
-fn kernel(blur: f64) -> Vec<[f64; 3]> {
+fn kernel(blur: f64) -> List<[f64; 3]> {
     let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
-    let kernel: Vec<[f64; 3]> = (-taps..=taps)
+    let kernel: List<[f64; 3]> = (-taps..=taps)
         .map(|k| {
             let x = f64::from(k) * STEP.get() / blur;
             let g = (-x * x / 2.0).exp();
@@ -159,7 +165,7 @@ fn window(margin: f64) -> (i32, i32) {
     )
 }
 
-impl<Row> Table<Row> {
+impl<Row: Send + 'static> Table<Row> {
     /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
     #[inline(always)]
     fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {

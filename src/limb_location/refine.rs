@@ -8,7 +8,9 @@
 use super::block::{LimbState, StripLine, Window, fit_blocks, sums_of_blocks};
 use super::limb::{AMBIGUOUS, BLUR, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
 use super::profile::{MARGIN, ShadedRow, Table};
+use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2};
+use smallvec::SmallVec;
 
 constants! {
     /// Blur where the iteration starts, standard deviation in pixels: a lens in focus and the aperture of a pixel.
@@ -59,29 +61,29 @@ pub(super) struct RefinedImage {
 /// Refines one or two limbs of a cylinder and the blur.
 pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
     let blur = ExpectedBlur::new(told_blur);
-    let scans: Vec<Vec<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(blur.value)).collect();
-    let mut starts: Vec<Vec<LimbState>> = vec![Vec::new()];
+    let scans: List<List<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(blur.value)).collect();
+    let mut starts: List<List<LimbState>> = List::from([List::new()]);
     for scan in &scans {
-        let extended = |start: &Vec<LimbState>| {
-            scan.iter().map(|state| start.iter().copied().chain([*state]).collect()).collect::<Vec<_>>()
+        let extended = |start: &List<LimbState>| {
+            scan.iter().map(|state| start.iter().copied().chain([*state]).collect()).collect::<List<_>>()
         };
         starts = starts.iter().flat_map(extended).collect();
     }
-    let windows: Vec<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
+    let windows: List<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
     let several = starts.len() > 1;
-    let mut modes: Vec<Mode<'_>> = Vec::new();
+    let mut modes: SmallVec<[Mode<'_>; 1]> = SmallVec::new();
     for start in &starts {
         for (limb, state) in limbs.iter_mut().zip(start) {
             limb.state = *state;
         }
         let Some((blur, path)) = follow(limbs, &blur, &windows, &modes) else { continue };
         let cost = if several { cost(limbs, blur, &windows) } else { 0.0 };
-        modes.push(Mode { cost, limbs: limbs.to_vec(), blur, path });
+        modes.push(Mode { cost, limbs: limbs.iter().cloned().collect(), blur, path });
     }
     modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     limbs.clone_from_slice(&modes[0].limbs);
     see_less(limbs, &blur, modes[0].blur);
-    let weights: Vec<f64> =
+    let weights: List<f64> =
         modes.iter().map(|mode| ((modes[0].cost - mode.cost) / (2.0 * TEMPERATURE.get())).exp()).collect();
     let sum: f64 = weights.iter().sum();
     for (k, limb) in limbs.iter_mut().enumerate() {
@@ -126,7 +128,7 @@ pub(super) fn refine_again(
 fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
     let profiles = profiles(limbs, blur);
     for window in Window::smaller() {
-        let mut near = limbs.to_vec();
+        let mut near: SmallVec<[Limb<'_>; 2]> = limbs.iter().cloned().collect();
         near.iter_mut().for_each(|limb| limb.near = limb.state.line);
         let mut blur = blur;
         step(&mut near, &profiles, expected, &mut blur, window);
@@ -159,17 +161,17 @@ impl ExpectedBlur {
 /// One of several places where the limbs may be.
 struct Mode<'a> {
     cost: f64,
-    limbs: Vec<Limb<'a>>,
+    limbs: SmallVec<[Limb<'a>; 2]>,
     blur: f64,
     /// The lines after each step that led there.
-    path: Vec<Vec<StripLine>>,
+    path: List<List<StripLine>>,
 }
 
 impl Mode<'_> {
     /// Whether limbs are there, or where the same steps led there from.
     fn leads_from(&self, limbs: &[Limb<'_>]) -> bool {
         let mut pairs = self.limbs.iter().zip(limbs);
-        let along = |lines: &Vec<StripLine>| {
+        let along = |lines: &List<StripLine>| {
             let mut pairs = limbs.iter().zip(lines);
             pairs.all(|(limb, line)| limb.is_along(line, SAME_PLACE.get()))
         };
@@ -195,9 +197,9 @@ fn follow(
     expected: &ExpectedBlur,
     windows: &[StripLine],
     known: &[Mode<'_>],
-) -> Option<(f64, Vec<Vec<StripLine>>)> {
+) -> Option<(f64, List<List<StripLine>>)> {
     let mut blur = expected.value;
-    let mut path = Vec::new();
+    let mut path = List::new();
     for count in 1..=STEPS.count() {
         look_about(limbs, count);
         let moved = step(limbs, &profiles(limbs, blur), expected, &mut blur, Window::full());
@@ -230,7 +232,7 @@ fn look_about(limbs: &mut [Limb<'_>], count: usize) {
 }
 
 /// The profiles of limbs.
-fn profiles(limbs: &[Limb<'_>], blur: f64) -> Vec<Table<ShadedRow>> {
+fn profiles(limbs: &[Limb<'_>], blur: f64) -> List<Table<ShadedRow>> {
     limbs.iter().map(|limb| limb.sharp.shaded(blur, &limb.state.shading)).collect()
 }
 

@@ -3,6 +3,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::median;
@@ -51,7 +52,7 @@ pub fn axial_range(
         });
         Some((hit - axis.point).dot(&axis.direction)).filter(|position| position.is_finite())
     };
-    let mut positions: Vec<f64> = pixels.filter_map(position).collect();
+    let mut positions: List<f64> = pixels.filter_map(position).collect();
     if positions.is_empty() {
         return None;
     }
@@ -67,7 +68,7 @@ pub fn axial_range(
 pub struct Outline<'a> {
     mask: &'a Mask,
     depth: Option<&'a DepthImage>,
-    pixels: Vec<OutlinePixel>,
+    pixels: List<OutlinePixel>,
     center: Vector2<f64>,
     noise: ImageNoise,
 }
@@ -105,7 +106,7 @@ impl<'a> Outline<'a> {
             let ray = camera.ray_of_pixel(at.0, at.1)?;
             Some(OutlinePixel { position: camera.ideal_pixel(&ray)?, at })
         };
-        let pixels: Vec<OutlinePixel> = mask.outline().filter_map(pixel).collect();
+        let pixels: List<OutlinePixel> = mask.outline().filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
         (!pixels.is_empty()).then_some(Self { mask, depth, pixels, center, noise: *noise })
     }
@@ -141,7 +142,8 @@ impl<'a> Outline<'a> {
             return None;
         }
         // By position along the axis and side: the outermost pixel.
-        let mut extremes = vec![[(f64::INFINITY, (0, 0)), (f64::NEG_INFINITY, (0, 0))]; count as usize];
+        let mut extremes =
+            List::filled([(f64::INFINITY, (0, 0)), (f64::NEG_INFINITY, (0, 0))], count as usize);
         for pixel in &self.pixels {
             let (s, u) = coordinates(pixel);
             let Some([first, second]) = (s >= low).then(|| extremes.get_mut((s - low) as usize)).flatten()
@@ -158,10 +160,10 @@ impl<'a> Outline<'a> {
         let limbs = camera.limb_lines(rough).ok();
         let side = |k: usize| {
             let positions = extremes.iter().enumerate().filter(|(_, extreme)| extreme[0].0 < extreme[1].0);
-            let all: Vec<(f64, f64, bool)> = positions
+            let all: List<(f64, f64, bool)> = positions
                 .map(|(i, extreme)| (low + i as f64 + 0.5, extreme[k].0, self.is_cut(extreme[k].1)))
                 .collect();
-            let whole: Vec<(f64, f64)> =
+            let whole: List<(f64, f64)> =
                 all.iter().filter(|position| !position.2).map(|&(s, u, _)| (s, u)).collect();
             // The raster of the mask.
             let least = 0.5 * self.noise.pixel;
@@ -179,7 +181,7 @@ impl<'a> Outline<'a> {
                 let is_first = (first(middle) < second(middle)) == (k == 0);
                 let limb = move |s: f64| if is_first { first(s) } else { second(s) };
                 // The region, and the depth that the cylinder is from, may be shifted.
-                let mut apart: Vec<f64> = whole.iter().map(|&(s, u)| u - limb(s)).collect();
+                let mut apart: List<f64> = whole.iter().map(|&(s, u)| u - limb(s)).collect();
                 let apart = median(&mut apart);
                 let limb = |s: f64| limb(s) + apart;
                 let least = WITHIN.get() * self.noise.unevenness;
@@ -255,8 +257,8 @@ fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &Imag
             let (x, y) = at((x, y), step.x, step.y)?;
             depth.depth(x, y)
         });
-        let mut depths: Vec<f64> = places.collect();
-        depths.sort_by(f64::total_cmp);
+        let mut depths: List<f64> = places.collect();
+        depths.sort_unstable_by(f64::total_cmp);
         depths.get(depths.len() / 2).copied()
     };
     middle(1.0).zip(middle(-1.0)).is_some_and(|(beyond, inside)| beyond < inside * (1.0 - NEARER.get()))
@@ -270,7 +272,7 @@ struct SideLine {
 }
 
 /// The line through most of the points, and through all within some distances of `least`.
-fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
+fn robust_line(mut points: List<(f64, f64)>, least: f64) -> Option<SideLine> {
     loop {
         if points.len() < LEAST_POSITIONS.count() {
             return None;
@@ -284,7 +286,7 @@ fn robust_line(mut points: Vec<(f64, f64)>, least: f64) -> Option<SideLine> {
         let slope = product / square;
         let offset = mean.1 - slope * mean.0;
         let distance = |p: &(f64, f64)| (p.1 - offset - slope * p.0).abs();
-        let mut distances: Vec<f64> = points.iter().map(distance).collect();
+        let mut distances: List<f64> = points.iter().map(distance).collect();
         let median = median(&mut distances);
         let before = points.len();
         points.retain(|p| distance(p) <= MEDIANS.get() * median.max(least));

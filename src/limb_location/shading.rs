@@ -10,6 +10,7 @@
 use super::block::INSIDE;
 use super::consensus::BLOCK_RUNS;
 use super::strip::Strip;
+use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
@@ -172,9 +173,9 @@ impl Shading {
         if bins < LEAST_BINS.count() {
             return None;
         }
-        let mut blocks: Vec<Vec<Option<f64>>> = Vec::new();
+        let mut blocks: List<List<Option<f64>>> = List::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
-            let mut sums = vec![(0.0, 0.0); bins];
+            let mut sums = List::filled((0.0, 0.0), bins);
             for pixel in (first..(first + BLOCK_RUNS.count()).min(strip.len())).flat_map(|run| strip.run(run))
             {
                 let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
@@ -187,7 +188,7 @@ impl Shading {
                 }
             }
             let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
-            let mut known: Vec<f64> = sums.iter().filter_map(mean).collect();
+            let mut known: List<f64> = sums.iter().filter_map(mean).collect();
             if known.len() >= LEAST_BINS.count() {
                 let gain = median(&mut known);
                 if gain > 3.0 * noise {
@@ -197,13 +198,13 @@ impl Shading {
         }
         drop_odd(&mut blocks);
         let angle = |k: usize| widest * (2.0 * (k as f64 + 0.5) / bins as f64 - 1.0);
-        let rows: Vec<Median> = (0..bins).filter_map(|k| Median::of(&blocks, k, angle(k))).collect();
+        let rows: List<Median> = (0..bins).filter_map(|k| Median::of(&blocks, k, angle(k))).collect();
         if rows.len() < LEAST_BINS.count() {
             return None;
         }
-        let fits: Vec<(f64, Self)> = lamps().filter_map(|lamp| fit(&rows, &lamp, true)).collect();
+        let fits: List<(f64, Self)> = lamps().filter_map(|lamp| fit(&rows, &lamp, true)).collect();
         let (least, best) = *fits.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let weights: Vec<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
+        let weights: List<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
         let sum: f64 = weights.iter().sum();
         let spread = [-FRAC_PI_2, FRAC_PI_2].map(|limb| {
             let limb = Angle::new(limb);
@@ -230,13 +231,13 @@ struct Median {
 
 impl Median {
     /// Of one bin over the blocks.
-    fn of(blocks: &[Vec<Option<f64>>], bin: usize, angle: f64) -> Option<Self> {
-        let mut values: Vec<f64> = blocks.iter().filter_map(|block| block[bin]).collect();
+    fn of(blocks: &[List<Option<f64>>], bin: usize, angle: f64) -> Option<Self> {
+        let mut values: List<f64> = blocks.iter().filter_map(|block| block[bin]).collect();
         if values.len() < LEAST_BLOCKS.count() {
             return None;
         }
         let value = median(&mut values);
-        let mut sizes: Vec<f64> = values.iter().map(|x| (x - value).abs()).collect();
+        let mut sizes: List<f64> = values.iter().map(|x| (x - value).abs()).collect();
         // The standard error of a median is √(π/2) times that of a mean.
         let scatter = DEVIATION_OF_MEDIAN * median(&mut sizes) * (FRAC_PI_2 / values.len() as f64).sqrt();
         Some(Self { angle: Angle::new(angle), value, deviation: scatter.hypot(FLOOR.get()) })
@@ -245,16 +246,16 @@ impl Median {
 
 /// Drops blocks that differ from the medians much more than most do: an occluder is flat all across, and would draw
 /// every median the same way.
-fn drop_odd(blocks: &mut Vec<Vec<Option<f64>>>) {
-    let Some(bins) = blocks.first().map(Vec::len) else { return };
-    let medians: Vec<Option<Median>> = (0..bins).map(|k| Median::of(blocks, k, 0.0)).collect();
-    let oddness = |block: &Vec<Option<f64>>| {
+fn drop_odd(blocks: &mut List<List<Option<f64>>>) {
+    let Some(bins) = blocks.first().map(|block| block.len()) else { return };
+    let medians: List<Option<Median>> = (0..bins).map(|k| Median::of(blocks, k, 0.0)).collect();
+    let oddness = |block: &List<Option<f64>>| {
         let pairs = block.iter().zip(&medians);
-        let mut sizes: Vec<f64> =
+        let mut sizes: List<f64> =
             pairs.filter_map(|(x, row)| Some((x.as_ref()? - row.as_ref()?.value).abs())).collect();
         if sizes.is_empty() { f64::INFINITY } else { median(&mut sizes) }
     };
-    let all: Vec<f64> = blocks.iter().map(oddness).collect();
+    let all: List<f64> = blocks.iter().map(oddness).collect();
     let limit = MOST_ODDNESS.get() * median(&mut all.clone()).max(FLOOR.get());
     let mut each = all.iter();
     blocks.retain(|_| each.next().is_some_and(|oddness| *oddness <= limit));
@@ -268,11 +269,11 @@ fn fit(rows: &[Median], lamp: &Lamp, glossy: bool) -> Option<(f64, Shading)> {
     let mut coefficients = Vector5::zeros();
     let mut solved = None;
     // In units of the deviation.
-    let scaled: Vec<(Vector5<f64>, f64)> = rows
+    let scaled: List<(Vector5<f64>, f64)> = rows
         .iter()
         .map(|row| (lamp.functions(&row.angle) / row.deviation, row.value / row.deviation))
         .collect();
-    let mut last = vec![f64::INFINITY; rows.len()];
+    let mut last = List::filled(f64::INFINITY, rows.len());
     let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
     let scale = reweighting.fit(rows.len(), |weights, residuals| {
         let (mut normal, mut right) = (prior, Vector5::zeros());
@@ -349,10 +350,10 @@ mod tests {
 
     #[test]
     fn an_occluder_does_not_flatten_the_medians() {
-        let shaded: Vec<Option<f64>> = rows(0.5).iter().map(|row| Some(row.value)).collect();
-        let mut blocks = vec![shaded.clone(); 8];
-        blocks.extend(vec![vec![Some(1.0); shaded.len()]; 3]);
+        let shaded: List<Option<f64>> = rows(0.5).iter().map(|row| Some(row.value)).collect();
+        let mut blocks = List::filled(shaded.clone(), 8);
+        blocks.extend(vec![List::filled(Some(1.0), shaded.len()); 3]);
         drop_odd(&mut blocks);
-        assert_eq!(blocks, vec![shaded; 8]);
+        assert_eq!(blocks, List::filled(shaded, 8));
     }
 }

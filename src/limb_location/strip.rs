@@ -6,6 +6,7 @@
 
 use super::consensus::BLOCK_RUNS;
 use crate::camera::Camera;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median_size};
@@ -90,9 +91,9 @@ pub(super) struct StripPixel {
 /// steep, pieces of columns where it is flat. Runs are ordered along the line, their pixels by rising u.
 #[derive(Debug, Clone)]
 pub(super) struct Strip {
-    pixels: Vec<StripPixel>,
+    pixels: List<StripPixel>,
     /// Where each run ends in `pixels`.
-    ends: Vec<usize>,
+    ends: List<usize>,
 }
 
 impl Strip {
@@ -109,7 +110,7 @@ impl Strip {
         let Some(chord) =
             ends.0.zip(ends.1).map(|(a, b)| b - a).or_else(|| Some(middle? - ends.0.or(ends.1)?))
         else {
-            return Self { pixels: Vec::new(), ends: Vec::new() };
+            return Self { pixels: List::new(), ends: List::new() };
         };
         let steep = chord.y.abs() >= chord.x.abs();
         // The image axis along which runs follow each other, and the one within a run.
@@ -121,7 +122,7 @@ impl Strip {
         let room = |length: f64, most: usize| (length + 2.0).min(most as f64) as usize;
         let runs = room(2.0 * baseline.half_length, most_runs);
         let pixels = runs * room(2.0 * reach, most_pixels);
-        let mut strip = Self { pixels: Vec::with_capacity(pixels), ends: Vec::with_capacity(runs) };
+        let mut strip = Self { pixels: List::with_capacity(pixels), ends: List::with_capacity(runs) };
         for k in 0..pieces {
             let (Some(a), Some(b)) = (vertex(k), vertex(k + 1)) else { continue };
             let ((a_run, a_cross), (b_run, b_cross)) = (split(&a), split(&b));

@@ -2,29 +2,30 @@
 
 use super::dropped::Dropped;
 use crate::error::{Error, Result};
+use crate::memory::List;
 use crate::statistics::median;
 use nalgebra::Vector3;
 use pulp::Arch;
 
 /// The type of the coordinates of points on their way.
-pub(super) trait Coordinate: Copy + Default + Into<f64> {}
+pub(super) trait Coordinate: Copy + Default + Into<f64> + Send + 'static {}
 
 impl Coordinate for f32 {}
 impl Coordinate for f64 {}
 
 /// Usable points on their way into a cloud.
 #[derive(Default)]
-pub(super) struct Batch<T> {
+pub(super) struct Batch<T: Coordinate> {
     /// Columns and rows of the grid that they come from; one row stands for no order.
     pub width: usize,
     pub height: usize,
     /// The coordinates, axis by axis.
-    pub axes: [Vec<T>; 3],
+    pub axes: [List<T>; 3],
     /// Empty where every weight is 1.
-    pub weights: Vec<f64>,
-    pub normals: Vec<Vector3<f32>>,
+    pub weights: List<f64>,
+    pub normals: List<Vector3<f32>>,
     /// Where they are in the grid, column and row.
-    pub pixels: Vec<[u32; 2]>,
+    pub pixels: List<[u32; 2]>,
     pub dropped: Dropped,
     pub given: usize,
 }
@@ -104,7 +105,7 @@ impl<T: Coordinate> Batch<T> {
 
     /// The largest size of a coordinate.
     pub fn largest(&self) -> f64 {
-        let of_axis = |axis: &Vec<T>| Arch::new().dispatch(|| largest(axis));
+        let of_axis = |axis: &List<T>| Arch::new().dispatch(|| largest(axis));
         self.axes.iter().map(of_axis).fold(0.0, f64::max)
     }
 

@@ -3,6 +3,7 @@
 use super::size::check_same_size;
 use super::views::MaskView;
 use crate::error::{Error, Result};
+use crate::memory::List;
 use pulp::Arch;
 use std::ops::Range;
 
@@ -12,7 +13,7 @@ use std::ops::Range;
 pub struct Mask {
     width: usize,
     height: usize,
-    pixels: Vec<bool>,
+    pixels: List<bool>,
     /// The columns and rows beyond which no pixel is set: most of most masks is empty.
     columns: Range<usize>,
     rows: Range<usize>,
@@ -28,7 +29,7 @@ impl Mask {
         if width == 0 || height == 0 {
             return Err(Error::EmptyMask { width, height });
         }
-        let mut pixels = Vec::new();
+        let mut pixels = List::new();
         let bytes = width * height;
         pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
         // With the widest instructions of the machine.
@@ -170,7 +171,7 @@ impl Mask {
     /// The mask of the set pixels (column, row) that are chosen; `None` when there are none.
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize, usize) -> bool) -> Option<Self> {
-        let mut chosen = Self { pixels: vec![false; self.pixels.len()], ..self.clone() };
+        let mut chosen = Self { pixels: List::filled(false, self.pixels.len()), ..self.clone() };
         let (mut columns, mut rows) = (self.width..0, self.height..0);
         for (column, row) in self.set_pixels().filter(|&(column, row)| choose(column, row)) {
             chosen.pixels[row * self.width + column] = true;

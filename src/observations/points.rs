@@ -1,13 +1,17 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
+mod sums;
+
 use super::batch::{Batch, Coordinate};
 use super::dropped::Dropped;
 use super::mask::Mask;
 use super::strided::Scalar;
 use super::views::PointsView;
 use crate::error::{Error, Result};
+use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
+use sums::{Along, Moments};
 
 /// Weights are kept as f32.
 const LARGEST_WEIGHT: f64 = f32::MAX as f64;
@@ -39,21 +43,28 @@ pub(crate) fn check_weights(view: &PointsView<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Coordinates relative to the origin of a [`PointCloud`].
-#[derive(Debug, Clone)]
-pub enum Offsets {
+/// Coordinates relative to the origin of a [`PointCloud`], axis by axis.
+#[derive(Debug, Clone, Copy)]
+pub enum Offsets<'a> {
     /// From depth images and f32 clouds: half the memory traffic, and the offsets of a small object keep
     /// more digits than the input had.
-    F32([Vec<f32>; 3]),
+    F32([&'a [f32]; 3]),
     /// From f64 clouds.
-    F64([Vec<f64>; 3]),
+    F64([&'a [f64]; 3]),
 }
 
-impl Offsets {
+/// The same as a cloud keeps them.
+#[derive(Debug, Clone)]
+enum Axes {
+    F32([List<f32>; 3]),
+    F64([List<f64>; 3]),
+}
+
+impl Axes {
     fn len(&self) -> usize {
         match self {
-            Offsets::F32(axes) => axes[0].len(),
-            Offsets::F64(axes) => axes[0].len(),
+            Axes::F32(axes) => axes[0].len(),
+            Axes::F64(axes) => axes[0].len(),
         }
     }
 }
@@ -69,101 +80,27 @@ fn reserve<T>(elements: &mut Vec<T>, total: usize, what: &'static str) -> Result
 #[derive(Debug, Clone)]
 pub struct PointCloud {
     origin: Vector3<f64>,
-    offsets: Offsets,
+    offsets: Axes,
     /// Empty while every weight is 1.
-    weights: Vec<f32>,
+    weights: List<f32>,
     /// Empty unless every point came with one.
-    normals: Vec<Vector3<f32>>,
+    normals: List<Vector3<f32>>,
     /// Empty unless all points came from one grid.
-    pixels: Vec<[u32; 2]>,
+    pixels: List<[u32; 2]>,
     dropped: Dropped,
     given: usize,
     /// The largest distance between neighbouring representable numbers of the input, over all coordinates.
     resolution: f64,
 }
 
-/// Mean and covariance of points, in partial sums side by side with the widest instructions of the machine; they all round
-/// alike.
-struct Moments<'a, T>(&'a [Vec<T>; 3]);
-
-impl<T: Copy + Into<f64>> WithSimd for Moments<'_, T> {
-    type Output = (Vector3<f64>, Matrix3<f64>);
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
-        const LANES: usize = 8;
-        let count = self.0[0].len() as f64;
-        let mean = self.0.each_ref().map(|axis| {
-            let mut sums = [0.0; LANES];
-            let (values, rest) = axis.as_chunks::<LANES>();
-            for values in values {
-                for (sum, value) in sums.iter_mut().zip(values) {
-                    *sum += (*value).into();
-                }
-            }
-            let rest: f64 = rest.iter().map(|value| (*value).into()).sum();
-            (sums.iter().sum::<f64>() + rest) / count
-        });
-        const PAIRS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-        let product = |i: usize, k: usize, a: T, b: T| (a.into() - mean[i]) * (b.into() - mean[k]);
-        let mut sums = [[0.0; LANES]; PAIRS.len()];
-        let chunks = self.0.each_ref().map(|axis| axis.as_chunks::<LANES>());
-        // Some at a time, of which the processor has all three coordinates at hand.
-        for start in (0..chunks[0].0.len()).step_by(BLOCK / LANES) {
-            for ((i, k), sums) in PAIRS.into_iter().zip(&mut sums) {
-                let part = |axis: usize| chunks[axis].0[start..].iter().take(BLOCK / LANES);
-                for (a, b) in part(i).zip(part(k)) {
-                    for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-                        *sum += product(i, k, *a, *b);
-                    }
-                }
-            }
-        }
-        let mut covariance = Matrix3::zeros();
-        for ((i, k), sums) in PAIRS.into_iter().zip(&sums) {
-            let rest = chunks[i].1.iter().zip(chunks[k].1).map(|(a, b)| product(i, k, *a, *b)).sum::<f64>();
-            let mean = (sums.iter().sum::<f64>() + rest) / count;
-            (covariance[(i, k)], covariance[(k, i)]) = (mean, mean);
-        }
-        (Vector3::from(mean), covariance)
-    }
-}
-
-/// Points that are looked at in one go.
-const BLOCK: usize = 1024;
-
-/// Where points are along a direction.
-struct Along<'a, T, F> {
-    axes: &'a [Vec<T>; 3],
-    direction: [f64; 3],
-    /// Who gets the places, a block at a time.
-    block: F,
-}
-
-impl<T: Copy + Into<f64>, F: FnMut(&[f64])> WithSimd for Along<'_, T, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { axes: [x, y, z], direction: [a, b, c], block: mut receive } = self;
-        let mut places = [0.0; BLOCK];
-        for ((x, y), z) in x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)) {
-            for (((place, x), y), z) in places.iter_mut().zip(x).zip(y).zip(z) {
-                *place = a * (*x).into() + b * (*y).into() + c * (*z).into();
-            }
-            receive(&places[..x.len()]);
-        }
-    }
-}
-
 impl Default for PointCloud {
     fn default() -> Self {
         Self {
             origin: Vector3::zeros(),
-            offsets: Offsets::F32(Default::default()),
-            weights: Vec::new(),
-            normals: Vec::new(),
-            pixels: Vec::new(),
+            offsets: Axes::F32(Default::default()),
+            weights: List::new(),
+            normals: List::new(),
+            pixels: List::new(),
             dropped: Dropped::default(),
             given: 0,
             resolution: 0.0,
@@ -175,8 +112,8 @@ impl PointCloud {
     /// Forgets all points and counts but keeps the memory.
     pub fn clear(&mut self) {
         match &mut self.offsets {
-            Offsets::F32(axes) => axes.iter_mut().for_each(Vec::clear),
-            Offsets::F64(axes) => axes.iter_mut().for_each(Vec::clear),
+            Axes::F32(axes) => axes.iter_mut().for_each(|axis| axis.clear()),
+            Axes::F64(axes) => axes.iter_mut().for_each(|axis| axis.clear()),
         }
         self.weights.clear();
         self.normals.clear();
@@ -191,10 +128,10 @@ impl PointCloud {
     /// # Errors
     /// `OutOfMemory`.
     pub fn reserve(&mut self, additional: usize) -> Result<()> {
-        let size = if matches!(self.offsets, Offsets::F32(_)) { 4 } else { 8 };
+        let size = if matches!(self.offsets, Axes::F32(_)) { 4 } else { 8 };
         let outcome = match &mut self.offsets {
-            Offsets::F32(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
-            Offsets::F64(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
+            Axes::F32(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
+            Axes::F64(axes) => axes.iter_mut().try_for_each(|axis| axis.try_reserve(additional)),
         };
         let bytes = additional.saturating_mul(3 * size);
         outcome.map_err(|_| Error::OutOfMemory { what: "the points", bytes })
@@ -232,8 +169,11 @@ impl PointCloud {
 
     /// The coordinates relative to the origin.
     #[must_use]
-    pub fn offsets(&self) -> &Offsets {
-        &self.offsets
+    pub fn offsets(&self) -> Offsets<'_> {
+        match &self.offsets {
+            Axes::F32(axes) => Offsets::F32(axes.each_ref().map(|axis| &axis[..])),
+            Axes::F64(axes) => Offsets::F64(axes.each_ref().map(|axis| &axis[..])),
+        }
     }
 
     /// One weight a point, or `None` while all are 1.
@@ -269,8 +209,8 @@ impl PointCloud {
     #[must_use]
     pub fn point(&self, index: usize) -> Vector3<f64> {
         let offset = match &self.offsets {
-            Offsets::F32([x, y, z]) => Vector3::new(x[index], y[index], z[index]).cast(),
-            Offsets::F64([x, y, z]) => Vector3::new(x[index], y[index], z[index]),
+            Axes::F32([x, y, z]) => Vector3::new(x[index], y[index], z[index]).cast(),
+            Axes::F64([x, y, z]) => Vector3::new(x[index], y[index], z[index]),
         };
         self.origin + offset
     }
@@ -289,7 +229,7 @@ impl PointCloud {
     /// The mean of the points and their covariance about it; `None` for none.
     #[must_use]
     pub fn mean_and_covariance(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
-        let (mean, covariance) = match &self.offsets {
+        let (mean, covariance) = match self.offsets() {
             Offsets::F32(axes) => Arch::new().dispatch(Moments(axes)),
             Offsets::F64(axes) => Arch::new().dispatch(Moments(axes)),
         };
@@ -299,8 +239,13 @@ impl PointCloud {
     /// At most `count` points, evenly spread over the order in which they were pushed.
     #[must_use]
     pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
+        self.sampled(count).collect()
+    }
+
+    /// The same, one by one.
+    pub(crate) fn sampled(&self, count: usize) -> impl Iterator<Item = Vector3<f64>> + '_ {
         let count = count.min(self.len());
-        (0..count).map(|k| self.point(k * self.len() / count)).collect()
+        (0..count).map(move |k| self.point(k * self.len() / count))
     }
 
     /// Copies the usable points of a cloud. A mask selects pixels of an organised one.
@@ -370,19 +315,19 @@ impl PointCloud {
     /// The points that are chosen by their index, with what belongs to each of them.
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize) -> bool) -> Self {
-        self.listed(&(0..self.len()).filter(|&index| choose(index)).collect::<Vec<_>>())
+        self.listed(&(0..self.len()).filter(|&index| choose(index)).collect::<List<_>>())
     }
 
     /// The points whose places along a direction, from the origin of the cloud, lie between two bounds.
     pub(crate) fn between(&self, direction: &Vector3<f64>, [low, high]: [f64; 2]) -> Self {
-        let (mut indices, mut first) = (Vec::new(), 0);
+        let (mut indices, mut first) = (List::new(), 0);
         let block = |places: &[f64]| {
             let inside = places.iter().enumerate().filter(|(_, place)| (low..=high).contains(*place));
             indices.extend(inside.map(|(k, _)| first + k));
             first += places.len();
         };
         let direction = (*direction).into();
-        match &self.offsets {
+        match self.offsets() {
             Offsets::F32(axes) => Arch::new().dispatch(Along { axes, direction, block }),
             Offsets::F64(axes) => Arch::new().dispatch(Along { axes, direction, block }),
         }
@@ -392,17 +337,20 @@ impl PointCloud {
     /// At most `count` points as in [`PointCloud::sample`], with what belongs to each of them.
     pub(crate) fn thinned(&self, count: usize) -> Self {
         let count = count.min(self.len());
-        self.listed(&(0..count).map(|k| k * self.len() / count).collect::<Vec<_>>())
+        self.listed(&(0..count).map(|k| k * self.len() / count).collect::<List<_>>())
     }
 
     /// The points with these numbers, with what belongs to each of them.
     pub(crate) fn listed(&self, indices: &[usize]) -> Self {
-        fn of<T: Copy>(all: &[T], indices: &[usize]) -> Vec<T> {
-            if all.is_empty() { Vec::new() } else { indices.iter().map(|&index| all[index]).collect() }
+        fn of<T>(all: &[T], indices: &[usize]) -> List<T>
+        where
+            T: Copy + Send + 'static,
+        {
+            if all.is_empty() { List::new() } else { indices.iter().map(|&index| all[index]).collect() }
         }
         let offsets = match &self.offsets {
-            Offsets::F32(axes) => Offsets::F32([0, 1, 2].map(|k| of(&axes[k], indices))),
-            Offsets::F64(axes) => Offsets::F64([0, 1, 2].map(|k| of(&axes[k], indices))),
+            Axes::F32(axes) => Axes::F32([0, 1, 2].map(|k| of(&axes[k], indices))),
+            Axes::F64(axes) => Axes::F64([0, 1, 2].map(|k| of(&axes[k], indices))),
         };
         Self {
             offsets,
@@ -418,15 +366,15 @@ impl PointCloud {
         let first = self.is_empty();
         let origin = if first { batch.middle() } else { self.origin };
         // One f64 cloud makes the whole f64: mixing costs nothing but memory.
-        let wide = scalar == Scalar::F64 || !first && matches!(self.offsets, Offsets::F64(_));
+        let wide = scalar == Scalar::F64 || !first && matches!(self.offsets, Axes::F64(_));
         batch.check_distances(&origin, wide)?;
         let ordered = first && batch.height > 1;
         if !ordered {
-            batch.pixels = Vec::new();
+            batch.pixels = List::new();
         }
         match &self.offsets {
-            Offsets::F64(_) if !wide => self.offsets = Offsets::F32(Default::default()),
-            Offsets::F32(axes) if wide => self.offsets = widened(axes)?,
+            Axes::F64(_) if !wide => self.offsets = Axes::F32(Default::default()),
+            Axes::F32(axes) if wide => self.offsets = widened(axes)?,
             _ => {}
         }
         let added = batch.len();
@@ -445,7 +393,7 @@ impl PointCloud {
             reserve(&mut self.pixels, added, "the pixels of the points")?;
         }
         if weighted {
-            self.weights.resize(self.len(), 1.0);
+            self.weights.resize(total - added, 1.0);
             self.weights.extend(batch.weights.iter().map(|&weight| weight as f32));
             self.weights.resize(total, 1.0);
         }
@@ -456,7 +404,7 @@ impl PointCloud {
         }
         if ordered {
             self.pixels.append(&mut batch.pixels);
-            batch.pixels = Vec::new();
+            batch.pixels = List::new();
         } else if added > 0 {
             self.pixels.clear();
         }
@@ -465,8 +413,8 @@ impl PointCloud {
             let (coordinates, from) = (&batch.axes[k], origin[k]);
             let offsets = coordinates.iter().map(|x| (*x).into() - from);
             Arch::new().dispatch(|| match &mut self.offsets {
-                Offsets::F32(axes) => axes[k].extend(offsets.map(|offset| offset as f32)),
-                Offsets::F64(axes) => axes[k].extend(offsets),
+                Axes::F32(axes) => axes[k].extend(offsets.map(|offset| offset as f32)),
+                Axes::F64(axes) => axes[k].extend(offsets),
             });
         }
         self.given += batch.given;
@@ -481,14 +429,14 @@ impl PointCloud {
 }
 
 /// Offsets of twice the width.
-fn widened(axes: &[Vec<f32>; 3]) -> Result<Offsets> {
+fn widened(axes: &[List<f32>; 3]) -> Result<Axes> {
     let bytes = axes[0].len() * 3 * size_of::<f64>();
-    let mut wide: [Vec<f64>; 3] = Default::default();
+    let mut wide: [List<f64>; 3] = Default::default();
     for (wide, axis) in wide.iter_mut().zip(axes) {
         wide.try_reserve(axis.len()).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
         wide.extend(axis.iter().map(|&x| f64::from(x)));
     }
-    Ok(Offsets::F64(wide))
+    Ok(Axes::F64(wide))
 }
 
 #[cfg(test)]

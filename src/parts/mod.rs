@@ -8,6 +8,7 @@ mod outline;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
@@ -113,6 +114,7 @@ pub struct Parts {
 }
 
 /// A pixel of the mask that was looked at.
+#[derive(Clone, Copy)]
 struct Sight {
     /// Position along the axis at which its ray meets the surface.
     position: f64,
@@ -140,14 +142,17 @@ impl Parts {
             return None;
         }
         let stride = (mask.count() as f64 / PIXELS.get()).sqrt().ceil().max(1.0) as usize;
-        let mut sights: Vec<Sight> = mask
+        let sights: List<Sight> = mask
             .set_pixels_of_grid(stride)
             .filter_map(|pixel| Sight::new(camera, depth, cylinder, pixel))
             .collect();
         // Numbers are moved about in place of whole sights.
-        sights.sort_by_cached_key(|sight| ordered(sight.position));
+        let mut order: List<(u64, usize)> =
+            sights.iter().enumerate().map(|(k, sight)| (ordered(sight.position), k)).collect();
+        order.sort_unstable();
+        let sights: List<Sight> = order.iter().map(|&(_, k)| sights[k]).collect();
         let reach = reach(cylinder, sights.iter().map(|sight| sight.distance));
-        let votes: Vec<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
+        let votes: List<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
         let (first, last) = most(&votes)?;
         // A strip as wide as the surface and as long as the boundary of a mask may be off.
         let near = sights[first].point.z.min(sights[last].point.z);
@@ -155,7 +160,7 @@ impl Parts {
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
-        let outline: Vec<(usize, usize)> = mask.outline().collect();
+        let outline: List<(usize, usize)> = mask.outline().collect();
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
@@ -169,7 +174,7 @@ impl Parts {
                 let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
                 let position = outline::far_rim(camera, mask, &outline, cylinder, outward, before, noise)?;
                 let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
-                let past: Vec<f64> = beyond
+                let past: List<f64> = beyond
                     .iter()
                     .zip(votes)
                     .filter(|(sight, _)| past(sight))
@@ -259,7 +264,7 @@ impl Parts {
 
 /// The end where the depth leaves the surface: between the last pixel of the body and the first of what is behind.
 fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: f64) -> BodyEnd {
-    let behind: Vec<f64> = votes.iter().map(|vote| -vote).collect();
+    let behind: List<f64> = votes.iter().map(|vote| -vote).collect();
     let first = most(&behind).map(|(first, last)| if outward > 0.0 { first } else { last });
     let outer = first.map_or(inner.position, |k| beyond[k].position);
     // Anywhere in between.
@@ -349,13 +354,13 @@ fn most(votes: &[f64]) -> Option<(usize, usize)> {
 fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> {
     let axis = &cylinder.axis;
     let inner = |sight: &&Sight| sight.distance <= (CAP_PART.get() - 1.0) * cylinder.radius;
-    let mut along: Vec<f64> =
+    let mut along: List<f64> =
         beyond.iter().filter(inner).map(|sight| (sight.point - axis.point).dot(&axis.direction)).collect();
     if along.len() < LEAST_CAP.count() {
         return None;
     }
     let middle = median(&mut along);
-    let mut apart: Vec<f64> = along.iter().map(|position| (position - middle).abs()).collect();
+    let mut apart: List<f64> = along.iter().map(|position| (position - middle).abs()).collect();
     let spread = DEVIATION_OF_MEDIAN * median(&mut apart);
     (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some((middle, spread))
 }

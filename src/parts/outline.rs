@@ -5,6 +5,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
 use crate::statistics::median;
@@ -50,7 +51,7 @@ pub(super) fn far_rim(
     // The raster of the mask comes to its boundary.
     let sigma = noise.boundary.hypot(0.3);
     let walls = [0, 1].map(|wall| {
-        let mut positions: Vec<f64> = places.iter().map(|place| place.positions[wall]).collect();
+        let mut positions: List<f64> = places.iter().map(|place| place.positions[wall]).collect();
         let mut position = median(&mut positions);
         let ratio =
             |place: &Place, position: f64| (place.positions[wall] - position) / (place.steps[wall] * sigma);
@@ -101,7 +102,7 @@ fn places(
     outline: &[(usize, usize)],
     cylinder: &Cylinder,
     outward: f64,
-) -> Option<Vec<Place>> {
+) -> Option<List<Place>> {
     let axis = &cylinder.axis;
     let walls = |ray: &Vector3<f64>| {
         let (near, far) = cylinder.intersect_ray(ray)?;
@@ -112,7 +113,7 @@ fn places(
     if count < LEAST_PLACES.count() {
         return None;
     }
-    let mut outermost: Vec<Option<(f64, Vector2<f64>)>> = vec![None; count];
+    let mut outermost: List<Option<(f64, Vector2<f64>)>> = List::filled(None, count);
     for &(column, row) in outline {
         let pixel = Vector2::new(column as f64, row as f64);
         let Some(ray) = camera.unproject(&pixel) else { continue };
@@ -128,7 +129,7 @@ fn places(
             *best = Some((near, pixel));
         }
     }
-    let places: Vec<Place> = outermost
+    let places: List<Place> = outermost
         .iter()
         .flatten()
         .filter_map(|(near, pixel)| {

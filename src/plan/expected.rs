@@ -8,6 +8,7 @@ use super::view::SeenPoint;
 use super::{Deviations, Plan};
 use crate::error::{Error, Result};
 use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
+use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::residuals::{
     ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, near_wall,
@@ -110,7 +111,7 @@ impl Plan {
         for (arc, place) in arcs.iter().zip(places) {
             let Some(arc) = arc else { continue };
             let stated = PLACE_SCATTER * place.hypot(PLACE_FLOOR);
-            let term = ArcTerm { ends: vec![arc.clone()] };
+            let term = ArcTerm { ends: [List::from(&arc[..])].into() };
             for row in term.pixel_rows(&frame).ok_or_else(undetermined)? {
                 information.add(&six(&row.jacobian, 0.0), stated, place, stated);
             }
@@ -190,7 +191,7 @@ impl Plan {
             let scatter = noise.hypot(LIMB_JITTER);
             let stated = noise.hypot(LIMB_FLOOR);
             let segment = PixelSegment { endpoints: [middle - half, middle + half], weight: 1.0, limb: None };
-            let term = PixelTerm::new(vec![segment], self.camera.line_projection());
+            let term = PixelTerm::new([segment], self.camera.line_projection());
             for row in term.pixel_rows(frame).ok_or_else(undetermined)? {
                 information.add(&six(&row.jacobian, 0.0), stated, scatter, stated);
             }

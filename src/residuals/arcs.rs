@@ -7,6 +7,7 @@
 
 use super::pixel_terms::{PixelResiduals, PixelRow};
 use crate::geometry::{Cylinder, LocalFrame, Tangent};
+use crate::memory::List;
 use nalgebra::Vector3;
 
 /// One place of an arc.
@@ -24,7 +25,7 @@ pub struct ArcRay {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ArcTerm {
     /// The places by end.
-    pub ends: Vec<Vec<ArcRay>>,
+    pub ends: List<List<ArcRay>>,
 }
 
 /// Where a ray meets the near wall: position along the axis and outward unit normal; `None` when it misses.
@@ -38,10 +39,10 @@ pub fn near_wall(cylinder: &Cylinder, ray: &Vector3<f64>) -> Option<(f64, Vector
 
 impl PixelResiduals for ArcTerm {
     /// A place whose ray misses the cylinder is left out.
-    fn pixel_rows(&self, frame: &LocalFrame) -> Option<Vec<PixelRow>> {
-        let mut all = Vec::new();
+    fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
+        let mut all = List::new();
         for end in &self.ends {
-            let rows: Vec<(f64, f64, f64, Tangent)> =
+            let rows: List<(f64, f64, f64, Tangent)> =
                 end.iter().filter_map(|place| Self::row(frame, place)).collect();
             // The position of the end is eliminated: what is left is orthogonal to it.
             let (mut square, mut mean, mut mean_jacobian) = (0.0, 0.0, Tangent::zeros());
@@ -95,7 +96,10 @@ mod tests {
             let ray = cylinder.axis.point + cylinder.axis.direction * position + normal * cylinder.radius;
             ArcRay { ray, across: 800.0 + 5.0 * f64::from(k), weight: 1.0 + 0.1 * f64::from(k) }
         };
-        let ends = [-0.04, 0.06].map(|position| (-5..=5).map(|k| place(position, k)).collect()).to_vec();
+        let ends = [-0.04, 0.06]
+            .map(|position| (-5..=5).map(|k| place(position, k)).collect())
+            .into_iter()
+            .collect();
         (frame, ArcTerm { ends })
     }
 

@@ -6,8 +6,9 @@
 
 use super::loss::{Influence, Loss};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::memory::List;
 use nalgebra::{Matrix3, Vector2, Vector3};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::ops::Range;
 
 /// Partial sums that run side by side.
@@ -300,25 +301,36 @@ impl Kernel {
     /// The sums over some points.
     pub fn chunk<T: Coordinate, X: Terms<N>, const N: usize>(
         &self,
-        axes: &[Vec<T>; 3],
+        axes: [&[T]; 3],
         weights: Option<&[f32]>,
         range: Range<usize>,
         terms: X,
     ) -> [f64; N] {
-        Arch::new().dispatch(Chunk { kernel: self, axes, weights, range, terms })
+        let chunk = Chunk { kernel: self, axes, weights, range, terms };
+        match Arch::new() {
+            Arch::Scalar => without_vectors(chunk),
+            vectors => vectors.dispatch(chunk),
+        }
     }
 
     /// Signed distances of points from the surface.
-    pub fn distances<T: Coordinate>(&self, axes: &[Vec<T>; 3]) -> Vec<f64> {
-        let mut distances = Vec::with_capacity(axes[0].len());
+    pub fn distances<T: Coordinate>(&self, axes: [&[T]; 3]) -> List<f64> {
+        let mut distances = List::with_capacity(axes[0].len());
         self.distances_by_blocks(axes, |block| distances.extend_from_slice(block));
         distances
     }
 
     /// The same, some at a time.
-    pub fn distances_by_blocks<T: Coordinate>(&self, axes: &[Vec<T>; 3], block: impl FnMut(&[f64])) {
+    pub fn distances_by_blocks<T: Coordinate>(&self, axes: [&[T]; 3], block: impl FnMut(&[f64])) {
         Arch::new().dispatch(Distances { kernel: self, axes, block });
     }
+}
+
+/// The sums without vector instructions. Their numbers take 11 KB of the stack, which the sums with vectors need not have
+/// below them.
+#[inline(never)]
+fn without_vectors<W: WithSimd>(work: W) -> W::Output {
+    work.with_simd(Scalar)
 }
 
 /// Points side by side.
@@ -364,11 +376,11 @@ fn load<T: Copy + Into<f64>>(block: &mut Block, values: &[T]) {
 /// The next points of three axes.
 #[inline(always)]
 fn next<'a, T: Coordinate>(
-    axes: &'a [Vec<T>; 3],
+    axes: [&'a [T]; 3],
     range: Range<usize>,
     [of_x, of_y, of_z]: [&'a mut Block; 3],
 ) -> [&'a Block; 3] {
-    let [x, y, z] = axes.each_ref().map(|axis| &axis[range.clone()]);
+    let [x, y, z] = axes.map(|axis| &axis[range.clone()]);
     [T::block(x, of_x), T::block(y, of_y), T::block(z, of_z)]
 }
 
@@ -408,7 +420,7 @@ impl Groups<'_> {
 /// The sums over a range of points.
 struct Chunk<'a, T, X, const N: usize> {
     kernel: &'a Kernel,
-    axes: &'a [Vec<T>; 3],
+    axes: [&'a [T]; 3],
     weights: Option<&'a [f32]>,
     range: Range<usize>,
     terms: X,
@@ -450,7 +462,7 @@ impl<T: Coordinate, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T, X, N>
 /// The distances of all points.
 struct Distances<'a, T, F> {
     kernel: &'a Kernel,
-    axes: &'a [Vec<T>; 3],
+    axes: [&'a [T]; 3],
     /// Who gets them.
     block: F,
 }

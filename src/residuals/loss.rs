@@ -1,6 +1,7 @@
 //! How residuals count: the plain square, Tukey's biweight, truncated squares; and the one driver of iteratively
 //! reweighted fits.
 
+use crate::memory::List;
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use pulp::{Scalar, Simd};
 
@@ -163,7 +164,7 @@ pub struct Reweighting {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reweighted {
     /// The weights, from 0 to 1, that the last residuals have.
-    pub weights: Vec<f64>,
+    pub weights: List<f64>,
     /// Their scale.
     pub scale: f64,
 }
@@ -176,8 +177,8 @@ impl Reweighting {
         count: usize,
         mut fit: impl FnMut(&[f64], &mut [f64]) -> Option<Progress>,
     ) -> Option<Reweighted> {
-        let mut residuals = vec![0.0; count];
-        fit(&vec![1.0; count], &mut residuals)?;
+        let mut residuals = List::filled(0.0, count);
+        fit(&List::filled(1.0, count), &mut residuals)?;
         let rest = Self { rounds: self.rounds.saturating_sub(1), ..*self };
         rest.continue_from(&mut residuals, fit)
     }
@@ -189,7 +190,7 @@ impl Reweighting {
         residuals: &mut [f64],
         mut fit: impl FnMut(&[f64], &mut [f64]) -> Option<Progress>,
     ) -> Option<Reweighted> {
-        let mut reweighted = Reweighted { weights: vec![0.0; residuals.len()], scale: 0.0 };
+        let mut reweighted = Reweighted { weights: List::filled(0.0, residuals.len()), scale: 0.0 };
         self.weigh(residuals, &mut reweighted);
         for _ in 0..self.rounds {
             let progress = fit(&reweighted.weights, residuals)?;
@@ -318,11 +319,11 @@ mod tests {
         };
         let missing = f64::INFINITY;
         let exact = weigh(Scale::AtLeast(1.0), vec![0.0, 0.0, missing, missing, missing]);
-        assert_eq!((exact.scale, exact.weights), (1.0, vec![1.0, 1.0, 0.0, 0.0, 0.0]));
+        assert_eq!((exact.scale, &exact.weights[..]), (1.0, &[1.0, 1.0, 0.0, 0.0, 0.0][..]));
         let median = weigh(Scale::AtLeast(1e-9), vec![1.0, -2.0, 3.0, f64::NAN]);
         assert_eq!(median.scale, DEVIATION_OF_MEDIAN * 2.0);
         let known = weigh(Scale::Known(1.0), vec![5.0, 100.0, 0.0]);
-        assert_eq!((known.scale, known.weights), (1.0, vec![0.0, 0.0, 1.0]));
+        assert_eq!((known.scale, &known.weights[..]), (1.0, &[0.0, 0.0, 1.0][..]));
     }
 
     #[test]

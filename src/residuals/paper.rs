@@ -3,8 +3,9 @@
 use super::limbs::LimbTerm;
 use super::point_terms::{Plain, Points};
 use super::points::PointTerm;
-use super::terms::{Sum, Summand};
+use super::terms::{AnyTerm, Sum, Summand};
 use crate::geometry::RigidMotion;
+use smallvec::SmallVec;
 
 /// F of the paper. Infinite for r ≤ 0, and while edges count also for r ≥ ‖c‖ and where an endpoint's ray meets the
 /// reference plane behind the camera.
@@ -18,16 +19,16 @@ pub fn paper_objective<'a>(
     limbs: &[(LimbTerm, RigidMotion)],
     edge_weight: f64,
 ) -> Sum<'a> {
-    let mut summands = Vec::new();
+    let mut summands = SmallVec::new();
     for &(term, into_view) in limbs {
         let factor = edge_weight / limbs.len() as f64;
-        summands.push(Summand { factor, into_view, term: Box::new(term) });
+        summands.push(Summand { factor, into_view, term: AnyTerm::Limbs(term) });
     }
     let total: f64 = points.iter().map(|(points, ..)| points.total_weight()).sum();
     for &(points, into_view, independent_points) in points {
         let factor = (1.0 - edge_weight) * points.total_weight() / total;
         if factor > 0.0 {
-            let term = Box::new(Points::new(points, Plain, independent_points));
+            let term = AnyTerm::Plain(Points::new(points, Plain, independent_points));
             summands.push(Summand { factor, into_view, term });
         }
     }

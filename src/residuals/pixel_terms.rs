@@ -3,6 +3,7 @@
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
+use crate::memory::List;
 
 /// A residual in pixels with its weight and its Jacobian in the tangent of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +19,7 @@ pub struct PixelRow {
 /// Residuals that the image tells.
 pub trait PixelResiduals {
     /// The residuals at the cylinder of a frame; `None` where their cost is infinite.
-    fn pixel_rows(&self, frame: &LocalFrame) -> Option<Vec<PixelRow>>;
+    fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>>;
 }
 
 /// What a pixel counts beside a length.
@@ -39,11 +40,15 @@ pub struct InPixels<'a> {
 }
 
 impl InPixels<'_> {
-    /// Weighted residuals and Jacobians in units of the frame.
-    fn scaled(&self, frame: &LocalFrame) -> Option<impl Iterator<Item = (f64, f64, Tangent)> + use<>> {
+    /// Residuals and Jacobians in units of the frame.
+    fn scaled(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let factor = self.scale.length / (self.scale.deviation * frame.unit);
-        let rows = self.residuals.pixel_rows(frame)?;
-        Some(rows.into_iter().map(move |row| (row.weight, row.residual * factor, row.jacobian * factor)))
+        let mut rows = self.residuals.pixel_rows(frame)?;
+        for row in &mut rows {
+            row.residual *= factor;
+            row.jacobian *= factor;
+        }
+        Some(rows)
     }
 }
 
@@ -53,22 +58,20 @@ impl Term for InPixels<'_> {
     }
 
     fn cost(&self, frame: &LocalFrame) -> Option<f64> {
-        Some(self.scaled(frame)?.map(|(weight, residual, _)| weight * residual * residual).sum())
+        Some(self.scaled(frame)?.iter().map(|row| row.weight * row.residual * row.residual).sum())
     }
 
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
         let mut equations = NormalEquations::zero();
-        for (weight, residual, jacobian) in self.scaled(frame)? {
-            equations.add_residual(weight, residual, &jacobian);
+        for PixelRow { weight, residual, jacobian } in &self.scaled(frame)? {
+            equations.add_residual(*weight, *residual, jacobian);
         }
         Some(equations)
     }
 
     fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
-        let root = |(weight, residual, jacobian): (f64, f64, Tangent)| {
-            (residual * weight.sqrt(), jacobian * weight.sqrt())
-        };
-        Some(self.scaled(frame)?.map(root).collect())
+        let root = |row: &PixelRow| (row.residual * row.weight.sqrt(), row.jacobian * row.weight.sqrt());
+        Some(self.scaled(frame)?.iter().map(root).collect())
     }
 
     /// Every residual is weighed by its own variance, so that the cost is a negative log-likelihood times 2 ℓ², and the

@@ -6,6 +6,7 @@
 use super::limbs::{AxisMotion, LimbRow};
 use super::pixel_terms::{PixelResiduals, PixelRow};
 use crate::geometry::{Cylinder, LimbFrame, LocalFrame, Tangent};
+use crate::memory::List;
 use nalgebra::{Matrix3, SMatrix, Vector2, Vector3};
 
 /// One observed segment in ideal pixels.
@@ -31,7 +32,7 @@ impl PixelSegment {
 /// Any number of segments, each belonging to one of the limbs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelTerm {
-    segments: Vec<PixelSegment>,
+    segments: List<PixelSegment>,
     line_projection: Matrix3<f64>,
 }
 
@@ -57,36 +58,36 @@ impl LimbLine {
 
 impl PixelResiduals for PixelTerm {
     /// `None` where there are no limbs.
-    fn pixel_rows(&self, frame: &LocalFrame) -> Option<Vec<PixelRow>> {
+    fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let rows = self.rows(frame)?;
-        let weighted = |(segment, rows): (&PixelSegment, [LimbRow; 2])| {
+        let weighted = |(segment, rows): (&PixelSegment, &[LimbRow; 2])| {
             let weight = segment.weight;
             rows.map(|(residual, jacobian)| PixelRow { weight, residual, jacobian })
         };
-        Some(self.segments.iter().zip(rows).flat_map(weighted).collect())
+        Some(self.segments.iter().zip(&rows).flat_map(weighted).collect())
     }
 }
 
 impl PixelTerm {
     /// The term of segments seen by a camera with the line projection K_L (10).
     #[must_use]
-    pub fn new(segments: Vec<PixelSegment>, line_projection: Matrix3<f64>) -> Self {
-        Self { segments, line_projection }
+    pub fn new(segments: impl IntoIterator<Item = PixelSegment>, line_projection: Matrix3<f64>) -> Self {
+        Self { segments: segments.into_iter().collect(), line_projection }
     }
 
     /// Signed pixel distances of the endpoints from the limb lines, by segment; `None` where there are no limbs.
     #[must_use]
-    pub fn distances(&self, cylinder: &Cylinder) -> Option<Vec<[f64; 2]>> {
+    pub fn distances(&self, cylinder: &Cylinder) -> Option<List<[f64; 2]>> {
         let frame = LocalFrame::new(cylinder, &cylinder.axis.point, 1.0);
-        Some(self.rows(&frame)?.into_iter().map(|rows| rows.map(|(distance, _)| distance)).collect())
+        Some(self.rows(&frame)?.iter().map(|rows| rows.map(|(distance, _)| distance)).collect())
     }
 
-    fn rows(&self, frame: &LocalFrame) -> Option<Vec<[LimbRow; 2]>> {
+    fn rows(&self, frame: &LocalFrame) -> Option<List<[LimbRow; 2]>> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let lines = self.limb_lines(frame, &limbs);
         let row = |segment: &PixelSegment, limb: usize| segment.endpoints.map(|q| lines[limb].distance(&q));
         let sum = |rows: &[LimbRow; 2]| rows[0].0.abs() + rows[1].0.abs();
-        let both: Vec<[[LimbRow; 2]; 2]> =
+        let both: List<[[LimbRow; 2]; 2]> =
             self.segments.iter().map(|segment| [row(segment, 0), row(segment, 1)]).collect();
         // The smaller sum of distances tells which number goes with which limb (17)–(20). A segment without a
         // number goes with the nearer limb.
@@ -149,7 +150,7 @@ mod tests {
         let (frame, term) = scene();
         let limbs = LimbFrame::new(&frame.cylinder).unwrap();
         let lines = limbs.limb_plane_normals().map(|moment| term.line_projection * moment);
-        for (segment, distances) in term.segments.iter().zip(term.distances(&frame.cylinder).unwrap()) {
+        for (segment, distances) in term.segments.iter().zip(&term.distances(&frame.cylinder).unwrap()) {
             let to = |line: &Vector3<f64>| {
                 segment.endpoints.map(|q| (line.dot(&q.push(1.0)) / line.x.hypot(line.y)).abs())
             };

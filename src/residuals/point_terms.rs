@@ -5,6 +5,7 @@ use super::points::PointTerm;
 use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::LocalFrame;
+use crate::memory::List;
 use std::cell::RefCell;
 
 /// A loss whose scale is a length, for residuals in units of a frame.
@@ -57,29 +58,24 @@ pub struct Points<'a, L> {
     pub loss: L,
     /// The number of independent points, for the covariance.
     pub independent_points: f64,
-    /// What was asked last. In a box, so that no frame is read where there is none: valgrind takes that for an error.
-    asked: RefCell<Option<Box<(LocalFrame, NormalEquations)>>>,
+    /// What was asked last. In a list, so that no frame is read where there is none: valgrind takes that for an error.
+    asked: RefCell<List<(LocalFrame, NormalEquations)>>,
 }
 
 impl<'a, L: LossInFrame> Points<'a, L> {
     /// The term of points with a loss.
     pub fn new(points: PointTerm<'a>, loss: L, independent_points: f64) -> Self {
-        Self { points, loss, independent_points, asked: RefCell::new(None) }
+        Self { points, loss, independent_points, asked: RefCell::default() }
     }
 
     fn equations(&self, frame: &LocalFrame) -> NormalEquations {
         let mut asked = self.asked.borrow_mut();
-        if let Some(asked) = &*asked
-            && asked.0 == *frame
-        {
-            return asked.1;
+        if let Some((_, known)) = asked.first().filter(|(known, _)| known == frame) {
+            return *known;
         }
         let equations = self.points.linearise(frame, self.loss.at(frame));
-        let kept = (*frame, equations);
-        match &mut *asked {
-            Some(asked) => **asked = kept,
-            None => *asked = Some(Box::new(kept)),
-        }
+        asked.clear();
+        asked.push((*frame, equations));
         equations
     }
 

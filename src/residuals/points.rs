@@ -7,6 +7,7 @@ use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, W
 use super::loss::{Loss, Squared};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
+use crate::memory::List;
 use crate::observations::{Offsets, PointCloud};
 use crate::workers::Workers;
 use nalgebra::Vector3;
@@ -96,7 +97,7 @@ impl<'a> PointTerm<'a> {
 
     /// The signed distances of the points from the surface, in units of the frame.
     #[must_use]
-    pub fn distances(&self, frame: &LocalFrame) -> Vec<f64> {
+    pub fn distances(&self, frame: &LocalFrame) -> List<f64> {
         let kernel = Kernel::new(self.cloud.origin(), frame);
         match self.cloud.offsets() {
             Offsets::F32(axes) => kernel.distances(axes),

@@ -12,8 +12,9 @@ use super::pixels::PixelTerm;
 use super::point_terms::{Points, Robust};
 use super::points::PointTerm;
 use super::shared::{Known, SharedErrors, SharingPoints};
-use super::terms::{Sum, Summand, Term};
+use super::terms::{AnyTerm, Sum, Summand};
 use crate::geometry::{LocalFrame, RigidMotion};
+use smallvec::SmallVec;
 
 /// The scales that weigh the terms of one view against each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,15 +59,15 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
         _ => view.scales.independent_points / (view.scales.point * view.scales.point),
     };
     let total: f64 = views.iter().map(information).sum();
-    let mut summands = Vec::new();
+    let mut summands = SmallVec::new();
     for view in views {
         let RobustView { into_view, points, observed, shared, known, near, scales, lines, arcs, endpoint } =
             *view;
         let scale = PixelScale { deviation: endpoint, length: total.sqrt().recip() };
-        let mut add = |factor: f64, term: Box<dyn Term + 'a>| {
+        let mut add = |factor: f64, term: AnyTerm<'a>| {
             summands.push(Summand { factor, into_view, term });
         };
-        let in_pixels = |residuals: &'a dyn PixelResiduals| Box::new(InPixels { residuals, scale });
+        let in_pixels = |residuals: &'a dyn PixelResiduals| AnyTerm::Pixels(InPixels { residuals, scale });
         if points.count() > 0 {
             let loss = Robust { scale: scales.point, observed };
             let RobustScales { independent_points, .. } = scales;
@@ -75,9 +76,9 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
             let sharing = shared.and_then(|shared| {
                 SharingPoints::new(points.clone(), shared, variance, contested, known, &near)
             });
-            let term: Box<dyn Term> = match sharing {
-                Some(sharing) => Box::new(sharing),
-                None => Box::new(points),
+            let term = match sharing {
+                Some(sharing) => AnyTerm::Sharing(sharing),
+                None => AnyTerm::Robust(points),
             };
             add(information(view) / total, term);
         }

@@ -4,8 +4,14 @@
 //! one, the frame of the linearisation is moved there: its tangent stays the same ([`LocalFrame::moved`]), so a term
 //! never knows of views. An objective is a list of terms with factors; the paper's and the robust one are two lists.
 
+use super::limbs::LimbTerm;
+use super::pixel_terms::InPixels;
+use super::point_terms::{Plain, Points, Robust};
+use super::shared::SharingPoints;
 use super::{NormalEquations, Objective, Sandwich, SandwichPart};
 use crate::geometry::{LocalFrame, RigidMotion, Tangent};
+use smallvec::SmallVec;
+use std::ops::Deref;
 
 /// A weighted residual √w e and its Jacobian √w J.
 pub type Row = (f64, Tangent);
@@ -37,6 +43,35 @@ pub trait Term {
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart>;
 }
 
+/// A term of an objective, in place and not in a box: an objective is made for every round of a fit, and asks for no memory.
+#[expect(clippy::large_enum_variant, reason = "an objective has few terms")]
+pub enum AnyTerm<'a> {
+    /// Points whose squares count.
+    Plain(Points<'a, Plain>),
+    /// Points by Tukey's loss,
+    Robust(Points<'a, Robust>),
+    /// with errors that they share.
+    Sharing(SharingPoints<'a, Robust>),
+    /// The edges of the paper.
+    Limbs(LimbTerm),
+    /// What the image tells, in pixels.
+    Pixels(InPixels<'a>),
+}
+
+impl<'a> Deref for AnyTerm<'a> {
+    type Target = dyn Term + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Plain(term) => term,
+            Self::Robust(term) => term,
+            Self::Sharing(term) => term,
+            Self::Limbs(term) => term,
+            Self::Pixels(term) => term,
+        }
+    }
+}
+
 /// A term with its factor in the objective.
 pub struct Summand<'a> {
     /// What the term is multiplied by.
@@ -44,13 +79,13 @@ pub struct Summand<'a> {
     /// From the reference frame to the view of the term.
     pub into_view: RigidMotion,
     /// The term.
-    pub term: Box<dyn Term + 'a>,
+    pub term: AnyTerm<'a>,
 }
 
 /// A sum of terms. Infinite for a radius that is not positive.
 pub struct Sum<'a> {
-    /// The terms.
-    pub summands: Vec<Summand<'a>>,
+    /// The terms: of one view three at most.
+    pub summands: SmallVec<[Summand<'a>; 3]>,
 }
 
 impl Sum<'_> {

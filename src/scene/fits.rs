@@ -174,7 +174,7 @@ impl<'a> Fits<'a> {
                 continue;
             }
             if *factor == 1.0 {
-                plain = Some(Box::new((fitter.clone(), result)));
+                plain = Some(copied(fitter, result));
             }
             if after + 0.5 * (result.limbs_located as f64) < before {
                 continue;
@@ -184,7 +184,7 @@ impl<'a> Fits<'a> {
                 if held || quality >= COVERED + 1.0 {
                     return Ok(result);
                 }
-                best = Some((quality, Box::new((fitter.clone(), result))));
+                best = Some((quality, copied(fitter, result)));
             }
         }
         if let Some((_, best)) = best {
@@ -236,6 +236,7 @@ fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: 
         Err(error) => (Err(error), Default::default()),
     };
     fitter.swap_mask(None);
+    fitter.free_memory();
     let (score, pixels) = (evidence.score(), detection.pixels);
     Box::new(Found { score, evidence, pixels, result, extent, arcs, fitter })
 }
@@ -264,6 +265,12 @@ const COVERED: f64 = 1.0;
 /// What is farther off is another pair of edges.
 const RADIUS_CHANGE: f64 = 0.15;
 const RADIUS_PIXELS: f64 = 3.0;
+
+/// A fitter as it is and its result. They are on the stack here alone, not while the next fit runs.
+#[inline(never)]
+fn copied(fitter: &Fitter, result: FitResult) -> Box<(Fitter, FitResult)> {
+    Box::new((fitter.clone(), result))
+}
 
 fn fit_from(
     fitter: &mut Fitter,

@@ -13,6 +13,7 @@
 //!    robust regression of the votes on the tilt refines tilt and scale together.
 
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector3;
 
@@ -63,7 +64,7 @@ pub fn from_limbs(
 ) -> Option<Cylinder> {
     let limbs = LimbPair::new(first, second)?;
     let middle = limbs.unit_cylinder(0.5 * (limbs.tilt_range.0 + limbs.tilt_range.1));
-    let points: Vec<_> = spread_sample(points, MAX_POINTS).filter(|p| is_central(&middle, p)).collect();
+    let points: List<_> = spread_sample(points, MAX_POINTS).filter(|p| is_central(&middle, p)).collect();
     if points.len() < MIN_VOTES {
         return None;
     }
@@ -183,8 +184,8 @@ fn vote(frame: &LimbFrame, p: &Vector3<f64>) -> f64 {
 fn grid_search(limbs: &LimbPair, points: &[Vector3<f64>]) -> Option<(f64, f64)> {
     let step = points.len().div_ceil(MAX_GRID_POINTS);
     let (low, high) = limbs.tilt_range;
-    let mut votes = Vec::with_capacity(MAX_GRID_POINTS);
-    let vote_at = |tilt: f64, votes: &mut Vec<u64>| {
+    let mut votes = List::with_capacity(MAX_GRID_POINTS);
+    let vote_at = |tilt: f64, votes: &mut List<u64>| {
         let frame = limbs.unit_cylinder(tilt);
         votes.clear();
         // Votes have no sign: their bits have the same order, and are quicker to compare.
@@ -244,7 +245,7 @@ fn shortest_half(votes: &mut [u64]) -> (f64, f64) {
 fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Option<(f64, f64)> {
     let (mut tilt, mut log_scale) = start;
     let (low, high) = limbs.tilt_range;
-    let mut slopes = vec![0.0; points.len()];
+    let mut slopes = List::filled(0.0, points.len());
     // A missing vote is a residual that is not finite.
     let linearise = |tilt: f64, log_scale: f64, residuals: &mut [f64], slopes: &mut [f64]| {
         let here = limbs.unit_cylinder(tilt);
@@ -256,7 +257,7 @@ fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Optio
         }
         residuals.iter().filter(|residual| residual.is_finite()).count() >= MIN_VOTES
     };
-    let mut residuals = vec![0.0; points.len()];
+    let mut residuals = List::filled(0.0, points.len());
     if !linearise(tilt, log_scale, &mut residuals, &mut slopes) {
         return None;
     }

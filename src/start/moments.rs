@@ -16,6 +16,7 @@
 //! that is not the full circle the radius comes out too small. This is a start, not a result.
 
 use crate::geometry::{AxisCone, Cylinder, any_orthogonal, rotate_direction};
+use crate::memory::List;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
 
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
@@ -162,20 +163,20 @@ impl Moments {
     /// miss few minima. A Newton step of less than `converged` (radians) is the last one: the next would be about its
     /// square.
     #[must_use]
-    pub fn minima(&self, seeds: usize, converged: f64) -> Vec<AlgebraicFit> {
-        let grid: Vec<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
+    pub fn minima(&self, seeds: usize, converged: f64) -> List<AlgebraicFit> {
+        let grid: List<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
         let minima = self.minima_of_grid(&grid, std::f64::consts::TAU, converged);
         self.sorted(&minima)
     }
 
     /// The same within a cone of directions. A minimum on its border is found by a search along it.
     #[must_use]
-    pub fn minima_within(&self, cone: &AxisCone, seeds: usize, converged: f64) -> Vec<AlgebraicFit> {
+    pub fn minima_within(&self, cone: &AxisCone, seeds: usize, converged: f64) -> List<AlgebraicFit> {
         let at = |w: Vector2<f64>| self.slice(&cone.direction_at(&w));
         if cone.max_angle == 0.0 {
             return self.sorted(at(Vector2::zeros()).as_slice());
         }
-        let grid: Vec<Slice> = disc(seeds).filter_map(|w| at(w * cone.max_angle)).collect();
+        let grid: List<Slice> = disc(seeds).filter_map(|w| at(w * cone.max_angle)).collect();
         let area = std::f64::consts::PI * cone.max_angle * cone.max_angle;
         let mut minima = self.minima_of_grid(&grid, area, converged);
         minima.retain(|minimum| cone.contains(&minimum.direction));
@@ -186,21 +187,22 @@ impl Moments {
 
     /// The minima that Newton's method reaches from the lowest local minima of a grid over some area of the sphere,
     /// in steradian.
-    fn minima_of_grid(&self, grid: &[Slice], area: f64, converged: f64) -> Vec<Slice> {
+    fn minima_of_grid(&self, grid: &[Slice], area: f64, converged: f64) -> List<Slice> {
         // One and a half times the distance of neighbours.
         let neighbour = (1.5 * (area / grid.len().max(1) as f64).sqrt()).cos();
-        let mut lowest: Vec<&Slice> = grid
+        let mut lowest: List<Slice> = grid
             .iter()
             .filter(|a| {
                 grid.iter().all(|b| {
                     b.mean_square >= a.mean_square || b.direction.dot(&a.direction).abs() < neighbour
                 })
             })
+            .copied()
             .collect();
         lowest.sort_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
 
-        let mut minima: Vec<Slice> = Vec::new();
-        for seed in lowest.into_iter().take(REFINED_SEEDS) {
+        let mut minima: List<Slice> = List::new();
+        for seed in lowest.iter().take(REFINED_SEEDS) {
             let minimum = self.newton(*seed, converged);
             let known =
                 minima.iter().any(|other| other.direction.cross(&minimum.direction).norm() < SAME_DIRECTION);
@@ -212,8 +214,8 @@ impl Moments {
     }
 
     /// The cylinders of slices, least distance first.
-    fn sorted(&self, slices: &[Slice]) -> Vec<AlgebraicFit> {
-        let mut fits: Vec<AlgebraicFit> = slices.iter().map(|slice| self.fit(slice)).collect();
+    fn sorted(&self, slices: &[Slice]) -> List<AlgebraicFit> {
+        let mut fits: List<AlgebraicFit> = slices.iter().map(|slice| self.fit(slice)).collect();
         fits.sort_by(|a, b| a.distance_rms().total_cmp(&b.distance_rms()));
         fits
     }
@@ -225,7 +227,7 @@ impl Moments {
             None => self.minima(DEFAULT_SEEDS, CONVERGED),
             Some(cone) => self.minima_within(cone, DEFAULT_SEEDS, CONVERGED),
         };
-        minima.into_iter().next()
+        minima.first().copied()
     }
 
     /// Covariance of q.

@@ -28,6 +28,7 @@ mod score;
 use super::moments::Moments;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::memory::List;
 use crate::observations::{PointCloud, PointsView};
 use crate::residuals::PointTerm;
 use crate::statistics::DEVIATION_OF_MEDIAN;
@@ -133,21 +134,21 @@ pub fn ransac(
 ) -> Result<RansacFit> {
     check_arguments(points, normals, options)?;
     let chosen = choose(points, check)?;
-    let chosen_points: Vec<_> = chosen.iter().map(|&i| points[i]).collect();
-    let chosen_normals: Option<Vec<_>> = normals.map(|n| chosen.iter().map(|&i| n[i]).collect());
+    let chosen_points: List<_> = chosen.iter().map(|&i| points[i]).collect();
+    let chosen_normals: Option<List<_>> = normals.map(|n| chosen.iter().map(|&i| n[i]).collect());
     let Some(moments) = Moments::new(chosen_points.iter().map(|p| (*p, 1.0))) else {
         return Err(no_start("the points lie in one plane or on one line".into()));
     };
-    let coordinates: Vec<[f64; 3]> = chosen_points.iter().map(|p| (*p).into()).collect();
+    let coordinates: List<[f64; 3]> = chosen_points.iter().map(|p| (*p).into()).collect();
     let mut cloud = PointCloud::default();
     cloud.push_points(&PointsView::from_f64(&coordinates), None)?;
     let mut few = PointCloud::default();
-    let coordinates: Vec<[f64; 3]> = coordinates.into_iter().step_by(FEW).collect();
+    let coordinates: List<[f64; 3]> = coordinates.into_iter().step_by(FEW).collect();
     few.push_points(&PointsView::from_f64(&coordinates), None)?;
 
     let sampler = Sampler {
         points: &chosen_points,
-        normals: chosen_normals.as_deref(),
+        normals: chosen_normals.as_ref().map(|normals| &normals[..]),
         size: moments.size(),
         observer_at_origin,
         cone: options.limits.cone(),
@@ -239,7 +240,7 @@ impl Search<'_> {
     }
 
     /// The cylinders of the next sample.
-    fn draw(&mut self, rng: &mut ChaCha8Rng) -> Result<Vec<Cylinder>> {
+    fn draw(&mut self, rng: &mut ChaCha8Rng) -> Result<List<Cylinder>> {
         if (self.check)().is_break() {
             return Err(cancelled(self.samples));
         }
@@ -373,7 +374,7 @@ fn check_arguments(
 }
 
 /// Indices of at most [`SCORED_POINTS`] finite points, evenly spaced among these.
-fn choose(points: &[Vector3<f64>], check: Check<'_>) -> Result<Vec<usize>> {
+fn choose(points: &[Vector3<f64>], check: Check<'_>) -> Result<List<usize>> {
     /// Points between two looks at whether to go on.
     const LOOKED_AT: usize = 1 << 16;
     let finite = |i: &usize| points[*i].iter().all(|x| x.is_finite());
@@ -396,7 +397,7 @@ fn choose(points: &[Vector3<f64>], check: Check<'_>) -> Result<Vec<usize>> {
     }
     let wanted = usable.min(SCORED_POINTS) as u64;
     let before = |rank: usize| rank as u64 * wanted / usable as u64;
-    let (mut chosen, mut rank) = (Vec::new(), 0);
+    let (mut chosen, mut rank) = (List::new(), 0);
     for part in parts() {
         if check().is_break() {
             return Err(cancelled(0));

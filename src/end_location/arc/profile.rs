@@ -1,8 +1,21 @@
 //! The image along one generator, and how well a blurred step explains it.
 
 use super::{INDEPENDENT, LEAST_GAIN, RIM_BLURS, SAMPLE_PIXELS, SAMPLE_REACH_PIXELS, WINDOW_PIXELS};
+use crate::memory::List;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::LazyLock;
+
+/// How many thicknesses of a wall are tried.
+pub(super) const WALLS: usize = 3;
+
+/// What the image along a generator is compared with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Template {
+    /// Standard deviation of the blur, in pixels.
+    pub blur: f64,
+    /// The edge of a wall lies beyond the arc, of the thickness of this number.
+    pub wall: Option<usize>,
+}
 
 /// The image along one generator about the rough end.
 pub(super) struct Profile {
@@ -11,14 +24,16 @@ pub(super) struct Profile {
     pub across: f64,
     /// Width of the cap beyond the arc in pixels across the arc; infinite where none is seen.
     pub cap: f64,
+    /// The same of the edge of a wall, for each thickness that is tried; no wider than the cap.
+    pub walls: [f64; WALLS],
     /// Brightness every `SAMPLE_PIXELS` outward, less the mean against cancellation; the sample `zero` lies on the
     /// rough end.
-    pub samples: Vec<f64>,
+    pub samples: List<f64>,
     /// Sums of the samples and of their squares before each sample, and of all.
-    sums: Vec<(f64, f64)>,
+    sums: List<(f64, f64)>,
     pub zero: f64,
     /// The samples whose light may be any from their value on.
-    cut_off: Vec<usize>,
+    cut_off: List<usize>,
 }
 
 /// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
@@ -39,13 +54,15 @@ struct Window {
 }
 
 impl Window {
-    fn new(profile: &Profile, edge: f64, blur: f64, smooth_step: &SmoothStep) -> Self {
+    fn new(profile: &Profile, edge: f64, template: Template, smooth_step: &SmoothStep) -> Self {
+        let blur = template.blur;
+        let cap = template.wall.map_or(profile.cap, |wall| profile.walls[wall]);
         let (first, last) = profile.window(edge);
-        let has_cap = profile.cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
+        let has_cap = cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
         // In units of the blur.
         let step = SAMPLE_PIXELS.get() / blur;
         let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS.get() - edge) / blur;
-        let cap = profile.cap / blur;
+        let cap = cap / blur;
         // Of what lies beyond the surface (p), and beyond the cap (q).
         let (mut p, mut pp, mut py) = (0.0, 0.0, 0.0);
         let (mut q, mut qq, mut qy, mut pq) = (0.0, 0.0, 0.0, 0.0);
@@ -91,7 +108,13 @@ impl Window {
         (self.yy - self.y * self.y / self.n).max(0.0)
     }
 
-    /// Sum of squares about the best steps, for a cap of brightness x: A − 2 B x + C x².
+    /// Sum of squares about the best steps.
+    fn left(&self) -> f64 {
+        let [a, b, c] = self.steps();
+        if c > 1e-6 * self.n { (a - b * b / c).max(0.0) } else { a }
+    }
+
+    /// The same for a cap of brightness x: A − 2 B x + C x².
     fn steps(&self) -> [f64; 3] {
         let determinant = self.ss * self.bb - self.sb * self.sb;
         if !(determinant > 1e-9 * self.ss * self.bb) {
@@ -109,17 +132,35 @@ impl Window {
     }
 }
 
+/// The log-likelihood that a window gains where sums of squares have this ratio.
+fn log_likelihood(ratio: f64) -> f64 {
+    INDEPENDENT.get() * WINDOW_PIXELS.get() * ratio.ln()
+}
+
 /// By how much a step at the end circle, moved outward by `shift`, explains the profiles better than constant
 /// brightness does: the sum of log-likelihoods, each with its own noise so that texture on one generator does
 /// not count.
-pub(super) fn gain(profiles: &[Profile], shift: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
-    profiles.iter().map(|profile| profile.gain(shift * profile.across, blur, noise, smooth_step)).sum()
+pub(super) fn gain(
+    profiles: &[Profile],
+    shift: f64,
+    template: Template,
+    noise: f64,
+    smooth_step: &SmoothStep,
+) -> f64 {
+    profiles.iter().map(|profile| profile.gain(shift * profile.across, template, noise, smooth_step)).sum()
 }
 
 impl Profile {
-    pub fn new(angle: f64, across: f64, cap: f64, mut samples: Vec<f64>, zero: f64) -> Self {
+    pub fn new(
+        angle: f64,
+        across: f64,
+        cap: f64,
+        walls: [f64; WALLS],
+        mut samples: List<f64>,
+        zero: f64,
+    ) -> Self {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-        let mut sums = Vec::with_capacity(samples.len() + 1);
+        let mut sums = List::with_capacity(samples.len() + 1);
         let mut sum = (0.0, 0.0);
         sums.push(sum);
         for sample in &mut samples {
@@ -127,11 +168,11 @@ impl Profile {
             sum = (sum.0 + *sample, sum.1 + *sample * *sample);
             sums.push(sum);
         }
-        Self { angle, across, cap, samples, sums, zero, cut_off: Vec::new() }
+        Self { angle, across, cap, walls, samples, sums, zero, cut_off: List::new() }
     }
 
     /// The same with samples whose light may be any from their value on.
-    pub fn with_cut_off(self, cut_off: Vec<usize>) -> Self {
+    pub fn with_cut_off(self, cut_off: List<usize>) -> Self {
         Self { cut_off, ..self }
     }
 
@@ -150,19 +191,30 @@ impl Profile {
     }
 
     /// The same for one profile and a step at `edge`, in pixels across the arc.
-    pub fn gain(&self, edge: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> f64 {
-        let window = Window::new(self, edge, blur, smooth_step);
+    pub fn gain(&self, edge: f64, template: Template, noise: f64, smooth_step: &SmoothStep) -> f64 {
+        let window = Window::new(self, edge, template, smooth_step);
         let floor = window.n * noise * noise;
-        let [a, b, c] = window.steps();
-        let steps = if c > 1e-6 * window.n { (a - b * b / c).max(0.0) } else { a };
-        INDEPENDENT.get() * WINDOW_PIXELS.get() * ((window.constant() + floor) / (steps + floor)).ln()
+        log_likelihood((window.constant() + floor) / (window.left() + floor))
+    }
+
+    /// What another template may gain there at most: all that is left but the noise.
+    pub fn unexplained(&self, edge: f64, template: Template, noise: f64, smooth_step: &SmoothStep) -> f64 {
+        let window = Window::new(self, edge, template, smooth_step);
+        let floor = window.n * noise * noise;
+        log_likelihood((window.left() + floor) / (2.0 * floor)).max(0.0)
     }
 
     /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
-    pub fn step(&self, expected: f64, blur: f64, noise: f64, smooth_step: &SmoothStep) -> Option<(f64, f64)> {
+    pub fn step(
+        &self,
+        expected: f64,
+        template: Template,
+        noise: f64,
+        smooth_step: &SmoothStep,
+    ) -> Option<(f64, f64)> {
         let side = 0.25;
         let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
-        let score = |k: i64| self.gain(expected + side * k as f64, blur, noise, smooth_step);
+        let score = |k: i64| self.gain(expected + side * k as f64, template, noise, smooth_step);
         // Every other place first: a step is wider than that.
         let places = (-reach..=reach).step_by(2).map(|k| (k, score(k)));
         let (rough, value) = places.max_by(|a, b| a.1.total_cmp(&b.1))?;

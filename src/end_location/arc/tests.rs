@@ -1,4 +1,4 @@
-//! Arcs before a background that is cut off at white.
+//! Arcs before a background that is cut off at white, and arcs at which the edge of a wall begins.
 
 use super::super::{End, EndSearch, locate_ends};
 use crate::camera::{Camera, Distortion, Intrinsics};
@@ -29,14 +29,14 @@ fn cylinder() -> Cylinder {
     Cylinder::new(Vector3::new(0.0, 0.0, 1.0), Vector3::new(0.02, 0.97, 0.25), 0.04).unwrap()
 }
 
-/// The ends in the image of a grey cylinder before a background of some light by column; 255 is white.
-fn ends(background: impl Fn(f64) -> f64) -> [End; 2] {
+/// The ends in the image of a grey cylinder with some light of what else a pixel sees; 255 is white.
+fn ends(beside: impl Fn(&Vector2<f64>) -> f64) -> [End; 2] {
     let (camera, cylinder) = (camera(), cylinder());
     let on_body = |pixel: &Vector2<f64>| {
         let hit = camera.unproject(pixel).and_then(|ray| cylinder.first_hit(&ray));
         hit.is_some_and(|hit| (hit - cylinder.axis.point).dot(&cylinder.axis.direction).abs() <= HALF_LENGTH)
     };
-    let light = |pixel: Vector2<f64>| if on_body(&pixel) { 120.0 } else { background(pixel.x) };
+    let light = |pixel: Vector2<f64>| if on_body(&pixel) { 120.0 } else { beside(&pixel) };
     let pixels = (0..SIZE.0 * SIZE.1).map(|k| Vector2::new((k % SIZE.0) as f64, (k / SIZE.0) as f64));
     let steps: Vec<(f64, f64)> = (-6..=6).map(|k| 0.35 * f64::from(k)).map(|x| (x, weight(x))).collect();
     let blurred = |pixel: Vector2<f64>| {
@@ -101,10 +101,31 @@ fn an_arc_before_a_background_that_is_cut_off_at_white_tells_no_shape() {
 
 #[test]
 fn where_half_of_the_background_is_cut_off_the_other_half_tells_the_shape() {
-    for end in ends(|column| if column < 79.5 { 30.0 } else { 700.0 }) {
+    for end in ends(|pixel| if pixel.x < 79.5 { 30.0 } else { 700.0 }) {
         assert!(end.samples.len() >= 8, "{end:?}");
         assert!(end.samples.iter().all(|sample| sample.pixel.x < 80.0), "{end:?}");
         // One of them lies beside the border between both halves.
         assert!(off(&end).iter().filter(|off| off.abs() > 0.15).count() <= 1, "{:?}", off(&end));
     }
+}
+
+#[test]
+fn the_edge_of_a_wall_at_an_open_end_does_not_shift_it() {
+    let (camera, cylinder) = (camera(), cylinder());
+    let axis = cylinder.axis;
+    let mouth = axis.point - axis.direction * HALF_LENGTH;
+    // The inside is as bright as the outside, the edge of the wall between them is not.
+    let beside = |pixel: &Vector2<f64>| {
+        let ray = camera.unproject(pixel).unwrap();
+        let hit = ray * (mouth.dot(&axis.direction) / ray.dot(&axis.direction));
+        match (hit - mouth).norm() / cylinder.radius {
+            part if part < 0.75 => 118.0,
+            part if part < 1.0 => 220.0,
+            _ => 30.0,
+        }
+    };
+    let [open, _] = ends(beside);
+    assert!(open.samples.len() > 20 && off(&open).iter().all(|off| off.abs() < 0.4), "{:?}", off(&open));
+    let across = open.samples[0].across;
+    assert!(((open.position + HALF_LENGTH) * across).abs() < 0.4, "{open:?}");
 }

@@ -22,7 +22,7 @@ fn frame(size: f64) -> LocalFrame {
 }
 
 /// The sums of every width of the instructions are the same to the last bit, and to 1e-6 those of single points.
-fn compare(axes: &[Vec<f64>; 3], frame: &LocalFrame, loss: impl Loss) {
+fn compare(axes: [&[f64]; 3], frame: &LocalFrame, loss: impl Loss) {
     let (count, origin) = (axes[0].len(), Vector3::zeros());
     let weights: Vec<f32> = (0..count).map(|k| (k % 3) as f32).collect();
     let kernel = &Kernel::new(&origin, frame);
@@ -52,9 +52,9 @@ fn sums_agree_with_those_of_single_points_for_ordinary_huge_and_tiny_coordinates
         for count in [1, 7, 8, 9, 127, 128, 129, 1000] {
             for wall in [Wall::Either, Wall::Facing, Wall::Averted] {
                 let (axes, frame) = (axes(count, size), frame(size));
-                compare(&axes, &frame, super::super::loss::Squared);
-                compare(&axes, &frame, Tukey { cutoff: 0.8, wall });
-                compare(&axes, &frame, Truncated { threshold: 0.5, wall });
+                compare(axes.each_ref().map(|axis| &axis[..]), &frame, super::super::loss::Squared);
+                compare(axes.each_ref().map(|axis| &axis[..]), &frame, Tukey { cutoff: 0.8, wall });
+                compare(axes.each_ref().map(|axis| &axis[..]), &frame, Truncated { threshold: 0.5, wall });
             }
         }
     }
@@ -66,9 +66,14 @@ fn sums_are_finite_where_all_points_are_on_the_axis_or_on_the_surface() {
     let cylinder = frame.cylinder;
     for point in [cylinder.axis.point, cylinder.axis.point + frame.u * cylinder.radius] {
         let axes = [0, 1, 2].map(|k| vec![point[k]; 20]);
-        compare(&axes, &frame, Tukey { cutoff: 1.0, wall: Wall::Facing });
+        compare(axes.each_ref().map(|axis| &axis[..]), &frame, Tukey { cutoff: 1.0, wall: Wall::Facing });
         let tiny = Tukey { cutoff: f64::MIN_POSITIVE, wall: Wall::Either };
-        let sums = Kernel::new(&Vector3::zeros(), &frame).chunk(&axes, None, 0..20, Whole(tiny));
+        let sums = Kernel::new(&Vector3::zeros(), &frame).chunk(
+            axes.each_ref().map(|axis| &axis[..]),
+            None,
+            0..20,
+            Whole(tiny),
+        );
         assert!(sums.iter().all(|sum| sum.is_finite()));
     }
 }

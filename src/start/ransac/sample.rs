@@ -1,6 +1,7 @@
 //! Hypotheses from random samples.
 
 use crate::geometry::{AxisCone, Cylinder, Line};
+use crate::memory::List;
 use crate::start::moments::Moments;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
@@ -40,7 +41,7 @@ pub(super) struct Sampler<'a> {
 
 impl Sampler<'_> {
     /// The cylinders of one sample; none when it is degenerate.
-    pub fn draw(&self, rng: &mut ChaCha8Rng) -> Vec<Cylinder> {
+    pub fn draw(&self, rng: &mut ChaCha8Rng) -> List<Cylinder> {
         match self.normals {
             Some(normals) => self.draw_oriented(normals, rng).into_iter().collect(),
             None => self.draw_plain(rng),
@@ -76,10 +77,11 @@ impl Sampler<'_> {
     }
 
     /// Six points, from everywhere or, for every other sample on average, from a neighbourhood.
-    fn draw_plain(&self, rng: &mut ChaCha8Rng) -> Vec<Cylinder> {
+    fn draw_plain(&self, rng: &mut ChaCha8Rng) -> List<Cylinder> {
         let local = below(rng, 2) == 0;
         let reach = if local { self.size * NEIGHBOURHOODS[below(rng, 2)] } else { f64::INFINITY };
-        let mut sample = vec![self.points[below(rng, self.points.len())]];
+        let mut sample = List::with_capacity(PLAIN_SAMPLE);
+        sample.push(self.points[below(rng, self.points.len())]);
         // Lonely points have no neighbours.
         for _ in 0..20 * PLAIN_SAMPLE {
             let p = self.points[below(rng, self.points.len())];
@@ -90,7 +92,7 @@ impl Sampler<'_> {
                 break;
             }
         }
-        let Some(moments) = Moments::new(sample.iter().map(|p| (*p, 1.0))) else { return Vec::new() };
+        let Some(moments) = Moments::new(sample.iter().map(|p| (*p, 1.0))) else { return List::new() };
         let minima = match self.cone {
             None => moments.minima(SEEDS, CONVERGED),
             Some(cone) => moments.minima_within(cone, SEEDS, CONVERGED),

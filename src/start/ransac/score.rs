@@ -3,6 +3,7 @@
 use super::{Candidate, Check, cancelled};
 use crate::error::{Error, Result};
 use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
+use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
 use crate::statistics::median;
@@ -163,13 +164,13 @@ impl Scorer<'_> {
         }
         let surface = self.surface(cylinder);
         let is_inlier = |p: &Vector3<f64>| surface.distance(p) < self.threshold;
-        let inliers: Vec<Vector3<f64>> = self.points.iter().filter(|p| is_inlier(p)).copied().collect();
+        let inliers: List<Vector3<f64>> = self.points.iter().filter(|p| is_inlier(p)).copied().collect();
         let Some(mut plane) = Plane::through(inliers.iter()) else { return false };
-        let mut near: Vec<&Vector3<f64>> = Vec::new();
+        let mut near: List<Vector3<f64>> = List::new();
         for _ in 0..PLANE_ROUNDS {
             near.clear();
             near.extend(inliers.iter().filter(|p| plane.distance(p) < self.threshold));
-            let Some(next) = Plane::through(near.iter().copied()) else { return false };
+            let Some(next) = Plane::through(near.iter()) else { return false };
             plane = next;
         }
         let across = cylinder.axis.direction.cross(&plane.normal);
@@ -247,6 +248,6 @@ impl Plane {
 }
 
 /// The median, if there are any values.
-fn median_of(mut values: Vec<f64>) -> Option<f64> {
+fn median_of(mut values: List<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| median(&mut values))
 }

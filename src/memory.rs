@@ -1,0 +1,429 @@
+//! Memory that is kept from one call to the next: lists that a call needs for a while.
+//!
+//! Whoever is asked again and again, a fitter, owns a `Memory` and lends it to its thread for
+//! each call. A [`List`] that is made in such a call takes its room from there, and gives it back where it ends, so that a
+//! call like the one before asks the allocator for nothing. Elsewhere, and on other threads, a list is a `Vec`. Nothing is kept
+//! beyond the owner of the memory. What a list is made of has no part in any result.
+
+use std::any::{Any, TypeId};
+use std::cell::RefCell;
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A list of more bytes than this is not kept: beside what is done with so many numbers it costs nothing to ask for it.
+const LARGEST_KEPT: usize = 4 << 20;
+
+/// Most lists of one type and about one size that are kept: more than a call has at the same time.
+const MOST_KEPT: usize = 512;
+
+/// Sizes of lists, each twice the one before, of up to [`LARGEST_KEPT`] elements.
+const SIZES: usize = LARGEST_KEPT.ilog2() as usize + 1;
+
+thread_local! {
+    /// What the call that this thread is in has lent to it.
+    static LENT: RefCell<Option<Shelves>> = const { RefCell::new(None) };
+}
+
+/// A list with an element for each view, of what borrows, so that no [`List`] can be made of it: a single one has its place
+/// within.
+#[derive(Debug, Clone)]
+pub(crate) enum ByView<T> {
+    /// That of a single view.
+    One(T),
+    /// Those of several views, or none.
+    Several(Vec<T>),
+}
+
+impl<T> Deref for ByView<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::One(one) => std::slice::from_ref(one),
+            Self::Several(several) => several,
+        }
+    }
+}
+
+impl<T> DerefMut for ByView<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        match self {
+            Self::One(one) => std::slice::from_mut(one),
+            Self::Several(several) => several,
+        }
+    }
+}
+
+impl<'a, T> IntoIterator for &'a ByView<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<'a, T> IntoIterator for &'a mut ByView<T> {
+    type Item = &'a mut T;
+    type IntoIter = std::slice::IterMut<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
+    }
+}
+
+impl<T> FromIterator<T> for ByView<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(items: I) -> Self {
+        let mut items = items.into_iter();
+        match (items.next(), items.next()) {
+            (None, _) => Self::Several(Vec::new()),
+            (Some(one), None) => Self::One(one),
+            (Some(first), Some(second)) => Self::Several([first, second].into_iter().chain(items).collect()),
+        }
+    }
+}
+
+/// Empty lists of all types, a [`Shelf`] each.
+type Shelves = Vec<(TypeId, Box<dyn Any + Send>)>;
+
+/// Empty lists of one type: at k those with room for 2ᵏ elements and less than twice as many.
+struct Shelf<T>([Vec<Vec<T>>; SIZES]);
+
+impl<T: Send + 'static> Shelf<T> {
+    fn of(shelves: &mut Shelves) -> Option<&mut Self> {
+        let own = TypeId::of::<T>();
+        let place = shelves.iter().position(|(of, _)| *of == own).unwrap_or_else(|| {
+            shelves.push((own, Box::new(Self(Default::default()))));
+            shelves.len() - 1
+        });
+        shelves[place].1.downcast_mut()
+    }
+
+    /// A list with room for so many elements, and little more if possible: what is larger is for others.
+    fn take(&mut self, count: usize) -> Option<Vec<T>> {
+        let enough = count.checked_next_power_of_two()?.ilog2() as usize;
+        self.0.get_mut(enough..)?.iter_mut().find_map(Vec::pop)
+    }
+
+    /// The list with most room, for what may grow.
+    fn take_largest(&mut self) -> Option<Vec<T>> {
+        self.0.iter_mut().rev().find_map(Vec::pop)
+    }
+
+    /// Keeps a list that has room.
+    fn put(&mut self, list: Vec<T>) {
+        let lists = &mut self.0[list.capacity().ilog2() as usize];
+        if lists.len() < MOST_KEPT {
+            lists.push(list);
+        }
+    }
+}
+
+/// Memory of calls that are made again and again. A copy begins with none.
+#[derive(Default)]
+pub(crate) struct Memory(Mutex<Shelves>);
+
+impl Memory {
+    /// Does some work with this memory, or where a call about this one has lent its own, with that.
+    pub fn lend<R>(&self, work: impl FnOnce() -> R) -> R {
+        let lends = LENT.with_borrow_mut(|lent| {
+            let lends = lent.is_none();
+            if lends {
+                // A call at the same time on another thread has none.
+                *lent = Some(std::mem::take(&mut *self.shelves()));
+            }
+            lends
+        });
+        // The memory comes back after a panic, too.
+        let _loan = lends.then(|| Loan(self));
+        work()
+    }
+
+    fn shelves(&self) -> MutexGuard<'_, Shelves> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Clone for Memory {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl fmt::Debug for Memory {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("Memory")
+    }
+}
+
+/// Memory that is lent.
+struct Loan<'a>(&'a Memory);
+
+impl Drop for Loan<'_> {
+    fn drop(&mut self) {
+        if let Some(shelves) = LENT.take() {
+            *self.0.shelves() = shelves;
+        }
+    }
+}
+
+/// A `Vec` whose room comes from the memory of the call that it is made in, if any, and goes back there.
+///
+/// It is read as a `Vec` is: `list.to_vec()` copies it into one.
+pub struct List<T: Send + 'static>(Vec<T>);
+
+impl<T: Send + 'static> List<T> {
+    /// A list of nothing.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::lent(Shelf::take_largest)
+    }
+
+    /// A list of nothing with room.
+    #[must_use]
+    pub fn with_capacity(capacity: usize) -> Self {
+        let mut list = Self::lent(|shelf| shelf.take(capacity));
+        if list.capacity() < capacity {
+            // As much as is looked for the next time, where it is kept.
+            let size = capacity.checked_next_power_of_two().unwrap_or(capacity);
+            list.reserve_exact(if Self::is_kept(size) { size } else { capacity });
+        }
+        list
+    }
+
+    /// Whether a list with room for so many is kept.
+    fn is_kept(capacity: usize) -> bool {
+        capacity.saturating_mul(size_of::<T>()) <= LARGEST_KEPT
+    }
+
+    /// What the memory of the call has, if any.
+    fn lent(take: impl FnOnce(&mut Shelf<T>) -> Option<Vec<T>>) -> Self {
+        let list = LENT.try_with(|lent| take(Shelf::of(lent.borrow_mut().as_mut()?)?));
+        Self(list.ok().flatten().unwrap_or_default())
+    }
+
+    /// So many times the same.
+    #[must_use]
+    pub fn filled(value: T, count: usize) -> Self
+    where
+        T: Clone,
+    {
+        let mut list = Self::with_capacity(count);
+        list.resize(count, value);
+        list
+    }
+}
+
+impl<T: Send + 'static> Drop for List<T> {
+    fn drop(&mut self) {
+        if self.0.capacity() * size_of::<T>() == 0 || !Self::is_kept(self.0.capacity()) {
+            return;
+        }
+        let mut list = std::mem::take(&mut self.0);
+        // Its elements may be lists.
+        list.clear();
+        // Where a thread ends there is nothing lent any more.
+        let _ = LENT.try_with(|lent| {
+            if let Some(shelf) = lent.borrow_mut().as_mut().and_then(Shelf::of) {
+                shelf.put(list);
+            }
+        });
+    }
+}
+
+impl<T: Send + 'static> Default for List<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Send + 'static> Deref for List<T> {
+    type Target = Vec<T>;
+
+    fn deref(&self) -> &Vec<T> {
+        &self.0
+    }
+}
+
+impl<T: Send + 'static> DerefMut for List<T> {
+    fn deref_mut(&mut self) -> &mut Vec<T> {
+        &mut self.0
+    }
+}
+
+impl<T: Clone + Send + 'static> From<&[T]> for List<T> {
+    fn from(items: &[T]) -> Self {
+        items.iter().cloned().collect()
+    }
+}
+
+impl<T: Send + 'static, const N: usize> From<[T; N]> for List<T> {
+    fn from(items: [T; N]) -> Self {
+        items.into_iter().collect()
+    }
+}
+
+impl<T: Send + 'static> FromIterator<T> for List<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(items: I) -> Self {
+        let items = items.into_iter();
+        let mut list = match items.size_hint() {
+            // Of what goes through a filter all may come.
+            (_, Some(most)) if Self::is_kept(most) => Self::with_capacity(most),
+            _ => Self::new(),
+        };
+        list.extend(items);
+        list
+    }
+}
+
+/// The elements of a list, one by one.
+pub struct Elements<T: Send + 'static>(List<T>);
+
+impl<T: Send + 'static> Iterator for Elements<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        // They stand in the other order.
+        self.0.pop()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.0.len(), Some(self.0.len()))
+    }
+}
+
+impl<T: Send + 'static> IntoIterator for List<T> {
+    type Item = T;
+    type IntoIter = Elements<T>;
+
+    fn into_iter(mut self) -> Elements<T> {
+        self.reverse();
+        Elements(self)
+    }
+}
+
+impl<'a, T: Send + 'static> IntoIterator for &'a List<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl<'a, T: Send + 'static> IntoIterator for &'a mut List<T> {
+    type Item = &'a mut T;
+    type IntoIter = std::slice::IterMut<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter_mut()
+    }
+}
+
+impl<T: Clone + Send + 'static> Clone for List<T> {
+    fn clone(&self) -> Self {
+        self.iter().cloned().collect()
+    }
+}
+
+impl<T: Eq + Send + 'static> Eq for List<T> {}
+
+impl<T: PartialEq + Send + 'static> PartialEq for List<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+}
+
+impl<T: fmt::Debug + Send + 'static> fmt::Debug for List<T> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(formatter)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many lists of a type a memory keeps.
+    fn kept<T: Send + 'static>(memory: &Memory) -> usize {
+        Shelf::<T>::of(&mut memory.shelves()).map_or(0, |shelf| shelf.0.iter().map(Vec::len).sum())
+    }
+
+    #[test]
+    fn a_list_takes_its_room_from_the_memory_that_is_lent_and_gives_it_back_empty() {
+        let memory = Memory::default();
+        let room = memory.lend(|| {
+            let list: List<f64> = (0..100).map(f64::from).collect();
+            list.as_ptr()
+        });
+        assert_eq!(kept::<f64>(&memory), 1);
+        memory.lend(|| {
+            let again = List::filled(1.0, 100);
+            assert_eq!((again.as_ptr(), again.len()), (room, 100));
+            // Of another type, and a second one.
+            let others = (List::filled(1_u64, 3), again.clone());
+            assert!(others.1.as_ptr() != room && *others.1 == *again);
+        });
+        assert_eq!((kept::<f64>(&memory), kept::<u64>(&memory)), (2, 1));
+        assert_eq!(kept::<f64>(&memory.clone()), 0);
+    }
+
+    #[test]
+    fn a_list_takes_the_room_of_its_size_or_the_largest_where_it_may_grow() {
+        let memory = Memory::default();
+        memory.lend(|| {
+            let lists = [10, 1000, 100].map(|count| List::filled(0_u8, count));
+            let rooms = lists.each_ref().map(|list| list.as_ptr());
+            drop(lists);
+            let room = |list: List<u8>| list.as_ptr();
+            assert_eq!(room(List::filled(1, 70)), rooms[2]);
+            assert_eq!(room((0..9).collect()), rooms[0]);
+            assert_eq!(room(List::filled(1, 200)), rooms[1]);
+            assert!(!rooms.contains(&room(List::filled(1, 2000))));
+            // What may be left out by a filter, and what may grow.
+            assert_eq!(room((0..250).chain(0..250).chain(0..250).filter(|k| k % 2 == 0).collect()), rooms[1]);
+            assert!(!rooms.contains(&room(List::new())));
+        });
+    }
+
+    #[test]
+    fn a_list_is_a_vec_where_nothing_is_lent() {
+        let memory = Memory::default();
+        let outlives = memory.lend(|| List::filled(2.0, 10));
+        assert_eq!(*outlives, [2.0; 10]);
+        drop(outlives);
+        assert_eq!(kept::<f64>(&memory), 0);
+    }
+
+    #[test]
+    fn a_call_within_another_has_the_memory_of_that() {
+        let (outer, inner) = (Memory::default(), Memory::default());
+        outer.lend(|| inner.lend(|| drop(List::filled(0.0, 10))));
+        assert_eq!((kept::<f64>(&outer), kept::<f64>(&inner)), (1, 0));
+    }
+
+    #[test]
+    fn memory_comes_back_after_a_panic() {
+        let memory = Memory::default();
+        let work = || {
+            memory.lend(|| {
+                let _list = List::filled(0.0, 10);
+                std::panic::resume_unwind(Box::new(()));
+            });
+        };
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).is_err());
+        assert_eq!(kept::<f64>(&memory), 1);
+        assert!(LENT.with_borrow(Option::is_none));
+    }
+
+    #[test]
+    fn neither_large_lists_nor_very_many_are_kept() {
+        let memory = Memory::default();
+        memory.lend(|| {
+            drop(List::filled(0_u8, LARGEST_KEPT + 1));
+            drop((0..2 * MOST_KEPT).map(|_| List::filled(0_u8, 1)).collect::<Vec<_>>());
+        });
+        assert_eq!(kept::<u8>(&memory), MOST_KEPT);
+    }
+}
