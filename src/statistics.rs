@@ -33,17 +33,21 @@ pub(crate) fn median_size_of_blocks(
     let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
     let low = *sample.get(middle.checked_sub(reach)?)?;
     let high = *sample.get(middle + reach)?;
-    let mut below = 0;
-    let mut found = List::with_capacity(count / sample.len() * 3 * reach);
+    let (mut below, mut at) = (0, 0);
+    let mut found = List::filled(0, count / sample.len() * 3 * reach);
     blocks(&mut |block| {
+        if found.len() < at + block.len() {
+            found.resize(2 * at + block.len(), 0);
+        }
+        // Without branches, as below: what is not between the bounds is written over.
         for number in block {
             let size = number.abs().to_bits();
             below += usize::from(size < low);
-            if (low..=high).contains(&size) {
-                found.push(size);
-            }
+            found[at] = size;
+            at += usize::from(size.wrapping_sub(low) <= high - low);
         }
     });
+    found.truncate(at);
     let place = (count / 2).checked_sub(below).filter(|&place| place < found.len())?;
     Some(f64::from_bits(nth(&mut found, place)))
 }

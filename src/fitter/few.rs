@@ -6,30 +6,16 @@ use super::data::{Data, ViewData};
 use super::view::View;
 use crate::geometry::LocalFrame;
 use crate::memory::List;
-use crate::observations::PointCloud;
+use crate::observations::{ENOUGH, PointCloud, are_many};
 use crate::residuals::PointTerm;
 use crate::statistics::{at_places, median_size, median_size_of_blocks};
 use nalgebra::Vector3;
 
-/// Points that lead to a minimum, and that tell the correlation of noise: that of neighbours is known to 1/√n then.
-const ENOUGH: usize = 20_000;
-
-/// Where there are more than so many times as many, a part of them comes first.
-const MANY: usize = 2;
-
 /// Fewest rows of neighbours in a band, of as many as there are in a square: correlation is looked for over a third of them.
 const ROWS_OF_BAND: f64 = 33.0;
 
-/// The fractional part of the golden ratio, whose multiples lie evenly in any period.
-const GOLDEN: f64 = 0.618_033_988_749_895;
-
 /// Points that tell between which numbers their median distance lies.
 const SAMPLE: usize = 4096;
-
-/// Whether there are so many points that a part of them comes first.
-pub(super) fn are_many(count: usize) -> bool {
-    count > MANY * ENOUGH
-}
 
 /// Points whose noise tells how neighbours are correlated, with their grid.
 #[derive(Debug, Clone)]
@@ -74,7 +60,7 @@ impl Neighbours {
 /// The upper median of the distances of many points of a view from a surface, in the frame of the view.
 pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame) -> f64 {
     let cloud = &view.view.cloud;
-    let sample = cloud.listed(&spread(cloud.len(), SAMPLE));
+    let sample = cloud.spread(SAMPLE);
     let of_sample = PointTerm::new(&sample, None).distances(frame);
     let blocks = |receive: &mut dyn FnMut(&[f64])| view.points.distances_by_blocks(frame, receive);
     median_size_of_blocks(cloud.len(), of_sample.into_iter(), blocks)
@@ -83,7 +69,7 @@ pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame) -> f64 {
 
 /// The points in the middle of the length of a cloud: neighbours stay neighbours, and all of an arc takes part.
 fn middle_band(cloud: &PointCloud) -> PointCloud {
-    let sample = cloud.listed(&spread(cloud.len(), ENOUGH));
+    let sample = cloud.spread(ENOUGH);
     let (_, covariance) = sample.mean_and_covariance().unwrap_or_default();
     let spreads = covariance.symmetric_eigen();
     let length: Vector3<f64> = spreads.eigenvectors.column(spreads.eigenvalues.imax()).into();
@@ -95,13 +81,6 @@ fn middle_band(cloud: &PointCloud) -> PointCloud {
     let band = cloud.between(&length, at_places(sample.points().map(along), places));
     // Where coordinates are so large that their squares overflow there is no band.
     if band.is_empty() { sample } else { band }
-}
-
-/// So many places of a list, evenly spread over it without the period of rows.
-fn spread(length: usize, count: usize) -> List<usize> {
-    let count = count.min(length);
-    let step = length as f64 / count as f64;
-    (0..count).map(|k| ((k as f64 + (k as f64 * GOLDEN).fract()) * step) as usize).collect()
 }
 
 impl Data<'_> {
@@ -131,7 +110,7 @@ impl View {
     fn with_part(&self, part: f64) -> Self {
         let count = self.cloud.len();
         let few = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
-        self.with_points(self.cloud.listed(&spread(count, few)), self.body.clone())
+        self.with_points(self.cloud.spread(few), self.body.clone())
     }
 }
 
@@ -182,17 +161,6 @@ mod tests {
     }
 
     #[test]
-    fn a_spread_takes_all_columns_alike() {
-        let (count, columns) = (1_000_000, 1000);
-        let places = spread(count, ENOUGH);
-        assert!(places.is_sorted() && places.len() == ENOUGH && *places.last().unwrap() < count);
-        let mut taken = vec![0; columns];
-        places.iter().for_each(|place| taken[place % columns] += 1);
-        assert!(taken.iter().all(|taken| (15..=25).contains(taken)), "{taken:?}");
-        assert_eq!(*spread(5, 20), [0, 1, 2, 3, 4]);
-    }
-
-    #[test]
     fn a_band_is_in_the_middle_and_its_noise_is_correlated_as_that_of_all() {
         let points = grid(&truth(), 1e-3);
         let fitter = fitter(&points);
@@ -229,7 +197,7 @@ mod tests {
         let other = other.fit().unwrap();
         assert!((other.cylinder.radius - result.cylinder.radius).abs() < 1e-3 * deviation);
         // A part of them has a minimum of its own.
-        let mut part = self::fitter(&points[..MANY * ENOUGH / COLUMNS * COLUMNS]);
+        let mut part = self::fitter(&points[..2 * ENOUGH / COLUMNS * COLUMNS]);
         let part = part.fit().unwrap();
         assert!((part.cylinder.radius - result.cylinder.radius).abs() > 1e-2 * deviation);
     }

@@ -119,8 +119,7 @@ impl Data<'_> {
     /// Ends, with all points, what a part of them has begun.
     pub fn minimise_with_all(&self, held: &Held, of_few: &Minimum, run: &mut Run<'_>) -> Result<Minimum> {
         let scales = self.scales(of_few.cylinder());
-        let full = [Precision::Rough, Precision::Full];
-        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, full, run)?;
+        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, [Precision::Full; 2], run)?;
         self.check_radius(minimum.cylinder())?;
         minimum.convergence.add_work_of(&of_few.convergence);
         Ok(minimum)

@@ -4,6 +4,7 @@ use super::data::{Data, ViewData};
 use super::few;
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
+use crate::observations::are_many;
 use crate::residuals::{NormalEquations, RobustScales, Squared, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 
@@ -100,7 +101,7 @@ impl Data<'_> {
         let distances = |view: &ViewData<'_>| view.distances(cylinder, &self.center);
         let told = self.options.noise.depth;
         if let [view] = &self.views[..]
-            && few::are_many(view.points.count())
+            && are_many(view.points.count())
         {
             // Without a list of them: the neighbours have one of their own.
             let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);

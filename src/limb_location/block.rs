@@ -175,10 +175,26 @@ fn pixels_about<'a>(
     line: &StripLine,
     window: Window,
 ) -> impl Iterator<Item = &'a StripPixel> {
-    let first = run.partition_point(|pixel| pixel.u - line.at(pixel.s) < -window.outside);
+    let place = |pixel: &StripPixel| pixel.u - line.at(pixel.s);
+    let first = count_while(run, |pixel| place(pixel) + window.outside, |past| past < 0.0);
     let run = &run[first..];
-    let about = &run[..run.partition_point(|pixel| pixel.u - line.at(pixel.s) <= window.inside)];
+    let about = &run[..count_while(run, |pixel| place(pixel) - window.inside, |past| past <= 0.0)];
     about.iter().filter(|pixel| !pixel.saturated)
+}
+
+/// How many of the first pixels of a run are `within` a limit, which they are `past` by more and more. The pixels of a run
+/// are about evenly spread: a straight line tells the number nearly.
+fn count_while(run: &[StripPixel], past: impl Fn(&StripPixel) -> f64, within: impl Fn(f64) -> bool) -> usize {
+    let [Some(first), Some(last)] = [run.first(), run.last()].map(|pixel| pixel.map(&past)) else { return 0 };
+    let mut count = (1.0 + (run.len() - 1) as f64 * first / (first - last)) as usize;
+    count = count.min(run.len());
+    while count > 0 && !within(past(&run[count - 1])) {
+        count -= 1;
+    }
+    while count < run.len() && within(past(&run[count])) {
+        count += 1;
+    }
+    count
 }
 
 /// Sums over the pixels of a block of the products of what the profile says there, and of that with the values: they
@@ -378,5 +394,27 @@ impl BlockSums {
             - cross * inverse * cross.transpose();
         let gradient = self.right.fixed_rows::<2>(LEVELS) - cross * levels;
         Some((information * (levels[2] * levels[2] / variance), gradient * (levels[2] / variance)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pixels_within_a_limit_are_those_that_a_search_finds() {
+        let pixel = |u: f64| StripPixel { u, s: 0.3, value: 1.0, saturated: false };
+        let even = |k: usize| -6.0 + 0.9 * k as f64;
+        let bent = |k: usize| -6.0 + 0.05 * (k * k) as f64;
+        let far_off = |k: usize| if k < 12 { -6.0 + 1e-3 * k as f64 } else { 1e6 };
+        for place in [even, bent, far_off, |_| 2.0] {
+            for length in [0, 1, 2, 15] {
+                let run: List<StripPixel> = (0..length).map(|k| pixel(place(k))).collect();
+                for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
+                    let found = run.partition_point(|pixel| pixel.u - limit <= 0.0);
+                    assert_eq!(count_while(&run, |pixel| pixel.u - limit, |past| past <= 0.0), found);
+                }
+            }
+        }
     }
 }

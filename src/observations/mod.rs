@@ -23,6 +23,7 @@ pub use frame::{DepthCamera, Frame};
 pub use image::GreyImage;
 pub use mask::Mask;
 pub(crate) use points::check_weights;
+pub(crate) use points::{ENOUGH, are_many};
 pub use points::{Offsets, PointCloud};
 pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};

@@ -1,5 +1,6 @@
 //! The points of a fit: structure of arrays, relative to an origin near the data.
 
+mod part;
 mod sums;
 
 use super::batch::{Batch, Coordinate};
@@ -10,6 +11,7 @@ use super::views::PointsView;
 use crate::error::{Error, Result};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
+pub(crate) use part::{ENOUGH, are_many};
 use pulp::Arch;
 use sums::{Along, Moments};
 

@@ -15,7 +15,7 @@ use std::ops::Range;
 const LANES: usize = 8;
 
 /// Groups of points that are converted to f64 in one go.
-const GROUPS: usize = 32;
+const GROUPS: usize = 16;
 
 /// Distinct sums: loss, slopes of the influence, weights, residual times Jacobian, Jacobian times Jacobian.
 pub(super) const SUMS: usize = 21;

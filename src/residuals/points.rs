@@ -47,6 +47,11 @@ impl<'a> PointTerm<'a> {
         PointTerm::new(cloud, self.workers)
     }
 
+    /// The points.
+    pub(super) fn cloud(&self) -> &'a PointCloud {
+        self.cloud
+    }
+
     /// The number of points.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -14,6 +14,7 @@ use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::noise::{SHARED_ACROSS, SHARED_RANGE, SHARED_SPREADS};
+use crate::observations::{ENOUGH, are_many};
 use nalgebra::Vector3;
 use std::cell::Cell;
 
@@ -162,7 +163,11 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
         let last = match known.bend() {
             Some(last) => last,
             None => {
-                let equations = points.points.linearise(near, points.loss.at(near));
+                // Of very many a part tells it: the steps that follow are those of all.
+                let of_all = points.points;
+                let part = are_many(of_all.count()).then(|| of_all.cloud().spread(ENOUGH));
+                let of_part = part.as_ref().map_or(of_all, |part| of_all.of(part));
+                let equations = of_part.linearise(near, points.loss.at(near));
                 let hessian = &equations.hessian;
                 let shift =
                     -hessian.fixed_view::<2, 2>(0, 0).try_inverse()? * hessian.fixed_view::<2, 1>(0, 4);
@@ -176,7 +181,7 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
                     b: -at_zero / square,
                     slope: -column / square,
                     axis_shift,
-                    at_zero: Some(at_zero),
+                    at_zero: part.is_none().then_some(at_zero),
                 }
             }
         };

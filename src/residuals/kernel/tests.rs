@@ -28,7 +28,15 @@ fn compare(axes: [&[f64]; 3], frame: &LocalFrame, loss: impl Loss) {
     let kernel = &Kernel::new(&origin, frame);
     let chunk = || Chunk { kernel, axes, weights: Some(&weights), range: 0..count, terms: Whole(loss) };
     let wide = kernel.chunk(axes, Some(&weights), 0..count, Whole(loss));
-    assert_eq!(wide.map(f64::to_bits), chunk().with_simd(Scalar::new()).map(f64::to_bits));
+    let mut widths = vec![chunk().with_simd(Scalar::new())];
+    #[cfg(target_arch = "x86_64")]
+    {
+        widths.extend(pulp::x86::V3::try_new().map(|simd| Simd::vectorize(simd, chunk())));
+        widths.extend(pulp::x86::V4::try_new().map(|simd| Simd::vectorize(simd, chunk())));
+    }
+    for sums in widths {
+        assert_eq!(wide.map(f64::to_bits), sums.map(f64::to_bits));
+    }
     let mut expected = NormalEquations::zero();
     let rows = PointRows::new(frame);
     for (k, weight) in weights.iter().enumerate() {
