@@ -1,11 +1,15 @@
 //! Threads for work that is divided into parts: none unless asked for.
 
+use crate::memory::Memory;
 use std::sync::mpsc::channel;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder, Scope};
 
 /// The fewest parts for which a thread is started: to start one takes as long as one or two parts of the points do.
 const PARTS_OF_A_THREAD: usize = 4;
+
+/// From so many items a thread on they share memory: what the first of them asks for is little beside the work on all.
+const ITEMS_THAT_SHARE: usize = 4;
 
 /// How many threads work on something: that of the caller alone unless more are asked for.
 ///
@@ -44,7 +48,8 @@ impl Workers {
     }
 
     /// Computes something from every item and its index, changing it, and gives the calling thread each outcome with its
-    /// index as soon as it is there.
+    /// index as soon as it is there. Where there are many items for each thread they share the memory for lists that it has
+    /// meanwhile: it is warm from one to the next, which that of each item would not be.
     pub fn change_and_tell<T: Send, R: Send>(
         self,
         items: &mut [T],
@@ -52,6 +57,11 @@ impl Workers {
         mut tell: impl FnMut(usize, R),
     ) {
         let threads = self.threads.min(items.len());
+        let many = items.len() >= ITEMS_THAT_SHARE * threads;
+        let with_memory = |work: &mut dyn FnMut()| match many {
+            true => Memory::default().lend(work),
+            false => work(),
+        };
         let queue = Mutex::new(items.iter_mut().enumerate());
         let one = || next(&queue).map(|(index, item)| (index, compute(index, item)));
         let one = &one;
@@ -61,10 +71,12 @@ impl Workers {
                 start(scope, threads, || {
                     let sender = sender.clone();
                     move || {
-                        while let Some(outcome) = one() {
-                            // The receiver is there until the last sender is gone.
-                            let _ = sender.send(outcome);
-                        }
+                        with_memory(&mut || {
+                            while let Some(outcome) = one() {
+                                // The receiver is there until the last sender is gone.
+                                let _ = sender.send(outcome);
+                            }
+                        });
                     }
                 });
                 drop(sender);
@@ -73,9 +85,11 @@ impl Workers {
             });
         }
         // All, where there are no threads.
-        while let Some((index, outcome)) = one() {
-            tell(index, outcome);
-        }
+        with_memory(&mut || {
+            while let Some((index, outcome)) = one() {
+                tell(index, outcome);
+            }
+        });
     }
 }
 

@@ -2616,7 +2616,8 @@ cylfuse_status cylfuse_fitter_use_frame(struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Makes a detector with default options.
+ * Makes a detector with default options. It keeps the memory of its calls for the next ones, some megabytes after a frame of
+ * 640 × 480 pixels: use it again.
  *
  * @param abi_version `CYLFUSE_ABI_VERSION`
  * @param out_detector where the detector goes, for `cylfuse_detector_destroy` in the end; set to NULL when the call
@@ -2967,7 +2968,7 @@ CYLFUSE_NOEXCEPT;
  * Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
  * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
  * its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
- * this again on the same fitters, which keep their memory.
+ * this again on the same fitters, which keep the room of their data; the memory of the calls is shared by all on a thread.
  *
  * The callbacks of the fitters are not called.
  *

@@ -28,6 +28,7 @@ mod rays;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LimbFrame};
+use crate::memory::List;
 use brown_conrady::BrownConrady;
 use kannala_brandt::KannalaBrandt;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -313,12 +314,20 @@ impl Camera {
 
     /// The rays with z = 1 of whole pixels, where x depends on the column alone and y on the row: the x of all columns and the y
     /// of all rows. `None` with distortion.
-    pub(crate) fn rays_by_column_and_row(&self) -> Option<(Vec<f64>, Vec<f64>)> {
+    pub(crate) fn rays_by_column_and_row(&self) -> Option<(List<f64>, List<f64>)> {
         let (width, height) = self.size();
         let ray = |column: usize, row: usize| self.unproject(&Vector2::new(column as f64, row as f64));
-        let of_columns = || (0..width).map(|column| Some(ray(column, 0)?.x)).collect::<Option<_>>();
-        let of_rows = || (0..height).map(|row| Some(ray(0, row)?.y)).collect::<Option<_>>();
-        matches!(self.lens, Lens::Pinhole).then(|| of_columns().zip(of_rows())).flatten()
+        if !matches!(self.lens, Lens::Pinhole) {
+            return None;
+        }
+        let (mut of_columns, mut of_rows) = (List::with_capacity(width), List::with_capacity(height));
+        for column in 0..width {
+            of_columns.push(ray(column, 0)?.x);
+        }
+        for row in 0..height {
+            of_rows.push(ray(0, row)?.y);
+        }
+        Some((of_columns, of_rows))
     }
 
     /// [`Camera::unproject`], which remembers what this finds.

@@ -1,7 +1,7 @@
 //! A surface and the cells that it explains: growth from a start, and what it gains.
 
 use super::effort::Effort;
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
 use super::noise::Noise;
 use super::normal_equations;
@@ -9,6 +9,7 @@ use super::outline::{Normals, Side, outline};
 use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::statistics::median;
 
 /// Rounds of collecting and fitting; most settle in two.
@@ -61,7 +62,7 @@ const LEAST_COVERED: f64 = 0.2;
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub surface: Surface,
-    pub cells: Vec<usize>,
+    pub cells: List<usize>,
     /// How much better than nothing the surface explains the cells: the logarithm of a likelihood ratio, with as many
     /// samples as the correlation of the noise leaves; with the edges of the image that lie on its limbs.
     pub gain: f64,
@@ -71,8 +72,8 @@ pub(super) struct Candidate {
 
 impl Scene<'_> {
     /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
-    pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> Vec<f64> {
-        let mut misfits = Vec::new();
+    pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> List<f64> {
+        let mut misfits = List::new();
         normal_equations::misfits(surface, self.optics.pixel, &self.grid.cells, cells, &mut misfits);
         misfits
     }
@@ -89,7 +90,7 @@ impl Scene<'_> {
     /// hidden.
     pub fn insets(&self, cylinder: &Cylinder, sides: &[Side]) -> [f64; 2] {
         [-1.0, 1.0].map(|sign| {
-            let mut insets: Vec<f64> = sides
+            let mut insets: List<f64> = sides
                 .iter()
                 .filter(|side| side.sign == sign)
                 .filter_map(Side::limb)
@@ -136,12 +137,12 @@ impl Scene<'_> {
         seeds: &[usize],
         free: &dyn Fn(usize) -> bool,
         mark: &mut Marks,
-    ) -> Vec<usize> {
+    ) -> List<usize> {
         mark.next();
         let grid = self.grid;
         let mut new = |k: usize| mark.set(k) && grid.cells[k].measured() && free(k);
-        let mut asked: Vec<usize> = seeds.iter().copied().filter(|&k| new(k)).collect();
-        let (mut cells, mut misfits) = (Vec::new(), Vec::new());
+        let (mut asked, mut cells, mut misfits) = (List::new(), List::new(), List::new());
+        asked.extend(seeds.iter().copied().filter(|&k| new(k)));
         // Ring by ring.
         while !asked.is_empty() {
             normal_equations::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
@@ -165,8 +166,8 @@ impl Scene<'_> {
         cells: &[usize],
         sides: Sides,
         mark: &mut Marks,
-    ) -> Vec<Tangent> {
-        let Surface::Cylinder(cylinder, _) = surface else { return Vec::new() };
+    ) -> List<Tangent> {
+        let Surface::Cylinder(cylinder, _) = surface else { return List::new() };
         if let (Sides::Edges { reach }, true) = (sides, self.image.is_some()) {
             let range = self.range(cylinder, cells);
             let support = self.support(cylinder, range, reach).unwrap_or_default();
@@ -174,7 +175,7 @@ impl Scene<'_> {
                 return support.tangents;
             }
         }
-        let rays: Vec<_> = outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect();
+        let rays: List<_> = outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect();
         // What a sensor does to an outline it does all along: each of the two sides is one measurement.
         let weight = 2.0 / rays.len() as f64;
         let tangent = |ray| Tangent { ray, inset: OUTLINE_SHIFT_PIXELS, deviation: OUTLINE_PIXELS, weight };
@@ -197,23 +198,22 @@ impl Scene<'_> {
         sides: Sides,
         mark: &mut Marks,
     ) -> Option<Surface> {
-        let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
-        let surface = self.fit(surface, &refs, &[], 4.0 * REACH, 6)?;
+        let surface = self.fit(surface, cells, &[], 4.0 * REACH, 6)?;
         let tangents = self.tangents(&surface, cells, sides, mark);
-        self.fit(&surface, &refs, &tangents, REACH, 4)
+        self.fit(&surface, cells, &tangents, REACH, 4)
     }
 
     /// Fits a surface to cells and tangents from a start.
     pub fn fit(
         &self,
         start: &Surface,
-        cells: &[&Cell],
+        cells: &[usize],
         tangents: &[Tangent],
         reach: f64,
         steps: usize,
     ) -> Option<Surface> {
         let stride = cells.len().div_ceil(FITTED).max(1);
-        let thinned: Vec<&Cell>;
+        let thinned: List<usize>;
         let cells = if stride == 1 {
             cells
         } else {
@@ -224,7 +224,7 @@ impl Scene<'_> {
         if self.effort.is_spent() {
             return None;
         }
-        fit(start, cells, tangents, self.optics, reach, steps)
+        fit(start, (&self.grid.cells, cells), tangents, self.optics, reach, steps)
     }
 
     /// The edges of the image on the limbs of a cylinder.
@@ -243,22 +243,20 @@ impl Scene<'_> {
         free: &dyn Fn(usize) -> bool,
         mark: &mut Marks,
     ) -> Option<Candidate> {
-        let refs: Vec<&Cell> = seeds.iter().map(|&k| &self.grid.cells[k]).collect();
         let tangents = match sides {
             Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
-            Sides::Outline => Vec::new(),
+            Sides::Outline => List::new(),
         };
-        let mut surface = self.fit(start, &refs, &tangents, 4.0 * REACH, 6)?;
-        let mut cells = seeds.to_vec();
+        let mut surface = self.fit(start, seeds, &tangents, 4.0 * REACH, 6)?;
+        let mut cells = List::from(seeds);
         let mut before = 0;
         for _ in 0..ROUNDS {
             cells = self.flood(&surface, &cells, free, mark);
             if cells.len() < FEWEST {
                 return None;
             }
-            let refs: Vec<&Cell> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
             let tangents = self.tangents(&surface, &cells, sides, mark);
-            surface = self.fit(&surface, &refs, &tangents, REACH, 4)?;
+            surface = self.fit(&surface, &cells, &tangents, REACH, 4)?;
             // Two per cent more or fewer cells change nothing.
             if cells.len().abs_diff(before) * 50 <= cells.len() {
                 break;

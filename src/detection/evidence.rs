@@ -4,8 +4,9 @@ use super::candidate::{Candidate, Marks, Scene, Sides};
 use super::grid::Cell;
 use super::limb_pairs::ON_LIMB;
 use super::outline::{Beyond, outline, passes};
-use super::surface::{REACH, Surface, slope};
+use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, Line};
+use crate::memory::List;
 use nalgebra::Vector3;
 
 /// What the depth says about one candidate.
@@ -70,10 +71,10 @@ const VISITS_OF_RAY: usize = 2;
 impl Scene<'_> {
     /// By how much the radius of a candidate seems to grow along its axis: [`Evidence::slope`].
     pub fn slope(&self, candidate: &Candidate, mark: &mut Marks) -> Option<[f64; 2]> {
-        let cells: Vec<&Cell> = candidate.cells.iter().map(|&k| &self.grid.cells[k]).collect();
+        let cells = &candidate.cells;
         let tangents = self.tangents(&candidate.surface, &candidate.cells, candidate.sides, mark);
         self.effort.spend(cells.len() + tangents.len());
-        slope(&candidate.surface, &cells, &tangents, self.optics)
+        slope(&candidate.surface, (&self.grid.cells, cells), &tangents, self.optics)
     }
 
     /// What speaks for or against a candidate, but for the slope, which only the score of a fit asks for. Where the score is
@@ -161,7 +162,6 @@ impl Scene<'_> {
         mark: &mut Marks,
     ) {
         let cells = &candidate.cells;
-        let refs: Vec<_> = cells.iter().map(|&k| &self.grid.cells[k]).collect();
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return };
         // Edges of the image hold a radius that depth, which matching windows flatten, may not agree with. What the
         // others explain is compared with the cylinder that explains the depth best.
@@ -181,23 +181,21 @@ impl Scene<'_> {
             return;
         }
         let free = |k: usize| self.planes[k] == 0;
-        let fitted = |start: Surface| self.fit(&start, &refs, &[], REACH, 6);
+        let fitted = |start: Surface| self.fit(&start, cells, &[], REACH, 6);
         let mut margin = |other: &Surface| {
             let other = self.grow(other, cells, Sides::Outline, &free, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
                 mark.set(k);
             });
-            let mut all = cells.clone();
+            let mut all = List::new();
+            all.extend_from_slice(cells);
             all.extend(other.cells.iter().copied().filter(|&k| mark.set(k)));
             let difference = self.gain(&surface, &all) - self.gain(&other.surface, &all);
             let penalty = self.penalty(&other.surface, all.len()) - self.penalty(&surface, all.len());
             Some((difference + penalty, other.surface))
         };
-        let mut middle = Vector3::zeros();
-        for cell in &refs {
-            middle += cell.point / refs.len() as f64;
-        }
+        let middle = middle(&self.grid.cells, cells);
         let on_axis = cylinder.axis.point
             + cylinder.axis.direction * (middle - cylinder.axis.point).dot(&cylinder.axis.direction);
         let sphere = fitted(Surface::Sphere(on_axis, cylinder.radius));
@@ -222,7 +220,7 @@ impl Scene<'_> {
 
     /// The gain of the best two planes through cells that an edge along the axis divides.
     fn edge_gain(&self, cylinder: &Cylinder, cells: &[usize]) -> f64 {
-        let mut order: Vec<(f64, usize)> = cells
+        let mut order: List<(f64, usize)> = cells
             .iter()
             .map(|&k| {
                 let cell = &self.grid.cells[k];
@@ -230,7 +228,7 @@ impl Scene<'_> {
             })
             .collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let sorted: Vec<usize> = order.into_iter().map(|(_, k)| k).collect();
+        let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
         (2..=6)
             .map(|eighths| {
                 let (left, right) = sorted.split_at(sorted.len() * eighths / 8);

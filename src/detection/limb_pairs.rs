@@ -5,6 +5,7 @@ use super::edges::Edge;
 use super::outline::passes;
 use super::surface::Tangent;
 use crate::geometry::{Cylinder, LimbFrame, Line};
+use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
 /// How far an edge on a limb is from it in pixels: edges are found to a fraction of one, short ones less well.
@@ -67,7 +68,7 @@ pub(super) struct Support {
     /// How long that is, in pixels.
     pub length: f64,
     /// Rays along them.
-    pub tangents: Vec<Tangent>,
+    pub tangents: List<Tangent>,
 }
 
 /// A cylinder by two edges.
@@ -75,7 +76,7 @@ pub(super) struct Support {
 pub(super) struct Pair {
     pub cylinder: Cylinder,
     /// Cells between the edges.
-    pub cells: Vec<usize>,
+    pub cells: List<usize>,
     /// How long the edges stand side by side, in pixels.
     pub length: f64,
 }
@@ -209,11 +210,11 @@ impl Scene<'_> {
         across: &Vector2<f64>,
         length: f64,
         width: f64,
-    ) -> Option<(SVector<f64, 4>, Vec<usize>)> {
+    ) -> Option<(SVector<f64, 4>, List<usize>)> {
         let spacing = self.grid.spacing;
         let steps = |size: f64| (size / spacing).round().clamp(3.0, 24.0) as usize;
         let (rows, columns) = (steps(length), steps(INNER * width));
-        let mut cells = Vec::with_capacity(rows * columns);
+        let mut cells = List::with_capacity(rows * columns);
         let mut missing = 0;
         for row in 0..rows {
             for column in 0..columns {
@@ -237,7 +238,7 @@ impl Scene<'_> {
         for _ in 0..3 {
             let mut matrix = SMatrix::<f64, 4, 4>::zeros();
             let mut vector = SVector::<f64, 4>::zeros();
-            let mut residuals = Vec::with_capacity(cells.len());
+            let mut residuals = List::with_capacity(cells.len());
             for &k in &cells {
                 let cell = &self.grid.cells[k];
                 let offset = Vector2::new(cell.x, cell.y) - center;

@@ -7,6 +7,7 @@
 
 use super::grid::Cell;
 use super::surface::{LATERAL_PIXELS, Optics, Surface};
+use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -190,7 +191,7 @@ type Group = [[f64; LANES]; 7];
 
 /// The cells that a surface is fitted to.
 pub(super) struct Cells {
-    groups: Vec<Group>,
+    groups: List<Group>,
     optics: Optics,
 }
 
@@ -205,18 +206,19 @@ pub(super) struct NormalEquations {
 }
 
 impl Cells {
-    pub fn new(cells: &[&Cell], optics: Optics) -> Self {
-        let group = |cells: &[&Cell]| {
-            let [px, py, pz, x, y, sigma] = side_by_side(|k| *cells.get(k).unwrap_or(&cells[0]));
-            let given = std::array::from_fn(|k| if k < cells.len() { 1.0 } else { 0.0 });
+    /// The cells `which`.
+    pub fn new(cells: &[Cell], which: &[usize], optics: Optics) -> Self {
+        let group = |which: &[usize]| {
+            let [px, py, pz, x, y, sigma] = side_by_side(|k| &cells[*which.get(k).unwrap_or(&which[0])]);
+            let given = std::array::from_fn(|k| if k < which.len() { 1.0 } else { 0.0 });
             [px, py, pz, x, y, sigma, given]
         };
-        let chunks = cells.chunks_exact(LANES);
+        let chunks = which.chunks_exact(LANES);
         // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
         let rest = Some(chunks.remainder()).filter(|rest| !rest.is_empty()).map(group);
-        let mut groups = Vec::with_capacity(cells.len().div_ceil(LANES));
-        groups.extend(chunks.map(|cells| {
-            let [px, py, pz, x, y, sigma] = side_by_side(|k| cells[k]);
+        let mut groups = List::with_capacity(which.len().div_ceil(LANES));
+        groups.extend(chunks.map(|which| {
+            let [px, py, pz, x, y, sigma] = side_by_side(|k| &cells[which[k]]);
             [px, py, pz, x, y, sigma, [1.0; LANES]]
         }));
         groups.extend(rest);
@@ -384,8 +386,8 @@ mod tests {
                 vector += row * (weight * distance);
             }
             assert!(count > 2 && count < cells.len(), "{count}");
-            let references: Vec<&Cell> = cells.iter().collect();
-            let found = Cells::new(&references, optics).normal_equations(&surface, (&u, &v), reach);
+            let all: Vec<usize> = (0..cells.len()).collect();
+            let found = Cells::new(&cells, &all, optics).normal_equations(&surface, (&u, &v), reach);
             assert_eq!(found.count, count);
             assert!((found.vector - vector).amax() <= 1e-9 * vector.amax(), "{} {vector}", found.vector);
             let difference = (found.matrix - matrix).lower_triangle();

@@ -4,6 +4,7 @@ use super::candidate::{Marks, Scene};
 use super::grid::Cell;
 use super::surface::Surface;
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 
@@ -75,7 +76,7 @@ pub(super) fn outline(
     cylinder: &Cylinder,
     cells: &[usize],
     mark: &mut Marks,
-) -> Vec<Side> {
+) -> List<Side> {
     let grid = scene.grid;
     scene.effort.spend(2 * cells.len());
     mark.next();
@@ -89,7 +90,7 @@ pub(super) fn outline(
     let width = (last - first).max(f64::MIN_POSITIVE);
     let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
     // The outermost cell of each line on each side.
-    let mut outermost: Vec<[Option<(f64, usize)>; 2]> = vec![[None; 2]; count];
+    let mut outermost: List<[Option<(f64, usize)>; 2]> = List::filled([None; 2], count);
     for &k in cells {
         let cell = &grid.cells[k];
         let Some(across) = passes(cylinder, cell.x, cell.y) else { continue };

@@ -4,6 +4,7 @@ use super::DetectionOptions;
 use super::candidate::{Candidate, Marks, Scene};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
+use crate::memory::List;
 use nalgebra::Vector3;
 
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
@@ -58,7 +59,7 @@ fn joined(
         return None;
     }
     marks.next();
-    let mut cells = Vec::new();
+    let mut cells = List::new();
     for &k in a.candidate.cells.iter().chain(&b.candidate.cells) {
         if marks.set(k) {
             cells.push(k);
@@ -68,12 +69,12 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let mut best: Option<(f64, Surface, Vec<usize>)> = None;
+    let mut best: Option<(f64, Surface, List<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
         let misfits = scene.misfits(&surface, &cells);
         let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
-        let on: Vec<usize> = on.map(|(&k, _)| k).collect();
+        let on: List<usize> = on.map(|(&k, _)| k).collect();
         let worth = scene.worth(&surface, &on, marks);
         if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
             best = Some((worth, surface, on));
@@ -109,7 +110,7 @@ pub(super) fn divide(
 }
 
 /// A surface and its cells.
-type Part = (Surface, Vec<usize>);
+type Part = (Surface, List<usize>);
 
 /// The parts of a candidate, where two cylinders explain its cells better than one.
 fn divided(
@@ -123,16 +124,16 @@ fn divided(
     if judged.evidence.length < 2.0 {
         return None;
     }
-    let mut order: Vec<(f64, usize)> =
+    let mut order: List<(f64, usize)> =
         cells.iter().map(|&k| (surface.place(&scene.grid.cells[k].point).along, k)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let sorted: Vec<usize> = order.into_iter().map(|(_, k)| k).collect();
+    let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
     let mut best: Option<(f64, [Part; 2])> = None;
     for eighths in 2..=6 {
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {
             let surface = scene.refit(surface, part, judged.candidate.sides, marks)?;
-            Some((scene.worth(&surface, part, marks), (surface, part.to_vec())))
+            Some((scene.worth(&surface, part, marks), (surface, List::from(part))))
         };
         let (Some((one, first)), Some((other, second))) = (fitted(low, marks), fitted(high, marks)) else {
             continue;

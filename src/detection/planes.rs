@@ -4,6 +4,7 @@ use super::candidate::Marks;
 use super::effort::Effort;
 use super::grid::Grid;
 use super::noise::Noise;
+use crate::memory::List;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Cells along the side of a block, the smallest piece that a plane starts from.
@@ -74,12 +75,12 @@ impl Sums {
 /// For each cell of a grid the number of its plane from 1 on, or 0.
 pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Vec<u16> {
     let (columns, rows) = (grid.columns / BLOCK, grid.rows / BLOCK);
-    let blocks: Vec<Option<(Sums, f64)>> =
+    let blocks: List<Option<(Sums, f64)>> =
         (0..columns * rows).map(|k| block(grid, k % columns, k / columns, noise)).collect();
-    let mut order: Vec<usize> = (0..blocks.len()).filter(|&k| blocks[k].is_some()).collect();
+    let mut order: List<usize> = (0..blocks.len()).filter(|&k| blocks[k].is_some()).collect();
     let rms = |k: usize| blocks[k].map_or(f64::INFINITY, |(_, rms)| rms);
     order.sort_by(|&a, &b| rms(a).total_cmp(&rms(b)));
-    let mut taken = vec![false; blocks.len()];
+    let mut taken = List::filled(false, blocks.len());
     let mut owner = vec![0_u16; grid.cells.len()];
     let mut number = 0_u16;
     let (mut seen_blocks, mut seen_cells) = (Marks::new(blocks.len()), Marks::new(grid.cells.len()));
@@ -135,10 +136,11 @@ fn grow(
     taken: &[bool],
     noise: &Noise,
     seen: &mut Marks,
-) -> Option<(Vector3<f64>, Vec<usize>)> {
+) -> Option<(Vector3<f64>, List<usize>)> {
     let mut sums = blocks[seed]?.0;
     let (mut plane, _) = sums.solve()?;
-    let mut members = vec![seed];
+    let mut members = List::new();
+    members.push(seed);
     seen.next();
     seen.set(seed);
     let (mut next, mut solved_at) = (0, 1);
@@ -181,8 +183,8 @@ fn settle(
     (column, row): (usize, usize),
     owner: &[u16],
     seen: &mut Marks,
-) -> Option<Vec<usize>> {
-    let mut cells = Vec::new();
+) -> Option<List<usize>> {
+    let mut cells = List::new();
     let mut spread = 0.0;
     for _ in 0..2 {
         cells = flood(grid, noise, &plane, (column, row), owner, seen);
@@ -211,7 +213,7 @@ fn flood(
     (column, row): (usize, usize),
     owner: &[u16],
     seen: &mut Marks,
-) -> Vec<usize> {
+) -> List<usize> {
     let near = |k: usize| {
         let cell = &grid.cells[k];
         owner[k] == 0
@@ -219,7 +221,7 @@ fn flood(
             && (plane.dot(&Vector3::new(1.0, cell.x, cell.y)) - cell.w).abs() <= REACH * noise.deviation
     };
     seen.next();
-    let mut cells = Vec::new();
+    let mut cells = List::new();
     for y in row * BLOCK..(row + 1) * BLOCK {
         for x in column * BLOCK..(column + 1) * BLOCK {
             let k = y * grid.columns + x;

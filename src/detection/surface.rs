@@ -164,18 +164,20 @@ impl Surface {
     }
 }
 
+/// The mean of the points of the cells `which`.
+pub(super) fn middle(cells: &[Cell], which: &[usize]) -> Vector3<f64> {
+    which.iter().map(|&k| cells[k].point / which.len() as f64).sum()
+}
+
 /// By how much the radius of a cylinder seems to grow along its axis, and the standard deviation of that: one step from the
 /// cylinder to the cone that explains cells and sides best, the bias at the limbs among the unknowns.
 pub(super) fn slope(
     surface: &Surface,
-    cells: &[&Cell],
+    (cells, which): (&[Cell], &[usize]),
     tangents: &[Tangent],
     optics: Optics,
 ) -> Option<[f64; 2]> {
-    let mut center = Vector3::zeros();
-    for cell in cells {
-        center += cell.point / cells.len() as f64;
-    }
+    let center = middle(cells, which);
     let surface = surface.at(&center);
     let Surface::Cylinder(cylinder, bias) = surface else { return None };
     let mut matrix = SMatrix::<f64, 7, 7>::zeros();
@@ -196,8 +198,8 @@ pub(super) fn slope(
             vector += row * (weight * distance);
         }
     };
-    for cell in cells {
-        let Cell { x, y, point, sigma, .. } = **cell;
+    for &k in which {
+        let Cell { x, y, point, sigma, .. } = cells[k];
         let residual =
             normal_equations::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
         let sigma = residual.variance.sqrt();
@@ -215,22 +217,19 @@ pub(super) fn slope(
     Some([step[6] / radius, inverse[(6, 6)].sqrt() / radius])
 }
 
-/// Fits a surface to cells from a start. Cells beyond `reach` standard deviations do not count; `reach` shrinks to
+/// Fits a surface to the cells `which` from a start. Cells beyond `reach` standard deviations do not count; `reach` shrinks to
 /// [`REACH`] within the steps.
 pub(super) fn fit(
     start: &Surface,
-    cells: &[&Cell],
+    (cells, which): (&[Cell], &[usize]),
     tangents: &[Tangent],
     optics: Optics,
     mut reach: f64,
     steps: usize,
 ) -> Option<Surface> {
-    let mut center = Vector3::zeros();
-    for cell in cells {
-        center += cell.point / cells.len() as f64;
-    }
+    let center = middle(cells, which);
     let mut surface = start.at(&center);
-    let cells = Cells::new(cells, optics);
+    let cells = Cells::new(cells, which, optics);
     for _ in 0..steps {
         if !(surface.radius() > 0.0 && surface.radius().is_finite()) {
             return None;

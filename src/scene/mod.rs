@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
+use crate::memory::Memory;
 use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
 use crate::workers::Workers;
 use fits::Fits;
@@ -103,6 +104,9 @@ pub struct Observer<'a> {
 
 /// Finds all cylinders of a scene, and fits each.
 ///
+/// A detector keeps the memory of its calls for the next ones, some megabytes after a frame of 640 × 480 pixels, and frees it when it
+/// is dropped: what a call like the ones before asks for is its result and little else.
+///
 /// ```
 /// use cylfuse::observations::PointsView;
 /// use cylfuse::scene::Detector;
@@ -125,6 +129,8 @@ pub struct Observer<'a> {
 #[derive(Debug, Clone, Default)]
 pub struct Detector {
     options: DetectorOptions,
+    /// What a call uses again.
+    memory: Memory,
 }
 
 /// A cylinder of a scene.
@@ -253,6 +259,10 @@ impl Detector {
     /// # Errors
     /// Those of [`Detector::detect`], and `Cancelled`.
     pub fn detect_with(&self, frame: &Frame, observer: &mut Observer<'_>) -> Result<Scene> {
+        self.memory.lend(|| self.detect_in_memory(frame, observer))
+    }
+
+    fn detect_in_memory(&self, frame: &Frame, observer: &mut Observer<'_>) -> Result<Scene> {
         let missing = |missing, remedy| Error::BadState { call: "detecting cylinders", missing, remedy };
         let camera = frame.camera().ok_or(missing("intrinsics", "set the intrinsics of the frame first"))?;
         let depth =
@@ -294,6 +304,10 @@ impl Detector {
     /// # Errors
     /// Those of [`Detector::detect_points`], and `Cancelled`.
     pub fn detect_points_with(&self, points: &PointsView<'_>, observer: &mut Observer<'_>) -> Result<Scene> {
+        self.memory.lend(|| self.detect_points_in_memory(points, observer))
+    }
+
+    fn detect_points_in_memory(&self, points: &PointsView<'_>, observer: &mut Observer<'_>) -> Result<Scene> {
         let size = (points.width(), points.height());
         let count = size.0.saturating_mul(size.1);
         if count > MOST_POINTS {
