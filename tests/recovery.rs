@@ -6,7 +6,7 @@ mod support;
 use cylfuse::fitter::{ChartChoice, FitResult, Flags, Method, NearWall, ObjectiveKind, Options, StartKind};
 use cylfuse::geometry::Cylinder;
 use nalgebra::Vector3;
-use support::{camera, can, fitter_with, intrinsics, limb_segments, visible_points};
+use support::{Noise, camera, can, fitter_with, intrinsics, limb_segments, visible_points};
 
 fn assert_same(found: &Cylinder, truth: &Cylinder, relative: f64) {
     let difference = truth.compare(found);
@@ -191,4 +191,35 @@ fn the_same_data_give_the_same_bits_for_any_number_of_threads() {
     for threads in [2, 3, 0] {
         assert_eq!(fit(threads), one);
     }
+}
+
+#[test]
+fn of_very_many_points_a_part_leads_to_what_a_few_less_tell() {
+    let fit = |count: usize| {
+        let mut noise = Noise::new(1);
+        let mut segments = limb_segments(&can(), &camera());
+        segments
+            .iter_mut()
+            .flat_map(|segment| &mut segment.endpoints)
+            .for_each(|q| q.x += 0.5 * noise.normal());
+        let mut cloud = visible_points(&can(), &Vector3::zeros(), count);
+        for point in &mut cloud {
+            let stretch = 1.0 + 0.0015 * noise.normal();
+            point.iter_mut().for_each(|x| *x *= stretch);
+        }
+        let mut fitter = fitter_with(&cloud);
+        fitter.set_intrinsics(intrinsics()).unwrap();
+        fitter.push_edges(&segments).unwrap();
+        let result = fitter.fit().unwrap();
+        assert_eq!(result.points_used, count);
+        result
+    };
+    let [all, part] = [40_000, 40_400].map(fit);
+    let [of_all, of_part] = [&all, &part].map(|result| result.uncertainty.unwrap());
+    assert!((of_part.radius() / of_all.radius() - 1.0).abs() < 0.02);
+    assert!((of_part.direction() / of_all.direction() - 1.0).abs() < 0.02);
+    // The edges, which are the same, tell the radius; the points their own noise.
+    let change = all.cylinder.compare(&part.cylinder);
+    assert!(change.radius_relative.abs() * can().radius < 0.2 * of_all.radius());
+    assert!(change.angle < 2.0 * of_all.direction(), "{} {}", change.angle, of_all.direction());
 }
