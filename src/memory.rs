@@ -1,20 +1,23 @@
 //! Memory that is kept from one call to the next: lists that a call needs for a while.
 //!
-//! Whoever is asked again and again, a fitter, owns a `Memory` and lends it to its thread for
+//! Whoever is asked again and again, a fitter or a detector, owns a `Memory` and lends it to its thread for
 //! each call. A [`List`] that is made in such a call takes its room from there, and gives it back where it ends, so that a
-//! call like the one before asks the allocator for nothing. Elsewhere, and on other threads, a list is a `Vec`. Nothing is kept
-//! beyond the owner of the memory. What a list is made of has no part in any result.
+//! call like the one before asks the allocator for nothing. Elsewhere a list is a `Vec`; so it is on the other threads of
+//! a call, unless they lend a memory of their own. Nothing is kept beyond the owner of the memory. What a list is made
+//! of has no part in any result.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::fmt;
+use std::num::NonZeroU64;
 use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A list of more bytes than this is not kept: beside what is done with so many numbers it costs nothing to ask for it.
 const LARGEST_KEPT: usize = 4 << 20;
 
-/// Most lists of one type and about one size that are kept: more than a call has at the same time.
+/// Most lists of one type and about one size that are kept: a call has fewer at the same time.
 const MOST_KEPT: usize = 512;
 
 /// Sizes of lists, each twice the one before, of up to [`LARGEST_KEPT`] elements.
@@ -84,15 +87,25 @@ impl<T> FromIterator<T> for ByView<T> {
     }
 }
 
-/// Empty lists of all types, a [`Shelf`] each.
-type Shelves = Vec<(TypeId, Box<dyn Any + Send>)>;
+/// Empty lists of all types, a [`Shelf`] each, and the number that tells the lists of this memory from all others.
+#[derive(Default)]
+struct Shelves {
+    of_types: Vec<(TypeId, Box<dyn Any + Send>)>,
+    owner: Owner,
+}
+
+/// The number of a memory, as its lists have it; `None` for lists of none.
+type Owner = Option<NonZeroU64>;
+
+/// The number of the next memory.
+static NEXT: AtomicU64 = AtomicU64::new(1);
 
 /// Empty lists of one type: at k those with room for 2ᵏ elements and less than twice as many.
 struct Shelf<T>([Vec<Vec<T>>; SIZES]);
 
 impl<T: Send + 'static> Shelf<T> {
     fn of(shelves: &mut Shelves) -> Option<&mut Self> {
-        let own = TypeId::of::<T>();
+        let (own, shelves) = (TypeId::of::<T>(), &mut shelves.of_types);
         let place = shelves.iter().position(|(of, _)| *of == own).unwrap_or_else(|| {
             shelves.push((own, Box::new(Self(Default::default()))));
             shelves.len() - 1
@@ -133,7 +146,10 @@ impl Memory {
             let lends = lent.is_none();
             if lends {
                 // A call at the same time on another thread has none.
-                *lent = Some(std::mem::take(&mut *self.shelves()));
+                let mut shelves = std::mem::take(&mut *self.shelves());
+                shelves.owner =
+                    shelves.owner.or_else(|| NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)));
+                *lent = Some(shelves);
             }
             lends
         });
@@ -159,6 +175,18 @@ impl fmt::Debug for Memory {
     }
 }
 
+/// Does some work without the memory that a call has lent: what it makes has room of its own, and no more than it needs.
+pub(crate) fn apart<R>(work: impl FnOnce() -> R) -> R {
+    struct Back(Option<Shelves>);
+    impl Drop for Back {
+        fn drop(&mut self) {
+            LENT.set(self.0.take());
+        }
+    }
+    let _back = Back(LENT.take());
+    work()
+}
+
 /// Memory that is lent.
 struct Loan<'a>(&'a Memory);
 
@@ -170,10 +198,11 @@ impl Drop for Loan<'_> {
     }
 }
 
-/// A `Vec` whose room comes from the memory of the call that it is made in, if any, and goes back there.
+/// A `Vec` whose room comes from the memory of the call that it is made in, if any, and goes back there with a call of the
+/// same memory: were those of others kept, too, there would be more with each call.
 ///
 /// It is read as a `Vec` is: `list.to_vec()` copies it into one.
-pub struct List<T: Send + 'static>(Vec<T>);
+pub struct List<T: Send + 'static>(Vec<T>, Owner);
 
 impl<T: Send + 'static> List<T> {
     /// A list of nothing.
@@ -182,27 +211,39 @@ impl<T: Send + 'static> List<T> {
         Self::lent(Shelf::take_largest)
     }
 
+    /// A list of nothing that takes no room of the memory, and gives none.
+    #[must_use]
+    pub const fn apart() -> Self {
+        Self(Vec::new(), None)
+    }
+
     /// A list of nothing with room.
     #[must_use]
     pub fn with_capacity(capacity: usize) -> Self {
         let mut list = Self::lent(|shelf| shelf.take(capacity));
         if list.capacity() < capacity {
             // As much as is looked for the next time, where it is kept.
-            let size = capacity.checked_next_power_of_two().unwrap_or(capacity);
-            list.reserve_exact(if Self::is_kept(size) { size } else { capacity });
+            let is_kept = list.1.is_some() && Self::is_kept(capacity);
+            list.reserve_exact(if is_kept { capacity.next_power_of_two() } else { capacity });
         }
         list
     }
 
-    /// Whether a list with room for so many is kept.
+    /// Whether a list with room for so many is kept: all that are taken for as many elements can hold them.
     fn is_kept(capacity: usize) -> bool {
-        capacity.saturating_mul(size_of::<T>()) <= LARGEST_KEPT
+        let size = capacity.checked_next_power_of_two().unwrap_or(usize::MAX);
+        size.saturating_mul(size_of::<T>()) <= LARGEST_KEPT
     }
 
     /// What the memory of the call has, if any.
     fn lent(take: impl FnOnce(&mut Shelf<T>) -> Option<Vec<T>>) -> Self {
-        let list = LENT.try_with(|lent| take(Shelf::of(lent.borrow_mut().as_mut()?)?));
-        Self(list.ok().flatten().unwrap_or_default())
+        let list = LENT.try_with(|lent| {
+            let mut lent = lent.borrow_mut();
+            let shelves = lent.as_mut()?;
+            let owner = shelves.owner;
+            Some(Self(take(Shelf::of(shelves)?).unwrap_or_default(), owner))
+        });
+        list.ok().flatten().unwrap_or(Self::apart())
     }
 
     /// So many times the same.
@@ -219,7 +260,7 @@ impl<T: Send + 'static> List<T> {
 
 impl<T: Send + 'static> Drop for List<T> {
     fn drop(&mut self) {
-        if self.0.capacity() * size_of::<T>() == 0 || !Self::is_kept(self.0.capacity()) {
+        if self.1.is_none() || self.0.capacity() * size_of::<T>() == 0 || !Self::is_kept(self.0.capacity()) {
             return;
         }
         let mut list = std::mem::take(&mut self.0);
@@ -227,7 +268,9 @@ impl<T: Send + 'static> Drop for List<T> {
         list.clear();
         // Where a thread ends there is nothing lent any more.
         let _ = LENT.try_with(|lent| {
-            if let Some(shelf) = lent.borrow_mut().as_mut().and_then(Shelf::of) {
+            let mut lent = lent.borrow_mut();
+            let own = lent.as_mut().filter(|shelves| shelves.owner == self.1);
+            if let Some(shelf) = own.and_then(Shelf::of) {
                 shelf.put(list);
             }
         });
@@ -417,6 +460,34 @@ mod tests {
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).is_err());
         assert_eq!(kept::<f64>(&memory), 1);
         assert!(LENT.with_borrow(Option::is_none));
+    }
+
+    #[test]
+    fn a_list_goes_back_to_the_memory_that_it_came_from_alone() {
+        let (memory, other) = (Memory::default(), Memory::default());
+        let list = || List::filled(0.0, 10);
+        let (own, foreign, of_none) = (memory.lend(list), other.lend(list), list());
+        memory.lend(|| drop((own, foreign, of_none)));
+        assert_eq!((kept::<f64>(&memory), kept::<f64>(&other)), (1, 0));
+        // One that takes no room gives none, either.
+        memory.lend(|| {
+            let mut list = List::apart();
+            list.push(1.0);
+            let of_none = apart(|| List::filled(0.0, 10));
+            assert_eq!(of_none.capacity(), 10);
+        });
+        assert_eq!(kept::<f64>(&memory), 1);
+    }
+
+    #[test]
+    fn a_list_that_is_kept_is_found_again_whatever_the_size_of_its_elements() {
+        let memory = Memory::default();
+        for count in [100, 200_000, 262_144, 262_145, 300_000, 349_525, 349_526] {
+            for _ in 0..3 {
+                memory.lend(|| drop(List::filled([0_f32; 3], count)));
+            }
+            assert_eq!(kept::<[f32; 3]>(&memory), 1 + usize::from(count > 100), "{count}");
+        }
     }
 
     #[test]

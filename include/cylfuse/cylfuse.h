@@ -2616,7 +2616,7 @@ cylfuse_status cylfuse_fitter_use_frame(struct cylfuse_fitter *fitter,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Makes a detector with default options. It keeps the memory of its calls for the next ones, some megabytes after a frame of
+ * Makes a detector with default options. It keeps the memory of its calls for the next ones, 3 to 25 MB after frames of
  * 640 × 480 pixels: use it again.
  *
  * @param abi_version `CYLFUSE_ABI_VERSION`

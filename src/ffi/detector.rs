@@ -125,7 +125,7 @@ pub(super) unsafe fn enter_to_read(
     }
 }
 
-/// Makes a detector with default options. It keeps the memory of its calls for the next ones, some megabytes after a frame of
+/// Makes a detector with default options. It keeps the memory of its calls for the next ones, 3 to 25 MB after frames of
 /// 640 × 480 pixels: use it again.
 ///
 /// @param abi_version `CYLFUSE_ABI_VERSION`

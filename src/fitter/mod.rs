@@ -82,7 +82,7 @@ const ALWAYS_THERE: usize = 4 << 20;
 /// A fitter begins with one view at the identity. [`Fitter::select_view`] adds others and chooses the one that what
 /// follows is about; options, start model, fit and result are about all.
 ///
-/// A fitter keeps the memory of its calls for the next ones, some 2 MB after a fit of an image of 640 × 480 pixels, and
+/// A fitter keeps the memory of its calls for the next ones, 2 to 4 MB after a fit of an image of 640 × 480 pixels, and
 /// frees it when it is dropped: a call like the ones before asks for none.
 #[derive(Debug, Clone)]
 pub struct Fitter {

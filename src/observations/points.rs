@@ -97,12 +97,13 @@ pub struct PointCloud {
 
 impl Default for PointCloud {
     fn default() -> Self {
+        // Most never get weights or normals, and points are given room for as many as there are.
         Self {
             origin: Vector3::zeros(),
-            offsets: Axes::F32(Default::default()),
-            weights: List::new(),
-            normals: List::new(),
-            pixels: List::new(),
+            offsets: Axes::F32([(); 3].map(|()| List::apart())),
+            weights: List::apart(),
+            normals: List::apart(),
+            pixels: List::apart(),
             dropped: Dropped::default(),
             given: 0,
             resolution: 0.0,
@@ -348,7 +349,7 @@ impl PointCloud {
         where
             T: Copy + Send + 'static,
         {
-            if all.is_empty() { List::new() } else { indices.iter().map(|&index| all[index]).collect() }
+            if all.is_empty() { List::apart() } else { indices.iter().map(|&index| all[index]).collect() }
         }
         let offsets = match &self.offsets {
             Axes::F32(axes) => Axes::F32([0, 1, 2].map(|k| of(&axes[k], indices))),

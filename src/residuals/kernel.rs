@@ -326,7 +326,7 @@ impl Kernel {
     }
 }
 
-/// The sums without vector instructions. Their numbers take 11 KB of the stack, which the sums with vectors need not have
+/// The sums without vector instructions. Their numbers take some KB of the stack, which the sums with vectors need not have
 /// below them.
 #[inline(never)]
 fn without_vectors<W: WithSimd>(work: W) -> W::Output {

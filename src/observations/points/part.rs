@@ -24,9 +24,13 @@ impl PointCloud {
     }
 }
 
-/// So many places of a list, evenly spread over it without the period of rows.
+/// So many places of a list, evenly spread over it, none of them twice; without the period of rows where they are no more than
+/// half of it.
 fn spread(length: usize, count: usize) -> List<usize> {
     let count = count.min(length);
+    if count > length / 2 {
+        return (0..count).map(|k| k * length / count).collect();
+    }
     let step = length as f64 / count as f64;
     (0..count).map(|k| ((k as f64 + (k as f64 * GOLDEN).fract()) * step) as usize).collect()
 }
@@ -44,5 +48,14 @@ mod tests {
         places.iter().for_each(|place| taken[place % columns] += 1);
         assert!(taken.iter().all(|taken| (15..=25).contains(taken)), "{taken:?}");
         assert_eq!(*spread(5, 20), [0, 1, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_spread_takes_no_place_twice() {
+        for length in (2000..6000).step_by(7) {
+            let places = spread(length, 2000);
+            assert!(places.is_sorted_by(|a, b| a < b) && places.len() == 2000, "{length}");
+            assert!(*places.last().unwrap() < length, "{length}");
+        }
     }
 }
