@@ -88,17 +88,20 @@ impl<T> FromIterator<T> for ByView<T> {
 }
 
 /// Empty lists of all types, a [`Shelf`] each, and the number that tells the lists of this memory from all others.
-#[derive(Default)]
 struct Shelves {
     of_types: Vec<(TypeId, Box<dyn Any + Send>)>,
     owner: Owner,
 }
 
-/// The number of a memory, as its lists have it; `None` for lists of none.
+/// The number of the shelves that a list belongs to; `None` for a list of none.
 type Owner = Option<NonZeroU64>;
 
-/// The number of the next memory.
-static NEXT: AtomicU64 = AtomicU64::new(1);
+impl Shelves {
+    fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        Self { of_types: Vec::new(), owner: NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)) }
+    }
+}
 
 /// Empty lists of one type: at k those with room for 2ᵏ elements and less than twice as many.
 struct Shelf<T>([Vec<Vec<T>>; SIZES]);
@@ -135,9 +138,10 @@ impl<T: Send + 'static> Shelf<T> {
     }
 }
 
-/// Memory of calls that are made again and again. A copy begins with none.
+/// Memory of calls that are made again and again: shelves for each of those that are made at the same time. A copy begins with
+/// none.
 #[derive(Default)]
-pub(crate) struct Memory(Mutex<Shelves>);
+pub(crate) struct Memory(Mutex<Vec<Shelves>>);
 
 impl Memory {
     /// Does some work with this memory, or where a call about this one has lent its own, with that.
@@ -145,11 +149,8 @@ impl Memory {
         let lends = LENT.with_borrow_mut(|lent| {
             let lends = lent.is_none();
             if lends {
-                // A call at the same time on another thread has none.
-                let mut shelves = std::mem::take(&mut *self.shelves());
-                shelves.owner =
-                    shelves.owner.or_else(|| NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)));
-                *lent = Some(shelves);
+                // A call at the same time on another thread has its own.
+                *lent = Some(self.not_lent().pop().unwrap_or_else(Shelves::new));
             }
             lends
         });
@@ -158,7 +159,7 @@ impl Memory {
         work()
     }
 
-    fn shelves(&self) -> MutexGuard<'_, Shelves> {
+    fn not_lent(&self) -> MutexGuard<'_, Vec<Shelves>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -193,7 +194,7 @@ struct Loan<'a>(&'a Memory);
 impl Drop for Loan<'_> {
     fn drop(&mut self) {
         if let Some(shelves) = LENT.take() {
-            *self.0.shelves() = shelves;
+            self.0.not_lent().push(shelves);
         }
     }
 }
@@ -389,10 +390,12 @@ impl<T: fmt::Debug + Send + 'static> fmt::Debug for List<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Barrier;
 
     /// How many lists of a type a memory keeps.
     fn kept<T: Send + 'static>(memory: &Memory) -> usize {
-        Shelf::<T>::of(&mut memory.shelves()).map_or(0, |shelf| shelf.0.iter().map(Vec::len).sum())
+        let of = |shelf: &mut Shelf<T>| shelf.0.iter().map(Vec::len).sum::<usize>();
+        memory.not_lent().iter_mut().map(|shelves| Shelf::of(shelves).map_or(0, of)).sum()
     }
 
     #[test]
@@ -446,6 +449,26 @@ mod tests {
         let (outer, inner) = (Memory::default(), Memory::default());
         outer.lend(|| inner.lend(|| drop(List::filled(0.0, 10))));
         assert_eq!((kept::<f64>(&outer), kept::<f64>(&inner)), (1, 0));
+    }
+
+    #[test]
+    fn calls_at_the_same_time_have_shelves_of_their_own() {
+        let (memory, both) = (Memory::default(), Barrier::new(2));
+        let call = || {
+            memory.lend(|| {
+                both.wait();
+                drop(List::filled(0.0, 10));
+                both.wait();
+            });
+        };
+        for _ in 0..3 {
+            std::thread::scope(|scope| {
+                scope.spawn(call);
+                call();
+            });
+            let shelves = memory.not_lent().len();
+            assert_eq!((shelves, kept::<f64>(&memory)), (2, 2));
+        }
     }
 
     #[test]

@@ -105,7 +105,7 @@ pub struct Observer<'a> {
 /// Finds all cylinders of a scene, and fits each.
 ///
 /// A detector keeps the memory of its calls for the next ones, 3 to 25 MB after frames of 640 × 480 pixels, and frees it when it
-/// is dropped: what a call like the ones before asks for is its result and little else.
+/// is dropped: what a call like the ones before asks for is its result and little else. Calls at the same time have their own each.
 ///
 /// ```
 /// use cylfuse::observations::PointsView;
