@@ -3,9 +3,9 @@
 use super::candidate::{Candidate, Marks, Scene, Sides};
 use super::grid::Cell;
 use super::limb_pairs::ON_LIMB;
-use super::outline::{Beyond, outline, passes};
+use super::outline::{Band, Beyond, outline, passes};
 use super::surface::{REACH, Surface, middle, slope};
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::Cylinder;
 use crate::memory::List;
 use nalgebra::Vector3;
 
@@ -280,8 +280,7 @@ impl Scene<'_> {
         let depth = grid.cells[candidate.cells[0]].point.z;
         let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         let (mut through, mut on) = (0.0, 0.0);
-        let Line { point, direction } = cylinder.axis;
-        let moment = direction.cross(&point);
+        let seen = Band::new(cylinder, SEEN_PART);
         let inset = 0.1 * (last - first);
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
@@ -293,10 +292,7 @@ impl Scene<'_> {
                     continue;
                 }
                 let ray = Vector3::new(cell.x, cell.y, 1.0);
-                // Most rays pass it: [`passes`] asks the same with a root and a division.
-                let (along_ray, across) = (ray.dot(&direction), ray.dot(&moment) / cylinder.radius);
-                let normal = ray.norm_squared() - along_ray * along_ray;
-                if !(across * across <= SEEN_PART * SEEN_PART * normal) {
+                if !seen.contains(&ray) {
                     continue;
                 }
                 let Some(hit) = cylinder.first_hit(&ray) else { continue };

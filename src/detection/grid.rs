@@ -114,7 +114,8 @@ impl Grid {
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);
         for p in pixels {
             if (p.z - middle).abs() <= reach {
-                sum += Vector3::new(p.x, p.y, 1.0) / p.z;
+                let w = 1.0 / p.z;
+                sum += Vector3::new(p.x * w, p.y * w, w);
                 count += 1.0;
             }
         }
@@ -137,9 +138,13 @@ impl Grid {
             return false;
         }
         let depth = a.point.z.min(b.point.z);
+        let (step, noise) = ((a.point.z - b.point.z).abs(), 3.0 * (a.sigma + b.sigma));
+        // Most are, and nothing need be known of how far apart they are.
+        if step <= STEEPEST * self.spacing * depth + noise {
+            return true;
+        }
         let (right, down) = (a.x - b.x, a.y - b.y);
-        let across = (right * right + down * down).sqrt().max(self.spacing);
-        (a.point.z - b.point.z).abs() <= STEEPEST * across * depth + 3.0 * (a.sigma + b.sigma)
+        step <= STEEPEST * (right * right + down * down).sqrt() * depth + noise
     }
 
     /// The neighbours of a cell left, right, above and below; beyond the border the cell itself.

@@ -21,7 +21,7 @@ mod surface;
 pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
-pub(crate) use outline::{meets, passes};
+pub(crate) use outline::{Band, meets};
 pub(crate) use region::detect_in_mask;
 pub(crate) use score::least_before_fit;
 

@@ -3,20 +3,42 @@
 use super::candidate::{Marks, Scene};
 use super::grid::Cell;
 use super::surface::Surface;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
 
 /// Where a ray passes a cylinder across the axis, in radii: −1 to 1 on the body.
 #[inline]
-pub(crate) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<f64> {
+pub(super) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<f64> {
     let normal = Vector3::new(x, y, 1.0).cross(&cylinder.axis.direction);
     let norm = normal.norm();
     if norm < 1e-9 {
         return None;
     }
     Some(normal.dot(&cylinder.axis.point) / (norm * cylinder.radius))
+}
+
+/// The rays that pass a cylinder within a part of its radius. Most rays of an image do not, and asking [`passes`] takes a root
+/// and a division for each.
+pub(crate) struct Band {
+    direction: Vector3<f64>,
+    /// The moment of the axis about the origin, in parts of the radius.
+    moment: Vector3<f64>,
+}
+
+impl Band {
+    pub fn new(cylinder: &Cylinder, part: f64) -> Self {
+        let Line { point, direction } = cylinder.axis;
+        Self { direction, moment: direction.cross(&point) / (part * cylinder.radius) }
+    }
+
+    /// Whether a ray lies within; one along the axis does not.
+    #[inline]
+    pub fn contains(&self, ray: &Vector3<f64>) -> bool {
+        let (along, across) = (ray.dot(&self.direction), ray.dot(&self.moment));
+        across * across < ray.norm_squared() - along * along
+    }
 }
 
 /// Where a ray meets a cylinder along the axis, or passes it.

@@ -6,7 +6,7 @@ use super::evidence::Evidence;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
-use super::outline::{Normals, meets, passes};
+use super::outline::{Band, Normals, meets};
 use super::surface::{Optics, REACH, Surface};
 use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
 use crate::error::{Error, Result};
@@ -396,6 +396,7 @@ pub(super) fn label(
             depth = depth.max(grid.cells[k].point.z);
             sigma = sigma.max(grid.cells[k].sigma);
         }
+        let body = Band::new(&cylinder, 1.0);
         let pad = 0.5 * grid.spacing * depth;
         let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
@@ -407,8 +408,8 @@ pub(super) fn label(
                 low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width)
             {
                 let Some(ray) = ray(x, y) else { continue };
-                // Most rays pass it, and only of the others is it asked where along the axis they meet it.
-                if !passes(&cylinder, ray.x, ray.y).is_some_and(|across| across.abs() <= 1.0) {
+                // Only of those that meet it is it asked where along the axis.
+                if !body.contains(&ray) {
                     continue;
                 }
                 let along = meets(&cylinder, &ray);

@@ -2,7 +2,7 @@
 //! lie within the limbs; they are drawn again about the cylinder that was fitted.
 
 use super::view::View;
-use crate::detection::{meets, passes};
+use crate::detection::{Band, meets};
 use crate::geometry::Cylinder;
 use crate::limb_location::axial_range;
 use nalgebra::{Vector2, Vector3};
@@ -47,11 +47,8 @@ impl View {
         let outline = mask.outline().map(|(column, row)| Vector2::new(column as f64, row as f64));
         let [low, high] = axial_range(camera, cylinder, outline, TRIM)?;
         let pixel = cylinder.axis.nearest_to_origin().norm() / (camera.intrinsics().fx * cylinder.radius);
-        let widest = factor + MARGIN * pixel;
-        let between = |ray: &Vector3<f64>| {
-            passes(cylinder, ray.x, ray.y).is_some_and(|across| across.abs() <= widest)
-                && (low..=high).contains(&meets(cylinder, ray))
-        };
+        let band = Band::new(cylinder, factor + MARGIN * pixel);
+        let between = |ray: &Vector3<f64>| band.contains(ray) && (low..=high).contains(&meets(cylinder, ray));
         let belongs = |pixel: (usize, usize)| {
             depth.depth(pixel.0, pixel.1).is_none() && ray(pixel).is_some_and(|ray| between(&ray))
         };

@@ -2,7 +2,7 @@
 
 use super::work::Share;
 use super::{DetectorOptions, Found, mask_of};
-use crate::detection::{Detection, Detections, Evidence, passes};
+use crate::detection::{Band, Detection, Detections, Evidence};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -90,10 +90,8 @@ impl<'a> Fits<'a> {
         if !self.seen.from_origin || cylinder.contains_origin() {
             return None;
         }
-        let inner = |index: usize| {
-            let p = points.points.at(index % self.size.0, index / self.size.0);
-            passes(cylinder, p.x / p.z, p.y / p.z).is_some_and(|across| across.abs() <= MIDDLE)
-        };
+        let band = Band::new(cylinder, MIDDLE);
+        let inner = |index: usize| band.contains(&points.points.at(index % self.size.0, index / self.size.0));
         let middle: Vec<u8> =
             region.iter().enumerate().map(|(k, &inside)| u8::from(inside != 0 && inner(k))).collect();
         let count = |mask: &[u8]| mask.iter().filter(|&&inside| inside != 0).count();
