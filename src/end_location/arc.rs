@@ -18,7 +18,8 @@ use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
-use profile::{Profile, SMOOTH_STEP, Template, WALLS, gain};
+use profile::{Profile, Steps, Template, WALLS, gain};
+use std::borrow::Cow;
 
 constants! {
     /// How far about the rough end the arc is searched, in standard deviations of the rough end.
@@ -157,10 +158,14 @@ fn locate(
         return None;
     }
     let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
-    let smooth_step = &*SMOOTH_STEP;
+    let tried = Steps::tried();
     let told = if arcs.noise.blur > 0.0 { Some(arcs.noise.blur) } else { blur };
-    let (coarse, template) = coarse_place(&profiles, rough, search, noise, told)?;
-    let score = |shift: f64| gain(&profiles, shift, template, noise, smooth_step);
+    let told = told.map(|blur| match tried.iter().find(|steps| steps.blur == blur) {
+        Some(steps) => Cow::Borrowed(steps),
+        None => Cow::Owned(Steps::new(blur)),
+    });
+    let (coarse, template) = coarse_place(&profiles, rough, search, noise, &tried[..], told.as_deref())?;
+    let score = |shift: f64| gain(&profiles, shift, template, noise);
     let side = 0.25 * COARSE_PIXELS.get() * rough.pixel;
     let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift)));
     let (mut shift, mut value) = fine.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -183,10 +188,10 @@ fn locate(
     // A step that is cut off at white seems to lie inside, and an arc of such steps seems narrower than it is.
     let whole = || profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across));
     let share = 1.0 - whole().count() as f64 / profiles.len() as f64;
-    let cut_off = CUT_OFF_DEVIATION.get() * share * template.blur;
+    let cut_off = CUT_OFF_DEVIATION.get() * share * template.steps.blur;
     let model = MODEL_DEVIATION.get().hypot(cut_off) * rough.pixel;
     let samples = whole().filter_map(|profile| {
-        let (edge, deviation) = profile.step(shift * profile.across, template, noise, smooth_step)?;
+        let (edge, deviation) = profile.step(shift * profile.across, template, noise)?;
         let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
         let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
             - surface.pixel(profile.angle, rough.position)?;
@@ -200,46 +205,45 @@ fn locate(
         position: rough.position + outward * shift,
         deviation: (variance + model * model).sqrt(),
         samples: samples.collect(),
-        blur: template.blur,
+        blur: template.steps.blur,
     })
 }
 
 /// The arc by which the image, together with the rough end, is explained best: by how much it lies outward of that, and
 /// how it looks. Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
 /// generator: the mean gain answers it together with the rough end.
-fn coarse_place(
+fn coarse_place<'a>(
     profiles: &[Profile],
     rough: &RoughEnd,
     search: f64,
     noise: f64,
-    blur: Option<f64>,
-) -> Option<(f64, Template)> {
-    let smooth_step = &*SMOOTH_STEP;
+    tried: &'a [Steps],
+    told: Option<&'a Steps>,
+) -> Option<(f64, Template<'a>)> {
     let count = profiles.len() as f64;
     let step = COARSE_PIXELS.get() * rough.pixel;
     let steps = (search / step).ceil() as i64;
-    let score = |shift: f64, template: Template, noise: f64| {
-        gain(profiles, shift, template, noise, smooth_step) / count
-    };
+    let score =
+        |shift: f64, template: Template<'_>, noise: f64| gain(profiles, shift, template, noise) / count;
     let price = |shift: f64| 0.5 * (shift / rough.deviation).powi(2);
     let best = |wall: Option<usize>, noise: f64| {
-        let look = |blur: f64| Template { blur, wall };
+        let look = |steps: &'a Steps| Template { steps, wall };
         let shift = |k: usize| step * (k as i64 - steps) as f64;
         let scores: List<f64> =
-            (0..=2 * steps as usize).map(|k| score(shift(k), look(BLURS[0]), noise)).collect();
+            (0..=2 * steps as usize).map(|k| score(shift(k), look(&tried[0]), noise)).collect();
         let evidence = |k: usize| scores[k] - price(shift(k));
         let peak = (1..scores.len() - 1)
             .filter(|&k| scores[k] >= scores[k - 1] && scores[k] >= scores[k + 1])
             .max_by(|a, b| evidence(*a).total_cmp(&evidence(*b)))?;
         // The position hardly depends on the blur, so one after the other.
-        let blur = match blur {
-            Some(known) => known,
+        let steps = match told {
+            Some(told) => told,
             None => {
-                let scores = BLURS.map(|blur| (blur, score(shift(peak), look(blur), noise)));
-                scores.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0
+                let scores = tried.iter().map(|steps| (steps, score(shift(peak), look(steps), noise)));
+                scores.max_by(|a, b| a.1.total_cmp(&b.1))?.0
             }
         };
-        Some((shift(peak), look(blur)))
+        Some((shift(peak), look(steps)))
     };
     let plain = best(None, noise)?;
     if !profiles.iter().any(|profile| profile.cap.is_finite()) {
@@ -248,9 +252,8 @@ fn coarse_place(
     // A step that explains what is there, as it mostly does, leaves a wall nothing to gain.
     let noise = noise.max(MODEL_CONTRAST.get() * contrast(profiles));
     let (shift, template) = plain;
-    let unexplained = profiles
-        .iter()
-        .map(|profile| profile.unexplained(shift * profile.across, template, noise, smooth_step));
+    let unexplained =
+        profiles.iter().map(|profile| profile.unexplained(shift * profile.across, template, noise));
     if unexplained.sum::<f64>() <= WALL_GAIN.get() * count {
         return Some(plain);
     }

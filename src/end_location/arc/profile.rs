@@ -1,7 +1,8 @@
 //! The image along one generator, and how well a blurred step explains it.
 
-use super::{INDEPENDENT, LEAST_GAIN, RIM_BLURS, SAMPLE_PIXELS, SAMPLE_REACH_PIXELS, WINDOW_PIXELS};
-use crate::memory::List;
+use super::{BLURS, INDEPENDENT, LEAST_GAIN, RIM_BLURS, SAMPLE_PIXELS, SAMPLE_REACH_PIXELS, WINDOW_PIXELS};
+use crate::memory::{List, apart};
+use std::borrow::Cow;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::LazyLock;
 
@@ -10,9 +11,9 @@ pub(super) const WALLS: usize = 3;
 
 /// What the image along a generator is compared with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Template {
-    /// Standard deviation of the blur, in pixels.
-    pub blur: f64,
+pub(super) struct Template<'a> {
+    /// The steps at the arc and at what lies beyond it.
+    pub steps: &'a Steps,
     /// The edge of a wall lies beyond the arc, of the thickness of this number.
     pub wall: Option<usize>,
 }
@@ -54,35 +55,21 @@ struct Window {
 }
 
 impl Window {
-    fn new(profile: &Profile, edge: f64, template: Template, smooth_step: &SmoothStep) -> Self {
-        let blur = template.blur;
-        let cap = template.wall.map_or(profile.cap, |wall| profile.walls[wall]);
+    fn new(profile: &Profile, edge: f64, Template { steps, wall }: Template<'_>) -> Self {
+        let cap = wall.map_or(profile.cap, |wall| profile.walls[wall]);
         let (first, last) = profile.window(edge);
-        let has_cap = cap < WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
-        // In units of the blur.
-        let step = SAMPLE_PIXELS.get() / blur;
-        let origin = ((first as f64 - profile.zero) * SAMPLE_PIXELS.get() - edge) / blur;
-        let cap = cap / blur;
+        let samples = &profile.samples[first..=last];
+        let origin = first as f64 - profile.zero - edge / SAMPLE_PIXELS.get();
         // Of what lies beyond the surface (p), and beyond the cap (q).
-        let (mut p, mut pp, mut py) = (0.0, 0.0, 0.0);
-        let (mut q, mut qq, mut qy, mut pq) = (0.0, 0.0, 0.0, 0.0);
-        for (y, k) in profile.samples[first..=last].iter().zip(0_u32..) {
-            let at = origin + f64::from(k) * step;
-            let beyond = smooth_step.at(at);
-            p += beyond;
-            pp += beyond * beyond;
-            py += beyond * y;
-            if has_cap {
-                let beyond_cap = smooth_step.at(at - cap);
-                q += beyond_cap;
-                qq += beyond_cap * beyond_cap;
-                qy += beyond_cap * y;
-                pq += beyond * beyond_cap;
-            }
-        }
-        if !has_cap {
-            (q, qq, qy, pq) = (p, pp, py, pp);
-        }
+        let beyond = steps.at(origin, samples.len());
+        let (p, pp, py) = (sum(beyond), dot(beyond, beyond), dot(beyond, samples));
+        let (q, qq, qy, pq) = if cap < steps.reach {
+            let beyond_cap = steps.at(origin - cap / SAMPLE_PIXELS.get(), samples.len());
+            let (qq, qy) = (dot(beyond_cap, beyond_cap), dot(beyond_cap, samples));
+            (sum(beyond_cap), qq, qy, dot(beyond, beyond_cap))
+        } else {
+            (p, pp, py, pp)
+        };
         let n = (last + 1 - first) as f64;
         let (before, through) = (profile.sums[first], profile.sums[last + 1]);
         let (y, yy) = (through.0 - before.0, through.1 - before.1);
@@ -140,14 +127,10 @@ fn log_likelihood(ratio: f64) -> f64 {
 /// By how much a step at the end circle, moved outward by `shift`, explains the profiles better than constant
 /// brightness does: the sum of log-likelihoods, each with its own noise so that texture on one generator does
 /// not count.
-pub(super) fn gain(
-    profiles: &[Profile],
-    shift: f64,
-    template: Template,
-    noise: f64,
-    smooth_step: &SmoothStep,
-) -> f64 {
-    profiles.iter().map(|profile| profile.gain(shift * profile.across, template, noise, smooth_step)).sum()
+pub(super) fn gain(profiles: &[Profile], shift: f64, template: Template<'_>, noise: f64) -> f64 {
+    let ratio = |profile: &Profile| profile.ratio(shift * profile.across, template, noise);
+    // The logarithm of eight ratios, of a million at most each, is as dear as that of one.
+    profiles.chunks(8).map(|some| log_likelihood(some.iter().map(ratio).product())).sum()
 }
 
 impl Profile {
@@ -190,31 +173,26 @@ impl Profile {
         self.cut_off.iter().any(|sample| (first..=last).contains(sample))
     }
 
-    /// The same for one profile and a step at `edge`, in pixels across the arc.
-    pub fn gain(&self, edge: f64, template: Template, noise: f64, smooth_step: &SmoothStep) -> f64 {
-        let window = Window::new(self, edge, template, smooth_step);
+    /// How much larger the sum of squares about a constant brightness is than that about a step at `edge`, in pixels across the
+    /// arc.
+    fn ratio(&self, edge: f64, template: Template<'_>, noise: f64) -> f64 {
+        let window = Window::new(self, edge, template);
         let floor = window.n * noise * noise;
-        log_likelihood((window.constant() + floor) / (window.left() + floor))
+        (window.constant() + floor) / (window.left() + floor)
     }
 
     /// What another template may gain there at most: all that is left but the noise.
-    pub fn unexplained(&self, edge: f64, template: Template, noise: f64, smooth_step: &SmoothStep) -> f64 {
-        let window = Window::new(self, edge, template, smooth_step);
+    pub fn unexplained(&self, edge: f64, template: Template<'_>, noise: f64) -> f64 {
+        let window = Window::new(self, edge, template);
         let floor = window.n * noise * noise;
         log_likelihood((window.left() + floor) / (2.0 * floor)).max(0.0)
     }
 
     /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
-    pub fn step(
-        &self,
-        expected: f64,
-        template: Template,
-        noise: f64,
-        smooth_step: &SmoothStep,
-    ) -> Option<(f64, f64)> {
+    pub fn step(&self, expected: f64, template: Template<'_>, noise: f64) -> Option<(f64, f64)> {
         let side = 0.25;
         let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
-        let score = |k: i64| self.gain(expected + side * k as f64, template, noise, smooth_step);
+        let score = |k: i64| self.ratio(expected + side * k as f64, template, noise);
         // Every other place first: a step is wider than that.
         let places = (-reach..=reach).step_by(2).map(|k| (k, score(k)));
         let (rough, value) = places.max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -227,6 +205,7 @@ impl Profile {
             (rough - 1, score(rough - 2), below, value)
         };
         let edge = expected + side * k as f64;
+        let [before, best, after] = [before, best, after].map(log_likelihood);
         let curvature = (before - 2.0 * best + after) / (side * side);
         if k.abs() >= reach || best < LEAST_GAIN.get() || !(curvature < 0.0) {
             return None;
@@ -236,24 +215,100 @@ impl Profile {
     }
 }
 
-/// A step blurred by a Gauss curve of unit deviation, the normal distribution function, from a table: it is
-/// evaluated some hundred thousand times an end.
-pub(super) struct SmoothStep([f64; TABLE + 1]);
+/// A step blurred by a Gauss curve, the normal distribution function, at the samples of a window: the same numbers
+/// for all edges that lie at one place between two samples.
+#[derive(Debug, Clone)]
+pub(super) struct Steps {
+    /// Standard deviation of the blur, in pixels.
+    pub blur: f64,
+    /// What lies farther beyond an edge than this does not shine into its window, in pixels.
+    reach: f64,
+    /// A row for each place, of `length` samples, of which `before` lie before the edge.
+    rows: List<f64>,
+    length: usize,
+    before: usize,
+}
 
-/// The table covers ± 4 deviations.
+/// How many places between two samples are told apart.
+const PLACES: usize = 64;
+
+/// The steps of the blurs that are tried.
+static TRIED: LazyLock<[Steps; BLURS.len()]> = LazyLock::new(|| apart(|| BLURS.map(Steps::new)));
+
+impl Steps {
+    /// The steps of the blurs that are tried.
+    pub fn tried() -> Cow<'static, [Self; BLURS.len()]> {
+        // What a window is may change from fit to fit there.
+        if cfg!(feature = "sensitivity") { Cow::Owned(BLURS.map(Self::new)) } else { Cow::Borrowed(&TRIED) }
+    }
+
+    /// The steps of a blur.
+    pub fn new(blur: f64) -> Self {
+        let normal = &*NORMAL;
+        let reach = WINDOW_PIXELS.get() + RIM_BLURS.get() * blur;
+        let samples = |pixels: f64| (pixels / SAMPLE_PIXELS.get()).ceil() as usize + 2;
+        let before = samples(reach + WINDOW_PIXELS.get());
+        let length = before + samples(WINDOW_PIXELS.get());
+        let mut rows = List::with_capacity((PLACES + 1) * length);
+        for place in 0..=PLACES {
+            let part = place as f64 / PLACES as f64 - before as f64;
+            rows.extend((0..length).map(|k| normal.at((k as f64 + part) * SAMPLE_PIXELS.get() / blur)));
+        }
+        Self { blur, reach, rows, length, before }
+    }
+
+    /// The step in so many samples, the first of which lies `first` samples beyond the edge.
+    fn at(&self, first: f64, count: usize) -> &[f64] {
+        let place = first + self.before as f64;
+        // The conversion holds what is below 0 at 0.
+        let whole = (place as u32 as usize).min(self.length - count);
+        let row = ((place - whole as f64) * PLACES as f64 + 0.5) as usize;
+        let start = row.min(PLACES) * self.length + whole;
+        &self.rows[start..start + count]
+    }
+}
+
+/// The normal distribution function, from a table: there are some thousand numbers in the rows of a blur.
+struct Normal([f64; TABLE + 2]);
+
+/// The table covers ± 5 deviations.
 const TABLE: usize = 512;
-const TABLE_REACH: f64 = 4.0;
+const TABLE_REACH: f64 = 5.0;
 
-pub(super) static SMOOTH_STEP: LazyLock<SmoothStep> = LazyLock::new(|| {
+static NORMAL: LazyLock<Normal> = LazyLock::new(|| {
     let place = |k: usize| (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
-    SmoothStep(std::array::from_fn(|k| 0.5 * libm::erfc(-place(k) * FRAC_1_SQRT_2)))
+    Normal(std::array::from_fn(|k| 0.5 * libm::erfc(-place(k) * FRAC_1_SQRT_2)))
 });
 
-impl SmoothStep {
-    #[inline]
+impl Normal {
     fn at(&self, x: f64) -> f64 {
-        let place = (x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH)) + 0.5;
-        // The conversion holds what is below the table at its first entry.
-        self.0[(place as u32 as usize).min(TABLE)]
+        let place = ((x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH))).clamp(0.0, TABLE as f64);
+        let (k, part) = (place as usize, place.fract());
+        self.0[k] + part * (self.0[k + 1] - self.0[k])
     }
+}
+
+/// The sum of the products of two lists of the same length, four side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, rest), (b, other)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest: f64 = rest.iter().zip(other).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// The sum of a list, four side by side.
+fn sum(a: &[f64]) -> f64 {
+    let (a, rest) = a.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for a in a {
+        for k in 0..4 {
+            sums[k] += a[k];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest.iter().sum::<f64>()
 }
