@@ -48,16 +48,22 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often a call asks for memory that was made a few times before. It must hold as much at its end as the one before.
+/// How often a call asks for memory that was made a few times before. At its end it must hold no more than at most those
+/// before it did: what is handed out leaves now a larger list behind, now a smaller one.
 fn asked_by<T>(mut call: impl FnMut() -> T) -> usize {
     // With each call there is more room for the next one, until there is enough: a few times for a fit, more for a scene.
     for _ in 0..16 {
         call();
     }
-    let (asked, held) = (ASKED.get(), HELD.get());
+    let mut most = 0;
+    for _ in 0..4 {
+        call();
+        most = HELD.get().max(most);
+    }
+    let asked = ASKED.get();
     drop(call());
     let asked = ASKED.get() - asked;
-    assert_eq!(HELD.get(), held, "a call keeps memory");
+    assert!(HELD.get() <= most, "a call keeps memory: {most} -> {} bytes", HELD.get());
     asked
 }
 
