@@ -1,10 +1,10 @@
 //! A surface and the cells that it explains: growth from a start, and what it gains.
 
+use super::distances;
 use super::effort::Effort;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
 use super::noise::Noise;
-use super::normal_equations;
 use super::outline::{Normals, Side, outline};
 use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
@@ -74,14 +74,18 @@ impl Scene<'_> {
     /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
     pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> List<f64> {
         let mut misfits = List::new();
-        normal_equations::misfits(surface, self.optics.pixel, &self.grid.cells, cells, &mut misfits);
+        distances::misfits(surface, self.optics.pixel, &self.grid.cells, cells, &mut misfits);
         misfits
     }
 
     /// The gain of a surface over cells.
     pub fn gain(&self, surface: &Surface, cells: &[usize]) -> f64 {
         self.effort.spend(cells.len());
-        let misfits = self.misfits(surface, cells);
+        self.gain_by(&self.misfits(surface, cells))
+    }
+
+    /// The gain over cells with these squared distances.
+    pub fn gain_by(&self, misfits: &[f64]) -> f64 {
         let sum: f64 = misfits.iter().map(|misfit| (REACH * REACH - misfit).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
     }
@@ -145,7 +149,7 @@ impl Scene<'_> {
         asked.extend(seeds.iter().copied().filter(|&k| new(k)));
         // Ring by ring.
         while !asked.is_empty() {
-            normal_equations::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
+            distances::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
             let first = cells.len();
             let on = asked.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
             cells.extend(on.map(|(&k, _)| k));

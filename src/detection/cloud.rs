@@ -2,13 +2,16 @@
 
 use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
-use super::search::{count_pixels, label, search};
-use super::{DetectionOptions, Detections};
+use super::labels::{count_pixels, label};
+use super::search::search;
+use super::{DetectionOptions, Detections, row};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Line};
+use crate::memory::List;
 use crate::observations::PointsView;
 use crate::statistics::median;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// Pixels of the image of a cloud, at most.
 const MOST_PIXELS: f64 = 2e6;
@@ -67,8 +70,10 @@ pub(crate) fn detect_points_until(
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;
     let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
-    for &k in &usable {
-        points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
+    if !viewpoint.of_sensor {
+        for &k in &usable {
+            points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
+        }
     }
     cancelled()?;
     let Some(image) = Image::new(&points, &usable) else { return Ok(nothing()) };
@@ -79,21 +84,23 @@ pub(crate) fn detect_points_until(
     let mut turned = *options;
     turned.limits.axis = cone;
     let size = (image.width, image.height);
-    let point = |x: usize, y: usize| {
-        let k = image.nearest[y * image.width + x];
-        (k != u32::MAX).then(|| points[k as usize])
+    let read_points = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 3]| {
+        row::write(columns, list, |column| {
+            let k = image.nearest[row * image.width + column];
+            if k == u32::MAX { [0.0; 3] } else { points[k as usize].into() }
+        });
     };
     let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
     cancelled()?;
-    let mut grid = Grid::new(size, image.spacing, side, &point);
+    let mut grid = Grid::new(size, image.spacing, side, &read_points);
     cancelled()?;
     let effort = Effort::new(stopped);
     let found = search(&mut grid, image.spacing, None, &turned, &effort)?;
-    let ray = |x: usize, y: usize| {
+    let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
-        Some(Vector3::new(place(x, image.low[0]), place(y, image.low[1]), 1.0))
+        row::write(columns, list, |column| [place(column, image.low[0]), place(row, image.low[1])]);
     };
-    let seen = label(&grid, &found, size, image.spacing, &point, &ray, &effort);
+    let seen = label(&grid, &found, size, image.spacing, &read_points, &read_rays, &effort);
     let mut labels = vec![0; count];
     for &k in &usable {
         let Some(pixel) = image.pixel(&points[k]) else { continue };
@@ -154,6 +161,26 @@ fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
     (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size), of_sensor: false })
 }
 
+/// The number at a place of the order of many that are spread over some orders of magnitude.
+fn in_order(numbers: &[f64], mut place: usize) -> f64 {
+    // They are ordered as their bits are, those below zero the other way round: counted by the upper quarter of these, then
+    // looked for among those that share it.
+    let upper = |number: &f64| {
+        let bits = number.to_bits();
+        let turned = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
+        (turned >> 48) as usize
+    };
+    let mut counts = vec![0_u32; 1 << 16];
+    numbers.iter().for_each(|number| counts[upper(number)] += 1);
+    let mut own = 0;
+    while place >= counts[own] as usize {
+        place -= counts[own] as usize;
+        own += 1;
+    }
+    let mut alike: Vec<f64> = numbers.iter().copied().filter(|number| upper(number) == own).collect();
+    *alike.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
 /// For each pixel on the plane z = 1 the point that is seen there.
 struct Image {
     width: usize,
@@ -167,19 +194,18 @@ impl Image {
     fn new(points: &[Vector3<f64>], usable: &[usize]) -> Option<Self> {
         let mut range = [[0.0; 2]; 2];
         for (axis, range) in range.iter_mut().enumerate() {
-            let mut values: Vec<f64> = usable
-                .iter()
-                .map(|&k| points[k])
-                .filter(|p| p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z)
-                .map(|p| p[axis] / p.z)
-                .collect();
+            let mut values = Vec::with_capacity(usable.len());
+            for &k in usable {
+                let p = &points[k];
+                if p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z {
+                    values.push(p[axis] / p.z);
+                }
+            }
             if values.len() < 50 {
                 return None;
             }
             let stray = (STRAY * values.len() as f64) as usize;
-            let last = values.len() - 1 - stray;
-            let low = *values.select_nth_unstable_by(stray, f64::total_cmp).1;
-            let high = *values.select_nth_unstable_by(last, f64::total_cmp).1;
+            let [low, high] = [stray, values.len() - 1 - stray].map(|place| in_order(&values, place));
             *range = [low, high];
         }
         let [width, height] = range.map(|[low, high]| high - low);
@@ -212,8 +238,8 @@ impl Image {
         if p.z <= 0.0 {
             return None;
         }
-        let x = ((p.x / p.z - self.low[0]) / self.spacing).floor();
-        let y = ((p.y / p.z - self.low[1]) / self.spacing).floor();
+        let x = (p.x / p.z - self.low[0]) / self.spacing;
+        let y = (p.y / p.z - self.low[1]) / self.spacing;
         let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         inside.then(|| y as usize * self.width + x as usize)
     }

@@ -1,9 +1,11 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
 use super::candidate::{Candidate, Marks, Scene, Sides};
+use super::distances;
 use super::grid::Cell;
 use super::limb_pairs::ON_LIMB;
-use super::outline::{Band, Beyond, outline, passes};
+use super::outline::{Beyond, outline};
+use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -84,17 +86,20 @@ impl Scene<'_> {
         if self.effort.is_spent() {
             return None;
         }
-        let gain = self.gain(&candidate.surface, &candidate.cells)
-            - self.penalty(&candidate.surface, candidate.cells.len());
+        let cells = &candidate.cells;
+        let misfits = self.misfits(&candidate.surface, cells);
+        self.effort.spend(cells.len());
+        let gain = self.gain_by(&misfits) - self.penalty(&candidate.surface, cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut squares = 0.0;
-        let misfits = self.misfits(&candidate.surface, &candidate.cells);
-        for (&k, misfit) in candidate.cells.iter().zip(&misfits) {
-            let cell = &self.grid.cells[k];
-            let across = passes(&cylinder, cell.x, cell.y)?;
-            let along = candidate.surface.place(&cell.point).along;
+        let (mut across, mut along) = (List::new(), List::new());
+        distances::across_and_along(&cylinder, &self.grid.cells, cells, &mut across, &mut along);
+        for ((&across, &along), misfit) in across.iter().zip(&along).zip(&misfits) {
+            if across.is_nan() {
+                return None;
+            }
             (first, last) = (first.min(along), last.max(along));
             (left, right) = (left.min(across), right.max(across));
             squares += misfit.min(REACH * REACH);
@@ -136,7 +141,7 @@ impl Scene<'_> {
             // What the sides rule out needs no other surface, which would take most of the time.
             if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
                 let length = evidence.length * cylinder.radius;
-                self.compare(candidate, length, least, &mut evidence, mark);
+                self.compare(candidate, &across, length, least, &mut evidence, mark);
             }
         }
         // Half of the evidence is none.
@@ -151,11 +156,12 @@ impl Scene<'_> {
         2.0 * normals().map(|normal| normal.angle(&middle)).fold(0.0, f64::max)
     }
 
-    /// Plane, sphere and cone on the same cells and on those that they would explain besides, until the score is below
-    /// `least`.
+    /// Plane, sphere and cone on the same cells, which lie `across` the axis, and on those that they would explain besides,
+    /// until the score is below `least`.
     fn compare(
         &self,
         candidate: &Candidate,
+        across: &[f64],
         length: f64,
         least: f64,
         evidence: &mut Evidence,
@@ -176,7 +182,7 @@ impl Scene<'_> {
         let numbers = (cells.len() as f64 / self.noise.cells_per_sample).max(2.0).ln();
         // Three numbers of a plane, six of two and the place of the edge, five of a cylinder.
         evidence.over_plane = own - self.plane_gain(cells) - numbers;
-        evidence.over_edge = own - self.edge_gain(&cylinder, cells) + numbers;
+        evidence.over_edge = own - self.edge_gain(across, cells) + numbers;
         if evidence.score() < least {
             return;
         }
@@ -219,14 +225,8 @@ impl Scene<'_> {
     }
 
     /// The gain of the best two planes through cells that an edge along the axis divides.
-    fn edge_gain(&self, cylinder: &Cylinder, cells: &[usize]) -> f64 {
-        let mut order: List<(f64, usize)> = cells
-            .iter()
-            .map(|&k| {
-                let cell = &self.grid.cells[k];
-                (passes(cylinder, cell.x, cell.y).unwrap_or(0.0), k)
-            })
-            .collect();
+    fn edge_gain(&self, across: &[f64], cells: &[usize]) -> f64 {
+        let mut order: List<(f64, usize)> = across.iter().copied().zip(cells.iter().copied()).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
         (2..=6)
@@ -285,16 +285,17 @@ impl Scene<'_> {
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
         self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
+        let mut excesses = List::new();
         for y in rows {
-            for x in columns.clone() {
-                let cell = grid.at(x, y);
-                if !cell.measured() {
+            let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
+            let [x, y] = &grid.rays;
+            seen.excesses(&x[row.clone()], &y[row.clone()], &mut excesses);
+            let Some(left) = excesses.iter().position(|excess| *excess < 0.0) else { continue };
+            for (cell, excess) in grid.cells[row].iter().zip(&excesses).skip(left) {
+                if !(*excess < 0.0 && cell.measured()) {
                     continue;
                 }
                 let ray = Vector3::new(cell.x, cell.y, 1.0);
-                if !seen.contains(&ray) {
-                    continue;
-                }
                 let Some(hit) = cylinder.first_hit(&ray) else { continue };
                 let along = (hit - cylinder.axis.point).dot(&cylinder.axis.direction);
                 if along < first + inset || along > last - inset {

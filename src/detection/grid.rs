@@ -3,8 +3,11 @@
 //! A plane is linear in (x/z, y/z) ↦ 1/z, and so is every straight line in space along its image. Positions in a cell
 //! are therefore (x, y) on the plane z = 1 and w = 1/z.
 
+use super::row::Points;
+use crate::memory::List;
 use crate::statistics::median;
 use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
 
 /// The steepest surface that counts as one piece from cell to cell, as change of depth over the width across the line
 /// of sight: a cylinder is this steep at 0.96 r from the middle of its image. What is steeper is a step.
@@ -64,67 +67,133 @@ pub(super) struct Grid {
     /// The side of a cell on the plane z = 1.
     pub spacing: f64,
     pub cells: Vec<Cell>,
+    /// The positions of the cells on the plane z = 1, axis by axis.
+    pub rays: [Vec<f64>; 2],
+}
+
+/// Sums over pixels of a cell.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    /// Of x/z, y/z and 1/z.
+    place: [f64; 3],
+    count: f64,
+    near: f64,
+    far: f64,
+}
+
+impl Sums {
+    const NONE: Self = Self { place: [0.0; 3], count: 0.0, near: f64::INFINITY, far: f64::NEG_INFINITY };
+
+    /// The mean, where a third of all pixels were measured.
+    fn mean(&self, full: usize) -> Cell {
+        if 3.0 * self.count < full as f64 {
+            return Cell::EMPTY;
+        }
+        let [x, y, w] = self.place.map(|sum| sum / self.count);
+        let point = Vector3::new(x, y, 1.0) / w;
+        Cell { x, y, w, point, sigma: 0.0, fill: self.count / full as f64 }
+    }
+}
+
+/// How far depths about one in the middle may differ from it.
+fn reach_at(middle: f64, spacing: f64) -> f64 {
+    0.5 * STEEPEST * spacing * middle
+}
+
+/// The sums over pixels on the surface in the middle of their depths.
+fn about_the_middle(pixels: &[[f64; 3]], spacing: f64, depths: &mut Vec<f64>) -> Sums {
+    let mut sums = Sums::NONE;
+    if pixels.is_empty() {
+        return sums;
+    }
+    depths.clear();
+    depths.extend(pixels.iter().map(|p| p[2]));
+    let middle = median(depths);
+    let reach = reach_at(middle, spacing);
+    for [x, y, z] in pixels {
+        if (z - middle).abs() <= reach {
+            let w = 1.0 / z;
+            sums.place = [sums.place[0] + x * w, sums.place[1] + y * w, sums.place[2] + w];
+            sums.count += 1.0;
+        }
+    }
+    sums
+}
+
+/// One pass over a row of pixels, for the sums of the cells that it goes through.
+struct Line<'a> {
+    points: &'a [List<f64>; 3],
+    side: usize,
+    /// Room for x/z, y/z, 1/z and the depth of every pixel, the last infinite where nothing was measured.
+    numbers: &'a mut [List<f64>; 4],
+    sums: &'a mut [Sums],
+}
+
+impl WithSimd for Line<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { points: [px, py, pz], side, numbers: [x, y, w, z], sums } = self;
+        let places = x.iter_mut().zip(y.iter_mut()).zip(w.iter_mut()).zip(z.iter_mut());
+        for ((((x, y), w), z), ((px, py), pz)) in places.zip(px.iter().zip(py).zip(pz)) {
+            let inverse = 1.0 / pz;
+            let seen = *pz > 0.0;
+            // What nothing is added to keeps its bits.
+            *x = if seen { px * inverse } else { 0.0 };
+            *y = if seen { py * inverse } else { 0.0 };
+            *w = if seen { inverse } else { 0.0 };
+            *z = if seen { *pz } else { f64::INFINITY };
+        }
+        let parts = x.chunks_exact(side).zip(y.chunks_exact(side)).zip(w.chunks_exact(side));
+        let depths = z.chunks_exact(side).zip(pz.chunks_exact(side));
+        for ((sums, ((x, y), w)), (near, far)) in sums.iter_mut().zip(parts).zip(depths) {
+            let mut own = *sums;
+            for ((((x, y), w), near), far) in x.iter().zip(y).zip(w).zip(near).zip(far) {
+                own.place = [own.place[0] + x, own.place[1] + y, own.place[2] + w];
+                own.count += if *far > 0.0 { 1.0 } else { 0.0 };
+                own.near = if *near < own.near { *near } else { own.near };
+                own.far = if *far > own.far { *far } else { own.far };
+            }
+            *sums = own;
+        }
+    }
 }
 
 impl Grid {
-    /// Cells from the points of an image grid, `None` where nothing was measured.
-    pub fn new(
-        (width, height): (usize, usize),
-        spacing: f64,
-        side: usize,
-        point: &impl Fn(usize, usize) -> Option<Vector3<f64>>,
-    ) -> Self {
+    /// Cells from the points of an image.
+    pub fn new((width, height): (usize, usize), spacing: f64, side: usize, read_points: &Points<'_>) -> Self {
         let (columns, rows) = (width / side, height / side);
         let spacing = spacing * side as f64;
         let mut cells = Vec::with_capacity(columns * rows);
-        let mut pixels: Vec<Vector3<f64>> = Vec::with_capacity(side * side);
-        let mut depths = Vec::with_capacity(side * side);
+        let mut lines: Vec<[List<f64>; 3]> = (0..side).map(|_| Default::default()).collect();
+        let mut numbers = [(); 4].map(|()| List::filled(0.0, columns * side));
+        let mut all = List::with_capacity(columns);
+        let (mut pixels, mut depths) = (List::with_capacity(side * side), List::with_capacity(side * side));
         for row in 0..rows {
-            for column in 0..columns {
-                pixels.clear();
-                for y in row * side..(row + 1) * side {
-                    pixels.extend((column * side..(column + 1) * side).filter_map(|x| point(x, y)));
-                }
-                cells.push(Self::cell(&pixels, spacing, side * side, &mut depths));
+            all.clear();
+            all.resize(columns, Sums::NONE);
+            for (y, points) in lines.iter_mut().enumerate() {
+                read_points(row * side + y, 0..columns * side, points);
+                Arch::new().dispatch(Line { points, side, numbers: &mut numbers, sums: &mut all });
+            }
+            for (column, sums) in all.iter().enumerate() {
+                // Most cells see one surface: what is within reach of the nearest of them is within that of the middle one, too.
+                let alike = sums.far - sums.near <= reach_at(sums.near, spacing);
+                cells.push(if alike {
+                    sums.mean(side * side)
+                } else {
+                    pixels.clear();
+                    for [px, py, pz] in &lines {
+                        let own = column * side..(column + 1) * side;
+                        pixels.extend(own.map(|k| [px[k], py[k], pz[k]]).filter(|p| p[2] > 0.0));
+                    }
+                    about_the_middle(&pixels, spacing, &mut depths).mean(side * side)
+                });
             }
         }
-        Self { columns, rows, side, spacing, cells }
-    }
-
-    /// The mean of the pixels on the surface in the middle of their depths.
-    fn cell(pixels: &[Vector3<f64>], spacing: f64, full: usize, depths: &mut Vec<f64>) -> Cell {
-        if 3 * pixels.len() < full {
-            return Cell::EMPTY;
-        }
-        let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
-        for p in pixels {
-            near = if p.z < near { p.z } else { near };
-            far = if p.z > far { p.z } else { far };
-        }
-        let reach_at = |middle: f64| 0.5 * STEEPEST * spacing * middle;
-        // Most cells see one surface: what is within reach of the nearest of them is within that of the middle one, too.
-        let (middle, reach) = if far - near <= reach_at(near) {
-            (near, reach_at(near))
-        } else {
-            depths.clear();
-            depths.extend(pixels.iter().map(|p| p.z));
-            let middle = median(depths);
-            (middle, reach_at(middle))
-        };
-        let (mut sum, mut count) = (Vector3::zeros(), 0.0);
-        for p in pixels {
-            if (p.z - middle).abs() <= reach {
-                let w = 1.0 / p.z;
-                sum += Vector3::new(p.x * w, p.y * w, w);
-                count += 1.0;
-            }
-        }
-        if 3.0 * count < full as f64 {
-            return Cell::EMPTY;
-        }
-        let mean = sum / count;
-        let point = Vector3::new(mean.x, mean.y, 1.0) / mean.z;
-        Cell { x: mean.x, y: mean.y, w: mean.z, point, sigma: 0.0, fill: count / full as f64 }
+        let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
+        Self { columns, rows, side, spacing, cells, rays }
     }
 
     pub fn at(&self, column: usize, row: usize) -> &Cell {

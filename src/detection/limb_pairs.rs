@@ -2,7 +2,7 @@
 
 use super::candidate::Scene;
 use super::edges::Edge;
-use super::outline::passes;
+use super::rays::passes;
 use super::surface::Tangent;
 use crate::geometry::{Cylinder, LimbFrame, Line};
 use crate::memory::List;

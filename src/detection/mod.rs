@@ -2,10 +2,12 @@
 
 mod candidate;
 mod cloud;
+mod distances;
 mod edges;
 mod effort;
 mod evidence;
 mod grid;
+mod labels;
 mod limb_pairs;
 mod noise;
 mod normal_equations;
@@ -13,7 +15,9 @@ mod outline;
 mod parts;
 mod patch;
 mod planes;
+mod rays;
 mod region;
+mod row;
 mod score;
 mod search;
 mod surface;
@@ -21,18 +25,21 @@ mod surface;
 pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub use evidence::Evidence;
-pub(crate) use outline::{Band, meets};
+
+pub(crate) use rays::{Band, meets};
 pub(crate) use region::detect_in_mask;
 pub(crate) use score::least_before_fit;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::memory::List;
 use crate::observations::{DepthImage, GreyImage};
 use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
+use std::ops::Range;
 
 /// The settings of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -162,24 +169,30 @@ pub(crate) fn detect_until(
     let intrinsics = camera.intrinsics();
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
     let rays = camera.rays_by_column_and_row();
-    let ray = |column: usize, row: usize| match &rays {
-        Some((x, y)) => Some(Vector3::new(x[column], y[row], 1.0)),
-        None => camera.ray_of_pixel(column, row),
+    let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| match &rays {
+        Some((x, y)) => {
+            list[1].clear();
+            list[1].resize(columns.len(), y[row]);
+            list[0].clear();
+            list[0].extend_from_slice(&x[columns]);
+        }
+        None => row::write(columns, list, |column| {
+            camera.ray_of_pixel(column, row).map_or([f64::NAN; 2], |ray| [ray.x, ray.y])
+        }),
     };
-    let mut points: Vec<Vector3<f32>> = Vec::with_capacity(width * height);
-    for row in 0..height {
-        points.extend(depth.depths_of_row(row).zip(0..width).map(|(z, column)| {
-            let point = z.and_then(|z| ray(column, row).map(|ray| (ray * z).cast::<f32>()));
-            point.unwrap_or_default()
-        }));
-    }
+    let read_points = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| match &rays {
+        Some((x, y)) => {
+            let depths = &depth.values_of_row(row)[columns.clone()];
+            row::write_points(depths, depth.scale(), &x[columns], y[row], points);
+        }
+        None => row::write(columns, points, |column| {
+            let ray = depth.depth(column, row).and_then(|z| Some(camera.ray_of_pixel(column, row)? * z));
+            ray.unwrap_or_default().cast::<f32>().cast::<f64>().into()
+        }),
+    };
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;
-    let point = |x: usize, y: usize| {
-        let p = points[y * width + x];
-        (p.z > 0.0).then(|| p.cast::<f64>())
-    };
-    let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height), pixel), &point);
+    let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height), pixel), &read_points);
     cancelled()?;
     let edges = image.map(|image| ImageEdges { edges: edges::edges(image, camera), pixel });
     cancelled()?;
@@ -190,7 +203,7 @@ pub(crate) fn detect_until(
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
     let effort = Effort::new(stopped);
     let found = search::search(&mut grid, pixel, searched, options, &effort)?;
-    let found = search::label(&grid, &found, (width, height), pixel, &point, &ray, &effort);
+    let found = labels::label(&grid, &found, (width, height), pixel, &read_points, &read_rays, &effort);
     Ok(Detections { image: edges, ..found })
 }
 

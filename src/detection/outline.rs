@@ -1,53 +1,14 @@
 //! How a surface ends at its two sides.
 
 use super::candidate::{Marks, Scene};
+use super::distances;
 use super::grid::Cell;
+use super::rays::passes;
 use super::surface::Surface;
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::Cylinder;
 use crate::memory::List;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
-
-/// Where a ray passes a cylinder across the axis, in radii: −1 to 1 on the body.
-#[inline]
-pub(super) fn passes(cylinder: &Cylinder, x: f64, y: f64) -> Option<f64> {
-    let normal = Vector3::new(x, y, 1.0).cross(&cylinder.axis.direction);
-    let norm = normal.norm();
-    if norm < 1e-9 {
-        return None;
-    }
-    Some(normal.dot(&cylinder.axis.point) / (norm * cylinder.radius))
-}
-
-/// The rays that pass a cylinder within a part of its radius. Most rays of an image do not, and asking [`passes`] takes a root
-/// and a division for each.
-pub(crate) struct Band {
-    direction: Vector3<f64>,
-    /// The moment of the axis about the origin, in parts of the radius.
-    moment: Vector3<f64>,
-}
-
-impl Band {
-    pub fn new(cylinder: &Cylinder, part: f64) -> Self {
-        let Line { point, direction } = cylinder.axis;
-        Self { direction, moment: direction.cross(&point) / (part * cylinder.radius) }
-    }
-
-    /// Whether a ray lies within; one along the axis does not.
-    #[inline]
-    pub fn contains(&self, ray: &Vector3<f64>) -> bool {
-        let (along, across) = (ray.dot(&self.direction), ray.dot(&self.moment));
-        across * across < ray.norm_squared() - along * along
-    }
-}
-
-/// Where a ray meets a cylinder along the axis, or passes it.
-pub(crate) fn meets(cylinder: &Cylinder, ray: &Vector3<f64>) -> f64 {
-    let axis = &cylinder.axis;
-    // The foot of the common perpendicular on the axis, where the ray passes.
-    let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
-    (point - axis.point).dot(&axis.direction)
-}
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,20 +64,22 @@ pub(super) fn outline(
     scene.effort.spend(2 * cells.len());
     mark.next();
     let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-    let along = |k: usize| (grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction);
-    for &k in cells {
+    let (mut across, mut along) = (List::new(), List::new());
+    distances::across_and_along(cylinder, &grid.cells, cells, &mut across, &mut along);
+    for (&k, &along) in cells.iter().zip(&along) {
         mark.set(k);
         depth += grid.cells[k].point.z / cells.len() as f64;
-        (first, last) = (first.min(along(k)), last.max(along(k)));
+        (first, last) = (first.min(along), last.max(along));
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
     let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
     // The outermost cell of each line on each side.
     let mut outermost: List<[Option<(f64, usize)>; 2]> = List::filled([None; 2], count);
-    for &k in cells {
-        let cell = &grid.cells[k];
-        let Some(across) = passes(cylinder, cell.x, cell.y) else { continue };
-        let line = (((along(k) - first) / width * count as f64) as usize).min(count - 1);
+    for ((&k, &across), along) in cells.iter().zip(&across).zip(&along) {
+        if across.is_nan() {
+            continue;
+        }
+        let line = (((along - first) / width * count as f64) as usize).min(count - 1);
         for (side, across) in [(0, -across), (1, across)] {
             if outermost[line][side].is_none_or(|(best, _)| across > best) {
                 outermost[line][side] = Some((across, k));
@@ -125,6 +88,16 @@ pub(super) fn outline(
     }
     let ends = outermost.iter().flat_map(|line| line.iter().zip([-1.0, 1.0]));
     ends.filter_map(|(end, sign)| end.map(|(_, k)| scene.beyond(cylinder, k, sign, mark))).collect()
+}
+
+/// The numbers nearest to two coordinates, below limits. [`f64::round`] is a call.
+fn nearest(place: [f64; 2], below: [usize; 2]) -> Option<[usize; 2]> {
+    if !(place[0] > -0.5 && place[1] > -0.5) {
+        return None;
+    }
+    // The conversion holds what is below 0 at 0.
+    let nearest = place.map(|t| t as usize + usize::from(t - (t as usize) as f64 >= 0.5));
+    (nearest[0] < below[0] && nearest[1] < below[1]).then_some(nearest)
 }
 
 impl Scene<'_> {
@@ -148,12 +121,11 @@ impl Scene<'_> {
         let mut before = k;
         let mut smooth = 0;
         for distance in 1..=4 {
-            let (x, y) =
-                ((column + dx * f64::from(distance)).round(), (row + dy * f64::from(distance)).round());
-            if x < 0.0 || y < 0.0 || x >= grid.columns as f64 || y >= grid.rows as f64 {
+            let place = [column + dx * f64::from(distance), row + dy * f64::from(distance)];
+            let Some([x, y]) = nearest(place, [grid.columns, grid.rows]) else {
                 return end(Beyond::Hidden, before);
-            }
-            let next = y as usize * grid.columns + x as usize;
+            };
+            let next = y * grid.columns + x;
             if next == before || mark.has(next) {
                 before = next;
                 continue;

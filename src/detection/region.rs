@@ -8,12 +8,13 @@ use super::noise::Noise;
 use super::outline::Normals;
 use super::search::{candidates, distinct};
 use super::surface::{Optics, Surface};
-use super::{parts, planes};
+use super::{parts, planes, row};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
+use crate::memory::List;
 use crate::observations::{DepthImage, Mask};
-use nalgebra::Vector3;
+use std::ops::Range;
 
 /// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
 /// the depth is estimated from all of it.
@@ -48,12 +49,15 @@ pub(crate) fn detect_in_mask(
     let start = |first: usize| first.saturating_sub(margin) / side * side;
     let (left, top) = (start(columns.start), start(rows.start));
     let (right, bottom) = ((columns.end + margin).min(size.0), (rows.end + margin).min(size.1));
-    let point = |x: usize, y: usize| -> Option<Vector3<f64>> {
-        let (x, y) = (x + left, y + top);
-        let z = depth.depth(x, y)?;
-        Some(camera.ray_of_pixel(x, y)? * z)
+    let read_points = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
+        let y = row + top;
+        row::write(columns, points, |column| {
+            let x = column + left;
+            let point = depth.depth(x, y).and_then(|z| Some(camera.ray_of_pixel(x, y)? * z));
+            point.unwrap_or_default().into()
+        });
     };
-    let mut grid = Grid::new((right - left, bottom - top), pixel, side, &point);
+    let mut grid = Grid::new((right - left, bottom - top), pixel, side, &read_points);
     let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };
     let effort = Effort::new(stopped);
     let mut planes = planes::find_planes(&grid, &noise, &effort);

@@ -6,12 +6,12 @@ use super::evidence::Evidence;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
-use super::outline::{Band, Normals, meets};
-use super::surface::{Optics, REACH, Surface};
-use super::{Detection, DetectionOptions, Detections, parts, patch, planes};
+use super::outline::Normals;
+use super::surface::{Optics, Surface};
+use super::{DetectionOptions, parts, patch, planes};
 use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 
 /// Half the side of a patch in cells. The smallest is that of a cylinder 15 pixels wide, the largest bends enough for
 /// a cylinder as wide as the image.
@@ -61,9 +61,6 @@ const FAR_FROM_LIMB: f64 = 4.0;
 /// The frames of ../shared/scenes take up to 2.0, 3.2, 3.8, 4.0, 6.3 and 6.3 million; scenes with more bodies than an image
 /// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
 const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
-
-/// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
-const ROWS_BETWEEN_QUESTIONS: usize = 64;
 
 /// A candidate that was judged.
 pub(super) struct Judged {
@@ -354,105 +351,4 @@ fn select(
     chosen.sort_by(|a, b| b.score.total_cmp(&a.score));
     chosen.truncate(options.max_count.min(usize::from(u16::MAX)));
     chosen
-}
-
-/// Counts the pixels or points with the labels of cylinders.
-pub(super) fn count_pixels(cylinders: &mut [Detection], labels: &[u16]) {
-    cylinders.iter_mut().for_each(|detection| detection.pixels = 0);
-    for &label in labels.iter().filter(|&&label| label != 0) {
-        cylinders[usize::from(label) - 1].pixels += 1;
-    }
-}
-
-/// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing. Where the search is
-/// stopped they are of no use.
-pub(super) fn label(
-    grid: &Grid,
-    found: &[Judged],
-    (width, height): (usize, usize),
-    pixel: f64,
-    point: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
-    ray: &dyn Fn(usize, usize) -> Option<Vector3<f64>>,
-    effort: &Effort<'_>,
-) -> Detections {
-    let mut labels = vec![0_u16; width * height];
-    let mut nearest = vec![f32::INFINITY; width * height];
-    let mut cylinders = Vec::new();
-    for (index, judged) in found.iter().enumerate() {
-        if effort.ask() {
-            break;
-        }
-        let Surface::Cylinder(cylinder, _) = judged.candidate.surface else { continue };
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut depth: f64 = 0.0;
-        let mut sigma: f64 = 0.0;
-        for &k in &judged.candidate.cells {
-            let (x, y) = (k % grid.columns, k / grid.columns);
-            low = [low[0].min(x), low[1].min(y)];
-            high = [high[0].max(x), high[1].max(y)];
-            let along = judged.candidate.surface.place(&grid.cells[k].point).along;
-            (first, last) = (first.min(along), last.max(along));
-            depth = depth.max(grid.cells[k].point.z);
-            sigma = sigma.max(grid.cells[k].sigma);
-        }
-        let body = Band::new(&cylinder, 1.0);
-        let pad = 0.5 * grid.spacing * depth;
-        let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
-        for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
-            // One cylinder may fill the image.
-            if y % ROWS_BETWEEN_QUESTIONS == 0 && effort.ask() {
-                break;
-            }
-            for x in
-                low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width)
-            {
-                let Some(ray) = ray(x, y) else { continue };
-                // Only of those that meet it is it asked where along the axis.
-                if !body.contains(&ray) {
-                    continue;
-                }
-                let along = meets(&cylinder, &ray);
-                if along < first - pad || along > last + pad {
-                    continue;
-                }
-                let misfit = match point(x, y) {
-                    None => REACH,
-                    Some(p) => {
-                        let cell = super::grid::Cell {
-                            x: ray.x,
-                            y: ray.y,
-                            w: 1.0 / p.z,
-                            point: p,
-                            sigma: 1.5 * sigma,
-                            fill: 1.0,
-                        };
-                        let (_, distance, variance) = judged.candidate.surface.residual(&cell, pixel);
-                        distance.abs() / variance.sqrt()
-                    }
-                };
-                let k = y * width + x;
-                if misfit <= REACH && (misfit as f32) < nearest[k] {
-                    nearest[k] = misfit as f32;
-                    labels[k] = index as u16 + 1;
-                }
-            }
-        }
-        cylinders.push(Detection {
-            cylinder,
-            score: judged.score,
-            pixels: 0,
-            along: [first, last],
-            evidence: judged.evidence,
-        });
-    }
-    count_pixels(&mut cylinders, &labels);
-    Detections {
-        cylinders,
-        labels,
-        cut_short: effort.is_cut_short(),
-        visits: effort.visits(),
-        from_origin: true,
-        image: None,
-    }
 }

@@ -1,7 +1,8 @@
 //! Cylinders, cones and spheres through cells: signed distances, and their fits by Gauss–Newton steps.
 
+use super::distances;
 use super::grid::Cell;
-use super::normal_equations::{self, Cells, NormalEquations};
+use super::normal_equations::{Cells, NormalEquations};
 use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
 use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::Scalar;
@@ -37,7 +38,7 @@ pub(super) struct Place {
 
 impl Surface {
     pub fn place(&self, p: &Vector3<f64>) -> Place {
-        normal_equations::place(Scalar, self, (*p).into()).into()
+        distances::place(Scalar, self, (*p).into()).into()
     }
 
     /// The numbers that a fit finds.
@@ -116,8 +117,8 @@ impl Surface {
     }
 }
 
-impl From<normal_equations::PlaceOf<f64>> for Place {
-    fn from(place: normal_equations::PlaceOf<f64>) -> Self {
+impl From<distances::PlaceOf<f64>> for Place {
+    fn from(place: distances::PlaceOf<f64>) -> Self {
         Self { distance: place.distance, normal: place.normal.into(), along: place.along }
     }
 }
@@ -159,7 +160,7 @@ impl Surface {
     #[inline]
     pub fn residual(&self, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
         let Cell { x, y, point, sigma, .. } = *cell;
-        let residual = normal_equations::residual(Scalar, self, pixel, point.into(), [x, y], sigma);
+        let residual = distances::residual(Scalar, self, pixel, point.into(), [x, y], sigma);
         (residual.place.into(), residual.distance, residual.variance)
     }
 }
@@ -200,8 +201,7 @@ pub(super) fn slope(
     };
     for &k in which {
         let Cell { x, y, point, sigma, .. } = cells[k];
-        let residual =
-            normal_equations::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
+        let residual = distances::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
         let sigma = residual.variance.sqrt();
         add(&residual.place.into(), residual.distance, sigma, residual.shape, 1.0 / optics.cells_per_sample);
     }

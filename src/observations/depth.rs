@@ -114,10 +114,9 @@ impl DepthImage {
         inside.then(|| self.depth_at(row * self.width + column)).flatten()
     }
 
-    /// The depths of a row from its first column on.
-    #[inline]
-    pub(crate) fn depths_of_row(&self, row: usize) -> impl Iterator<Item = Option<f64>> + '_ {
-        (row * self.width..(row + 1) * self.width).map(|index| self.depth_at(index))
+    /// The stored values of a row, 0 = no measurement.
+    pub(crate) fn values_of_row(&self, row: usize) -> &[f32] {
+        &self.values[row * self.width..(row + 1) * self.width]
     }
 
     /// The depth z at a pixel that is counted row by row.
@@ -139,7 +138,7 @@ impl DepthImage {
     }
 
     /// Length of one unit of the stored values.
-    pub(super) fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 

@@ -56,28 +56,35 @@ impl<'a> Fits<'a> {
         detection: &Detection,
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
-        let region = mask_of(&self.seen.labels, index);
-        let fit = |mask: &[u8]| {
+        let own = (index + 1) as u16;
+        let labels = self.seen.labels.iter().enumerate();
+        let region: Vec<usize> = labels.filter(|(_, label)| **label == own).map(|(k, _)| k).collect();
+        let push = |fitter: &mut Fitter, chosen: &[usize]| {
+            let mut mask = vec![0_u8; self.seen.labels.len()];
+            chosen.iter().for_each(|&k| mask[k] = 1);
+            fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))
+        };
+        let fit = |chosen: &[usize]| {
             let mut fitter = Box::new(self.fitter()?);
-            fitter.push_points(points, Some(&MaskView::from_u8(mask, self.size)?))?;
+            push(&mut fitter, chosen)?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
         let middle = |cylinder: &Cylinder| self.middle(points, &region, cylinder);
-        let mut mask = middle(&detection.cylinder);
-        let (mut fitter, mut result) = fit(mask.as_deref().unwrap_or(&region))?;
+        let mut chosen = middle(&detection.cylinder);
+        let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(&region))?;
         // Which points lie in the middle follows from the radius.
         for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
             let next = middle(&result.cylinder);
-            if next.is_none() || next == mask {
+            if next.is_none() || next == chosen {
                 break;
             }
-            mask = next;
-            (fitter, result) = fit(mask.as_deref().unwrap_or(&region))?;
+            chosen = next;
+            (fitter, result) = fit(chosen.as_deref().unwrap_or(&region))?;
         }
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
-        whole.push_points(points, Some(&MaskView::from_u8(&region, self.size)?))?;
+        push(&mut whole, &region)?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation);
         Ok(found(*fitter, evidence, detection, result))
@@ -86,17 +93,14 @@ impl<'a> Fits<'a> {
     /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
     /// where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and where little or
     /// less than half of the region would be left.
-    fn middle(&self, points: &PointsView<'_>, region: &[u8], cylinder: &Cylinder) -> Option<Vec<u8>> {
+    fn middle(&self, points: &PointsView<'_>, region: &[usize], cylinder: &Cylinder) -> Option<Vec<usize>> {
         if !self.seen.from_origin || cylinder.contains_origin() {
             return None;
         }
         let band = Band::new(cylinder, MIDDLE);
         let inner = |index: usize| band.contains(&points.points.at(index % self.size.0, index / self.size.0));
-        let middle: Vec<u8> =
-            region.iter().enumerate().map(|(k, &inside)| u8::from(inside != 0 && inner(k))).collect();
-        let count = |mask: &[u8]| mask.iter().filter(|&&inside| inside != 0).count();
-        let left = count(&middle);
-        (left >= FEWEST && 2 * left > count(region)).then_some(middle)
+        let middle: Vec<usize> = region.iter().copied().filter(|&k| inner(k)).collect();
+        (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
 
     /// The fit by a share, limbs in an image being so many pixels long; without one the cylinder that was found.

@@ -1,0 +1,205 @@
+//! Which pixels see the cylinders that were found.
+
+use super::distances::{LANES, cross, dot, lanes, residual, splat};
+use super::effort::Effort;
+use super::grid::Grid;
+use super::rays::Band;
+use super::row::{Points, Rays};
+use super::search::Judged;
+use super::surface::{REACH, Surface};
+use super::{Detection, Detections};
+use crate::geometry::Cylinder;
+use crate::memory::List;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
+const ROWS_BETWEEN_QUESTIONS: usize = 64;
+
+/// Counts the pixels or points with the labels of cylinders.
+pub(super) fn count_pixels(cylinders: &mut [Detection], labels: &[u16]) {
+    cylinders.iter_mut().for_each(|detection| detection.pixels = 0);
+    for &label in labels.iter().filter(|&&label| label != 0) {
+        cylinders[usize::from(label) - 1].pixels += 1;
+    }
+}
+
+/// The pixels of each cylinder: those within its outline between its ends that see its surface, or nothing. Where the search is
+/// stopped they are of no use.
+pub(super) fn label(
+    grid: &Grid,
+    found: &[Judged],
+    (width, height): (usize, usize),
+    pixel: f64,
+    read_points: &Points<'_>,
+    read_rays: &Rays<'_>,
+    effort: &Effort<'_>,
+) -> Detections {
+    let mut labels = vec![0_u16; width * height];
+    let mut nearest = vec![f32::INFINITY; width * height];
+    let mut cylinders = Vec::new();
+    let (mut rays, mut points) = (<[List<f64>; 2]>::default(), <[List<f64>; 3]>::default());
+    let (mut excesses, mut misfits) = (List::new(), List::new());
+    for (index, judged) in found.iter().enumerate() {
+        if effort.ask() {
+            break;
+        }
+        let surface = &judged.candidate.surface;
+        let Surface::Cylinder(cylinder, _) = surface else { continue };
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut depth: f64 = 0.0;
+        let mut sigma: f64 = 0.0;
+        for &k in &judged.candidate.cells {
+            let (x, y) = (k % grid.columns, k / grid.columns);
+            low = [low[0].min(x), low[1].min(y)];
+            high = [high[0].max(x), high[1].max(y)];
+            let along = surface.place(&grid.cells[k].point).along;
+            (first, last) = (first.min(along), last.max(along));
+            depth = depth.max(grid.cells[k].point.z);
+            sigma = sigma.max(grid.cells[k].sigma);
+        }
+        let body = Band::new(cylinder, 1.0);
+        let pad = 0.5 * grid.spacing * depth;
+        let range = [first - pad, last + pad];
+        let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
+        let columns =
+            low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width);
+        for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
+            // One cylinder may fill the image.
+            if y % ROWS_BETWEEN_QUESTIONS == 0 && effort.ask() {
+                break;
+            }
+            read_rays(y, columns.clone(), &mut rays);
+            body.excesses(&rays[0], &rays[1], &mut excesses);
+            let within = |excess: &f64| *excess < 0.0;
+            let (Some(left), Some(right)) =
+                (excesses.iter().position(within), excesses.iter().rposition(within))
+            else {
+                continue;
+            };
+            // Only of those between is it asked where along the axis.
+            read_points(y, columns.start + left..columns.start + right + 1, &mut points);
+            let rays = [&rays[0][left..=right], &rays[1][left..=right]];
+            let of_row = OfRow { surface, cylinder, pixel, sigma: 1.5 * sigma, range, rays, points: &points };
+            misfits.resize(right - left + 1, 0.0);
+            Arch::new().dispatch(Misfits { of_row, misfits: &mut misfits });
+            let row = y * width + columns.start + left..y * width + columns.start + right + 1;
+            let places = labels[row.clone()].iter_mut().zip(&mut nearest[row]);
+            for ((label, nearest), (misfit, excess)) in places.zip(misfits.iter().zip(&excesses[left..])) {
+                if *misfit <= REACH && *excess < 0.0 && (*misfit as f32) < *nearest {
+                    *nearest = *misfit as f32;
+                    *label = index as u16 + 1;
+                }
+            }
+        }
+        cylinders.push(Detection {
+            cylinder: *cylinder,
+            score: judged.score,
+            pixels: 0,
+            along: [first, last],
+            evidence: judged.evidence,
+        });
+    }
+    count_pixels(&mut cylinders, &labels);
+    Detections {
+        cylinders,
+        labels,
+        cut_short: effort.is_cut_short(),
+        visits: effort.visits(),
+        from_origin: true,
+        image: None,
+    }
+}
+
+/// Pixels side by side, and the cylinder that they may see.
+struct OfRow<'a> {
+    surface: &'a Surface,
+    cylinder: &'a Cylinder,
+    pixel: f64,
+    /// Standard deviation of the depth.
+    sigma: f64,
+    /// Where the cylinder begins and ends along its axis.
+    range: [f64; 2],
+    rays: [&'a [f64]; 2],
+    points: &'a [List<f64>; 3],
+}
+
+/// One pass over pixels: how far the points that they see lie from the surface, in standard deviations, [`REACH`] for those that
+/// see nothing, and infinite where the ray does not meet the cylinder between its ends.
+struct Misfits<'a> {
+    of_row: OfRow<'a>,
+    misfits: &'a mut [f64],
+}
+
+impl WithSimd for Misfits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { of_row: OfRow { surface, cylinder, pixel, sigma, range, rays, points }, misfits } = self;
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let (nothing, beyond) = (simd.splat_f64s(REACH), simd.splat_f64s(f64::INFINITY));
+        let (low, high) = (simd.splat_f64s(range[0]), simd.splat_f64s(range[1]));
+        let sigma = simd.splat_f64s(sigma);
+        for (group, misfits) in misfits.chunks_mut(LANES).enumerate() {
+            let (first, count) = (group * LANES, misfits.len());
+            let mut numbers = [[0.0; LANES]; 5];
+            numbers[0][..count].copy_from_slice(&rays[0][first..first + count]);
+            numbers[1][..count].copy_from_slice(&rays[1][first..first + count]);
+            numbers[2][..count].copy_from_slice(&points[0][first..first + count]);
+            numbers[3][..count].copy_from_slice(&points[1][first..first + count]);
+            numbers[4][..count].copy_from_slice(&points[2][first..first + count]);
+            let mut found = [0.0; LANES];
+            for part in 0..LANES / S::F64_LANES {
+                let (x, y) = (lanes(simd, &numbers[0], part), lanes(simd, &numbers[1], part));
+                let z = lanes(simd, &numbers[4], part);
+                let point = [lanes(simd, &numbers[2], part), lanes(simd, &numbers[3], part), z];
+                let residual = residual(simd, surface, pixel, point, [x, y], sigma);
+                let misfit =
+                    simd.div_f64s(simd.abs_f64s(residual.distance), simd.sqrt_f64s(residual.variance));
+                let misfit = simd.select_f64s(simd.greater_than_f64s(z, zero), misfit, nothing);
+                let along = meets(simd, cylinder, [x, y, one]);
+                let misfit = simd.select_f64s(simd.less_than_f64s(along, low), beyond, misfit);
+                let misfit = simd.select_f64s(simd.greater_than_f64s(along, high), beyond, misfit);
+                S::as_mut_simd_f64s(&mut found).0[part] = misfit;
+            }
+            misfits.copy_from_slice(&found[..count]);
+        }
+    }
+}
+
+/// Where rays meet a cylinder along its axis, or pass it: [`meets`](super::rays::meets), side by side.
+#[inline(always)]
+fn meets<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f64s; 3]) -> S::f64s {
+    let zero = simd.splat_f64s(0.0);
+    let nearest = cylinder.axis.nearest_to_origin();
+    let square = simd.splat_f64s(nearest.norm_squared() - cylinder.radius * cylinder.radius);
+    let (c, radius) = (splat(simd, &nearest), simd.splat_f64s(cylinder.radius));
+    let (point, d) = (splat(simd, &cylinder.axis.point), splat(simd, &cylinder.axis.direction));
+    let along = dot(simd, ray, d);
+    let mut across = ray;
+    for k in 0..3 {
+        across[k] = simd.sub_f64s(ray[k], simd.mul_f64s(d[k], along));
+    }
+    let a = dot(simd, across, across);
+    let b = dot(simd, across, c);
+    let moment = cross(simd, across, c);
+    let discriminant =
+        simd.sub_f64s(simd.mul_f64s(simd.mul_f64s(a, radius), radius), dot(simd, moment, moment));
+    let root = simd.sqrt_f64s(simd.max_f64s(discriminant, zero));
+    let behind = simd.less_than_f64s(b, zero);
+    let large = simd.select_f64s(behind, simd.sub_f64s(b, root), simd.add_f64s(b, root));
+    let (one, other) = (simd.div_f64s(large, a), simd.div_f64s(square, large));
+    // Both are 0 where the larger one is.
+    let other = simd.select_f64s(simd.equal_f64s(large, zero), zero, other);
+    let (near, far) = (simd.min_f64s(one, other), simd.max_f64s(one, other));
+    let hit = simd.select_f64s(simd.greater_than_f64s(near, zero), near, far);
+    let passing = simd.div_f64s(dot(simd, across, point), a);
+    let hit = simd.select_f64s(simd.greater_than_f64s(hit, zero), hit, passing);
+    let t = simd.select_f64s(simd.less_than_f64s(discriminant, zero), passing, hit);
+    let mut offset = ray;
+    for k in 0..3 {
+        offset[k] = simd.sub_f64s(simd.mul_f64s(ray[k], t), point[k]);
+    }
+    dot(simd, offset, d)
+}
