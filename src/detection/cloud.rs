@@ -161,8 +161,8 @@ fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
     (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size), of_sensor: false })
 }
 
-/// The number at a place of the order of many that are spread over some orders of magnitude.
-fn in_order(numbers: &[f64], mut place: usize) -> f64 {
+/// The numbers at two places of the order of many that are spread over some orders of magnitude.
+fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
     // They are ordered as their bits are, those below zero the other way round: counted by the upper quarter of these, then
     // looked for among those that share it.
     let upper = |number: &f64| {
@@ -172,13 +172,16 @@ fn in_order(numbers: &[f64], mut place: usize) -> f64 {
     };
     let mut counts = vec![0_u32; 1 << 16];
     numbers.iter().for_each(|number| counts[upper(number)] += 1);
-    let mut own = 0;
-    while place >= counts[own] as usize {
-        place -= counts[own] as usize;
-        own += 1;
-    }
-    let mut alike: Vec<f64> = numbers.iter().copied().filter(|number| upper(number) == own).collect();
-    *alike.select_nth_unstable_by(place, f64::total_cmp).1
+    places.map(|mut place| {
+        let mut own = 0;
+        while place >= counts[own] as usize {
+            place -= counts[own] as usize;
+            own += 1;
+        }
+        let mut alike = Vec::with_capacity(counts[own] as usize);
+        alike.extend(numbers.iter().copied().filter(|number| upper(number) == own));
+        *alike.select_nth_unstable_by(place, f64::total_cmp).1
+    })
 }
 
 /// For each pixel on the plane z = 1 the point that is seen there.
@@ -205,8 +208,7 @@ impl Image {
                 return None;
             }
             let stray = (STRAY * values.len() as f64) as usize;
-            let [low, high] = [stray, values.len() - 1 - stray].map(|place| in_order(&values, place));
-            *range = [low, high];
+            *range = in_order(&values, [stray, values.len() - 1 - stray]);
         }
         let [width, height] = range.map(|[low, high]| high - low);
         // As many pixels as points, over the part of the image that has any.
@@ -242,5 +244,20 @@ impl Image {
         let y = (p.y / p.z - self.low[1]) / self.spacing;
         let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
         inside.then(|| y as usize * self.width + x as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_found_by_their_place() {
+        let numbers: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 1009) * 0.003 - 1.5).collect();
+        let mut sorted = numbers.clone();
+        sorted.sort_by(f64::total_cmp);
+        for places in [[0, 999], [2, 997], [499, 501], [505, 505]] {
+            assert_eq!(in_order(&numbers, places), places.map(|place| sorted[place]));
+        }
     }
 }

@@ -42,10 +42,10 @@ impl Mask {
             }
             rows = rows.start.min(row)..row + 1;
             if any(&pixels[..columns.start]) {
-                columns.start = pixels.iter().position(|&set| set).unwrap_or(columns.start);
+                columns.start = first(pixels).unwrap_or(columns.start);
             }
             if any(&pixels[columns.end..]) {
-                columns.end = pixels.iter().rposition(|&set| set).map_or(columns.end, |last| last + 1);
+                columns.end = last(pixels).map_or(columns.end, |last| last + 1);
             }
         }
         if rows.is_empty() {
@@ -191,11 +191,26 @@ impl Mask {
     }
 }
 
+/// Pixels that are looked at at a time.
+const MANY: usize = 64;
+
 /// Whether any of some pixels is set.
 fn any(pixels: &[bool]) -> bool {
-    let (chunks, rest) = pixels.as_chunks::<64>();
-    let any = |pixels: &[bool; 64]| pixels.iter().fold(0, |any, &set| any | u8::from(set)) != 0;
+    let (chunks, rest) = pixels.as_chunks::<MANY>();
+    let any = |pixels: &[bool; MANY]| pixels.iter().fold(0, |any, &set| any | u8::from(set)) != 0;
     chunks.iter().any(any) || rest.contains(&true)
+}
+
+/// The first of some pixels that is set.
+fn first(pixels: &[bool]) -> Option<usize> {
+    let start = MANY * pixels.chunks(MANY).position(any)?;
+    pixels[start..].iter().position(|&set| set).map(|k| start + k)
+}
+
+/// The last of some pixels that is set.
+fn last(pixels: &[bool]) -> Option<usize> {
+    let start = MANY * pixels.chunks(MANY).rposition(any)?;
+    pixels[start..].iter().rposition(|&set| set).map(|k| start + k)
 }
 
 #[cfg(test)]

@@ -145,6 +145,17 @@ impl<'a> Strided<'a> {
         }
     }
 
+    /// Three coordinates, widened to f64.
+    #[inline]
+    pub(super) fn vector(&self, scalar: Scalar, column: usize, row: usize) -> [f64; 3] {
+        match scalar {
+            Scalar::F32 => {
+                numbers(&self.read::<12>(column, row, 0), |bytes| f32::from_ne_bytes(bytes).into())
+            }
+            Scalar::F64 => numbers(&self.read::<24>(column, row, 0), f64::from_ne_bytes),
+        }
+    }
+
     #[inline]
     pub(super) fn u16(&self, column: usize, row: usize) -> u16 {
         u16::from_ne_bytes(self.read(column, row, 0))
@@ -154,6 +165,13 @@ impl<'a> Strided<'a> {
     pub(super) fn u8(&self, column: usize, row: usize) -> u8 {
         self.read::<1>(column, row, 0)[0]
     }
+}
+
+/// Three numbers of N bytes each.
+#[inline]
+fn numbers<const N: usize>(bytes: &[u8], number: impl Fn([u8; N]) -> f64) -> [f64; 3] {
+    let (bytes, _) = bytes.as_chunks::<N>();
+    [number(bytes[0]), number(bytes[1]), number(bytes[2])]
 }
 
 /// The memory of a slice of plain numbers.

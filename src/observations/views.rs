@@ -26,8 +26,7 @@ impl<'a> VectorsView<'a> {
     #[inline]
     #[must_use]
     pub fn at(&self, column: usize, row: usize) -> Vector3<f64> {
-        let component = |k| self.elements.scalar(self.scalar, column, row, k);
-        Vector3::new(component(0), component(1), component(2))
+        self.elements.vector(self.scalar, column, row).into()
     }
 }
 
