@@ -85,17 +85,15 @@ pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
     let mut found = Vec::new();
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
     let mut free = vec![false; gradient.magnitudes.len()];
-    let mut order: Vec<u64> = Vec::new();
+    let mut order: Vec<u32> = Vec::new();
     for (k, &magnitude) in gradient.magnitudes.iter().enumerate() {
         if magnitude > threshold && gradient.stands_out(k) {
             free[k] = true;
-            order.push(u64::from(!magnitude.to_bits()) << 32 | k as u64);
+            order.push(k as u32);
         }
     }
-    // The strongest first, those alike in their order: numbers without sign are ordered as their bits are.
-    order.sort_unstable();
     let mut region = Vec::new();
-    for seed in order.into_iter().map(|key| key as u32 as usize) {
+    for seed in strongest_first(order, &gradient.magnitudes).into_iter().map(|k| k as usize) {
         if !free[seed] {
             continue;
         }
@@ -109,6 +107,29 @@ pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
         }
     }
     found
+}
+
+/// Pixels by falling magnitude, those alike in their order: by the digits of the bits of the magnitudes, the last first. Numbers
+/// without sign are ordered as their bits are.
+fn strongest_first(mut order: Vec<u32>, magnitudes: &[f32]) -> Vec<u32> {
+    const BITS: u32 = 11;
+    let mut ordered = vec![0; order.len()];
+    for shift in [0, BITS, 2 * BITS] {
+        let digit = |k: u32| (!magnitudes[k as usize].to_bits() >> shift) as usize & ((1 << BITS) - 1);
+        let mut places = [0_u32; 1 << BITS];
+        order.iter().for_each(|&k| places[digit(k)] += 1);
+        let mut first = 0;
+        for place in &mut places {
+            (*place, first) = (first, first + *place);
+        }
+        for &k in &order {
+            let place = &mut places[digit(k)];
+            ordered[*place as usize] = k;
+            *place += 1;
+        }
+        std::mem::swap(&mut order, &mut ordered);
+    }
+    order
 }
 
 /// Means of boxes, as square roots: noise of light grows about as its root does.

@@ -71,3 +71,12 @@ fn the_lower_quartile_is_that_of_the_ordered_list() {
     }
     assert_eq!(lower_quartile(&[]), None);
 }
+
+#[test]
+fn pixels_come_by_their_magnitude() {
+    let magnitudes: Vec<f32> = (0..500_u16).map(|k| f32::from(k * 131 % 97) * 1.7e-3).collect();
+    let order: Vec<u32> = (0..500).filter(|k| k % 3 != 0).collect();
+    let mut sorted = order.clone();
+    sorted.sort_by(|&a, &b| magnitudes[b as usize].total_cmp(&magnitudes[a as usize]));
+    assert_eq!(strongest_first(order, &magnitudes), sorted);
+}
