@@ -25,8 +25,8 @@ const FITTED: usize = 8000;
 pub(super) struct Scene<'a> {
     pub grid: &'a Grid,
     pub noise: Noise,
-    /// Number of the plane of each cell plus 1; 0 for none.
-    pub planes: &'a [u16],
+    /// Whether a cell was measured and belongs to no plane.
+    pub open: Vec<bool>,
     /// The normals at the cells.
     pub normals: Normals,
     /// How the scene was measured.
@@ -135,18 +135,11 @@ impl Scene<'_> {
     }
 
     /// The cells next to each other that lie on a surface, from those of `seeds` that do.
-    pub fn flood(
-        &self,
-        surface: &Surface,
-        seeds: &[usize],
-        free: &dyn Fn(usize) -> bool,
-        mark: &mut Marks,
-    ) -> List<usize> {
+    pub fn flood(&self, surface: &Surface, seeds: &[usize], mark: &mut Marks) -> List<usize> {
         mark.next();
         let grid = self.grid;
-        let mut new = |k: usize| mark.set(k) && grid.cells[k].measured() && free(k);
         let (mut asked, mut cells, mut misfits) = (List::new(), List::new(), List::new());
-        asked.extend(seeds.iter().copied().filter(|&k| new(k)));
+        asked.extend(seeds.iter().copied().filter(|&k| mark.set(k) && self.open[k]));
         // Ring by ring.
         while !asked.is_empty() {
             distances::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
@@ -155,7 +148,11 @@ impl Scene<'_> {
             cells.extend(on.map(|(&k, _)| k));
             asked.clear();
             for &k in &cells[first..] {
-                asked.extend(grid.neighbours(k).into_iter().filter(|&k| new(k)));
+                for next in grid.neighbours(k) {
+                    if mark.set(next) && self.open[next] {
+                        asked.push(next);
+                    }
+                }
             }
         }
         self.effort.spend(cells.len());
@@ -244,7 +241,6 @@ impl Scene<'_> {
         start: &Surface,
         seeds: &[usize],
         sides: Sides,
-        free: &dyn Fn(usize) -> bool,
         mark: &mut Marks,
     ) -> Option<Candidate> {
         let tangents = match sides {
@@ -255,7 +251,7 @@ impl Scene<'_> {
         let mut cells = List::from(seeds);
         let mut before = 0;
         for _ in 0..ROUNDS {
-            cells = self.flood(&surface, &cells, free, mark);
+            cells = self.flood(&surface, &cells, mark);
             if cells.len() < FEWEST {
                 return None;
             }
@@ -267,7 +263,7 @@ impl Scene<'_> {
             }
             before = cells.len();
         }
-        let cells = self.flood(&surface, &cells, free, mark);
+        let cells = self.flood(&surface, &cells, mark);
         let gain = self.worth(&surface, &cells, mark);
         (cells.len() >= FEWEST).then_some(Candidate { surface, cells, gain, sides })
     }

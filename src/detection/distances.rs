@@ -49,8 +49,44 @@ pub(super) fn splat<S: Simd>(simd: S, v: &Vector3<f64>) -> [S::f64s; 3] {
 }
 
 #[inline(always)]
-fn difference<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> [S::f64s; 3] {
+pub(super) fn difference<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> [S::f64s; 3] {
     [simd.sub_f64s(a[0], b[0]), simd.sub_f64s(a[1], b[1]), simd.sub_f64s(a[2], b[2])]
+}
+
+#[inline(always)]
+pub(super) fn times<S: Simd>(simd: S, a: [S::f64s; 3], factor: S::f64s) -> [S::f64s; 3] {
+    [simd.mul_f64s(a[0], factor), simd.mul_f64s(a[1], factor), simd.mul_f64s(a[2], factor)]
+}
+
+/// The parts of rays across a direction.
+#[inline(always)]
+pub(super) fn across<S: Simd>(simd: S, ray: [S::f64s; 3], d: [S::f64s; 3]) -> [S::f64s; 3] {
+    difference(simd, ray, times(simd, d, dot(simd, ray, d)))
+}
+
+/// Where along rays they first meet a cylinder in front of the observer, 0 where they do not:
+/// [`Cylinder::first_hit`], side by side.
+#[inline(always)]
+pub(super) fn first_hits<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f64s; 3]) -> S::f64s {
+    let zero = simd.splat_f64s(0.0);
+    let nearest = cylinder.axis.nearest_to_origin();
+    let product = simd.splat_f64s(nearest.norm_squared() - cylinder.radius * cylinder.radius);
+    let (c, radius) = (splat(simd, &nearest), simd.splat_f64s(cylinder.radius));
+    let across = across(simd, ray, splat(simd, &cylinder.axis.direction));
+    let (a, b) = (dot(simd, across, across), dot(simd, across, c));
+    let moment = cross(simd, across, c);
+    let discriminant =
+        simd.sub_f64s(simd.mul_f64s(simd.mul_f64s(a, radius), radius), dot(simd, moment, moment));
+    let root = simd.sqrt_f64s(simd.max_f64s(discriminant, zero));
+    let behind = simd.less_than_f64s(b, zero);
+    let large = simd.select_f64s(behind, simd.sub_f64s(b, root), simd.add_f64s(b, root));
+    let (one, other) = (simd.div_f64s(large, a), simd.div_f64s(product, large));
+    // Both are 0 where the larger one is.
+    let other = simd.select_f64s(simd.equal_f64s(large, zero), zero, other);
+    let (near, far) = (simd.min_f64s(one, other), simd.max_f64s(one, other));
+    let first = simd.select_f64s(simd.greater_than_f64s(near, zero), near, far);
+    let first = simd.select_f64s(simd.greater_than_f64s(first, zero), first, zero);
+    simd.select_f64s(simd.less_than_f64s(discriminant, zero), zero, first)
 }
 
 /// Where points are relative to a surface.
@@ -244,6 +280,76 @@ impl WithSimd for AcrossAndAlong<'_> {
     }
 }
 
+/// What a cell sees where its ray meets a cylinder.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight {
+    /// How far behind the surface it lies, across that.
+    pub behind: f64,
+    /// The variance of that.
+    pub variance: f64,
+    /// Where the ray meets the cylinder along the axis; infinite where it does not.
+    pub along: f64,
+}
+
+/// What the cells `which` see at a cylinder, in place of what is in the list. `pixel` is the side of a pixel on the plane z = 1.
+pub(super) fn sights(
+    (surface, cylinder): (&Surface, &Cylinder),
+    pixel: f64,
+    cells: &[Cell],
+    which: &[usize],
+    sights: &mut Vec<Sight>,
+) {
+    sights.clear();
+    sights.reserve(which.len());
+    Arch::new().dispatch(Sights { surface, cylinder, pixel, cells, which, sights });
+}
+
+/// One pass over cells for what they see.
+struct Sights<'a> {
+    surface: &'a Surface,
+    cylinder: &'a Cylinder,
+    pixel: f64,
+    cells: &'a [Cell],
+    which: &'a [usize],
+    sights: &'a mut Vec<Sight>,
+}
+
+impl WithSimd for Sights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { surface, cylinder, pixel, cells, which, sights } = self;
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let none = simd.splat_f64s(f64::INFINITY);
+        let (point, direction) = (splat(simd, &cylinder.axis.point), splat(simd, &cylinder.axis.direction));
+        for chunk in which.chunks(LANES) {
+            let last = chunk.len() - 1;
+            let [_, _, depth, x, y, sigma] = side_by_side(|k| &cells[chunk[k.min(last)]]);
+            let mut found = [[0.0; LANES]; 3];
+            for part in 0..LANES / S::F64_LANES {
+                let (x, y) = (lanes(simd, &x, part), lanes(simd, &y, part));
+                let (depth, sigma) = (lanes(simd, &depth, part), lanes(simd, &sigma, part));
+                let ray = [x, y, one];
+                let t = first_hits(simd, cylinder, ray);
+                let hit = times(simd, ray, t);
+                let along = dot(simd, difference(simd, hit, point), direction);
+                let along = simd.select_f64s(simd.greater_than_f64s(t, zero), along, none);
+                let residual = residual(simd, surface, pixel, hit, [x, y], sigma);
+                let facing = simd.abs_f64s(dot(simd, residual.place.normal, ray));
+                let behind = simd.mul_f64s(simd.sub_f64s(depth, hit[2]), facing);
+                S::as_mut_simd_f64s(&mut found[0]).0[part] = behind;
+                S::as_mut_simd_f64s(&mut found[1]).0[part] = residual.variance;
+                S::as_mut_simd_f64s(&mut found[2]).0[part] = along;
+            }
+            let [behind, variance, along] = found;
+            for ((behind, variance), along) in behind.into_iter().zip(variance).zip(along).take(chunk.len()) {
+                sights.push(Sight { behind, variance, along });
+            }
+        }
+    }
+}
+
 /// As many of a group as an instruction takes.
 #[inline(always)]
 pub(super) fn lanes<S: Simd>(_simd: S, group: &[f64; LANES], part: usize) -> S::f64s {
@@ -252,8 +358,18 @@ pub(super) fn lanes<S: Simd>(_simd: S, group: &[f64; LANES], part: usize) -> S::
 
 #[cfg(test)]
 pub(super) mod tests {
+    use super::super::rays::passes;
+    use super::super::surface::Place;
     use super::*;
     use crate::geometry::any_orthogonal;
+    use pulp::Scalar;
+
+    /// The place of a cell, its distance from where the surface is measured, and the variance of that.
+    pub fn residual_of(surface: &Surface, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
+        let Cell { x, y, point, sigma, .. } = *cell;
+        let residual = residual(Scalar, surface, pixel, point.into(), [x, y], sigma);
+        (residual.place.into(), residual.distance, residual.variance)
+    }
 
     /// Cells about a cylinder, a group and a part of the next, one of them out of reach.
     pub fn cells(cylinder: &Cylinder) -> Vec<Cell> {
@@ -286,7 +402,7 @@ pub(super) mod tests {
             Surface::Sphere(cylinder.axis.point, 0.065),
         ] {
             let plain = which.map(|k| {
-                let (place, distance, variance) = surface.residual(&cells[k], pixel);
+                let (place, distance, variance) = residual_of(&surface, &cells[k], pixel);
                 let outside = place.normal.dot(&cells[k].point) < 0.0;
                 let seen = outside != surface.contains_origin();
                 if seen { distance * distance / variance } else { f64::INFINITY }
@@ -294,5 +410,34 @@ pub(super) mod tests {
             misfits(&surface, pixel, &cells, &which, &mut found);
             assert_eq!(found, plain);
         }
+    }
+
+    #[test]
+    fn places_and_sights_are_those_of_one_cell_after_the_other() {
+        let cylinder =
+            Cylinder::new(Vector3::new(0.1, -0.05, 0.8), Vector3::new(0.3, 0.9, 0.2), 0.06).unwrap();
+        let (cells, pixel) = (cells(&cylinder), 1.0 / 570.0);
+        let which = [4, 0, 7, 10, 2, 1, 3, 9, 8, 5, 4];
+        let (mut across, mut along) = (vec![1.0; 3], Vec::new());
+        across_and_along(&cylinder, &cells, &which, &mut across, &mut along);
+        assert_eq!(across, which.map(|k| passes(&cylinder, cells[k].x, cells[k].y).unwrap()));
+        let surface = Surface::Cylinder(cylinder, 0.001);
+        assert_eq!(along, which.map(|k| surface.place(&cells[k].point).along));
+        let mut found = Vec::new();
+        sights((&surface, &cylinder), pixel, &cells, &which, &mut found);
+        let mut missed = 0;
+        for (sight, k) in found.iter().zip(which) {
+            let cell = &cells[k];
+            let ray = Vector3::new(cell.x, cell.y, 1.0);
+            let Some(hit) = cylinder.first_hit(&ray) else {
+                assert_eq!(sight.along, f64::INFINITY);
+                missed += 1;
+                continue;
+            };
+            let (place, _, variance) = residual_of(&surface, &Cell { point: hit, ..*cell }, pixel);
+            assert_eq!((sight.along, sight.variance), (place.along, variance));
+            assert_eq!(sight.behind, (cell.point.z - hit.z) * place.normal.dot(&ray).abs());
+        }
+        assert!(found.len() == which.len() && missed < which.len(), "{missed}");
     }
 }

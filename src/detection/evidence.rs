@@ -1,8 +1,7 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
 use super::candidate::{Candidate, Marks, Scene, Sides};
-use super::distances;
-use super::grid::Cell;
+use super::distances::{self, Sight};
 use super::limb_pairs::ON_LIMB;
 use super::outline::{Beyond, outline};
 use super::rays::Band;
@@ -186,10 +185,9 @@ impl Scene<'_> {
         if evidence.score() < least {
             return;
         }
-        let free = |k: usize| self.planes[k] == 0;
         let fitted = |start: Surface| self.fit(&start, cells, &[], REACH, 6);
         let mut margin = |other: &Surface| {
-            let other = self.grow(other, cells, Sides::Outline, &free, mark)?;
+            let other = self.grow(other, cells, Sides::Outline, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
                 mark.set(k);
@@ -285,32 +283,25 @@ impl Scene<'_> {
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
         self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
-        let mut excesses = List::new();
+        let (mut excesses, mut asked, mut sights) = (List::new(), List::new(), List::new());
         for y in rows {
             let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
             let [x, y] = &grid.rays;
             seen.excesses(&x[row.clone()], &y[row.clone()], &mut excesses);
-            let Some(left) = excesses.iter().position(|excess| *excess < 0.0) else { continue };
-            for (cell, excess) in grid.cells[row].iter().zip(&excesses).skip(left) {
-                if !(*excess < 0.0 && cell.measured()) {
-                    continue;
-                }
-                let ray = Vector3::new(cell.x, cell.y, 1.0);
-                let Some(hit) = cylinder.first_hit(&ray) else { continue };
-                let along = (hit - cylinder.axis.point).dot(&cylinder.axis.direction);
-                if along < first + inset || along > last - inset {
-                    continue;
-                }
-                let normal = candidate.surface.place(&hit).normal;
-                let (_, _, variance) =
-                    candidate.surface.residual(&Cell { point: hit, ..*cell }, self.optics.pixel);
-                let behind = (cell.point.z - hit.z) * normal.dot(&ray).abs();
-                let tolerance = (1.3 * REACH * variance.sqrt()).max(LID * cylinder.radius);
-                if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
-                    through += 1.0;
-                } else if behind.abs() <= tolerance {
-                    on += 1.0;
-                }
+            let within = row.zip(&excesses).filter(|(_, excess)| **excess < 0.0).map(|(k, _)| k);
+            asked.extend(within.filter(|&k| grid.cells[k].measured()));
+        }
+        let of_cylinder = (&candidate.surface, cylinder);
+        distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
+        for Sight { behind, variance, along } in sights.iter().copied() {
+            if along < first + inset || along > last - inset {
+                continue;
+            }
+            let tolerance = (1.3 * REACH * variance.sqrt()).max(LID * cylinder.radius);
+            if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
+                through += 1.0;
+            } else if behind.abs() <= tolerance {
+                on += 1.0;
             }
         }
         evidence.seen_through = through / f64::max(through + on, 1.0);

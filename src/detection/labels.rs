@@ -1,6 +1,6 @@
 //! Which pixels see the cylinders that were found.
 
-use super::distances::{LANES, cross, dot, lanes, residual, splat};
+use super::distances::{LANES, across, difference, dot, first_hits, lanes, residual, splat, times};
 use super::effort::Effort;
 use super::grid::Grid;
 use super::rays::Band;
@@ -171,35 +171,33 @@ impl WithSimd for Misfits<'_> {
 /// Where rays meet a cylinder along its axis, or pass it: [`meets`](super::rays::meets), side by side.
 #[inline(always)]
 fn meets<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f64s; 3]) -> S::f64s {
-    let zero = simd.splat_f64s(0.0);
-    let nearest = cylinder.axis.nearest_to_origin();
-    let square = simd.splat_f64s(nearest.norm_squared() - cylinder.radius * cylinder.radius);
-    let (c, radius) = (splat(simd, &nearest), simd.splat_f64s(cylinder.radius));
     let (point, d) = (splat(simd, &cylinder.axis.point), splat(simd, &cylinder.axis.direction));
-    let along = dot(simd, ray, d);
-    let mut across = ray;
-    for k in 0..3 {
-        across[k] = simd.sub_f64s(ray[k], simd.mul_f64s(d[k], along));
+    let across = across(simd, ray, d);
+    let passing = simd.div_f64s(dot(simd, across, point), dot(simd, across, across));
+    let hit = first_hits(simd, cylinder, ray);
+    let t = simd.select_f64s(simd.greater_than_f64s(hit, simd.splat_f64s(0.0)), hit, passing);
+    dot(simd, difference(simd, times(simd, ray, t), point), d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rays;
+    use super::*;
+    use nalgebra::Vector3;
+    use pulp::Scalar;
+
+    #[test]
+    fn rays_meet_as_one_by_one() {
+        let outside =
+            Cylinder::new(Vector3::new(0.1, -0.05, 0.8), Vector3::new(0.3, 0.9, 0.2), 0.06).unwrap();
+        let around = Cylinder::new(Vector3::new(0.0, 0.0, 0.1), Vector3::new(0.1, 0.0, 1.0), 0.3).unwrap();
+        let behind = Cylinder::new(Vector3::new(0.1, 0.0, -0.8), Vector3::y(), 0.06).unwrap();
+        for cylinder in [outside, around, behind] {
+            for k in 0..40 {
+                let (x, y) = (0.02 * f64::from(k) - 0.4, 0.01 * f64::from(k * k % 17));
+                let one = rays::meets(&cylinder, &Vector3::new(x, y, 1.0));
+                assert_eq!(meets(Scalar, &cylinder, [x, y, 1.0]), one);
+            }
+        }
     }
-    let a = dot(simd, across, across);
-    let b = dot(simd, across, c);
-    let moment = cross(simd, across, c);
-    let discriminant =
-        simd.sub_f64s(simd.mul_f64s(simd.mul_f64s(a, radius), radius), dot(simd, moment, moment));
-    let root = simd.sqrt_f64s(simd.max_f64s(discriminant, zero));
-    let behind = simd.less_than_f64s(b, zero);
-    let large = simd.select_f64s(behind, simd.sub_f64s(b, root), simd.add_f64s(b, root));
-    let (one, other) = (simd.div_f64s(large, a), simd.div_f64s(square, large));
-    // Both are 0 where the larger one is.
-    let other = simd.select_f64s(simd.equal_f64s(large, zero), zero, other);
-    let (near, far) = (simd.min_f64s(one, other), simd.max_f64s(one, other));
-    let hit = simd.select_f64s(simd.greater_than_f64s(near, zero), near, far);
-    let passing = simd.div_f64s(dot(simd, across, point), a);
-    let hit = simd.select_f64s(simd.greater_than_f64s(hit, zero), hit, passing);
-    let t = simd.select_f64s(simd.less_than_f64s(discriminant, zero), passing, hit);
-    let mut offset = ray;
-    for k in 0..3 {
-        offset[k] = simd.sub_f64s(simd.mul_f64s(ray[k], t), point[k]);
-    }
-    dot(simd, offset, d)
 }

@@ -177,7 +177,7 @@ impl Scene<'_> {
         }
         let center = 0.5 * (pa + pb);
         let seed = self.cell_at(&center)?;
-        if self.planes[seed] != 0 || !self.grid.cells[seed].measured() {
+        if !self.open[seed] {
             return None;
         }
         self.effort.spend(VISITS_OF_PROFILE);
@@ -222,7 +222,7 @@ impl Scene<'_> {
                 let s = (column as f64 + 0.5) / columns as f64 - 0.5;
                 let p = center + along * (t * length) + across * (s * INNER * width);
                 match self.cell_at(&p) {
-                    Some(k) if self.grid.cells[k].measured() && self.planes[k] == 0 => cells.push(k),
+                    Some(k) if self.open[k] => cells.push(k),
                     _ => missing += 1,
                 }
             }

@@ -150,7 +150,7 @@ impl WithSimd for Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detection::distances::tests::cells;
+    use crate::detection::distances::tests::{cells, residual_of};
     use crate::geometry::{Cylinder, any_orthogonal};
 
     #[test]
@@ -169,7 +169,7 @@ mod tests {
             let (mut matrix, mut vector) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
             let mut count = 0;
             for cell in &cells {
-                let (place, distance, variance) = surface.residual(cell, optics.pixel);
+                let (place, distance, variance) = residual_of(&surface, cell, optics.pixel);
                 let ratio = distance / variance.sqrt();
                 if ratio.abs() > reach {
                     continue;

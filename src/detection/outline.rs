@@ -73,21 +73,27 @@ pub(super) fn outline(
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
     let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
-    // The outermost cell of each line on each side.
-    let mut outermost: List<[Option<(f64, usize)>; 2]> = List::filled([None; 2], count);
+    // The outermost cell of each line on each side, and how far out it is.
+    let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
     for ((&k, &across), along) in cells.iter().zip(&across).zip(&along) {
-        if across.is_nan() {
-            continue;
+        // None that is not a number is farther out.
+        let line = &mut outermost[(((along - first) / width * count as f64) as usize).min(count - 1)];
+        if -across > line[0].0 {
+            line[0] = (-across, k);
         }
-        let line = (((along - first) / width * count as f64) as usize).min(count - 1);
-        for (side, across) in [(0, -across), (1, across)] {
-            if outermost[line][side].is_none_or(|(best, _)| across > best) {
-                outermost[line][side] = Some((across, k));
+        if across > line[1].0 {
+            line[1] = (across, k);
+        }
+    }
+    let mut sides = List::with_capacity(2 * count);
+    for line in &outermost {
+        for ((across, k), sign) in line.iter().zip([-1.0, 1.0]) {
+            if *across > f64::NEG_INFINITY {
+                sides.push(scene.beyond(cylinder, *k, sign, mark));
             }
         }
     }
-    let ends = outermost.iter().flat_map(|line| line.iter().zip([-1.0, 1.0]));
-    ends.filter_map(|(end, sign)| end.map(|(_, k)| scene.beyond(cylinder, k, sign, mark))).collect()
+    sides
 }
 
 /// The numbers nearest to two coordinates, below limits. [`f64::round`] is a call.

@@ -146,10 +146,9 @@ fn divided(
     if both < gain + SECOND {
         return None;
     }
-    let free = |k: usize| scene.planes[k] == 0;
     let mut found = Vec::new();
     for (surface, cells) in parts {
-        let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, &free, marks) else {
+        let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, marks) else {
             continue;
         };
         if candidate.cells.len() < judged.candidate.cells.len() {

@@ -11,12 +11,12 @@ use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3, Vector4};
 /// The second derivative must be this many standard deviations from zero.
 const SIGNIFICANT: f64 = 3.0;
 
-/// The cells connected with a seed within a window of `half` cells to each side.
+/// The open cells connected with a seed within a window of `half` cells to each side.
 pub(super) fn collect(
     grid: &Grid,
     seed: usize,
     half: usize,
-    free: &dyn Fn(usize) -> bool,
+    open: &[bool],
     mark: &mut Marks,
     cells: &mut Vec<usize>,
 ) {
@@ -34,7 +34,7 @@ pub(super) fn collect(
             if !mark.has(neighbour)
                 && x.abs_diff(column) <= half
                 && y.abs_diff(row) <= half
-                && free(neighbour)
+                && open[neighbour]
                 && grid.connected(k, neighbour)
             {
                 mark.set(neighbour);

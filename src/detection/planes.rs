@@ -110,6 +110,11 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Ve
     owner
 }
 
+/// Which cells were measured and belong to no plane.
+pub(super) fn open(grid: &Grid, planes: &[u16]) -> Vec<bool> {
+    grid.cells.iter().zip(planes).map(|(cell, &plane)| cell.measured() && plane == 0).collect()
+}
+
 /// The sums of a block of cells without a step, if a plane explains them.
 fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(Sums, f64)> {
     let mut sums = Sums::none();

@@ -73,7 +73,7 @@ pub(crate) fn detect_in_mask(
     let scene = Scene {
         grid,
         noise,
-        planes: &planes,
+        open: planes::open(grid, &planes),
         normals: Normals::new(grid.cells.len()),
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: None,

@@ -85,7 +85,7 @@ pub(super) fn search(
     let scene = Scene {
         grid,
         noise,
-        planes: &planes,
+        open: planes::open(grid, &planes),
         normals: Normals::new(grid.cells.len()),
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
         image: image.map(|(edges, _)| edges),
@@ -182,7 +182,6 @@ pub(super) fn candidates(
     marks: &mut Marks,
 ) -> Vec<Judged> {
     let grid = scene.grid;
-    let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
     let mut cells = Vec::new();
     let mut visits = vec![0_u8; grid.cells.len()];
@@ -191,14 +190,10 @@ pub(super) fn candidates(
         for row in (stride / 2..grid.rows).step_by(stride) {
             for column in (stride / 2..grid.columns).step_by(stride) {
                 let seed = row * grid.columns + column;
-                if !grid.cells[seed].measured()
-                    || !free(seed)
-                    || explained[seed]
-                    || visits[seed] >= MOST_VISITS
-                {
+                if !scene.open[seed] || explained[seed] || visits[seed] >= MOST_VISITS {
                     continue;
                 }
-                patch::collect(grid, seed, half, &free, marks, &mut cells);
+                patch::collect(grid, seed, half, &scene.open, marks, &mut cells);
                 if cells.len() < FEWEST {
                     continue;
                 }
@@ -211,7 +206,7 @@ pub(super) fn candidates(
                     continue;
                 };
                 let Some(candidate) =
-                    scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, &free, marks)
+                    scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks)
                 else {
                     continue;
                 };
@@ -242,11 +237,10 @@ fn by_edges(
     if scene.image.is_none() {
         return moved;
     }
-    let free = |k: usize| scene.planes[k] == 0;
     for judged in found.iter().take_while(|_| !scene.effort.is_spent()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
-        let Some(candidate) = scene.grow(surface, cells, sides, &free, marks) else { continue };
+        let Some(candidate) = scene.grow(surface, cells, sides, marks) else { continue };
         if candidate.gain > *gain {
             moved.extend(Judged::new(scene, candidate, options, marks));
         }
@@ -264,7 +258,6 @@ fn by_pairs(
     if scene.image.is_none() {
         return Vec::new();
     }
-    let free = |k: usize| scene.planes[k] == 0;
     let mut found: Vec<Judged> = Vec::new();
     let mut tried: Vec<Cylinder> = Vec::new();
     let mut grown = 0;
@@ -286,7 +279,7 @@ fn by_pairs(
         grown += 1;
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
-        let Some(candidate) = scene.grow(&start, &pair.cells, sides, &free, marks) else { continue };
+        let Some(candidate) = scene.grow(&start, &pair.cells, sides, marks) else { continue };
         let Some(judged) = Judged::with_score(scene, candidate, LEAST_SCORE, options, marks) else {
             continue;
         };

@@ -155,16 +155,6 @@ pub(super) const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
 /// Standard deviation of that, in pixels.
 pub(super) const OUTLINE_PIXELS: f64 = 1.5;
 
-impl Surface {
-    /// The place of a cell, its distance from where the surface is measured, and the variance of that.
-    #[inline]
-    pub fn residual(&self, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
-        let Cell { x, y, point, sigma, .. } = *cell;
-        let residual = distances::residual(Scalar, self, pixel, point.into(), [x, y], sigma);
-        (residual.place.into(), residual.distance, residual.variance)
-    }
-}
-
 /// The mean of the points of the cells `which`.
 pub(super) fn middle(cells: &[Cell], which: &[usize]) -> Vector3<f64> {
     which.iter().map(|&k| cells[k].point / which.len() as f64).sum()
