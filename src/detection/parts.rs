@@ -89,31 +89,12 @@ fn joined(
     Judged::new(scene, candidate, options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
 }
 
-/// Divides candidates that are two cylinders one after the other: stacked cans, a bottle and its neck.
-pub(super) fn divide(
-    scene: &Scene<'_>,
-    found: &mut Vec<Judged>,
-    options: &DetectionOptions,
-    marks: &mut Marks,
-) {
-    let mut index = 0;
-    while index < found.len() && !scene.effort.is_spent() {
-        match divided(scene, &found[index], options, marks) {
-            // The parts come last, and may be divided again.
-            Some(parts) => {
-                found.remove(index);
-                found.extend(parts);
-            }
-            None => index += 1,
-        }
-    }
-}
-
 /// A surface and its cells.
 type Part = (Surface, List<usize>);
 
-/// The parts of a candidate, where two cylinders explain its cells better than one.
-fn divided(
+/// The parts of a candidate that is two cylinders one after the other, stacked cans, a bottle and its neck: where two explain its
+/// cells better than one.
+pub(super) fn divided(
     scene: &Scene<'_>,
     judged: &Judged,
     options: &DetectionOptions,
@@ -121,7 +102,7 @@ fn divided(
 ) -> Option<Vec<Judged>> {
     let Candidate { surface, cells, gain, .. } = &judged.candidate;
     // Each part should be about as long as wide to tell its own radius.
-    if judged.evidence.length < 2.0 {
+    if judged.evidence.length < 2.0 || scene.effort.is_spent() {
         return None;
     }
     let mut order: List<(f64, usize)> =

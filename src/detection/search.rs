@@ -105,9 +105,6 @@ pub(super) fn search(
     let mut found = distinct(found);
     effort.limit(LIMITS[3]);
     parts::join(&scene, &mut found, options, &mut marks);
-    effort.limit(LIMITS[4]);
-    parts::divide(&scene, &mut found, options, &mut marks);
-    effort.limit(LIMITS[5]);
     let chosen = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
     Ok(chosen)
@@ -312,7 +309,7 @@ fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOption
         && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
 }
 
-/// Candidates that do not share cells, the one that explains most first.
+/// Candidates that do not share cells, the one that explains most first, or its parts where it is two cylinders.
 fn select(
     scene: &Scene<'_>,
     found: &mut Vec<Judged>,
@@ -321,13 +318,28 @@ fn select(
 ) -> Vec<Judged> {
     let mut chosen: Vec<Judged> = Vec::new();
     let mut taken = vec![false; scene.grid.cells.len()];
-    found.sort_by(|a, b| b.say().total_cmp(&a.say()));
-    for mut judged in found.drain(..) {
+    let by_say = |a: &Judged, b: &Judged| a.say().total_cmp(&b.say());
+    found.sort_by(by_say);
+    while let Some(mut judged) = found.pop() {
         let all = judged.candidate.cells.len();
-        judged.candidate.cells.retain(|&k| !taken[k]);
-        if judged.candidate.cells.len() * 5 < all * 3 {
+        let left = judged.candidate.cells.iter().filter(|&&k| !taken[k]).count();
+        // What others explain nearly all of is not divided either.
+        if left * 5 < all {
             continue;
         }
+        scene.effort.limit(LIMITS[4]);
+        let parts = parts::divided(scene, &judged, options, marks);
+        scene.effort.limit(LIMITS[5]);
+        if let Some(parts) = parts {
+            // They may be divided again.
+            found.extend(parts);
+            found.sort_by(by_say);
+            continue;
+        }
+        if left * 5 < all * 3 {
+            continue;
+        }
+        judged.candidate.cells.retain(|&k| !taken[k]);
         if judged.candidate.cells.len() < all {
             judged.candidate.gain = scene.worth(&judged.candidate.surface, &judged.candidate.cells, marks);
             let Some(evidence) = scene.judge(&judged.candidate, options.min_score, marks) else { continue };
