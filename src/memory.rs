@@ -8,7 +8,9 @@
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fmt;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::num::NonZeroU64;
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -92,8 +94,28 @@ impl<T> FromIterator<T> for ByView<T> {
 
 /// Empty lists of all types, a [`Shelf`] each, and the number that tells the lists of this memory from all others.
 struct Shelves {
-    of_types: Vec<(TypeId, Box<dyn Any + Send>)>,
+    of_types: HashMap<TypeId, Box<dyn Any + Send>, BuildHasherDefault<TypeHash>>,
     owner: Owner,
+}
+
+/// The hash of a type, which its number is already.
+#[derive(Default)]
+struct TypeHash(u64);
+
+impl Hasher for TypeHash {
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        self.0 = self.0.rotate_left(8) ^ number;
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
 }
 
 /// The number of the shelves that a list belongs to; `None` for a list of none.
@@ -102,34 +124,58 @@ type Owner = Option<NonZeroU64>;
 impl Shelves {
     fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
-        Self { of_types: Vec::new(), owner: NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)) }
+        Self { of_types: HashMap::default(), owner: NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)) }
+    }
+
+    /// The shelf of a type, a new one where there is none.
+    fn of(&mut self, own: TypeId, new: fn() -> Box<dyn Any + Send>) -> &mut (dyn Any + Send) {
+        &mut **self.of_types.entry(own).or_insert_with(new)
     }
 }
 
+/// Works on the shelf of a type in what is lent to this thread, if it is of this owner or any is right, and returns whose it is.
+/// There are lists of so many types that the compiler is long about what each has a copy of: this has none.
+fn with_shelf(
+    own: TypeId,
+    new: fn() -> Box<dyn Any + Send>,
+    of: Owner,
+    work: &mut dyn FnMut(&mut (dyn Any + Send)),
+) -> Owner {
+    // Where a thread ends there is nothing lent any more.
+    let owner = LENT.try_with(|lent| {
+        let mut lent = lent.borrow_mut();
+        let shelves = lent.as_mut().filter(|shelves| of.is_none() || shelves.owner == of)?;
+        work(shelves.of(own, new));
+        shelves.owner
+    });
+    owner.ok().flatten()
+}
+
 /// Empty lists of one type: at k those with room for 2ᵏ elements and less than twice as many.
-struct Shelf<T>([Vec<Vec<T>>; SIZES]);
+struct Shelf<T>(Vec<Vec<Vec<T>>>);
 
 impl<T: Send + 'static> Shelf<T> {
-    fn of(shelves: &mut Shelves) -> Option<&mut Self> {
-        let (own, shelves) = (TypeId::of::<T>(), &mut shelves.of_types);
-        let place = shelves.iter().position(|(of, _)| *of == own).unwrap_or_else(|| {
-            shelves.push((own, Box::new(Self(Default::default()))));
-            shelves.len() - 1
-        });
-        // What is asked for often is found soon, and stays near the front when others are asked for.
-        shelves.swap(place / 2, place);
-        shelves[place / 2].1.downcast_mut()
+    fn boxed() -> Box<dyn Any + Send> {
+        let mut sizes = Vec::new();
+        sizes.resize_with(SIZES, Vec::new);
+        Box::new(Self(sizes))
     }
 
-    /// A list with room for so many elements, and little more if possible: what is larger is for others.
-    fn take(&mut self, count: usize) -> Option<Vec<T>> {
+    /// Works on the shelf of this type, as [`with_shelf`] does.
+    fn with(of: Owner, mut work: impl FnMut(&mut Self)) -> Owner {
+        with_shelf(TypeId::of::<T>(), Self::boxed, of, &mut |shelf| {
+            if let Some(shelf) = shelf.downcast_mut() {
+                work(shelf);
+            }
+        })
+    }
+
+    /// A list with room for so many elements, and little more if possible: what is larger is for others. The one with most room
+    /// where nobody knows how many.
+    fn take(&mut self, count: Option<usize>) -> Option<Vec<T>> {
+        let Some(count) = count else { return self.0.iter_mut().rev().find_map(Vec::pop) };
         let enough = count.checked_next_power_of_two()?.ilog2() as usize;
         self.0.get_mut(enough..)?.iter_mut().find_map(Vec::pop)
-    }
-
-    /// The list with most room, for what may grow.
-    fn take_largest(&mut self) -> Option<Vec<T>> {
-        self.0.iter_mut().rev().find_map(Vec::pop)
     }
 
     /// Keeps a list that has room.
@@ -212,7 +258,7 @@ impl<T: Send + 'static> List<T> {
     /// A list of nothing.
     #[must_use]
     pub fn new() -> Self {
-        Self::lent(Shelf::take_largest)
+        Self::lent(None)
     }
 
     /// A list of nothing that takes no room of the memory, and gives none.
@@ -224,7 +270,7 @@ impl<T: Send + 'static> List<T> {
     /// A list of nothing with room.
     #[must_use]
     pub fn with_capacity(capacity: usize) -> Self {
-        let mut list = Self::lent(|shelf| shelf.take(capacity));
+        let mut list = Self::lent(Some(capacity));
         if list.capacity() < capacity {
             // As much as is looked for the next time, where it is kept.
             let is_kept = list.1.is_some() && Self::is_kept(capacity);
@@ -240,14 +286,10 @@ impl<T: Send + 'static> List<T> {
     }
 
     /// What the memory of the call has, if any.
-    fn lent(take: impl FnOnce(&mut Shelf<T>) -> Option<Vec<T>>) -> Self {
-        let list = LENT.try_with(|lent| {
-            let mut lent = lent.borrow_mut();
-            let shelves = lent.as_mut()?;
-            let owner = shelves.owner;
-            Some(Self(take(Shelf::of(shelves)?).unwrap_or_default(), owner))
-        });
-        list.ok().flatten().unwrap_or(Self::apart())
+    fn lent(count: Option<usize>) -> Self {
+        let mut list = None;
+        let owner = Shelf::with(None, |shelf| list = shelf.take(count));
+        Self(list.unwrap_or_default(), owner)
     }
 
     /// So many times the same.
@@ -270,14 +312,7 @@ impl<T: Send + 'static> Drop for List<T> {
         let mut list = std::mem::take(&mut self.0);
         // Its elements may be lists.
         list.clear();
-        // Where a thread ends there is nothing lent any more.
-        let _ = LENT.try_with(|lent| {
-            let mut lent = lent.borrow_mut();
-            let own = lent.as_mut().filter(|shelves| shelves.owner == self.1);
-            if let Some(shelf) = own.and_then(Shelf::of) {
-                shelf.put(list);
-            }
-        });
+        Shelf::with(self.1, |shelf| shelf.put(std::mem::take(&mut list)));
     }
 }
 

@@ -3,8 +3,9 @@ use std::sync::Barrier;
 
 /// How many lists of a type a memory keeps.
 fn kept<T: Send + 'static>(memory: &Memory) -> usize {
-    let of = |shelf: &mut Shelf<T>| shelf.0.iter().map(Vec::len).sum::<usize>();
-    memory.not_lent().iter_mut().map(|shelves| Shelf::of(shelves).map_or(0, of)).sum()
+    let mut all = memory.not_lent();
+    let shelves = all.iter_mut().map(|shelves| shelves.of(TypeId::of::<T>(), Shelf::<T>::boxed));
+    shelves.flat_map(|shelf| &shelf.downcast_ref::<Shelf<T>>().unwrap().0).map(Vec::len).sum()
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Drawing on an enlarged image: lines between pixel positions, text, bars.
 
-use image::RgbaImage;
-use image::imageops::{self, FilterType};
+use crate::images::{Image, Pixels};
 use nalgebra::Vector2;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use std::borrow::Cow;
 use tiny_skia::{
-    FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke,
-    StrokeDash, Transform,
+    ColorU8, FillRule, FilterQuality, LineCap, LineJoin, Paint, Path, PathBuilder, Pattern, Pixmap,
+    PremultipliedColorU8, Rect, SpreadMode, Stroke, StrokeDash, Transform,
 };
 
 /// Red, green, blue, opacity.
@@ -107,32 +107,34 @@ impl Window {
 impl Canvas {
     /// Puts an image, `scale` times enlarged, on a canvas with a band of the given height below. `None` for
     /// sizes that cannot be drawn.
-    pub fn new(image: &RgbaImage, scale: u32, band: u32) -> Option<Self> {
+    pub fn new(image: &Pixmap, scale: u32, band: u32) -> Option<Self> {
         let (width, height) = (image.width().checked_mul(scale)?, image.height().checked_mul(scale)?);
         let mut pixels = Pixmap::new(width, height.checked_add(band)?)?;
-        let enlarged;
-        let image = if scale == 1 {
-            image
-        } else {
-            enlarged = imageops::resize(image, width, height, FilterType::CatmullRom);
-            &enlarged
-        };
-        for (to, from) in pixels.pixels_mut().iter_mut().zip(image.pixels()) {
-            let [r, g, b, _] = from.0;
-            *to = opaque([r, g, b]);
-        }
+        put(&mut pixels, height, image, Transform::from_scale(scale as f32, scale as f32));
         Some(Self { pixels, scale: f64::from(scale), corner: Vector2::zeros(), image_height: height })
     }
 
     /// A part of an image, made as wide as is asked for, without a band. `None` for sizes that cannot be drawn.
-    pub fn of_part(image: &RgbaImage, window: Window, width: u32) -> Option<Self> {
+    pub fn of_part(image: &Pixmap, window: Window, width: u32) -> Option<Self> {
         let [[left, top], [columns, rows]] = [window.corner, window.size];
         let scale = f64::from(width) / f64::from(columns);
         let height = ((f64::from(rows) * scale).round() as u32).max(1);
-        let part = imageops::crop_imm(image, left, top, columns, rows).to_image();
-        let filter = if scale > 1.0 { FilterType::CatmullRom } else { FilterType::Triangle };
-        let canvas = Self::new(&imageops::resize(&part, width, height, filter), 1, 0)?;
-        Some(Self { scale, corner: Vector2::new(f64::from(left), f64::from(top)), ..canvas })
+        // Between four pixels nothing is seen of those that a larger step leaves out: they are put together before.
+        let mut image = Cow::Borrowed(image);
+        let mut step = 1.0 / scale;
+        while step > 2.0 {
+            let mut half = Pixmap::new(image.width().div_ceil(2), image.height().div_ceil(2))?;
+            let height = half.height();
+            put(&mut half, height, &image, Transform::from_scale(0.5, 0.5));
+            image = Cow::Owned(half);
+            step /= 2.0;
+        }
+        let mut pixels = Pixmap::new(width, height)?;
+        let (x, y) = (-f64::from(left) * scale, -f64::from(top) * scale);
+        let enlarge = (1.0 / step) as f32;
+        put(&mut pixels, height, &image, Transform::from_row(enlarge, 0.0, 0.0, enlarge, x as f32, y as f32));
+        let corner = Vector2::new(f64::from(left), f64::from(top));
+        Some(Self { pixels, scale, corner, image_height: height })
     }
 
     /// Columns.
@@ -232,27 +234,16 @@ impl Canvas {
             let left = x + index as u32 * glyph.width() as u32;
             for (row, line) in (y..height).zip(glyph.rows()) {
                 for (column, &ink) in (left..width).zip(line) {
-                    let at = (row * width + column) as usize;
-                    let below = self.pixels.pixels()[at].demultiply();
-                    let mix = |below: u8, above: u8| {
-                        let (below, above, ink) = (u32::from(below), u32::from(above), u32::from(ink));
-                        ((below * (255 - ink) + above * ink) / 255) as u8
-                    };
-                    self.pixels.pixels_mut()[at] = opaque([
-                        mix(below.red(), color[0]),
-                        mix(below.green(), color[1]),
-                        mix(below.blue(), color[2]),
-                    ]);
+                    tint(&mut self.pixels, (column, row), [color[0], color[1], color[2], ink]);
                 }
             }
         }
     }
 
     /// The picture.
-    pub fn into_rgb(self) -> Option<image::RgbImage> {
-        let (width, height) = (self.pixels.width(), self.pixels.height());
+    pub fn into_image(self) -> Image {
         let bytes = self.pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        image::RgbImage::from_raw(width, height, bytes)
+        Image { size: (self.pixels.width(), self.pixels.height()), pixels: Pixels::Rgb8(bytes) }
     }
 
     fn stroke(&mut self, path: &Path, pen: Pen) {
@@ -272,6 +263,20 @@ pub fn text_width(text: &str) -> u32 {
     (text.chars().count() * get_raster_width(FontWeight::Regular, TEXT)) as u32
 }
 
+/// Fills the upper rows of a canvas with an image.
+fn put(canvas: &mut Pixmap, rows: u32, image: &Pixmap, to: Transform) {
+    let quality = match to.sx {
+        1.0 => FilterQuality::Nearest,
+        ..1.0 => FilterQuality::Bilinear,
+        _ => FilterQuality::Bicubic,
+    };
+    // Rounded sizes may end outside the image: its border goes on there.
+    let shader = Pattern::new(image.as_ref(), SpreadMode::Pad, quality, 1.0, to);
+    if let Some(rect) = Rect::from_xywh(0.0, 0.0, canvas.width() as f32, rows as f32) {
+        canvas.fill_rect(rect, &Paint { shader, ..Paint::default() }, Transform::identity(), None);
+    }
+}
+
 fn paint(color: Color) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     let [r, g, b, a] = color;
@@ -279,6 +284,18 @@ fn paint(color: Color) -> Paint<'static> {
     paint
 }
 
-fn opaque([r, g, b]: [u8; 3]) -> PremultipliedColorU8 {
-    tiny_skia::ColorU8::from_rgba(r, g, b, 255).premultiply()
+/// Mixes a colour into a pixel of an image.
+pub fn tint(image: &mut Pixmap, (column, row): (u32, u32), [r, g, b, opacity]: Color) {
+    let at = (row * image.width() + column) as usize;
+    let pixel = &mut image.pixels_mut()[at];
+    let mix = |below: u8, above: u8| {
+        let (below, above, part) = (u32::from(below), u32::from(above), u32::from(opacity));
+        ((below * (255 - part) + above * part) / 255) as u8
+    };
+    *pixel = opaque([mix(pixel.red(), r), mix(pixel.green(), g), mix(pixel.blue(), b)]);
+}
+
+/// A pixel of an image.
+pub fn opaque([r, g, b]: [u8; 3]) -> PremultipliedColorU8 {
+    ColorU8::from_rgba(r, g, b, 255).premultiply()
 }

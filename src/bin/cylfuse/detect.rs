@@ -4,6 +4,7 @@ use crate::cloud::{Cloud, CloudFile, write_numbered_ply};
 use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
 use crate::frame::{Frame, View};
+use crate::images::{Image, Pixels};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_SCENE, Picture};
@@ -14,7 +15,6 @@ use cylfuse::camera::Camera;
 use cylfuse::geometry::RigidMotion;
 use cylfuse::observations::DepthImage;
 use cylfuse::scene::{self, Detector, DetectorOptions, Observer, Progress};
-use image::{ImageBuffer, ImageFormat, Luma};
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 use std::ops::ControlFlow;
@@ -288,9 +288,7 @@ fn of_cloud(found: &scene::Found) -> Found {
     Found { score: found.score, pixels: found.pixels, measurement }
 }
 
-fn write_labels(path: &Path, (width, height): (usize, usize), labels: &[u16]) -> Result<(), Failure> {
-    let image: Option<ImageBuffer<Luma<u16>, _>> =
-        ImageBuffer::from_raw(width as u32, height as u32, labels.to_vec());
-    let image = image.ok_or_else(|| Failure::not_writable(path, "the picture is too large"))?;
-    write_file(path, |to| image.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
+fn write_labels(path: &Path, size: (usize, usize), labels: &[u16]) -> Result<(), Failure> {
+    let image = Image::new(size, Pixels::Grey16(labels.to_vec()));
+    write_file(path, |to| image.write_png(to))
 }

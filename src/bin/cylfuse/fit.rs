@@ -14,7 +14,6 @@ use cylfuse::extent::{ArcSample, Extent};
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::MaskView;
-use image::ImageFormat;
 use rayon::prelude::*;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -288,7 +287,7 @@ fn write_overlays(
             let path = folder.join(name);
             let picture =
                 picture.as_ref().ok_or_else(|| Failure::not_writable(&path, "the picture is too large"))?;
-            write_file(&path, |to| picture.write_to(to, ImageFormat::Png).map_err(std::io::Error::other))
+            write_file(&path, |to| picture.write_png(to))
         };
         if index == 0 {
             write("overlay.png")?;

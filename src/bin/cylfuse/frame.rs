@@ -1,11 +1,10 @@
 //! Frame files: one or more RGB-D views with their cameras.
 
 use crate::failure::Failure;
-use crate::images::{self, Role};
+use crate::images::{self, Image, Pixels, Role};
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::geometry::RigidMotion;
 use cylfuse::observations::{self, DepthCamera, DepthRange, DepthView, EdgeSegment};
-use image::DynamicImage;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -29,7 +28,7 @@ pub struct View {
     /// From the frame of the camera to that of the result.
     pub pose: RigidMotion,
     /// The image, unless it is absent or not wanted.
-    pub image: Option<DynamicImage>,
+    pub image: Option<Image>,
     /// Light is the value of the image to this power; 1 where the file does not say.
     pub image_gamma: f64,
     /// The depth z of each pixel, row by row; 0 = not measured.
@@ -172,13 +171,9 @@ impl View {
         let size = |camera: &Camera| (camera.intrinsics().width, camera.intrinsics().height);
         let depth_size = size(depth_camera.as_ref().map_or(&camera, |own| &own.camera));
         let read = |name: &Path, role| images::read(&folder.join(name), role, size(&camera));
-        let depth = match images::read(&folder.join(&fields.depth), Role::Depth, depth_size)? {
-            DynamicImage::ImageLuma16(grey) => grey.into_raw(),
-            other => {
-                let reason =
-                    format!("the depth image was decoded to {:?}, not to 16-bit grey", other.color());
-                return Err(Failure::bad_image(&folder.join(&fields.depth), reason));
-            }
+        let depth = folder.join(&fields.depth);
+        let Pixels::Grey16(depth) = images::read(&depth, Role::Depth, depth_size)?.pixels else {
+            return Err(Failure::bad_image(&depth, "the depth image was not decoded to 16-bit grey"));
         };
         let mask = fields.mask.as_deref().map(|name| read(name, Role::Mask)).transpose()?;
         let image = fields.image.as_deref().filter(|_| with_image);
@@ -192,7 +187,7 @@ impl View {
             depth,
             depth_scale: fields.depth_scale,
             depth_camera,
-            mask: mask.map(images::mask_bytes),
+            mask: mask.as_ref().map(images::mask_bytes),
             edges: fields.edges.unwrap_or_default().into_iter().map(segment).collect(),
             pose: pose.unwrap_or_default(),
             camera,

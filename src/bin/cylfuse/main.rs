@@ -12,6 +12,7 @@ mod detect_arguments;
 mod failure;
 mod fit;
 mod frame;
+mod ground;
 mod images;
 mod inputs;
 mod overlay;

@@ -1,7 +1,9 @@
 //! The picture of a fit: the image with limb lines, ends, axis, given edges, completed surface, and the samples of limbs
 //! and ends that were used and refused.
 
-use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, Window, text_width};
+use crate::canvas::{Canvas, Color, LINE_HEIGHT, Pen, Window, text_width, tint};
+use crate::ground;
+use crate::images::Image;
 use crate::page::{Label, Picture};
 use crate::report::Measurement;
 use cylfuse::camera::Camera;
@@ -9,9 +11,9 @@ use cylfuse::extent::ArcSample;
 use cylfuse::fitter::Fitter;
 use cylfuse::fitter::LimbSample;
 use cylfuse::geometry::{Cylinder, LimbFrame, Line, any_orthogonal};
-use image::{DynamicImage, RgbaImage};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::TAU;
+use tiny_skia::Pixmap;
 
 // Colours that people with any colour vision can tell apart, in hue and in brightness.
 const LIMBS: Color = [64, 224, 255, 255];
@@ -60,7 +62,7 @@ pub struct Overlay<'a> {
     /// The fit, with the view selected.
     pub fitter: &'a Fitter,
     /// The image, if there is one.
-    pub image: Option<&'a DynamicImage>,
+    pub image: Option<&'a Image>,
     /// The camera of the view.
     pub camera: &'a Camera,
     /// Extent and numbers of the fit.
@@ -73,8 +75,8 @@ pub struct Overlay<'a> {
 
 impl Overlay<'_> {
     /// The picture; `None` where it would be too large.
-    pub fn draw(&self) -> Option<image::RgbImage> {
-        let image = self.ground();
+    pub fn draw(&self) -> Option<Image> {
+        let image = self.ground()?;
         let scale = ((WIDTH + image.width() / 2) / image.width()).clamp(1, 16);
         let caption = self.caption();
         let lines = layout(&caption, image.width() * scale);
@@ -86,28 +88,29 @@ impl Overlay<'_> {
             label(&mut canvas, &at, state);
         }
         draw_caption(&mut canvas, &lines);
-        canvas.into_rgb()
+        Some(canvas.into_image())
     }
 
     /// The cylinder alone in a picture of some width, without any text, for a page that writes the text itself: its size does
     /// not shrink with the picture then. `None` where it cannot be drawn.
     pub fn illustrate(&self, width: u32) -> Option<Picture> {
-        let image = self.ground();
-        let window = Window::around(self.completed.iter().copied(), image.dimensions().into());
+        let image = self.ground()?;
+        let window = Window::around(self.completed.iter().copied(), [image.width(), image.height()]);
         let mut canvas = Canvas::of_part(&image, window, width)?;
         let labels = self.draw_fit(&mut canvas);
         self.draw_samples(&mut canvas);
         let labels = labels.iter().map(|(at, state)| Label::new(&canvas, at, state)).collect();
-        Picture::new(&canvas.into_rgb()?, labels)
+        Picture::new(&canvas.into_image(), labels)
     }
 
     /// The image with the surface of the cylinder.
-    fn ground(&self) -> RgbaImage {
-        let mut image = self.background();
-        for &(column, row) in self.completed {
-            tint(image.get_pixel_mut(column, row), SURFACE);
+    fn ground(&self) -> Option<Pixmap> {
+        let depth = self.fitter.depth();
+        let mut image = ground::draw(self.image, self.camera.size(), |x, y| depth?.depth(x, y))?;
+        for &pixel in self.completed {
+            tint(&mut image, pixel, SURFACE);
         }
-        image
+        Some(image)
     }
 
     /// Draws given edges and the fitted cylinder; returns what is to be written beside its ends, and where.
@@ -122,23 +125,6 @@ impl Overlay<'_> {
         let cylinder = self.fitter.pose().inverse().cylinder(&result.cylinder);
         self.draw_lines(&cylinder, canvas);
         self.draw_ends(&cylinder, canvas)
-    }
-
-    /// The image, or the depth as grey levels when there is none.
-    fn background(&self) -> RgbaImage {
-        match self.image {
-            Some(image @ (DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_))) => {
-                let grey = image.to_luma16();
-                grey_levels(grey.dimensions(), |x, y| Some(f64::from(grey.get_pixel(x, y).0[0])), false)
-            }
-            Some(image) => image.to_rgba8(),
-            None => {
-                let (width, height) = self.camera.size();
-                let depth = self.fitter.depth();
-                let value = |x: u32, y: u32| depth?.depth(x as usize, y as usize);
-                grey_levels((width as u32, height as u32), value, true)
-            }
-        }
     }
 
     /// Limb lines and axis, between the ends where there are any.
@@ -367,36 +353,4 @@ fn draw_caption(canvas: &mut Canvas, lines: &[Vec<&Item>]) {
             x += item.width() + SPACE;
         }
     }
-}
-
-pub(crate) fn tint(pixel: &mut image::Rgba<u8>, [r, g, b, opacity]: Color) {
-    for (below, above) in pixel.0.iter_mut().zip([r, g, b]) {
-        let (old, new, part) = (u32::from(*below), u32::from(above), u32::from(opacity));
-        *below = ((old * (255 - part) + new * part) / 255) as u8;
-    }
-}
-
-/// Grey levels of values, spread over the range that is in use: sensors fill 10 or 12 of 16 bits, and depths a part of
-/// theirs. What was not measured is black.
-pub(crate) fn grey_levels(
-    (width, height): (u32, u32),
-    value: impl Fn(u32, u32) -> Option<f64>,
-    depth: bool,
-) -> RgbaImage {
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let mut sorted: Vec<f64> = pixels.filter_map(|(x, y)| value(x, y)).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    // One value in fifty at either side may be an outlier.
-    let quantile =
-        |part: usize| sorted.get(sorted.len().saturating_sub(1) * part / 50).copied().unwrap_or(0.0);
-    let (low, high) = if depth { (quantile(1), quantile(49)) } else { (0.0, quantile(50)) };
-    let part = |value: f64| if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
-    RgbaImage::from_fn(width, height, |x, y| {
-        let level = value(x, y).map_or(0.0, |value| match depth {
-            // Near is bright.
-            true => 235.0 - 190.0 * part(value),
-            false => 255.0 * part(value),
-        });
-        image::Rgba([level as u8, level as u8, level as u8, 255])
-    })
 }

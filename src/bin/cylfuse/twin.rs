@@ -2,14 +2,13 @@
 
 use crate::failure::Failure;
 use crate::fit::{create_folder, write_file};
+use crate::images::{Image, Pixels};
 use crate::twin_arguments::{KindName, TwinArguments};
 use cylfuse::camera::Camera;
 use cylfuse::observations::DepthCamera;
 use cylfuse::twin::{
     self, Capture, CaptureOptions, DEPTH_UNIT, Scene, SeenCylinder, TrueCylinder, capture, random_scene,
 };
-use image::codecs::jpeg::JpegEncoder;
-use image::{ImageBuffer, ImageFormat, Luma, Primitive};
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -41,38 +40,23 @@ impl Writer<'_> {
         let depth_size = self.frame.depth_camera.as_ref().map_or(size, |own| own.camera.size());
         // Of an earlier run with another option.
         remove(&self.folder.join(if jpeg.is_some() { "image.png" } else { "image.jpg" }))?;
+        let image = Image::new(size, Pixels::Grey8(self.frame.image.clone()));
         match jpeg {
-            None => self.png("image.png", size, self.frame.image.clone())?,
-            Some(quality) => write_file(&self.folder.join("image.jpg"), |to| {
-                let (width, height) = (size.0 as u32, size.1 as u32);
-                let grey = image::ExtendedColorType::L8;
-                let mut encoder = JpegEncoder::new_with_quality(to, quality);
-                encoder.encode(&self.frame.image, width, height, grey).map_err(io::Error::other)
-            })?,
+            None => self.png("image.png", &image)?,
+            Some(quality) => {
+                write_file(&self.folder.join("image.jpg"), |to| image.write_jpeg(to, quality))?;
+            }
         }
-        self.png("depth.png", depth_size, self.frame.depth.clone())?;
+        self.png("depth.png", &Image::new(depth_size, Pixels::Grey16(self.frame.depth.clone())))?;
         // No scene has more than 255 objects.
         let labels = self.frame.labels.iter().map(|label| (*label).min(255) as u8).collect();
-        self.png("labels.png", size, labels)?;
+        self.png("labels.png", &Image::new(size, Pixels::Grey8(labels)))?;
         let body = self.frame.body.iter().map(|body| if *body { 255 } else { 0 }).collect();
-        self.png::<u8>("body.png", size, body)
+        self.png("body.png", &Image::new(size, Pixels::Grey8(body)))
     }
 
-    fn png<T: Primitive>(
-        &self,
-        name: &str,
-        (width, height): (usize, usize),
-        values: Vec<T>,
-    ) -> Result<(), Failure>
-    where
-        Luma<T>: image::PixelWithColorType<Subpixel = T>,
-        [T]: image::EncodableLayout,
-    {
-        let path = self.folder.join(name);
-        let picture: Option<ImageBuffer<Luma<T>, Vec<T>>> =
-            ImageBuffer::from_raw(width as u32, height as u32, values);
-        let picture = picture.ok_or_else(|| Failure::not_writable(&path, "the picture is too large"))?;
-        write_file(&path, |to| picture.write_to(to, ImageFormat::Png).map_err(io::Error::other))
+    fn png(&self, name: &str, image: &Image) -> Result<(), Failure> {
+        write_file(&self.folder.join(name), |to| image.write_png(to))
     }
 
     fn json(&self, arguments: &TwinArguments) -> Result<(), Failure> {
@@ -90,7 +74,8 @@ impl Writer<'_> {
         let truth = match (arguments.kind, self.frame.cylinders.as_slice()) {
             (KindName::Single, [only]) => {
                 let size = self.options.camera.size();
-                self.png("mask.png", size, twin::drawn_mask(&self.frame.body, size, self.seed))?;
+                let mask = twin::drawn_mask(&self.frame.body, size, self.seed);
+                self.png("mask.png", &Image::new(size, Pixels::Grey8(mask)))?;
                 frame["mask"] = json!("mask.png");
                 let edges = twin::true_edges(&only.truth, &self.options.camera);
                 if let Some(edges) = &edges {

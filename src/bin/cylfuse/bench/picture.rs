@@ -3,10 +3,9 @@
 use super::page::{data, escaped};
 use super::sample::View;
 use crate::failure::Failure;
+use crate::images::{Image, Pixels};
 use cylfuse::camera::Camera;
 use cylfuse::geometry::{Cylinder, LimbFrame, any_orthogonal};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -73,14 +72,12 @@ pub fn over_image(view: &View, outlines: &[Outline], caption: &str) -> Result<St
     let (top, bottom) = range(&|k| k / width, height);
     let size = [right.saturating_sub(left), bottom.saturating_sub(top)];
     let rows = (top..bottom).flat_map(|y| &view.image[y * width + left..y * width + right]);
-    let pixels: Vec<u8> = rows.copied().collect();
+    let shown = Image::new(size.into(), Pixels::Grey8(rows.copied().collect()));
     let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(&pixels, size[0] as u32, size[1] as u32, ExtendedColorType::L8)
-        .map_err(|error| Failure {
-            status: "PLOT",
-            message: format!("a picture cannot be encoded: {error}"),
-        })?;
+    shown.write_png(&mut png).map_err(|error| Failure {
+        status: "PLOT",
+        message: format!("a picture cannot be encoded: {error}"),
+    })?;
     let mut svg = format!(
         "<figure><svg viewBox=\"0 0 {0} {1}\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\"><image width=\"{0}\" height=\"{1}\" href=\"{2}\"/>",
         size[0],

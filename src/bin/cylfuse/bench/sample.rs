@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::frame::Frame;
+use crate::ground;
 use cylfuse::camera::Camera;
 use cylfuse::fitter::Fitter;
 use cylfuse::geometry::Cylinder;
@@ -160,7 +161,7 @@ impl Sample {
             Some(_) => false,
         };
         let views = Frame::read(path, true)?.views.into_iter().map(|view| {
-            let image = view.image.as_ref().map(|image| image.to_luma8().into_raw()).unwrap_or_default();
+            let image = view.image.as_ref().map(ground::grey).unwrap_or_default();
             Ok(View {
                 frame: view.observed()?,
                 camera: view.camera,

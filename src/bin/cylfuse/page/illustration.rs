@@ -1,8 +1,7 @@
 //! What a page shows of a frame or cylinder beside its numbers: pictures without text, what is to be written on them, points.
 
 use crate::canvas::Canvas;
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, RgbImage};
+use crate::images::Image;
 use nalgebra::Vector2;
 use serde::{Serialize, Serializer};
 
@@ -42,10 +41,9 @@ impl Label {
 
 impl Picture {
     /// From its pixels; none where they cannot be encoded.
-    pub fn new(pixels: &RgbImage, labels: Vec<Label>) -> Option<Self> {
+    pub fn new(pixels: &Image, labels: Vec<Label>) -> Option<Self> {
         let mut jpeg = Vec::new();
-        let mut encoder = JpegEncoder::new_with_quality(&mut jpeg, PICTURE_QUALITY);
-        encoder.encode(pixels, pixels.width(), pixels.height(), ExtendedColorType::Rgb8).ok()?;
+        pixels.write_jpeg(&mut jpeg, PICTURE_QUALITY).ok()?;
         Some(Self { jpeg, labels })
     }
 }
@@ -81,7 +79,7 @@ fn in_base_64<S: Serializer>(bytes: &[u8], serializer: S) -> Result<S::Ok, S::Er
 mod tests {
     use super::*;
     use crate::canvas::Window;
-    use image::RgbaImage;
+    use tiny_skia::Pixmap;
 
     #[test]
     fn points_are_few() {
@@ -94,7 +92,7 @@ mod tests {
     #[test]
     fn a_picture_of_a_part_has_its_labels_where_they_belong() {
         let size = [640, 480];
-        let image = RgbaImage::new(640, 480);
+        let image = Pixmap::new(640, 480).unwrap();
         // A small thing at the right border: the window is four to three and inside the image.
         let pixels = (0..100).map(|k| (620 + k % 20, 200 + k / 20));
         let window = Window::around(pixels, size);
@@ -104,7 +102,7 @@ mod tests {
         let middle = Label::new(&canvas, &Vector2::new(615.5, 201.5), "seen");
         assert!(middle.at.iter().all(|part| (part - 0.5).abs() < 1e-5), "{middle:?}");
         assert_eq!(Label::new(&canvas, &Vector2::new(0.0, 0.0), "cut").at, [0.05, 0.05]);
-        let picture = Picture::new(&canvas.into_rgb().unwrap(), vec![middle]).unwrap();
+        let picture = Picture::new(&canvas.into_image(), vec![middle]).unwrap();
         let shown = image::load_from_memory(&picture.jpeg).unwrap();
         assert_eq!((shown.width(), shown.height()), (480, 360));
         // All of the image around nothing; around more than it holds, too.
