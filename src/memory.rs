@@ -8,7 +8,9 @@
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fmt;
+use std::hash::{BuildHasherDefault, Hasher};
 use std::num::NonZeroU64;
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -92,8 +94,28 @@ impl<T> FromIterator<T> for ByView<T> {
 
 /// Empty lists of all types, a [`Shelf`] each, and the number that tells the lists of this memory from all others.
 struct Shelves {
-    of_types: Vec<(TypeId, Box<dyn Any + Send>)>,
+    of_types: HashMap<TypeId, Box<dyn Any + Send>, BuildHasherDefault<TypeHash>>,
     owner: Owner,
+}
+
+/// The hash of a type, which its number is already.
+#[derive(Default)]
+struct TypeHash(u64);
+
+impl Hasher for TypeHash {
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u64(u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        self.0 = self.0.rotate_left(8) ^ number;
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
 }
 
 /// The number of the shelves that a list belongs to; `None` for a list of none.
@@ -102,7 +124,7 @@ type Owner = Option<NonZeroU64>;
 impl Shelves {
     fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
-        Self { of_types: Vec::new(), owner: NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)) }
+        Self { of_types: HashMap::default(), owner: NonZeroU64::new(NEXT.fetch_add(1, Ordering::Relaxed)) }
     }
 }
 
@@ -111,14 +133,8 @@ struct Shelf<T>([Vec<Vec<T>>; SIZES]);
 
 impl<T: Send + 'static> Shelf<T> {
     fn of(shelves: &mut Shelves) -> Option<&mut Self> {
-        let (own, shelves) = (TypeId::of::<T>(), &mut shelves.of_types);
-        let place = shelves.iter().position(|(of, _)| *of == own).unwrap_or_else(|| {
-            shelves.push((own, Box::new(Self(Default::default()))));
-            shelves.len() - 1
-        });
-        // What is asked for often is found soon.
-        shelves.swap(0, place);
-        shelves[0].1.downcast_mut()
+        let of_type = shelves.of_types.entry(TypeId::of::<T>());
+        of_type.or_insert_with(|| Box::new(Self(Default::default()))).downcast_mut()
     }
 
     /// A list with room for so many elements, and little more if possible: what is larger is for others.
