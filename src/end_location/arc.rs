@@ -289,16 +289,16 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
         let count = 2 * reach as usize + 1;
         let (mut samples, mut cut_off) = (List::with_capacity(count), List::new());
-        samples.extend((0..count).map_while(|k| {
-            let pixel = at(SAMPLE_PIXELS.get() * (k as i64 - reach) as f64)?;
-            let value = interpolate(&arcs.image, &pixel)?;
-            let [column, row] = [pixel.x, pixel.y].map(|x| x as usize);
-            let near = [(column, row), (column + 1, row), (column, row + 1), (column + 1, row + 1)];
-            if near.iter().any(|(column, row)| arcs.image.is_saturated(*column, *row)) {
+        for k in 0..count {
+            let pixel = at(SAMPLE_PIXELS.get() * (k as i64 - reach) as f64);
+            let Some((value, saturated)) = pixel.and_then(|pixel| interpolate(&arcs.image, &pixel)) else {
+                break;
+            };
+            samples.push(value);
+            if saturated {
                 cut_off.push(k);
             }
-            Some(value)
-        }));
+        }
         if samples.len() < count {
             continue;
         }
@@ -348,8 +348,9 @@ fn inner_circle(surface: &Surface<'_>, rough: &RoughEnd, outward: f64, width: f6
     ((across - center).norm() / surface.cylinder.radius).max(0.0)
 }
 
-/// The brightness between pixels, bilinear.
-fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
+/// The brightness between pixels, bilinear, and whether the light of one of them may be any from its value on.
+#[inline]
+fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<(f64, bool)> {
     // Not negative, numbers become those below them; `f64::floor` is a call.
     let (column, row) = (pixel.x as u32, pixel.y as u32);
     let (x, y) = (f64::from(column), f64::from(row));
@@ -359,9 +360,9 @@ fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<f64> {
     }
     let (column, row) = (column as usize, row as usize);
     let (right, down) = (pixel.x - x, pixel.y - y);
-    let value = |column: usize, row: usize| f64::from(image.value(column, row));
-    let line = |row: usize| value(column, row) * (1.0 - right) + value(column + 1, row) * right;
-    Some(line(row) * (1.0 - down) + line(row + 1) * down)
+    let ([above, below], saturated) = image.square(column, row);
+    let line = |[a, b]: [f32; 2]| f64::from(a) * (1.0 - right) + f64::from(b) * right;
+    Some((line(above) * (1.0 - down) + line(below) * down, saturated))
 }
 
 /// The noise of the samples: the median size of their second difference over a step of one pixel, at which they

@@ -194,8 +194,9 @@ impl<'a> Silhouette<'a> {
 }
 
 fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
-    let inside = pixel.x > -0.5 && pixel.y > -0.5;
-    inside && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
+    let (x, y) = (pixel.x + 0.5, pixel.y + 0.5);
+    // The conversion rounds down; `f64::round` is a call.
+    x > 0.0 && y > 0.0 && mask.contains(x as usize, y as usize)
 }
 
 /// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority

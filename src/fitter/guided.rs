@@ -284,7 +284,8 @@ impl<'a> View<'_, 'a, '_, '_> {
         let by_hand = noise.limb_of_segments();
         let view = self.view().clone();
         let sides_of = |fit: &Attempt| Sides::new(outline, camera, &view.seen(fit.cylinder()), &noise);
-        if let Ok(fit) = &first
+        if !given.is_empty()
+            && let Ok(fit) = &first
             && let Some(sides) = sides_of(fit)
             && let Some(agreement) = sides.compare(given)
             && agreement.holds()

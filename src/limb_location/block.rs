@@ -53,25 +53,24 @@ impl Background {
     }
 }
 
-/// How far from a line its pixels are looked at, in pixels.
+/// From where to where across a line its pixels are looked at, in pixels inside it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
-    pub outside: f64,
-    pub inside: f64,
+    from: f64,
+    to: f64,
 }
 
 impl Window {
     /// As far as the profile reaches.
     pub fn full() -> Self {
-        Self { outside: OUTSIDE.get(), inside: INSIDE.get() }
+        Self { from: -OUTSIDE.get(), to: INSIDE.get() }
     }
 
-    /// Windows that leave out the outer part of the background, the inner part of the surface, and both.
-    pub fn smaller() -> [Self; 3] {
-        let Self { outside, inside } = Self::full();
-        let [near_outside, near_inside] = [outside, inside].map(|reach| NEAR_PART.get() * reach);
-        [(near_outside, inside), (outside, near_inside), (near_outside, near_inside)]
-            .map(|(outside, inside)| Self { outside, inside })
+    /// The outer part of the background, what is about the line, and the inner part of the surface.
+    pub fn parts() -> [Self; 3] {
+        let Self { from, to } = Self::full();
+        let [near_from, near_to] = [from, to].map(|reach| NEAR_PART.get() * reach);
+        [(from, near_from), (near_from, near_to), (near_to, to)].map(|(from, to)| Self { from, to })
     }
 }
 
@@ -126,23 +125,29 @@ impl Block {
     }
 }
 
-/// The blocks of a limb with a given line, from the pixels in a window about the line `near`, which is within
-/// [`super::profile::MARGIN`] of it. `noise` is the standard deviation of a pixel.
-pub(super) fn fit_blocks(
+/// What the blocks of a limb say with a given line, from the pixels in a window about the line `near`, which is within
+/// [`super::profile::MARGIN`] of it.
+pub(super) fn shaded_sums(
     strip: &Strip,
-    noise: f64,
-    background: Background,
     profile: &Table<ShadedRow>,
     line: &StripLine,
     near: &StripLine,
     window: Window,
-) -> List<Block> {
+) -> List<ShadedSums> {
     let mut rows = List::with_capacity(strip.pixels_of_block());
-    let sums = |runs| ShadedSums::new(Gather { strip, profile, line, near, window, runs, rows: &mut rows });
-    let sums = blocks(strip).filter_map(sums);
-    let mut blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
-    blocks.extend(sums.filter_map(|sums| sums.fit(noise, background)));
-    blocks
+    let mut of_blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
+    of_blocks.extend(
+        blocks(strip).map(|runs| {
+            ShadedSums::new(Gather { strip, profile, line, near, window, runs, rows: &mut rows })
+        }),
+    );
+    of_blocks
+}
+
+/// The blocks that have enough pixels. `noise` is the standard deviation of a pixel.
+pub(super) fn fit_blocks(sums: &[ShadedSums], noise: f64, background: Background) -> List<Block> {
+    let enough = sums.iter().filter(|sums| sums.count >= LEAST_PIXELS.count() as f64);
+    enough.filter_map(|sums| sums.fit(noise, background)).collect()
 }
 
 /// What the blocks say about levels and shading with a given line, from the pixels about the line `near`: the
@@ -169,29 +174,25 @@ fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
         .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
 }
 
-/// The pixels of a run in a window about a line. Where white was cut off the profile is not what the light was.
-fn pixels_about<'a>(
-    run: &'a [StripPixel],
-    line: &StripLine,
-    window: Window,
-) -> impl Iterator<Item = &'a StripPixel> {
-    let place = |pixel: &StripPixel| pixel.u - line.at(pixel.s);
-    let first = count_while(run, |pixel| place(pixel) + window.outside, |past| past < 0.0);
-    let run = &run[first..];
-    let about = &run[..count_while(run, |pixel| place(pixel) - window.inside, |past| past <= 0.0)];
-    about.iter().filter(|pixel| !pixel.saturated)
+/// How far a pixel is inside a line.
+#[inline(always)]
+fn place(pixel: &StripPixel, line: &StripLine) -> f64 {
+    pixel.u - line.at(pixel.s)
 }
 
-/// How many of the first pixels of a run are `within` a limit, which they are `past` by more and more. The pixels of a run
-/// are about evenly spread: a straight line tells the number nearly.
-fn count_while(run: &[StripPixel], past: impl Fn(&StripPixel) -> f64, within: impl Fn(f64) -> bool) -> usize {
-    let [Some(first), Some(last)] = [run.first(), run.last()].map(|pixel| pixel.map(&past)) else { return 0 };
-    let mut count = (1.0 + (run.len() - 1) as f64 * first / (first - last)) as usize;
+/// How many of the first pixels of a run are not as far inside a line as a distance. The pixels of a run are about evenly
+/// spread: a straight line tells the number nearly.
+#[inline(always)]
+fn count_before(run: &[StripPixel], line: &StripLine, distance: f64) -> usize {
+    let (Some(first), Some(last)) = (run.first(), run.last()) else { return 0 };
+    let (first, last) = (place(first, line) - distance, place(last, line) - distance);
+    // The conversion holds what is below 0 at 0.
+    let mut count = (1.0 + (run.len() - 1) as f64 * first / (first - last)) as u32 as usize;
     count = count.min(run.len());
-    while count > 0 && !within(past(&run[count - 1])) {
+    while count > 0 && !(place(&run[count - 1], line) - distance < 0.0) {
         count -= 1;
     }
-    while count < run.len() && within(past(&run[count])) {
+    while count < run.len() && place(&run[count], line) - distance < 0.0 {
         count += 1;
     }
     count
@@ -199,7 +200,8 @@ fn count_while(run: &[StripPixel], past: impl Fn(&StripPixel) -> f64, within: im
 
 /// Sums over the pixels of a block of the products of what the profile says there, and of that with the values: they
 /// tell everything about levels, line, blur and shading.
-struct ShadedSums {
+#[derive(Clone, Default)]
+pub(super) struct ShadedSums {
     count: f64,
     /// Of the positions along the strip.
     s: f64,
@@ -208,9 +210,21 @@ struct ShadedSums {
 }
 
 impl ShadedSums {
-    fn new(gather: Gather<'_, 12>) -> Option<Self> {
-        let Gathered { products, count, s } = Arch::new().dispatch(gather)?;
-        (count >= LEAST_PIXELS.count() as f64).then_some(Self { count, s, products })
+    /// Of no pixels where the profile does not reach.
+    fn new(gather: Gather<'_, 12>) -> Self {
+        let gathered = Arch::new().dispatch(gather);
+        gathered.map_or_else(Self::default, |Gathered { products, count, s }| Self { count, s, products })
+    }
+
+    /// Adds those over other pixels of the block.
+    pub fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.s += other.s;
+        for (row, other) in self.products.iter_mut().zip(&other.products) {
+            for (product, other) in row.iter_mut().zip(other) {
+                *product += other;
+            }
+        }
     }
 
     /// `None` where the levels are not determined.
@@ -223,16 +237,10 @@ impl ShadedSums {
         between_levels[(1, 1)] += stiffness;
         let inverse = between_levels.try_inverse()?;
         let levels: Vector3<f64> = inverse * of_levels;
-        let [outside, slope, inside] = [levels[0], levels[1], levels[2]];
-        // The derivatives of the brightness in (line, blur, shading) as combinations of what the profile says.
-        let mut parts = SMatrix::<f64, SHADED, 4>::zeros();
-        (parts[(3, 0)], parts[(4, 0)], parts[(5, 0)]) = (-outside, -slope, -inside);
-        (parts[(6, 1)], parts[(7, 1)], parts[(8, 1)]) = (outside, slope, inside);
-        (parts[(9, 2)], parts[(10, 3)]) = (inside, inside);
-        let by_parts = products * parts;
-        let cross = by_parts.fixed_rows::<LEVELS>(0);
-        let square: Matrix4<f64> = parts.tr_mul(&by_parts);
-        let gradient: Vector4<f64> = parts.tr_mul(&right) - cross.tr_mul(&levels);
+        let by_unknowns = of_unknowns(&levels, &products).transpose();
+        let cross = by_unknowns.fixed_rows::<LEVELS>(0);
+        let square: Matrix4<f64> = of_unknowns(&levels, &by_unknowns);
+        let gradient: Vector4<f64> = of_unknowns(&levels, &right) - cross.tr_mul(&levels);
         let squares = (self.products[SHADED][SHADED] - of_levels.dot(&levels)).max(0.0);
         let variance_of_pixel = squares / (self.count - (LEVELS + 2) as f64);
         let variance = variance_of_pixel.max(noise * noise);
@@ -249,6 +257,21 @@ impl ShadedSums {
             gradient,
         })
     }
+}
+
+/// What sums over what the profile says become in (line, blur, shading): the derivatives of the brightness are combinations
+/// of what the profile says.
+fn of_unknowns<const COLUMNS: usize>(
+    levels: &Vector3<f64>,
+    sums: &SMatrix<f64, SHADED, COLUMNS>,
+) -> SMatrix<f64, 4, COLUMNS> {
+    let [outside, slope, inside] = [levels[0], levels[1], levels[2]];
+    SMatrix::from_fn(|unknown, k| match unknown {
+        0 => -outside * sums[(3, k)] - slope * sums[(4, k)] - inside * sums[(5, k)],
+        1 => outside * sums[(6, k)] + slope * sums[(7, k)] + inside * sums[(8, k)],
+        2 => inside * sums[(9, k)],
+        _ => inside * sums[(10, k)],
+    })
 }
 
 /// Sums over the pixels of a block, with the widest instructions of the machine; they all round alike. No closure: what is
@@ -282,24 +305,44 @@ impl<const WIDTH: usize> WithSimd for Gather<'_, WIDTH> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { strip, profile, line, near, window, runs, rows } = self;
-        let place = if WIDTH == SHADED + 1 { SHADED } else { FUNCTIONS };
-        rows.clear();
-        let mut s = 0.0;
+        let of_value = if WIDTH == SHADED + 1 { SHADED } else { FUNCTIONS };
+        let (mut count, mut s) = (0, 0.0);
         for run in runs {
-            for pixel in pixels_about(strip.run(run), near, window) {
-                let mut row = profile.at(pixel.u - line.at(pixel.s))?;
-                row[place] = pixel.value;
-                rows.push(row);
+            let run = strip.run(run);
+            let run = &run[count_before(run, near, window.from)..];
+            // Room for all of them at once: in the loop the call would cost more than the pixels.
+            if rows.len() < count + run.len() {
+                rows.resize(count + run.len(), [0.0; WIDTH]);
+            }
+            let mut room = rows[count..].iter_mut();
+            for pixel in run {
+                if place(pixel, near) >= window.to {
+                    break;
+                }
+                // Where white was cut off the profile is not what the light was.
+                if pixel.saturated {
+                    continue;
+                }
+                let Some(row) = room.next() else { break };
+                let (below, above, part) = profile.beside(place(pixel, line))?;
+                let mut numbers = *below;
+                for (number, above) in numbers.iter_mut().zip(above) {
+                    *number += (above - *number) * part;
+                }
+                numbers[of_value] = pixel.value;
+                *row = numbers;
                 s += pixel.s;
+                count += 1;
             }
         }
+        let rows = &rows[..count];
         let mut products = [[0.0; WIDTH]; WIDTH];
         add_products::<S, WIDTH, 0>(simd, rows, &mut products);
         add_products::<S, WIDTH, 4>(simd, rows, &mut products);
         if WIDTH > 8 {
             add_products::<S, WIDTH, 8>(simd, rows, &mut products);
         }
-        Some(Gathered { products, count: rows.len() as f64, s })
+        Some(Gathered { products, count: count as f64, s })
     }
 }
 
@@ -402,7 +445,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_pixels_within_a_limit_are_those_that_a_search_finds() {
+    fn the_pixels_before_a_line_are_those_that_a_search_finds() {
         let pixel = |u: f64| StripPixel { u, s: 0.3, value: 1.0, saturated: false };
         let even = |k: usize| -6.0 + 0.9 * k as f64;
         let bent = |k: usize| -6.0 + 0.05 * (k * k) as f64;
@@ -411,8 +454,9 @@ mod tests {
             for length in [0, 1, 2, 15] {
                 let run: List<StripPixel> = (0..length).map(|k| pixel(place(k))).collect();
                 for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
-                    let found = run.partition_point(|pixel| pixel.u - limit <= 0.0);
-                    assert_eq!(count_while(&run, |pixel| pixel.u - limit, |past| past <= 0.0), found);
+                    let found = run.partition_point(|pixel| pixel.u - limit < 0.0);
+                    let line = StripLine { offset: limit, slope: 0.0 };
+                    assert_eq!(count_before(&run, &line, 0.0), found);
                 }
             }
         }

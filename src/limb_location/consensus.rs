@@ -86,22 +86,21 @@ pub(super) fn rough_line(
     let needed = blocks * NOISE_MEAN
         + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
-    let count = (reach / LINE_STEP.get()).ceil().max(1.0) as i32;
+    let count = (reach / LINE_STEP.get()).ceil().max(1.0) as usize;
+    let places = 2 * count + 1;
+    let place = |k: usize| (k as f64 - count as f64) * reach / count as f64;
     let mut best: Option<RoughLine> = None;
-    for i in -count..=count {
-        for first in (-count..=count).step_by(LINES) {
-            // Those beyond the last are not looked at.
-            let ends: [_; LINES] = std::array::from_fn(|k| {
-                [i, first + k as i32].map(|k| f64::from(k) * reach / f64::from(count))
-            });
-            let evidence = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
-            for ((ends, evidence), _) in ends.into_iter().zip(evidence).zip(first..=count) {
-                let deviations = ends.map(|u| u / deviation);
-                let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
-                let score = evidence - prior;
-                if best.is_none_or(|best| score > best.score) {
-                    best = Some(RoughLine { ends, score, visible: score >= needed });
-                }
+    for first in (0..places * places).step_by(LINES) {
+        // Those beyond the last are not looked at.
+        let ends: [_; LINES] =
+            std::array::from_fn(|k| [place((first + k) / places), place((first + k) % places)]);
+        let evidence = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
+        for ((ends, evidence), _) in ends.into_iter().zip(evidence).zip(first..places * places) {
+            let deviations = ends.map(|u| u / deviation);
+            let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
+            let score = evidence - prior;
+            if best.is_none_or(|best| score > best.score) {
+                best = Some(RoughLine { ends, score, visible: score >= needed });
             }
         }
     }

@@ -276,6 +276,9 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
             roughs[k] = Some((strip, baseline, Expected { rough, half_length, deviation, noise }));
         }
     }
+    if roughs.iter().all(Option::is_none) {
+        return without(observations);
+    }
     let shading = inner_shading(grid, &baselines, &roughs, radius);
     let (mut limbs, mut seen) = (SmallVec::<[_; 2]>::new(), SmallVec::<[_; 2]>::new());
     for (k, found) in roughs.into_iter().enumerate() {
@@ -284,9 +287,6 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
             shading.map_or(LimbShading::plain(SHADING.get()), |shading| shading.near_limb(SIDES[k], radius));
         limbs.push(Limb::new(strip, expected, &near, radius));
         seen.push((k, baseline));
-    }
-    if limbs.is_empty() {
-        return without(observations);
     }
     let RefinedImage { blur, unambiguous } = refine(&mut limbs, grid.noise.blur);
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {

@@ -168,25 +168,12 @@ fn window(margin: f64) -> (i32, i32) {
 impl<Row: Send + 'static> Table<Row> {
     /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
     #[inline(always)]
-    fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
+    pub fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
         let x = (u - self.first) / STEP.get();
         // Rounds towards zero: a negative x is off by its sign alone.
         let k = x as u32;
         let [below, above] = self.rows.get(k as usize..k as usize + 2)? else { return None };
         (x >= 0.0).then_some((below, above, x - f64::from(k)))
-    }
-}
-
-impl<const WIDTH: usize> Table<[f64; WIDTH]> {
-    /// The row at u; `None` outside the table.
-    #[inline(always)]
-    pub fn at(&self, u: f64) -> Option<[f64; WIDTH]> {
-        let (below, above, part) = self.beside(u)?;
-        let mut row = *below;
-        for (value, above) in row.iter_mut().zip(above) {
-            *value += (above - *value) * part;
-        }
-        Some(row)
     }
 }
 

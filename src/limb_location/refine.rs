@@ -5,7 +5,7 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{LimbState, StripLine, Window, fit_blocks, sums_of_blocks};
+use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
 use super::limb::{AMBIGUOUS, BLUR, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
 use super::profile::{MARGIN, ShadedRow, Table};
 use crate::memory::List;
@@ -110,7 +110,7 @@ pub(super) fn refine_again(
     let mut blur = if told_blur > 0.0 { expected.value } else { last_blur };
     for count in 1..=STEPS.count() {
         look_about(limbs, count);
-        let moved = step(limbs, &profiles(limbs, blur), &expected, &mut blur, Window::full());
+        let moved = step(limbs, &profiles(limbs, blur), &expected, &mut blur);
         if limbs.iter().zip(reach).any(|(limb, reach)| limb.is_beyond(reach)) {
             return None;
         }
@@ -126,12 +126,26 @@ pub(super) fn refine_again(
 /// another body comes in they move, by about as much as they are wrong. The difference of an efficient estimate and of one
 /// from a part of the same data has the difference of their variances (Hausman, Econometrica 46, 1978).
 fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
-    let profiles = profiles(limbs, blur);
-    for window in Window::smaller() {
+    let of_parts: List<[List<ShadedSums>; 3]> = limbs
+        .iter()
+        .zip(&profiles(limbs, blur))
+        .map(|(Limb { strip, state: LimbState { line, .. }, .. }, profile)| {
+            Window::parts().map(|window| shaded_sums(strip, profile, line, line, window))
+        })
+        .collect();
+    for (outer, inner) in [(false, true), (true, false), (false, false)] {
         let mut near: SmallVec<[Limb<'_>; 2]> = limbs.iter().cloned().collect();
-        near.iter_mut().for_each(|limb| limb.near = limb.state.line);
+        for (limb, [background, about, surface]) in near.iter_mut().zip(&of_parts) {
+            let mut sums = about.clone();
+            for (_, part) in
+                [(outer, background), (inner, surface)].into_iter().filter(|(looked_at, _)| *looked_at)
+            {
+                sums.iter_mut().zip(part.iter()).for_each(|(sums, part)| sums.add(part));
+            }
+            limb.blocks = fit_blocks(&sums, limb.noise, limb.background);
+        }
         let mut blur = blur;
-        step(&mut near, &profiles, expected, &mut blur, window);
+        solve(&mut near, expected, &mut blur);
         for (limb, near) in limbs.iter_mut().zip(&near) {
             let moved = near.state.line.offset - limb.state.line.offset;
             let variance = (near.covariance[(0, 0)] - limb.covariance[(0, 0)]).max(0.0);
@@ -202,7 +216,7 @@ fn follow(
     let mut path = List::new();
     for count in 1..=STEPS.count() {
         look_about(limbs, count);
-        let moved = step(limbs, &profiles(limbs, blur), expected, &mut blur, Window::full());
+        let moved = step(limbs, &profiles(limbs, blur), expected, &mut blur);
         if known.iter().any(|mode| mode.leads_from(limbs)) {
             return None;
         }
@@ -243,8 +257,16 @@ fn step(
     profiles: &[Table<ShadedRow>],
     expected: &ExpectedBlur,
     blur: &mut f64,
-    window: Window,
 ) -> f64 {
+    for (limb, profile) in limbs.iter_mut().zip(profiles) {
+        let sums = shaded_sums(limb.strip, profile, &limb.state.line, &limb.near, Window::full());
+        limb.blocks = fit_blocks(&sums, limb.noise, limb.background);
+    }
+    solve(limbs, expected, blur)
+}
+
+/// The step that the blocks of the limbs ask for.
+fn solve(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: &mut f64) -> f64 {
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
     let mut right = SVector::<f64, 9>::zeros();
     // What is expected keeps the blur where no limb tells, and a missing limb harmless.
@@ -253,9 +275,7 @@ fn step(
     for k in 4 * limbs.len()..BLUR {
         normal[(k, k)] = 1.0;
     }
-    for ((index, limb), profile) in limbs.iter_mut().enumerate().zip(profiles) {
-        let Limb { strip, noise, background, .. } = *limb;
-        limb.blocks = fit_blocks(strip, noise, background, profile, &limb.state.line, &limb.near, window);
+    for (index, limb) in limbs.iter_mut().enumerate() {
         limb.weigh();
         limb.add_to(&mut normal, &mut right, 4 * index);
     }
@@ -330,7 +350,7 @@ mod tests {
         for count in 1..=STEPS.count() {
             look_about(&mut limbs, count);
             let profiles = profiles(&limbs, blur);
-            moved = moved.min(step(&mut limbs, &profiles, &expected, &mut blur, Window::full()));
+            moved = moved.min(step(&mut limbs, &profiles, &expected, &mut blur));
         }
         moved
     }

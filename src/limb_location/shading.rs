@@ -9,7 +9,7 @@
 
 use super::block::INSIDE;
 use super::consensus::BLOCK_RUNS;
-use super::strip::Strip;
+use super::strip::{Strip, StripPixel};
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
@@ -173,19 +173,14 @@ impl Shading {
         if bins < LEAST_BINS.count() {
             return None;
         }
+        // Bins of equal angles by the sines of their limits: an arcsine takes far longer than a comparison.
+        let limits: List<f64> =
+            (0..=bins).map(|k| (widest * (2.0 * k as f64 / bins as f64 - 1.0)).sin()).collect();
         let mut blocks: List<List<Option<f64>>> = List::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
             let mut sums = List::filled((0.0, 0.0), bins);
-            for pixel in (first..(first + BLOCK_RUNS.count()).min(strip.len())).flat_map(|run| strip.run(run))
-            {
-                let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
-                let across = (2.0 * pixel.u - low - high) / (high - low);
-                if across.abs() < 1.0 {
-                    let place = (across.asin() / widest + 1.0) / 2.0 * bins as f64;
-                    if let Some(sum) = (place >= 0.0).then(|| sums.get_mut(place as usize)).flatten() {
-                        *sum = (sum.0 + pixel.value, sum.1 + 1.0);
-                    }
-                }
+            for run in first..(first + BLOCK_RUNS.count()).min(strip.len()) {
+                add_to_bins(strip.run(run), &limbs, &limits, &mut sums);
             }
             let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
             let mut known: List<f64> = sums.iter().filter_map(mean).collect();
@@ -213,6 +208,23 @@ impl Shading {
             squares.sum::<f64>() / sum
         });
         Some(Self { spread, ..best })
+    }
+}
+
+/// Adds the values of a run and their numbers to bins across the cylinder, which begin and end at some limits.
+fn add_to_bins(run: &[StripPixel], limbs: &[(f64, f64); 2], limits: &[f64], sums: &mut [(f64, f64)]) {
+    let mut bin = 0;
+    for pixel in run {
+        let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
+        let across = (2.0 * pixel.u - low - high) / (high - low);
+        // The pixels of a run go one way.
+        while bin + 1 < sums.len() && across >= limits[bin + 1] {
+            bin += 1;
+        }
+        if limits[bin] <= across && across < limits[bin + 1] {
+            let sum = &mut sums[bin];
+            *sum = (sum.0 + pixel.value, sum.1 + 1.0);
+        }
     }
 }
 

@@ -169,16 +169,13 @@ impl Strip {
             if x > 1.0 {
                 break;
             }
-            let value = if steep { image.value(cross, run) } else { image.value(run, cross) };
+            let (column, row) = if steep { (cross, run) } else { (run, cross) };
+            let (value, saturated) = image.pixel(column, row);
             self.pixels.push(StripPixel {
                 s: parabola(before.0, here.0, after.0, x),
                 u: parabola(before.1, here.1, after.1, x),
                 value: f64::from(value),
-                saturated: if steep {
-                    image.is_saturated(cross, run)
-                } else {
-                    image.is_saturated(run, cross)
-                },
+                saturated,
             });
         }
         if self.pixels.len() == begin {
@@ -229,28 +226,42 @@ impl Strip {
             return grid.noise.value;
         }
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(grid.least_noise);
-        let own = DEVIATION_OF_MEDIAN * median_size(self.second_differences(1)) / 6.0_f64.sqrt();
+        let own =
+            DEVIATION_OF_MEDIAN * median_size(self.second_differences(1).iter().copied()) / 6.0_f64.sqrt();
         // An image that is more blurred than its grid asks for.
         if grid.image.factor() == 1 {
             return own.max(floor);
         }
-        let [near, far] = [1, 2].map(|step| lower_quartile_size(self.second_differences(step)));
+        let [near, far] =
+            [1, 2].map(|step| lower_quartile_size(self.second_differences(step).iter().copied()));
         let alike = (far / near).max(1.0);
         let alike = if alike.is_finite() { alike } else { 1.0 };
         (own * alike).max(floor)
     }
 
     /// Second differences between pixels `step` apart in a run.
-    fn second_differences(&self, step: usize) -> impl Iterator<Item = f64> {
-        let runs = self.runs().flat_map(move |run| run.windows(2 * step + 1));
-        let three = runs.map(move |w| [w[0], w[step], w[2 * step]]);
-        let seen = three.filter(|w| w.iter().all(|pixel| !pixel.saturated));
-        seen.map(|w| w[0].value - 2.0 * w[1].value + w[2].value)
+    fn second_differences(&self, step: usize) -> List<f64> {
+        let mut differences = List::with_capacity(self.pixels.len());
+        // Loops, as an iterator over iterators is slow to be asked one by one.
+        for run in self.runs() {
+            let (middle, last) =
+                (run.get(step..).unwrap_or_default(), run.get(2 * step..).unwrap_or_default());
+            for ((a, b), c) in run.iter().zip(middle).zip(last) {
+                if !(a.saturated | b.saturated | c.saturated) {
+                    differences.push(a.value - 2.0 * b.value + c.value);
+                }
+            }
+        }
+        differences
     }
 
     /// Range of the values.
     pub fn contrast(&self) -> f64 {
-        let values = || self.pixels.iter().map(|pixel| pixel.value);
-        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for pixel in &self.pixels {
+            least = if pixel.value < least { pixel.value } else { least };
+            most = if pixel.value > most { pixel.value } else { most };
+        }
+        most - least
     }
 }

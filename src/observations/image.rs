@@ -107,13 +107,40 @@ impl GreyImage {
     #[inline]
     #[must_use]
     pub fn is_saturated(&self, column: usize, row: usize) -> bool {
-        match &self.saturation {
-            Saturation::From(white) => self.value(column, row) >= *white,
+        self.pixel(column, row).1
+    }
+
+    /// The value of a pixel, and whether it stands for any light from there on.
+    #[inline]
+    pub(super) fn pixel(&self, column: usize, row: usize) -> (f32, bool) {
+        assert!(column < self.width, "column {column} of {}", self.width);
+        let place = row * self.width + column;
+        let value = self.values[place];
+        let saturated = match &self.saturation {
+            Saturation::From(white) => value >= *white,
+            Saturation::Marked(marked) => marked[place],
+        };
+        (value, saturated)
+    }
+
+    /// The values of a pixel, the next ones to the right, below, and below that, by rows, and whether any of them stands for
+    /// any light from there on.
+    #[inline(always)]
+    pub(super) fn square(&self, column: usize, row: usize) -> ([[f32; 2]; 2], bool) {
+        assert!(column + 1 < self.width, "column {} of {}", column + 1, self.width);
+        let place = row * self.width + column;
+        let pair = |place: usize| [self.values[place], self.values[place + 1]];
+        let values = [pair(place), pair(place + self.width)];
+        let saturated = match &self.saturation {
+            Saturation::From(white) => values.as_flattened().iter().any(|value| value >= white),
             Saturation::Marked(marked) => {
-                assert!(column < self.width, "column {column} of {}", self.width);
-                marked[row * self.width + column]
+                marked[place]
+                    | marked[place + 1]
+                    | marked[place + self.width]
+                    | marked[place + self.width + 1]
             }
-        }
+        };
+        (values, saturated)
     }
 
     /// What `find` finds out about the compression of the image, which is asked once.

@@ -61,6 +61,27 @@ impl<'a> ReducedImage<'a> {
         self.pixels(column, row).any(|(column, row)| self.image.is_saturated(column, row))
     }
 
+    /// The value of a pixel, and whether its light may be any from there on.
+    #[inline]
+    pub(crate) fn pixel(&self, column: usize, row: usize) -> (f32, bool) {
+        if self.factor == 1 {
+            return self.image.pixel(column, row);
+        }
+        (self.value(column, row), self.is_saturated(column, row))
+    }
+
+    /// The values of a pixel, the next ones to the right, below, and below that, by rows, and whether the light of any of
+    /// them may be any from there on.
+    #[inline(always)]
+    pub(crate) fn square(&self, column: usize, row: usize) -> ([[f32; 2]; 2], bool) {
+        if self.factor == 1 {
+            return self.image.square(column, row);
+        }
+        let line = |row: usize| [self.pixel(column, row), self.pixel(column + 1, row)];
+        let pixels = [line(row), line(row + 1)];
+        (pixels.map(|line| line.map(|pixel| pixel.0)), pixels.as_flattened().iter().any(|pixel| pixel.1))
+    }
+
     /// The values of a box.
     #[inline]
     fn values(&self, column: usize, row: usize) -> impl Iterator<Item = f32> {

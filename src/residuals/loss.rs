@@ -206,8 +206,17 @@ impl Reweighting {
         reweighted.scale = match self.scale {
             Scale::Known(scale) => scale,
             Scale::AtLeast(least) => {
-                let finite = residuals.iter().copied().filter(|e| e.is_finite());
-                (DEVIATION_OF_MEDIAN * median_size(finite)).max(least)
+                // Where most are that small no median is needed.
+                let mut small = 0;
+                for residual in residuals {
+                    small += usize::from(DEVIATION_OF_MEDIAN * residual.abs() <= least);
+                }
+                if 2 * small > residuals.len() {
+                    least
+                } else {
+                    let finite = residuals.iter().copied().filter(|e| e.is_finite());
+                    (DEVIATION_OF_MEDIAN * median_size(finite)).max(least)
+                }
             }
         };
         let loss = Tukey { cutoff: TUKEY_EFFICIENT * reweighted.scale, wall: Wall::Either };
