@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::observations::{DepthRange, DepthView, Frame};
+use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
 use cylfuse::scene::{Detector, Found, Scene};
 use cylfuse::twin::{
     CaptureOptions, DEPTH_UNIT, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight, capture,
@@ -18,16 +18,19 @@ fn camera() -> Camera {
     Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion }).unwrap()
 }
 
-fn found(depth: &[u16]) -> Scene {
+fn found(depth: &[u16], image: Option<&[u8]>) -> Scene {
     let mut frame = Frame::new(camera());
     let depth = DepthView::from_u16(depth, SIZE, DEPTH_UNIT).unwrap();
     frame.set_depth(&depth, &DepthRange::default()).unwrap();
+    if let Some(image) = image {
+        frame.set_image(&ImageView::from_u8(image, SIZE).unwrap()).unwrap();
+    }
     Detector::new().detect(&frame).unwrap()
 }
 
 /// Says what was found where nothing should be.
-fn complaint(name: &str, depth: &[u16]) -> Option<String> {
-    let found = found(depth);
+fn complaint(name: &str, depth: &[u16], image: Option<&[u8]>) -> Option<String> {
+    let found = found(depth, image);
     assert!(found.cylinders.is_empty() == found.labels.iter().all(|label| *label == 0), "{name}");
     let one = |found: &Found| {
         let radius = 1e3 * found.result.cylinder.radius;
@@ -54,15 +57,27 @@ fn nothing_is_found_among_boxes_spheres_frustums_and_planes() {
             let options = CaptureOptions { camera: camera(), picture, sensor, registered: true };
             let frame = capture(&random_scene(Kind::NoCylinders, seed).unwrap(), &options, seed).unwrap();
             assert!(frame.depth.iter().filter(|z| **z > 0).count() > 100_000);
-            complaints.extend(complaint(&format!("{name}, seed {seed}"), &frame.depth));
+            complaints.extend(complaint(&format!("{name}, seed {seed}"), &frame.depth, None));
         }
     }
     assert!(complaints.len() <= MOST, "{} of 20 scenes\n{}", complaints.len(), complaints.join("\n"));
 }
 
+/// Frustums of 4 to 10 degrees passed for cylinders with scores of 0.75 to 0.88, though both of their limbs were located.
+#[test]
+fn limbs_that_turn_against_each_other_tell_frustums() {
+    let sensor = DepthSensor::StructuredLight(StructuredLight::default());
+    let options =
+        CaptureOptions { camera: camera(), picture: PictureOptions::default(), sensor, registered: true };
+    for seed in [74_009, 74_014, 74_019, 74_024, 74_027] {
+        let frame = capture(&random_scene(Kind::NoCylinders, seed).unwrap(), &options, seed).unwrap();
+        assert_eq!(complaint(&format!("seed {seed}"), &frame.depth, Some(&frame.image)), None);
+    }
+}
+
 #[test]
 fn nothing_is_found_in_an_empty_depth_image() {
-    assert_eq!(complaint("empty", &vec![0; SIZE.0 * SIZE.1]), None);
+    assert_eq!(complaint("empty", &vec![0; SIZE.0 * SIZE.1], None), None);
 }
 
 #[test]
@@ -74,10 +89,10 @@ fn nothing_is_found_in_noise() {
         state >> 16
     };
     let far: Vec<u16> = (0..SIZE.0 * SIZE.1).map(|_| next() as u16).collect();
-    assert_eq!(complaint("noise of all depths", &far), None);
+    assert_eq!(complaint("noise of all depths", &far, None), None);
     for spread in [100, 1000] {
         let wall: Vec<u16> = (0..SIZE.0 * SIZE.1).map(|_| (8000 + next() % spread) as u16).collect();
-        assert_eq!(complaint(&format!("a wall with noise of {spread} units"), &wall), None);
+        assert_eq!(complaint(&format!("a wall with noise of {spread} units"), &wall, None), None);
     }
 }
 
@@ -89,7 +104,7 @@ fn a_wide_can_on_a_table_is_no_plane() {
         CaptureOptions { camera: camera(), picture: PictureOptions::default(), sensor, registered: true };
     let seed = 9152;
     let frame = capture(&random_scene(Kind::Table, seed).unwrap(), &options, seed).unwrap();
-    let found = found(&frame.depth);
+    let found = found(&frame.depth, None);
     let radii: Vec<f64> = found.cylinders.iter().map(|found| 1e3 * found.result.cylinder.radius).collect();
     assert!(radii.iter().any(|radius| (radius / 53.0 - 1.0).abs() < 0.1), "{radii:?}");
 }

@@ -256,7 +256,7 @@ func TestOptionsComeBack(t *testing.T) {
 		EdgeUse: EdgeUseAsGiven, ExtentRule: ExtentRuleExtremes, MaxIterations: 7, MaxThreads: 2, EdgeWeight: 0.25,
 		InitialLambda: 0.5, LambdaFactor: 3, MaxLambda: 1e6, CostTolerance: 1e-9, GradientTolerance: 1e-8, StepTolerance: 1e-7,
 		IndependentPoints: 50, DepthNoise: 0.001, ImageNoise: 2, EdgeNoise: 0.75, MaskNoise: 1.25, ImageBlur: 0.9,
-		DrawnPixel: 1.5, DepthShared: 0.002, RANSACThreshold: 0.125, Seed: 1<<63 + 5,
+		DrawnPixel: 1.5, DepthShared: 0.004, RANSACThreshold: 0.125, Seed: 1<<63 + 5,
 		RANSACMaxIterations: 77, RadiusMin: 0.01, RadiusMax: 0.75, Axis: [3]float64{0, 1, 0}, AxisMaxAngle: 0.3,
 	}
 	fitter := newFitter(t)

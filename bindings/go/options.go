@@ -161,7 +161,7 @@ type Options struct {
 	// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.
 	DrawnPixel float64
 	// DepthShared is the standard deviation of the errors that all points of a view share, as a part of their distance.
-	// Default 0 = 0.001, what data sheets grant the best; less than 0 = they share none.
+	// Default 0 = 0.002, a fifth of what data sheets grant; less than 0 = they share none.
 	DepthShared float64
 	// RadiusMin is the smallest radius, which the returned cylinder keeps. Default 0 = no limit.
 	RadiusMin float64

@@ -41,6 +41,11 @@ use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
+/// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
+/// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 13 bodies
+/// that taper and passed for cylinders it was 0.065 and more.
+const LIMBS_TURN: f64 = 0.01;
+
 /// The settings of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectionOptions {
@@ -108,13 +113,15 @@ pub struct Detections {
 
 impl Detections {
     /// What speaks for a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
-    /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell.
+    /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell; `taper`
+    /// is by how much the radius grows along the axis, and the standard deviation of that, where both limbs were located.
     #[must_use]
     pub fn evidence_of_fit(
         &self,
         detection: &Detection,
         fitted: &Cylinder,
         radius_deviation: f64,
+        taper: Option<[f64; 2]>,
     ) -> Evidence {
         // Edges on the limbs of either speak for a cylinder.
         let limbs = self.image.as_ref().map(|_| {
@@ -122,7 +129,10 @@ impl Detections {
                 [&detection.cylinder, fitted].map(|cylinder| self.covered(detection, cylinder));
             if seen.iter().sum::<f64>() > fitted.iter().sum() { seen } else { fitted }
         });
-        Evidence { limbs, radius_deviation: Some(radius_deviation), ..detection.evidence }
+        // Two sharp lines tell it far better than depth, which is drawn out beside them.
+        let slope = taper.map(|[taper, deviation]| [taper, deviation.hypot(LIMBS_TURN)]);
+        let slope = slope.or(detection.evidence.slope);
+        Evidence { limbs, slope, radius_deviation: Some(radius_deviation), ..detection.evidence }
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an

@@ -242,7 +242,7 @@ mod tests {
                 edge_endpoint: 0.6,
                 mask_side: 1.7,
                 depth: 0.01,
-                depth_shared: 0.002,
+                depth_shared: 0.004,
                 image: 0.02,
                 blur: 0.8,
                 ..NoiseModel::default()

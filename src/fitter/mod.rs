@@ -27,6 +27,7 @@ mod run;
 mod scales;
 mod selection;
 mod start;
+mod taper;
 mod uncertainty;
 mod view;
 

@@ -44,7 +44,8 @@ impl<'a> Fits<'a> {
         });
         let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result));
+        let evidence =
+            self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), fitter.taper());
         Ok(found(fitter, evidence, detection, result))
     }
 
@@ -86,7 +87,7 @@ impl<'a> Fits<'a> {
         let mut whole = Box::new(self.fitter()?);
         push(&mut whole, &region)?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
-        let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation);
+        let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation, None);
         Ok(found(*fitter, evidence, detection, result))
     }
 

@@ -358,7 +358,7 @@ fn settings() -> Vec<Value> {
             "what is known of the errors of the data",
             json!({
                 "independent_points": 50.0, "depth_noise": 1e-3, "image_noise": 2.5, "edge_noise": 0.25,
-                "mask_noise": 0.75, "image_blur": 0.5, "drawn_pixel": 1.5, "depth_shared": 0.002,
+                "mask_noise": 0.75, "image_blur": 0.5, "drawn_pixel": 1.5, "depth_shared": 0.004,
                 "gradient_tolerance": 1e-6,
                 "step_tolerance": 1e-7,
             }),

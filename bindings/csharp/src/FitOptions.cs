@@ -105,7 +105,7 @@ namespace Cylfuse
         public double DrawnPixel { get => native.drawn_pixel; set => native.drawn_pixel = value; }
 
         /// <summary>Standard deviation of the errors that all points of a view share, as a part of their distance. Default
-        /// 0 = 0.001, what data sheets grant the best; less than 0 = they share none.</summary>
+        /// 0 = 0.002, a fifth of what data sheets grant; less than 0 = they share none.</summary>
         public double DepthShared { get => native.depth_shared; set => native.depth_shared = value; }
 
         /// <summary>The smallest radius, in the unit of length, which the returned cylinder keeps whatever the method

@@ -215,7 +215,7 @@ namespace Cylfuse.Tests
                     ExtentRule = ExtentRule.Extremes, RadiusMin = 0.05, RadiusMax = 0.0625,
                     Axis = new Vector(0, 1, 0.5), AxisMaxAngle = 0.75, GradientTolerance = 1e-9, StepTolerance = 1e-10,
                     IndependentPoints = 500, DepthNoise = 2e-3, ImageNoise = 3, EdgeNoise = 0.75, MaskNoise = 2,
-                    ImageBlur = 1.25, DrawnPixel = 1.5, DepthShared = 0.002,
+                    ImageBlur = 1.25, DrawnPixel = 1.5, DepthShared = 0.004,
                 };
                 fitter.Options = options;
                 FitOptions read = fitter.Options;

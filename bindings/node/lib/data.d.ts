@@ -91,7 +91,7 @@ export interface Options {
    */
   drawnPixel?: number;
   /**
-   * Standard deviation of the errors that all points of a view share, as a part of their distance. Default 0 = 0.001; less
+   * Standard deviation of the errors that all points of a view share, as a part of their distance. Default 0 = 0.002; less
    * than 0 = none.
    */
   depthShared?: number;

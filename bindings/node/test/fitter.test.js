@@ -138,7 +138,7 @@ test('options come back', () => {
     stepTolerance: 1e-7, initialLambda: 0.5, lambdaFactor: 3, maxLambda: 1e6, edgeWeight: 0.25, seed: 2n ** 63n + 5n,
     ransacMaxIterations: 77, ransacThreshold: 0.125, independentPoints: 50, depthNoise: 0.001, imageNoise: 2,
     edgeNoise: 0.75, maskNoise: 1.25, imageBlur: 0.9, drawnPixel: 1.5, radiusMin: 0.01, radiusMax: 0.75, axis: [0, 1, 0], axisMaxAngle: 0.3,
-    depthShared: 0.002,
+    depthShared: 0.004,
   };
   const fitter = new cylfuse.Fitter();
   fitter.setOptions(options);

@@ -68,7 +68,7 @@ the data:
                      the size of the image]
   depth              a measured point across the surface, in metres [0]
   depth-shared       what all points of a view share: too near or too far, or bent; a part of their
-                     distance, 0 for none [0.001]
+                     distance, 0 for none [0.002]
   image              the values of the image, proportional to light [0]
   blur               the blur of the image, in pixels [0]";
 

@@ -130,7 +130,7 @@ pub struct PlanArguments {
 
 const EXAMPLES: &str =
     "Scatter is how much captures of one scene differ, total how far off a measurement may be, both as
-standard deviations; the total includes errors that all points share, 0.1 % of the distance. A capture is far off when its
+standard deviations; the total includes errors that all points share, 0.2 % of the distance. A capture is far off when its
 radius is off by more than five times the total.
 
 How far away may a 20 mm pipe be for 0.5 %?

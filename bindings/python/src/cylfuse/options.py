@@ -90,7 +90,7 @@ class Options:
     axis: npt.ArrayLike = (0.0, 0.0, 0.0)
     #: The largest angle from ``axis`` in radians; 0 for a known direction.
     axis_max_angle: float = 0.0
-    #: Standard deviation of the errors that all points of a view share, as a part of their distance; 0 = 0.001, less than
+    #: Standard deviation of the errors that all points of a view share, as a part of their distance; 0 = 0.002, less than
     #: 0 = none.
     depth_shared: float = 0.0
 

@@ -144,7 +144,7 @@ abstract sealed class NoiseOptions permits FitOptions {
 
     /**
      * {@return the standard deviation of the errors that all points of a view share, as a part of their distance. Default 0
-     * = 0.001, what data sheets grant the best; less than 0 = they share none}
+     * = 0.002, a fifth of what data sheets grant; less than 0 = they share none}
      */
     public double depthShared() {
         return n.depth_shared;

@@ -189,7 +189,7 @@ public class FitterTest {
                     .radiusMax(0.0625).axis(new Vector(0, 1, 0.5)).axisMaxAngle(0.75)
                     .gradientTolerance(1e-9).stepTolerance(1e-10).independentPoints(500).depthNoise(2e-3).imageNoise(3)
                     .edgeNoise(0.75).maskNoise(2).imageBlur(1.25).drawnPixel(1.5)
-                    .depthShared(0.002);
+                    .depthShared(0.004);
             fitter.setOptions(options);
             assertEquals(describe(options), describe(fitter.options()));
             fitter.setStartModel(Scene.TRUTH);
