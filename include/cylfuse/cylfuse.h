@@ -540,7 +540,7 @@ typedef struct cylfuse_options {
     /**
      * Standard deviation of the errors that all points of a view share, as a part of their distance: by so much all of
      * them may be too near or too far, and so much may the radius of the cylinder they lie on be wrong, as matching
-     * windows and filters bend a profile. Default 0 = 0.001, what data sheets grant the best; less than 0 = they share
+     * windows and filters bend a profile. Default 0 = 0.002, a fifth of what data sheets grant; less than 0 = they share
      * none.
      */
     double depth_shared;
