@@ -42,7 +42,7 @@ use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
 /// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
-/// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 13 bodies
+/// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 11 bodies
 /// that taper and passed for cylinders it was 0.065 and more.
 const LIMBS_TURN: f64 = 0.01;
 
