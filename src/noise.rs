@@ -105,7 +105,7 @@ pub struct NoiseModel {
     /// Errors that all points of a view share, as a part of their distance; 0 = none. By so much all of them may be too
     /// near or too far, and so much may the radius of the cylinder they lie on be wrong, as apertures, filters and
     /// matching windows bend a profile. 0.002, about a pixel across the line of sight of a depth camera of 640 columns:
-    /// data sheets grant five to ten times as much, and with 0.001 the intervals of random cylinders are too narrow.
+    /// a fifth to a tenth of what data sheets grant; with 0.001 the intervals of random cylinders of the twin are too narrow.
     pub depth_shared: f64,
     /// The values of the grey image, in the unit of the image linear in light; 0 = from differences of neighbours.
     pub image: f64,

@@ -50,8 +50,8 @@ pub struct Evidence {
     pub radius_deviation: Option<f64>,
     /// The taper of the best cone: change of radius over the length, by the radius.
     pub taper: f64,
-    /// By how much the radius seems to grow along the axis, and the standard deviation of that, by the depth; `None` where it
-    /// does not tell.
+    /// By how much the radius seems to grow along the axis, and the standard deviation of that: by the depth, after a fit by both limbs
+    /// where they were located; `None` where nothing tells.
     pub slope: Option<[f64; 2]>,
     /// The radius in pixels.
     pub radius_pixels: f64,

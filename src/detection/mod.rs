@@ -2,6 +2,7 @@
 
 mod candidate;
 mod cloud;
+mod cone;
 mod distances;
 mod edges;
 mod effort;
@@ -24,6 +25,7 @@ mod surface;
 
 pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
+pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 
 pub(crate) use rays::{Band, meets};
@@ -113,7 +115,7 @@ pub struct Detections {
 
 impl Detections {
     /// What speaks for a detection after a fit to its region; the fitted cylinder is in the coordinates of the camera.
-    /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell; `taper`
+    /// `radius_deviation` is the standard deviation of its radius as a part of it, infinite where the data do not tell; `slope`
     /// is by how much the radius grows along the axis, and the standard deviation of that, where both limbs were located.
     #[must_use]
     pub fn evidence_of_fit(
@@ -121,7 +123,7 @@ impl Detections {
         detection: &Detection,
         fitted: &Cylinder,
         radius_deviation: f64,
-        taper: Option<[f64; 2]>,
+        slope: Option<[f64; 2]>,
     ) -> Evidence {
         // Edges on the limbs of either speak for a cylinder.
         let limbs = self.image.as_ref().map(|_| {
@@ -130,7 +132,7 @@ impl Detections {
             if seen.iter().sum::<f64>() > fitted.iter().sum() { seen } else { fitted }
         });
         // Two sharp lines tell it far better than depth, which is drawn out beside them.
-        let slope = taper.map(|[taper, deviation]| [taper, deviation.hypot(LIMBS_TURN)]);
+        let slope = slope.map(|[slope, deviation]| [slope, deviation.hypot(LIMBS_TURN)]);
         let slope = slope.or(detection.evidence.slope);
         Evidence { limbs, slope, radius_deviation: Some(radius_deviation), ..detection.evidence }
     }

@@ -43,7 +43,7 @@ const STEEP: f64 = 0.3;
 const DEVIATIONS: [f64; 2] = [5e-4, 0.3];
 
 /// What [`Evidence::terms`] count in the logarithm of the odds, and what is added to that. After a fit: by logistic
-/// regressions on the candidates in scenes of the twin, from the example `score_weights`. Before it, where the search takes
+/// regressions on the candidates in scenes of the twin, from the example `score_weights` before located limbs told the slope. Before it, where the search takes
 /// its choice by them: by regressions on ../shared/scenes as well, whose program is not kept.
 struct Weights {
     terms: [f64; 12],

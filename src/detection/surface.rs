@@ -1,10 +1,11 @@
 //! Cylinders, cones and spheres through cells: signed distances, and their fits by Gauss–Newton steps.
 
+use super::cone::ToCone;
 use super::distances;
 use super::grid::Cell;
 use super::normal_equations::{Cells, NormalEquations};
 use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 use pulp::Scalar;
 
 /// Cells farther from a surface than this many standard deviations do not belong to it.
@@ -171,22 +172,13 @@ pub(super) fn slope(
     let center = middle(cells, which);
     let surface = surface.at(&center);
     let Surface::Cylinder(cylinder, bias) = surface else { return None };
-    let mut matrix = SMatrix::<f64, 7, 7>::zeros();
-    let mut vector = SVector::<f64, 7>::zeros();
-    let (u, v) = surface.across();
-    let radius = cylinder.radius;
     let pixel = optics.pixel * center.z;
+    let mut step = ToCone::new(&cylinder);
     let mut add = |place: &Place, distance: f64, sigma: f64, shape: f64, weight: f64| {
         let ratio = distance / (REACH * sigma);
         if ratio.abs() < 1.0 {
             let part = 1.0 - ratio * ratio;
-            let weight = weight * part * part / (sigma * sigma);
-            let (nu, nv) = (place.normal.dot(&u), place.normal.dot(&v));
-            // Tilts and slopes in radii: all numbers are lengths.
-            let along = place.along / radius;
-            let row = SVector::from([-nu, -nv, -nu * along, -nv * along, -1.0, -shape, -along]);
-            matrix += row * row.transpose() * weight;
-            vector += row * (weight * distance);
+            step.add(place, distance, shape, weight * part * part / (sigma * sigma));
         }
     };
     for &k in which {
@@ -199,12 +191,8 @@ pub(super) fn slope(
         let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
         add(&place, place.distance + inset * pixel, deviation * pixel, 0.0, *weight);
     }
-    let sigma = BIAS_PIXELS * pixel;
-    matrix[(5, 5)] += 1.0 / (sigma * sigma);
-    vector[5] += bias / (sigma * sigma);
-    let inverse = matrix.cholesky()?.inverse();
-    let step = -(inverse * vector);
-    Some([step[6] / radius, inverse[(6, 6)].sqrt() / radius])
+    step.expect(bias, BIAS_PIXELS * pixel);
+    step.slope()
 }
 
 /// Fits a surface to the cells `which` from a start. Cells beyond `reach` standard deviations do not count; `reach` shrinks to

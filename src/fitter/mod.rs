@@ -26,8 +26,8 @@ mod result;
 mod run;
 mod scales;
 mod selection;
+mod slope;
 mod start;
-mod taper;
 mod uncertainty;
 mod view;
 

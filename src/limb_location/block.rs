@@ -210,7 +210,8 @@ pub(super) struct ShadedSums {
 }
 
 impl ShadedSums {
-    /// Of no pixels where the profile does not reach.
+    /// Of no pixels where the profile does not reach: the lines that are asked about lie next to each other, so that it reaches all
+    /// parts of a window or none.
     fn new(gather: Gather<'_, 12>) -> Self {
         let gathered = Arch::new().dispatch(gather);
         gathered.map_or_else(Self::default, |Gathered { products, count, s }| Self { count, s, products })

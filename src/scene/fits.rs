@@ -45,7 +45,7 @@ impl<'a> Fits<'a> {
         let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
         let evidence =
-            self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), fitter.taper());
+            self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), fitter.slope_by_limbs());
         Ok(found(fitter, evidence, detection, result))
     }
 

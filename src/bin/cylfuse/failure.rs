@@ -43,7 +43,7 @@ impl Failure {
         Self::file("BAD_IMAGE", path, reason)
     }
 
-    /// The header of an image promises more pixels than any camera has.
+    /// The header of an image promises more pixels than any camera has, or its file has more bytes than they take.
     pub fn image_too_large(path: &Path, reason: impl Display) -> Self {
         Self::file("IMAGE_TOO_LARGE", path, reason)
     }

@@ -1,7 +1,7 @@
 //! What pictures are drawn on: the image, or the depth where there is none.
 
 use crate::canvas::opaque;
-use crate::images::{Image, Pixels};
+use crate::images::{Image, Pixels, eight_bits};
 use tiny_skia::Pixmap;
 
 /// The image, or the depth as grey levels when there is none. `None` where it would be too large.
@@ -34,12 +34,7 @@ fn colors(image: &Image) -> Vec<[u8; 3]> {
         Pixels::Grey8(values) => values.iter().map(|&value| [value; 3]).collect(),
         Pixels::Grey16(values) => grey_levels(values.iter().map(|&value| Some(f64::from(value))), false),
         Pixels::Rgb8(values) => values.as_chunks().0.to_vec(),
-        Pixels::Rgb16(values) => values
-            .as_chunks()
-            .0
-            .iter()
-            .map(|pixel: &[u16; 3]| pixel.map(|value| (value >> 8) as u8))
-            .collect(),
+        Pixels::Rgb16(values) => eight_bits(values).as_chunks().0.to_vec(),
     }
 }
 

@@ -18,6 +18,10 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// Bytes of the largest pixel: four channels of 16 bits.
 const MAX_PIXEL_BYTES: u64 = 8;
 
+/// The most that a JPEG file may have: bytes of a pixel, which is more than without any compression, and what describes the image.
+const JPEG_PIXEL_BYTES: u64 = 4;
+const JPEG_EXTRA_BYTES: u64 = 16 << 20;
+
 /// What a JPEG file starts with.
 const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
 
@@ -131,9 +135,20 @@ impl Asked<'_> {
         Ok(Image { size, pixels })
     }
 
-    fn jpeg(&self, mut file: impl Read) -> Result<Image, Failure> {
+    fn jpeg(&self, file: impl Read) -> Result<Image, Failure> {
+        let (width, height) = self.camera;
+        let most = u64::from(width) * u64::from(height) * JPEG_PIXEL_BYTES + JPEG_EXTRA_BYTES;
         let mut data = Vec::new();
-        file.read_to_end(&mut data).map_err(|error| Failure::not_readable(self.path, &error))?;
+        file.take(most + 1)
+            .read_to_end(&mut data)
+            .map_err(|error| Failure::not_readable(self.path, &error))?;
+        if data.len() as u64 > most {
+            let reason = format!(
+                "the {} has more than {most} bytes, too many for {width} x {height} pixels; save it anew",
+                self.role.name()
+            );
+            return Err(Failure::image_too_large(self.path, reason));
+        }
         // Larger than what the decoder takes by itself: the size is checked here.
         let options = DecoderOptions::default()
             .set_strict_mode(false)
@@ -146,6 +161,9 @@ impl Asked<'_> {
         let size = (width as u32, height as u32);
         self.check_size(size)?;
         let grey = header.input_colorspace() == Some(ColorSpace::Luma);
+        if header.info().is_some_and(|info| info.components == 2) {
+            return Err(self.damaged("it has two channels"));
+        }
         self.check_kind(if grey { ColorType::Grayscale } else { ColorType::Rgb }, BitDepth::Eight)?;
         let channels = if grey { ColorSpace::Luma } else { ColorSpace::RGB };
         let decoded = decoder(options.jpeg_set_out_colorspace(channels)).decode();
@@ -276,7 +294,7 @@ pub fn give(image: &Image, gamma: f64, frame: &mut Frame) -> cylfuse::error::Res
 
 /// The values of 16-bit channels in 8 bits, the most that the library takes of a colour. Sensors fill 10 or 12 of the 16
 /// bits: the largest value of those in use, and no other, becomes the largest of 8 bits.
-fn eight_bits(values: &[u16]) -> Vec<u8> {
+pub fn eight_bits(values: &[u16]) -> Vec<u8> {
     let largest = values.iter().copied().max().unwrap_or(0);
     let white = (u32::from(largest) + 1).next_power_of_two().max(256) - 1;
     values.iter().map(|&value| (u32::from(value) * 255 / white) as u8).collect()
@@ -293,6 +311,15 @@ mod tests {
         assert_eq!(eight_bits(&[4095, 4094, 2048]), [255, 254, 127]);
         assert_eq!(eight_bits(&[200, 3]), [200, 3]);
         assert!(eight_bits(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_jpeg_file_is_not_read_beyond_what_its_camera_may_take() {
+        let asked = Asked { path: Path::new("endless.jpg"), role: Role::Image, camera: (2, 2) };
+        let failure = asked.jpeg(io::repeat(JPEG[0])).unwrap_err();
+        assert_eq!(failure.status, "IMAGE_TOO_LARGE");
+        let reason = "the image has more than 16777232 bytes, too many for 2 x 2 pixels; save it anew";
+        assert!(failure.message.ends_with(reason), "{}", failure.message);
     }
 
     #[test]
