@@ -197,3 +197,32 @@ fn a_start_that_is_near_hides_nothing_in_the_mask() {
         }
     }
 }
+
+/// Matching windows widen thin bodies: the points lie on a cylinder that is larger than the body, and its outline is not.
+#[test]
+fn the_sides_of_a_mask_contest_the_radius_of_points_that_are_bent() {
+    let scene = Scene::new(Top::Closed);
+    let Cylinder { axis, radius } = scene.cylinder;
+    let larger = 0.002;
+    // The generator nearest to the camera stays where it is.
+    let back = axis.point - axis.direction * axis.point.dot(&axis.direction);
+    let bent = Cylinder::new(axis.point + back.normalize() * larger, axis.direction, radius + larger).unwrap();
+    let bent = Scene { cylinder: bent, ..Scene::new(Top::Closed) };
+    let mask = scene.pixels(|part, _| u8::from(part == Some(Part::Body)));
+    let mut depth = bent.pixels(|_, depth| depth as f32);
+    for (k, depth) in depth.iter_mut().enumerate() {
+        // Half a millimetre of noise, from the digits of a multiplicative sequence.
+        *depth += ((k * 7919 % 1009) as f32 / 1009.0 - 0.5) * 0.0017;
+    }
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(*scene.camera.intrinsics()).unwrap();
+    let depth = DepthView::from_f32(&depth, SIZE, 1.0).unwrap();
+    let mask = MaskView::from_u8(&mask, SIZE).unwrap();
+    fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+    let fit = fitter.fit().unwrap();
+    let off = (fit.cylinder.radius - radius) / larger;
+    // Either contests the other: with the deviations of both, about half of the error is left.
+    assert!((0.2..0.7).contains(&off), "{off} of the error is left");
+    let deviation = fit.uncertainty.unwrap().radius();
+    assert!((fit.cylinder.radius - radius).abs() < 2.0 * deviation, "{deviation}");
+}

@@ -88,6 +88,11 @@ impl Held {
         self.limbs_located() + self.segments_used() > 0
     }
 
+    /// Whether lines tell of the radius beside the points: limbs, or the sides of a mask.
+    pub fn has_lines(&self) -> bool {
+        self.views.iter().any(|view| view.lines.is_some())
+    }
+
     /// The paper's edge terms, by view.
     pub fn limb_terms(&self, data: &Data<'_>) -> impl Iterator<Item = Option<LimbTerm>> {
         let counts = self.edge_weight > 0.0;

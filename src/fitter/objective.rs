@@ -47,7 +47,7 @@ pub(super) enum Precision {
 /// What an objective is for.
 #[derive(Clone, Copy)]
 enum Purpose<'a> {
-    /// Errors that points share count where limbs contest what the points say. What one objective finds out about them the
+    /// Errors that points share count where lines contest what the points say. What one objective finds out about them the
     /// next one knows, by view.
     Minimum(&'a [Cell<Option<Bend>>]),
     /// They always count.
@@ -243,7 +243,7 @@ impl Data<'_> {
         scales: &[RobustScales],
         purpose: Purpose<'a>,
     ) -> Sum<'a> {
-        let contested = held.settled && held.has_limbs();
+        let contested = held.settled && held.has_lines();
         let shared_matter = contested || matches!(purpose, Purpose::Covariance);
         let frame = self.frame(cylinder);
         let views: ByView<RobustView<'a>> = self

@@ -50,7 +50,7 @@ pub struct RobustView<'a> {
     pub endpoint: f64,
 }
 
-/// The robust objective of some views at fixed scales; `contested` says whether limbs tell of the radius, against which
+/// The robust objective of some views at fixed scales; `contested` says whether lines tell of the radius, against which
 /// the errors that points share count. A new term takes a line here.
 #[must_use]
 pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a> {

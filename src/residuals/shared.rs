@@ -60,7 +60,7 @@ pub struct SharingPoints<'a, L> {
     pub shared: SharedErrors,
     /// σ² / N, in the caller's unit squared.
     pub variance: f64,
-    /// Whether limbs tell of the radius. Where none do the minimum is that of the points as they are.
+    /// Whether lines tell of the radius. Where none do the minimum is that of the points as they are.
     pub contested: bool,
     /// s, in the coordinates of the view: how the axis moves with the radius of the cylinder that the points lie on.
     axis_shift: Vector3<f64>,
