@@ -206,7 +206,8 @@ fn the_sides_of_a_mask_contest_the_radius_of_points_that_are_bent() {
     let larger = 0.002;
     // The generator nearest to the camera stays where it is.
     let back = axis.point - axis.direction * axis.point.dot(&axis.direction);
-    let bent = Cylinder::new(axis.point + back.normalize() * larger, axis.direction, radius + larger).unwrap();
+    let bent =
+        Cylinder::new(axis.point + back.normalize() * larger, axis.direction, radius + larger).unwrap();
     let bent = Scene { cylinder: bent, ..Scene::new(Top::Closed) };
     let mask = scene.pixels(|part, _| u8::from(part == Some(Part::Body)));
     let mut depth = bent.pixels(|_, depth| depth as f32);

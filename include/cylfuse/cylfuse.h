@@ -1162,6 +1162,11 @@ typedef uint32_t cylfuse_result_flags;
  * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
+/**
+ * Both limbs were located in the image and turn against each other, so that the radius changes along the axis by more
+ * than 3 standard deviations. The body is no cylinder, or one of the lines is no limb.
+ */
+#define CYLFUSE_RESULT_FLAGS_BODY_TAPERS 524288
 
 /**
  * Why an iteration ended.

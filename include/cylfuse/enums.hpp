@@ -141,6 +141,7 @@ enum class ResultFlags : cylfuse_result_flags {
     DepthShifted = CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED,
     MaskEndsWithDepth = CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH,
     PoorFit = CYLFUSE_RESULT_FLAGS_POOR_FIT,
+    BodyTapers = CYLFUSE_RESULT_FLAGS_BODY_TAPERS,
 };
 
 /** Both. */

@@ -143,7 +143,9 @@ impl Sequence<'_, '_> {
         let guided: List<GuidedView> = data.views.iter().map(|view| guided(view, cylinder)).collect();
         let Some(observations) = self.observe(&guided, cylinder, rest, run)? else { return Ok(None) };
         let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
-        let mut without = held(data, &guided, flags, &lines_of(data, &observations));
+        let mut lines = lines_of(data, &observations);
+        data.loosen(&mut lines, &observations, cylinder, &self.scales);
+        let mut without = held(data, &guided, flags, &lines);
         without.settle(observations);
         if without.contradicts_segments(data, &guided) {
             return Ok(None);

@@ -119,6 +119,9 @@ pub(super) fn describe(
     }
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     flags.set(Flags::POOR_FIT, count > 0 && scales.all > largest_scale(data, cylinder));
+    let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
+    let taper = limbs.and_then(|limbs| data.taper(limbs, cylinder, scales));
+    flags.set(Flags::BODY_TAPERS, held.limbs_located() == 2 && taper.is_some_and(|taper| taper.is_wrong()));
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
     let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();
@@ -130,6 +133,7 @@ pub(super) fn describe(
         uncertainty,
         radii,
         shift,
+        taper,
         start: start.cylinder,
         start_kind: start.kind,
         termination: None,

@@ -74,6 +74,11 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         let none = List::filled([None, None], lines.len());
         Located { minimum: guided.minimum.clone(), held: held(data, &guided.views, guided.flags, &none) }
     });
+    if located.held.limbs_located() == 2
+        && data.loosen(&mut lines, &observations, located.minimum.cylinder(), &located.minimum.scales)
+    {
+        located.held = held(data, &guided.views, guided.flags, &lines);
+    }
     located.held.settle(observations);
     Ok(located)
 }

@@ -26,8 +26,8 @@ mod result;
 mod run;
 mod scales;
 mod selection;
-mod slope;
 mod start;
+mod taper;
 mod uncertainty;
 mod view;
 
@@ -40,6 +40,7 @@ pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
+pub use taper::Taper;
 pub use uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 pub(crate) use view::View;
 

@@ -1,6 +1,7 @@
 //! What a fit returns.
 
 use super::options::StartKind;
+use super::taper::Taper;
 use super::uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 use crate::geometry::Cylinder;
 use crate::observations::Dropped;
@@ -56,6 +57,9 @@ bitflags::bitflags! {
         /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
         /// depth where the caller states it; without a camera, by more than a quarter of the radius.
         const POOR_FIT = 1 << 18;
+        /// Both limbs were located and turn against each other, so that the radius changes along the axis by more than 3
+        /// standard deviations: see [`FitResult::taper`]. The body is no cylinder, or one of them is no limb.
+        const BODY_TAPERS = 1 << 19;
     }
 }
 
@@ -84,6 +88,8 @@ pub struct FitResult {
     pub radii: Option<RadiusComparison>,
     /// The shift between depth and image across the axis; `None` unless both limbs of a single view were located.
     pub shift: Option<ImageShift>,
+    /// By how much the radius grows along the axis; `None` unless both limbs of a single view were located.
+    pub taper: Option<Taper>,
     /// The model that the iteration started from, moved into the limits.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.

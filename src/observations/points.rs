@@ -246,7 +246,7 @@ impl PointCloud {
     }
 
     /// The same, one by one.
-    pub(crate) fn sampled(&self, count: usize) -> impl Iterator<Item = Vector3<f64>> + '_ {
+    pub(crate) fn sampled(&self, count: usize) -> impl ExactSizeIterator<Item = Vector3<f64>> + '_ {
         let count = count.min(self.len());
         (0..count).map(move |k| self.point(k * self.len() / count))
     }

@@ -44,8 +44,8 @@ impl<'a> Fits<'a> {
         });
         let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let evidence =
-            self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), fitter.slope_by_limbs());
+        let slope = result.taper.map(|taper| taper.with_usual_turn());
+        let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), slope);
         Ok(found(fitter, evidence, detection, result))
     }
 

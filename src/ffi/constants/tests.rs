@@ -36,6 +36,7 @@ fn the_flags_are_those_of_the_library() {
         F::DEPTH_SHIFTED,
         F::MASK_ENDS_WITH_DEPTH,
         F::POOR_FIT,
+        F::BODY_TAPERS,
     ];
     let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
     assert_eq!(here.map(|flag| flag.0).as_slice(), there);

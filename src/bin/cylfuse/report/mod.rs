@@ -197,6 +197,7 @@ impl Measurement {
 /// The warnings of which a stated deviation says nothing: no verdict rests on such a result (docs/warnings.md).
 const DOUBTS: Flags = Flags::POOR_FIT
     .union(Flags::POINTS_AND_LIMBS_DISAGREE)
+    .union(Flags::BODY_TAPERS)
     .union(Flags::HIDDEN_WALL)
     .union(Flags::MASK_ENDS_WITH_DEPTH)
     .union(Flags::NOT_CONVERGED)
@@ -236,6 +237,7 @@ fn explain(flag: Flags, result: &FitResult) -> String {
             "the mask ends where the depth does; its sides are no hint where the limbs are"
         }
         Flags::POOR_FIT => return poor(result),
+        Flags::BODY_TAPERS => return tapers(result),
         _ => return format!("flag {:#x}", flag.bits()),
     };
     text.into()
@@ -253,6 +255,14 @@ fn shifted(result: &FitResult) -> String {
         .shift
         .map_or_else(String::new, |shift| format!(": {:.2} ± {:.2} px", shift.pixels, shift.deviation));
     format!("depth and image are shifted against each other across the axis{numbers}")
+}
+
+/// The taper in words.
+fn tapers(result: &FitResult) -> String {
+    let numbers = result.taper.map_or_else(String::new, |taper| {
+        format!(": by {:.1} ± {:.1} % of the length", 100.0 * taper.slope, 100.0 * taper.deviation)
+    });
+    format!("the radius changes along the axis{numbers}; the body tapers, or one limb is something else")
 }
 
 /// The two radii in words.

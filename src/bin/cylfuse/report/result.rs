@@ -2,7 +2,9 @@
 
 use super::CylinderValues;
 use cylfuse::fitter::Termination;
-use cylfuse::fitter::{FitResult, ImageShift, Method, ObjectiveKind, Options, RadiusComparison, StartKind};
+use cylfuse::fitter::{
+    FitResult, ImageShift, Method, ObjectiveKind, Options, RadiusComparison, StartKind, Taper,
+};
 use cylfuse::geometry::CylinderLimits;
 use cylfuse::observations::Dropped;
 use serde::Serialize;
@@ -44,6 +46,7 @@ pub struct ResultValues {
     step_norm: Option<f64>,
     radii: Option<RadiiValues>,
     shift: Option<ShiftValues>,
+    taper: Option<TaperValues>,
     /// What the cylinder keeps; none without limits.
     limits: Option<LimitsValues>,
     start: CylinderValues,
@@ -80,6 +83,19 @@ struct DroppedValues {
     out_of_range: usize,
     outside_camera: usize,
     hidden: usize,
+}
+
+/// By how much the radius grows along the axis, in parts of the length.
+#[derive(Debug, Serialize)]
+struct TaperValues {
+    slope: f64,
+    deviation: f64,
+}
+
+impl From<&Taper> for TaperValues {
+    fn from(&Taper { slope, deviation }: &Taper) -> Self {
+        Self { slope, deviation }
+    }
 }
 
 /// The shift between depth and image across the axis, in pixels.
@@ -173,6 +189,7 @@ impl ResultValues {
             step_norm: iterated.then_some(result.step_norm),
             radii: result.radii.as_ref().map(RadiiValues::from),
             shift: result.shift.as_ref().map(ShiftValues::from),
+            taper: result.taper.as_ref().map(TaperValues::from),
             limits: LimitsValues::new(&options.cylinder_limits),
             start: (&result.start).into(),
             start_kind: match result.start_kind {

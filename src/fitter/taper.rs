@@ -1,0 +1,99 @@
+//! Whether the radius changes along the axis: a body that tapers is no cylinder, and a line that turns against the other
+//! limb may be none.
+
+use super::data::Data;
+use super::located::{Lines, Observations};
+use super::scales::Scales;
+use crate::detection::slope_by_points;
+use crate::geometry::Cylinder;
+use crate::limb_location::LimbObservation;
+use crate::residuals::RobustScales;
+
+/// Points that tell how the axis lies to the limbs: their noise is correlated, so that more hardly tell more.
+const SAMPLE: usize = 500;
+
+/// Points farther from the surface than this many standard deviations do not count.
+const REACH: f64 = 3.0;
+
+/// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
+/// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 11 bodies
+/// that taper and passed for cylinders it was 0.065 and more.
+const USUAL_TURN: f64 = 0.01;
+
+/// A body tapers when the slope of its radius is more than this many standard deviations: of 347 cylinders whose limbs were
+/// located one is beyond, at 4.8, and its second line is no limb.
+const TAPERS: f64 = 3.0;
+
+/// By how much the radius grows along the axis, as two limbs that turn against each other tell it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taper {
+    /// The growth of the radius by a unit of length in the direction of the axis.
+    pub slope: f64,
+    /// Its standard deviation, for the stated deviations of the limbs and the noise of the points.
+    pub deviation: f64,
+}
+
+impl Taper {
+    /// The slope, and its standard deviation with what limbs turn that are right.
+    pub(crate) fn with_usual_turn(self) -> [f64; 2] {
+        [self.slope, self.deviation.hypot(USUAL_TURN)]
+    }
+
+    /// Whether it is more than noise and what is usual.
+    pub(super) fn is_wrong(self) -> bool {
+        let [slope, deviation] = self.with_usual_turn();
+        slope.abs() > TAPERS * deviation
+    }
+}
+
+impl Data<'_> {
+    /// The taper of a cylinder by both limbs in the image of a single view, which tell it far better than depth does, and
+    /// points, which tell how the axis lies to them; `None` where one limb was not located. A limb that the fit refused
+    /// counts, too: the limbs of a body that tapers contradict every cylinder.
+    pub fn taper(&self, limbs: &[LimbObservation; 2], cylinder: &Cylinder, scales: &Scales) -> Option<Taper> {
+        let [view] = &self.views[..] else { return None };
+        let (camera, cylinder) = (view.camera()?, view.seen(cylinder));
+        let intrinsics = camera.intrinsics();
+        let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+        let ends_of = |limb: &LimbObservation| {
+            let line = limb.line.as_ref().ok()?;
+            let end = |q| {
+                let ray = camera.ideal_ray(q);
+                let t = cylinder.axis.nearest_on_ray(&ray);
+                // A line may be said by an end beyond the vanishing point of the axis.
+                (t > 0.0).then(|| (ray * t, (line.sigma * pixel * t * ray.z).powi(-2)))
+            };
+            Some([end(&line.ends[0])?, end(&line.ends[1])?])
+        };
+        let ends = [ends_of(&limbs[0])?, ends_of(&limbs[1])?];
+        let RobustScales { point: scale, independent_points } = scales.views[0];
+        let sample = view.view.cloud.sampled(SAMPLE);
+        let weight = independent_points / (sample.len() as f64 * scale * scale);
+        let points = sample.filter_map(|p| {
+            let part = 1.0 - (cylinder.distance(&p) / (REACH * scale)).powi(2);
+            (part > 0.0).then_some((p, weight * part * part))
+        });
+        let [slope, deviation] = slope_by_points(&cylinder, points.chain(ends.into_iter().flatten()))?;
+        Some(Taper { slope, deviation })
+    }
+
+    /// Weighs the lines of a single view less where they turn against each other by more than their stated deviations, by as
+    /// much as makes the turn one standard deviation (the ratio of Birge): either body or lines are not what a cylinder
+    /// shows. Says whether there was anything to do.
+    pub fn loosen(
+        &self,
+        lines: &mut [Lines],
+        observations: &Observations,
+        cylinder: &Cylinder,
+        scales: &Scales,
+    ) -> bool {
+        let ([lines], [Some(seen)]) = (lines, &observations[..]) else { return false };
+        let Some(taper) = self.taper(&seen.limbs, cylinder, scales) else { return false };
+        let squared_ratio = (taper.slope / taper.deviation).powi(2);
+        let turned = squared_ratio > 1.0;
+        if turned {
+            lines.iter_mut().flatten().for_each(|line| line.weight /= squared_ratio);
+        }
+        turned
+    }
+}
