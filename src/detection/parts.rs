@@ -1,7 +1,7 @@
 //! One cylinder in several parts, and several cylinders in one.
 
 use super::DetectionOptions;
-use super::candidate::{Candidate, Marks, Scene};
+use super::candidate::{Candidate, Look, Marks, Scene};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
 use crate::memory::List;
@@ -69,24 +69,24 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let mut best: Option<(f64, Surface, List<usize>)> = None;
+    let mut best: Option<(Look, Surface, List<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
         let misfits = scene.misfits(&surface, &cells);
         let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
         let on: List<usize> = on.map(|(&k, _)| k).collect();
-        let worth = scene.worth(&surface, &on, marks);
-        if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
-            best = Some((worth, surface, on));
+        let look = scene.look(&surface, &on, marks);
+        if best.as_ref().is_none_or(|(best, ..)| look.worth > best.worth) {
+            best = Some((look, surface, on));
         }
     }
-    let (gain, surface, cells) = best?;
+    let (look, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
-    if gain < a.candidate.gain + b.candidate.gain - 3.0 {
+    if look.worth < a.candidate.gain + b.candidate.gain - 3.0 {
         return None;
     }
-    let candidate = Candidate { surface, cells, gain, sides: a.candidate.sides };
-    Judged::new(scene, candidate, options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
+    let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };
+    Judged::new(scene, (candidate, look), options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
 }
 
 /// A surface and its cells.
@@ -114,7 +114,7 @@ pub(super) fn divided(
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {
             let surface = scene.refit(surface, part, judged.candidate.sides, marks)?;
-            Some((scene.worth(&surface, part, marks), (surface, List::from(part))))
+            Some((scene.look(&surface, part, marks).worth, (surface, List::from(part))))
         };
         let (Some((one, first)), Some((other, second))) = (fitted(low, marks), fitted(high, marks)) else {
             continue;
@@ -129,11 +129,11 @@ pub(super) fn divided(
     }
     let mut found = Vec::new();
     for (surface, cells) in parts {
-        let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, marks) else {
+        let Some(grown) = scene.grow(&surface, &cells, judged.candidate.sides, marks) else {
             continue;
         };
-        if candidate.cells.len() < judged.candidate.cells.len() {
-            found.extend(Judged::new(scene, candidate, options, marks));
+        if grown.0.cells.len() < judged.candidate.cells.len() {
+            found.extend(Judged::new(scene, grown, options, marks));
         }
     }
     let good = found.iter().filter(|part| part.score > 0.5).count();
