@@ -58,16 +58,10 @@ impl<'a> Fits<'a> {
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
         let own = (index + 1) as u16;
-        let labels = self.seen.labels.iter().enumerate();
-        let region: Vec<usize> = labels.filter(|(_, label)| **label == own).map(|(k, _)| k).collect();
-        let push = |fitter: &mut Fitter, chosen: &[usize]| {
-            let mut mask = vec![0_u8; self.seen.labels.len()];
-            chosen.iter().for_each(|&k| mask[k] = 1);
-            fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))
-        };
+        let region = numbers_of(&self.seen.labels, own);
         let fit = |chosen: &[usize]| {
             let mut fitter = Box::new(self.fitter()?);
-            push(&mut fitter, chosen)?;
+            fitter.push_numbered(points, chosen)?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
@@ -85,7 +79,7 @@ impl<'a> Fits<'a> {
         }
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
-        push(&mut whole, &region)?;
+        whole.push_numbered(points, &region)?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation, None);
         Ok(found(*fitter, evidence, detection, result))
@@ -224,6 +218,22 @@ impl<'a> Fits<'a> {
         Ok(fitter)
     }
 }
+
+/// Which points have a label.
+fn numbers_of(labels: &[u16], label: u16) -> Vec<usize> {
+    let mut numbers = Vec::new();
+    for (block, labels) in labels.chunks(BLOCK).enumerate() {
+        // Most have another one: looked through many at a time.
+        if labels.iter().fold(false, |any, other| any | (*other == label)) {
+            let own = labels.iter().enumerate().filter(|(_, other)| **other == label);
+            numbers.extend(own.map(|(k, _)| block * BLOCK + k));
+        }
+    }
+    numbers
+}
+
+/// Labels that are looked through at a time.
+const BLOCK: usize = 64;
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
 fn radius_deviation(result: &FitResult) -> f64 {
