@@ -364,4 +364,33 @@ mod tests {
             assert_eq!(in_order(&numbers, places), places.map(|place| sorted[place]));
         }
     }
+
+    #[test]
+    fn slopes_and_pixels_are_those_of_one_point_after_the_other() {
+        let numbers = [0.0, 1.0, -1.0, 0.3, 2.5, 1e-300, 1e300, -1e300, f64::NAN];
+        let points: Vec<[f64; 3]> =
+            (0..729).map(|k| [numbers[k % 9], numbers[k / 9 % 9], numbers[k / 81]]).collect();
+        let axes = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
+        let axes = axes.each_ref().map(|axis| &axis[..]);
+        let mut slopes = vec![0.0; points.len()];
+        let count = Slopes { axes, slopes: &mut slopes }.with_simd(pulp::Scalar);
+        let mut wide = vec![0.0; points.len()];
+        assert_eq!(Arch::new().dispatch(Slopes { axes, slopes: &mut wide }), count);
+        let (pixels, nearest) = (Vec::new(), Vec::new());
+        let image = Image { width: 30, height: 20, spacing: 0.1, low: [-1.5, -1.0], pixels, nearest };
+        let mut pixels = vec![OUTSIDE; points.len()];
+        Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels: &mut pixels });
+        let mut within = 0;
+        for (k, [x, y, z]) in points.into_iter().enumerate() {
+            let front = z > 0.0 && x.abs() <= WIDEST * z && y.abs() <= WIDEST * z;
+            within += usize::from(front);
+            assert_eq!(slopes[k].to_bits(), wide[k].to_bits());
+            assert!(if front { slopes[k] == x / z } else { slopes[k].is_nan() }, "{x} {y} {z}");
+            let place = [(x / z + 1.5) / 0.1, (y / z + 1.0) / 0.1];
+            let inside = z > 0.0 && (0.0..30.0).contains(&place[0]) && (0.0..20.0).contains(&place[1]);
+            let pixel = if inside { place[1] as u32 * 30 + place[0] as u32 } else { OUTSIDE };
+            assert_eq!(pixels[k], pixel, "{x} {y} {z}");
+        }
+        assert_eq!(within, count);
+    }
 }

@@ -112,3 +112,52 @@ impl Noise {
         Some(Self { deviation, cells_per_sample: (along * along).clamp(1.0, 16.0) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::grid::Cell;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn differences_are_those_of_one_cell_after_the_other() {
+        let (columns, rows) = (13, 11);
+        for scale in [0.0, 1e-9, 1.0, 1e9] {
+            let cell = |k: usize| {
+                let (x, y) = (0.01 * (k % columns) as f64, 0.01 * (k / columns) as f64);
+                let w = if k % 17 == 3 { 0.0 } else { scale * (1.0 + 0.001 * ((k * k) % 19) as f64) };
+                Cell { x, y: y + 1e-4 * (k % 3) as f64, w, point: Vector3::zeros(), sigma: 0.0, fill: 1.0 }
+            };
+            let cells: Vec<Cell> = (0..columns * rows).map(cell).collect();
+            let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
+            let w: Vec<f64> = cells.iter().map(|cell| cell.w).collect();
+            let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, inner: Vec::new() };
+            for lag in [1, LAG, 6] {
+                let mut plain = Vec::new();
+                let mut add = |places: [f64; 3], which: [usize; 3]| {
+                    let [a, b, c] = which.map(|k| w[k]);
+                    if a > 0.0 && b > 0.0 && c > 0.0 {
+                        let t = (places[1] - places[0]) / (places[2] - places[0]);
+                        let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
+                        plain.push(((b - a - t * (c - a)) / weights).abs());
+                    }
+                };
+                for row in (0..rows).step_by(2) {
+                    for column in lag..columns.saturating_sub(lag) {
+                        let k = row * columns + column;
+                        let which = [k - lag, k, k + lag];
+                        add(which.map(|k| grid.cells[k].x), which);
+                    }
+                }
+                for row in lag..rows.saturating_sub(lag) {
+                    for column in (0..columns).step_by(2) {
+                        let k = row * columns + column;
+                        let which = [k - lag * columns, k, k + lag * columns];
+                        add(which.map(|k| grid.cells[k].y), which);
+                    }
+                }
+                assert_eq!(differences(&grid, &w, lag).to_vec(), plain);
+            }
+        }
+    }
+}

@@ -67,16 +67,18 @@ pub(super) fn outline(
     let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
     for (&k, &along) in cells.iter().zip(along) {
         mark.set(k);
-        depth += grid.cells[k].point.z / cells.len() as f64;
+        depth += grid.cells[k].point.z;
         (first, last) = (first.min(along), last.max(along));
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
-    let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
+    let step = 1.5 * grid.spacing * depth / cells.len() as f64;
+    let count = ((width / step) as usize).clamp(1, 1000);
+    let per_width = count as f64 / width;
     // The outermost cell of each line on each side, and how far out it is.
     let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
     for ((&k, &across), along) in cells.iter().zip(across).zip(along) {
         // None that is not a number is farther out.
-        let line = &mut outermost[(((along - first) / width * count as f64) as usize).min(count - 1)];
+        let line = &mut outermost[(((along - first) * per_width) as usize).min(count - 1)];
         if -across > line[0].0 {
             line[0] = (-across, k);
         }
