@@ -10,6 +10,13 @@ use nalgebra::Vector3;
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
 const SECOND: f64 = 4.0;
 
+/// Where a cylinder is cut in two, in eighths of its cells: some first, and those between them.
+const CUTS: [usize; 5] = [2, 4, 6, 3, 5];
+const COARSE: usize = 3;
+
+/// So far below what a second cylinder has to bring no cut between two others is looked at.
+const FAR: f64 = 3.0;
+
 /// Joins parts of one cylinder that something in front divides.
 pub(super) fn join(
     scene: &Scene<'_>,
@@ -110,7 +117,11 @@ pub(super) fn divided(
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
     let mut best: Option<(f64, [Part; 2])> = None;
-    for eighths in 2..=6 {
+    for (tried, eighths) in CUTS.into_iter().enumerate() {
+        // Between cuts that bring far too little there is none that brings enough.
+        if tried == COARSE && best.as_ref().is_some_and(|(most, _)| *most < gain + SECOND - FAR) {
+            return None;
+        }
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {
             let surface = scene.refit(surface, part, judged.candidate.sides, marks)?;

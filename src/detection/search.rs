@@ -58,7 +58,7 @@ const CERTAIN: f64 = 0.9;
 const FAR_FROM_LIMB: f64 = 4.0;
 
 /// Visits up to which each stage may go: pairs, patches, edges, joining, dividing, choice. What one leaves is for the next.
-/// The frames of ../shared/scenes take up to 2.0, 3.2, 3.8, 4.0, 6.3 and 6.3 million; scenes with more bodies than an image
+/// The frames of ../shared/scenes take up to 2.2, 3.5, 4.2, 4.2, 5.4 and 5.4 million; scenes with more bodies than an image
 /// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
 const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
 

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
+use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
 /// Tells whether to go on; asked before each linear solve.
@@ -65,7 +66,9 @@ impl<'a> Fits<'a> {
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
-        let middle = |cylinder: &Cylinder| self.middle(points, &region, cylinder);
+        let place = |k: usize| points.points.at(k % self.size.0, k / self.size.0);
+        let places: Vec<Vector3<f64>> = region.iter().map(|&k| place(k)).collect();
+        let middle = |cylinder: &Cylinder| self.middle(&region, &places, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(&region))?;
         // Which points lie in the middle follows from the radius.
@@ -85,16 +88,16 @@ impl<'a> Fits<'a> {
         Ok(found(*fitter, evidence, detection, result))
     }
 
-    /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
-    /// where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and where little or
-    /// less than half of the region would be left.
-    fn middle(&self, points: &PointsView<'_>, region: &[usize], cylinder: &Cylinder) -> Option<Vec<usize>> {
+    /// The points of a region, by their numbers and places, between the parts next to the limbs, which structured light and
+    /// stereo draw out; `None` where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and
+    /// where little or less than half of the region would be left.
+    fn middle(&self, region: &[usize], places: &[Vector3<f64>], cylinder: &Cylinder) -> Option<Vec<usize>> {
         if !self.seen.from_origin || cylinder.contains_origin() {
             return None;
         }
         let band = Band::new(cylinder, MIDDLE);
-        let inner = |index: usize| band.contains(&points.points.at(index % self.size.0, index / self.size.0));
-        let middle: Vec<usize> = region.iter().copied().filter(|&k| inner(k)).collect();
+        let inner = region.iter().zip(places).filter(|(_, place)| band.contains(place));
+        let middle: Vec<usize> = inner.map(|(&k, _)| k).collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
 
