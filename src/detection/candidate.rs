@@ -58,6 +58,23 @@ const GAIN_PER_PIXEL: f64 = 0.3;
 /// The part of a limb that edges must cover to hold it.
 const LEAST_COVERED: f64 = 0.2;
 
+/// A surface as its cells and the image see it: what it is worth and the evidence for it follow from this alike.
+pub(super) struct Look {
+    /// What the surface explains, cells and edges of the image, less the penalty for its numbers and what contradicts its
+    /// outline.
+    pub worth: f64,
+    /// The squared distances of the cells in standard deviations.
+    pub misfits: List<f64>,
+    /// Where the rays of the cells pass across the axis; this and what follows are those of a cylinder.
+    pub across: List<f64>,
+    /// Where the cells begin and end along the axis.
+    pub range: [f64; 2],
+    /// How the surface ends at its two sides.
+    pub sides: List<Side>,
+    /// The edges of the image on the limbs.
+    pub support: Option<Support>,
+}
+
 /// A surface with its cells.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
@@ -110,23 +127,28 @@ impl Scene<'_> {
         })
     }
 
-    /// What a surface explains, cells and edges of the image, less the penalty for its numbers and what contradicts its
-    /// outline.
-    pub fn worth(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> f64 {
-        let outline: f64 = match surface {
-            Surface::Cylinder(cylinder, _) => {
-                let insets = self.insets(cylinder, &outline(self, cylinder, cells, mark));
-                insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum()
-            }
-            _ => 0.0,
+    /// A look at a surface with its cells.
+    pub fn look(&self, surface: &Surface, cells: &[usize], mark: &mut Marks) -> Look {
+        self.effort.spend(cells.len());
+        self.look_by(surface, cells, self.misfits(surface, cells), mark)
+    }
+
+    /// The same where the squared distances of the cells are known.
+    fn look_by(&self, surface: &Surface, cells: &[usize], misfits: List<f64>, mark: &mut Marks) -> Look {
+        let (gain, penalty) = (self.gain_by(&misfits), self.penalty(surface, cells.len()));
+        let (mut across, mut along) = (List::new(), List::new());
+        let Surface::Cylinder(cylinder, _) = surface else {
+            let worth = gain - penalty;
+            return Look { worth, misfits, across, range: [0.0; 2], sides: List::new(), support: None };
         };
-        let edges = match surface {
-            Surface::Cylinder(cylinder, _) => self
-                .support(cylinder, self.range(cylinder, cells), ON_LIMB)
-                .map_or(0.0, |support| support.length * GAIN_PER_PIXEL),
-            _ => 0.0,
-        };
-        self.gain(surface, cells) + edges - outline - self.penalty(surface, cells.len())
+        distances::across_and_along(cylinder, &self.grid.cells, cells, &mut across, &mut along);
+        let range = ends(along.iter().copied());
+        let sides = outline(self, cylinder, cells, (&across, &along), mark);
+        let insets = self.insets(cylinder, &sides);
+        let outline: f64 = insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum();
+        let support = self.support(cylinder, range, ON_LIMB);
+        let edges = support.as_ref().map_or(0.0, |support| support.length * GAIN_PER_PIXEL);
+        Look { worth: gain + edges - outline - penalty, misfits, across, range, sides, support }
     }
 
     /// The penalty for the numbers of a surface that was fitted to this many cells.
@@ -134,18 +156,23 @@ impl Scene<'_> {
         0.5 * surface.parameters() * (cells as f64 / self.noise.cells_per_sample).max(2.0).ln()
     }
 
-    /// The cells next to each other that lie on a surface, from those of `seeds` that do.
-    pub fn flood(&self, surface: &Surface, seeds: &[usize], mark: &mut Marks) -> List<usize> {
+    /// The cells next to each other that lie on a surface, from those of `seeds` that do, and their squared distances.
+    fn flood(&self, surface: &Surface, seeds: &[usize], mark: &mut Marks) -> (List<usize>, List<f64>) {
         mark.next();
         let grid = self.grid;
-        let (mut asked, mut cells, mut misfits) = (List::new(), List::new(), List::new());
+        let (mut asked, mut misfits) = (List::new(), List::new());
+        let (mut cells, mut of_cells) = (List::new(), List::new());
         asked.extend(seeds.iter().copied().filter(|&k| mark.set(k) && self.open[k]));
         // Ring by ring.
         while !asked.is_empty() {
             distances::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
             let first = cells.len();
-            let on = asked.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
-            cells.extend(on.map(|(&k, _)| k));
+            for (&k, &misfit) in asked.iter().zip(&misfits) {
+                if misfit <= REACH * REACH {
+                    cells.push(k);
+                    of_cells.push(misfit);
+                }
+            }
             asked.clear();
             for &k in &cells[first..] {
                 for next in grid.neighbours(k) {
@@ -156,7 +183,7 @@ impl Scene<'_> {
             }
         }
         self.effort.spend(cells.len());
-        cells
+        (cells, of_cells)
     }
 
     /// What touches the sides of a cylinder: the outline of its cells where nothing nearer hides it, or the edges on
@@ -176,7 +203,10 @@ impl Scene<'_> {
                 return support.tangents;
             }
         }
-        let rays: List<_> = outline(self, cylinder, cells, mark).iter().filter_map(Side::limb).collect();
+        let (mut across, mut along) = (List::new(), List::new());
+        distances::across_and_along(cylinder, &self.grid.cells, cells, &mut across, &mut along);
+        let sides = outline(self, cylinder, cells, (&across, &along), mark);
+        let rays: List<_> = sides.iter().filter_map(Side::limb).collect();
         // What a sensor does to an outline it does all along: each of the two sides is one measurement.
         let weight = 2.0 / rays.len() as f64;
         let tangent = |ray| Tangent { ray, inset: OUTLINE_SHIFT_PIXELS, deviation: OUTLINE_PIXELS, weight };
@@ -188,7 +218,7 @@ impl Scene<'_> {
         let along = cells
             .iter()
             .map(|&k| (self.grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction));
-        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
+        ends(along)
     }
 
     /// Fits a surface to cells again, all of them within reach at first.
@@ -235,14 +265,14 @@ impl Scene<'_> {
         image.support(cylinder, range, reach)
     }
 
-    /// Grows a surface from a start that fits some cells.
+    /// Grows a surface from a start that fits some cells; with it comes a last look at it.
     pub fn grow(
         &self,
         start: &Surface,
         seeds: &[usize],
         sides: Sides,
         mark: &mut Marks,
-    ) -> Option<Candidate> {
+    ) -> Option<(Candidate, Look)> {
         let tangents = match sides {
             Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
             Sides::Outline => List::new(),
@@ -251,7 +281,7 @@ impl Scene<'_> {
         let mut cells = List::from(seeds);
         let mut before = 0;
         for _ in 0..ROUNDS {
-            cells = self.flood(&surface, &cells, mark);
+            cells = self.flood(&surface, &cells, mark).0;
             if cells.len() < FEWEST {
                 return None;
             }
@@ -263,10 +293,18 @@ impl Scene<'_> {
             }
             before = cells.len();
         }
-        let cells = self.flood(&surface, &cells, mark);
-        let gain = self.worth(&surface, &cells, mark);
-        (cells.len() >= FEWEST).then_some(Candidate { surface, cells, gain, sides })
+        let (cells, misfits) = self.flood(&surface, &cells, mark);
+        if cells.len() < FEWEST {
+            return None;
+        }
+        let look = self.look_by(&surface, &cells, misfits, mark);
+        Some((Candidate { surface, cells, gain: look.worth, sides }, look))
     }
+}
+
+/// The least and the largest of some numbers.
+pub(super) fn ends(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
 }
 
 /// Which cells were visited, without clearing between visits.

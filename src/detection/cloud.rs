@@ -11,6 +11,7 @@ use crate::memory::List;
 use crate::observations::PointsView;
 use crate::statistics::median;
 use nalgebra::{Matrix3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Pixels of the image of a cloud, at most.
@@ -24,6 +25,12 @@ const LEAST_SIDE: usize = 3;
 
 /// A part of the points that may lie anywhere: single ones far away must not make the image wide.
 const STRAY: f64 = 0.002;
+
+/// Fewest points of a cloud.
+const FEWEST: usize = 50;
+
+/// The pixel of a point that has none.
+const OUTSIDE: u32 = u32::MAX;
 
 /// The camera that a cloud is seen from: x_camera = R (x − origin).
 struct Viewpoint {
@@ -51,32 +58,17 @@ pub(crate) fn detect_points_until(
     stopped: &dyn Fn() -> bool,
 ) -> Result<Detections> {
     options.check()?;
+    let mut points = Cloud::read(view)?;
     let count = view.width() * view.height();
-    let mut points: Vec<Vector3<f64>> = Vec::new();
-    let bytes = count * size_of::<Vector3<f64>>();
-    points.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
-    let mut usable = Vec::new();
-    for row in 0..view.height() {
-        for column in 0..view.width() {
-            let point = view.points.at(column, row);
-            let known = point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0;
-            if known {
-                usable.push(points.len());
-            }
-            points.push(point);
-        }
-    }
     let nothing = || Detections { labels: vec![0; count], ..Detections::default() };
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;
-    let Some(viewpoint) = viewpoint(&points, &usable) else { return Ok(nothing()) };
+    let Some(viewpoint) = viewpoint(&points) else { return Ok(nothing()) };
     if !viewpoint.of_sensor {
-        for &k in &usable {
-            points[k] = viewpoint.rotation * (points[k] - viewpoint.origin);
-        }
+        points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
     }
     cancelled()?;
-    let Some(image) = Image::new(&points, &usable) else { return Ok(nothing()) };
+    let Some(image) = Image::new(&points) else { return Ok(nothing()) };
     let cone = options
         .limits
         .axis
@@ -85,10 +77,12 @@ pub(crate) fn detect_points_until(
     turned.limits.axis = cone;
     let size = (image.width, image.height);
     let read_points = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 3]| {
-        row::write(columns, list, |column| {
-            let k = image.nearest[row * image.width + column];
-            if k == u32::MAX { [0.0; 3] } else { points[k as usize].into() }
-        });
+        let first = row * image.width;
+        let nearest = &image.nearest[first + columns.start..first + columns.end];
+        for (list, axis) in list.iter_mut().zip(&points.axes) {
+            list.clear();
+            list.extend(nearest.iter().map(|&k| axis[k as usize]));
+        }
     };
     let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
     cancelled()?;
@@ -102,13 +96,15 @@ pub(crate) fn detect_points_until(
     };
     let seen = label(&grid, &found, size, image.spacing, &read_points, &read_rays, &effort);
     let mut labels = vec![0; count];
-    for &k in &usable {
-        let Some(pixel) = image.pixel(&points[k]) else { continue };
-        let near = image.nearest[pixel];
+    let depths = &points.axes[2];
+    for ((label, &pixel), &z) in labels.iter_mut().zip(&image.pixels).zip(depths) {
+        if pixel == OUTSIDE {
+            continue;
+        }
         // Points behind the one that is seen belong to something else, unless they are as near as a pixel is wide.
-        let depth = points[near as usize].z;
-        if points[k].z - depth <= 2.0 * image.spacing * depth {
-            labels[k] = seen.labels[pixel];
+        let depth = depths[image.nearest[pixel as usize] as usize];
+        if z - depth <= 2.0 * image.spacing * depth {
+            *label = seen.labels[pixel as usize];
         }
     }
     let mut cylinders = seen.cylinders;
@@ -122,25 +118,84 @@ pub(crate) fn detect_points_until(
     Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, ..seen })
 }
 
+/// The coordinates of points, axis by axis: not numbers for those of no use, and at the end a point of zeros, which stands for none.
+struct Cloud {
+    axes: [Vec<f64>; 3],
+    usable: usize,
+}
+
+impl Cloud {
+    fn read(view: &PointsView<'_>) -> Result<Self> {
+        let mut cloud = Self { axes: Default::default(), usable: 0 };
+        let count = view.width() * view.height() + 1;
+        for axis in &mut cloud.axes {
+            let bytes = count * size_of::<Vector3<f64>>();
+            axis.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
+        }
+        for row in 0..view.height() {
+            for column in 0..view.width() {
+                let mut point = view.points.at(column, row);
+                if point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0 {
+                    cloud.usable += 1;
+                } else {
+                    point.fill(f64::NAN);
+                }
+                cloud.push(&point);
+            }
+        }
+        cloud.push(&Vector3::zeros());
+        Ok(cloud)
+    }
+
+    fn push(&mut self, point: &Vector3<f64>) {
+        self.axes.iter_mut().zip(point).for_each(|(axis, x)| axis.push(*x));
+    }
+
+    /// All but the last.
+    fn len(&self) -> usize {
+        self.axes[0].len() - 1
+    }
+
+    fn points(&self) -> impl Iterator<Item = Vector3<f64>> {
+        let [x, y, z] = &self.axes;
+        (0..self.len()).map(|k| Vector3::new(x[k], y[k], z[k]))
+    }
+
+    /// Those of use.
+    fn usable(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.points().filter(|p| !p.z.is_nan())
+    }
+
+    fn turn(&mut self, turned: impl Fn(Vector3<f64>) -> Vector3<f64>) {
+        for k in 0..self.len() {
+            let point = turned(Vector3::from_fn(|axis, _| self.axes[axis][k]));
+            self.axes.iter_mut().zip(&point).for_each(|(axis, x)| axis[k] = *x);
+        }
+    }
+}
+
 /// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points
 /// in the direction in which they spread least.
-fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
-    if usable.len() < 50 {
+fn viewpoint(points: &Cloud) -> Option<Viewpoint> {
+    if points.usable < FEWEST {
         return None;
     }
-    let seen = |p: &Vector3<f64>| p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z;
-    let front = usable.iter().filter(|&&k| seen(&points[k])).count();
-    if front as f64 >= 0.98 * usable.len() as f64 {
+    let [x, y, z] = &points.axes;
+    let seen = || {
+        let rays = x.iter().zip(y).zip(z);
+        rays.map(|((x, y), z)| u32::from(is_in_front(*x, *y, *z))).sum::<u32>()
+    };
+    if f64::from(Arch::new().dispatch(seen)) >= 0.98 * points.usable as f64 {
         return Some(Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros(), of_sensor: true });
     }
     let middle = Vector3::from_fn(|axis, _| {
-        let mut values: Vec<f64> = usable.iter().map(|&k| points[k][axis]).collect();
+        let mut values: Vec<f64> = points.usable().map(|p| p[axis]).collect();
         median(&mut values)
     });
     let mut spread = Matrix3::zeros();
-    let mut distances: Vec<f64> = Vec::with_capacity(usable.len());
-    for &k in usable {
-        let offset = points[k] - middle;
+    let mut distances: Vec<f64> = Vec::with_capacity(points.usable);
+    for point in points.usable() {
+        let offset = point - middle;
         // Far points count as near ones: directions alone.
         let norm = offset.norm();
         distances.push(norm);
@@ -161,17 +216,23 @@ fn viewpoint(points: &[Vector3<f64>], usable: &[usize]) -> Option<Viewpoint> {
     (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size), of_sensor: false })
 }
 
-/// The numbers at two places of the order of many that are spread over some orders of magnitude.
+/// Whether a point lies within [`WIDEST`]; one that is no number does not.
+#[inline(always)]
+fn is_in_front(x: f64, y: f64, z: f64) -> bool {
+    (z > 0.0) & (x.abs() <= WIDEST * z) & (y.abs() <= WIDEST * z)
+}
+
+/// The numbers at two places of the order of many that are spread over some orders of magnitude; what is none comes last.
 fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
     // They are ordered as their bits are, those below zero the other way round: counted by the upper quarter of these, then
     // looked for among those that share it.
-    let upper = |number: &f64| {
+    let upper = |number: f64| {
         let bits = number.to_bits();
-        let turned = if bits >> 63 == 0 { bits | 1 << 63 } else { !bits };
+        let turned = bits ^ ((bits.cast_signed() >> 63).cast_unsigned() | 1 << 63);
         (turned >> 48) as usize
     };
     let mut counts = vec![0_u32; 1 << 16];
-    numbers.iter().for_each(|number| counts[upper(number)] += 1);
+    numbers.iter().for_each(|number| counts[upper(*number)] += 1);
     places.map(|mut place| {
         let mut own = 0;
         while place >= counts[own] as usize {
@@ -179,7 +240,7 @@ fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
             own += 1;
         }
         let mut alike = Vec::with_capacity(counts[own] as usize);
-        alike.extend(numbers.iter().copied().filter(|number| upper(number) == own));
+        alike.extend(numbers.iter().copied().filter(|number| upper(*number) == own));
         *alike.select_nth_unstable_by(place, f64::total_cmp).1
     })
 }
@@ -190,29 +251,30 @@ struct Image {
     height: usize,
     spacing: f64,
     low: [f64; 2],
+    /// The pixel of each point, [`OUTSIDE`] for those that have none.
+    pixels: Vec<u32>,
+    /// The number of the point at each pixel, that of the last where there is none.
     nearest: Vec<u32>,
 }
 
 impl Image {
-    fn new(points: &[Vector3<f64>], usable: &[usize]) -> Option<Self> {
+    fn new(points: &Cloud) -> Option<Self> {
+        let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
         let mut range = [[0.0; 2]; 2];
-        for (axis, range) in range.iter_mut().enumerate() {
-            let mut values = Vec::with_capacity(usable.len());
-            for &k in usable {
-                let p = &points[k];
-                if p.z > 0.0 && p.x.abs().max(p.y.abs()) <= WIDEST * p.z {
-                    values.push(p[axis] / p.z);
-                }
-            }
-            if values.len() < 50 {
+        let mut slopes = vec![0.0; points.len()];
+        for (own, (axis, other)) in range.iter_mut().zip([(x, y), (y, x)]) {
+            let count = Arch::new().dispatch(Slopes { axes: [axis, other, z], slopes: &mut slopes });
+            if count < FEWEST {
                 return None;
             }
-            let stray = (STRAY * values.len() as f64) as usize;
-            *range = in_order(&values, [stray, values.len() - 1 - stray]);
+            let stray = (STRAY * count as f64) as usize;
+            *own = in_order(&slopes, [stray, count - 1 - stray]);
         }
+        // Much memory in a large cloud.
+        drop(slopes);
         let [width, height] = range.map(|[low, high]| high - low);
         // As many pixels as points, over the part of the image that has any.
-        let pixels = (usable.len() as f64).min(MOST_PIXELS);
+        let pixels = (points.usable as f64).min(MOST_PIXELS);
         let spacing = (width * height / pixels).sqrt();
         if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
             return None;
@@ -222,28 +284,70 @@ impl Image {
             height: (height / spacing) as usize + 1,
             spacing,
             low: [range[0][0], range[1][0]],
+            pixels: Vec::new(),
             nearest: Vec::new(),
         };
-        image.nearest = vec![u32::MAX; image.width * image.height];
-        for &k in usable {
-            if let Some(pixel) = image.pixel(&points[k]) {
-                let before = image.nearest[pixel];
-                if before == u32::MAX || points[k].z < points[before as usize].z {
-                    image.nearest[pixel] = k as u32;
-                }
+        let mut of_points = vec![OUTSIDE; points.len()];
+        Arch::new().dispatch(PixelsOfPoints { image: &image, axes: [x, y, z], pixels: &mut of_points });
+        let none = points.len() as u32;
+        image.nearest = vec![none; image.width * image.height];
+        for (k, (&pixel, z)) in of_points.iter().zip(z).enumerate() {
+            if let Some(nearest) = image.nearest.get_mut(pixel as usize)
+                && (*nearest == none || *z < points.axes[2][*nearest as usize])
+            {
+                *nearest = k as u32;
             }
         }
+        image.pixels = of_points;
         Some(image)
     }
+}
 
-    fn pixel(&self, p: &Vector3<f64>) -> Option<usize> {
-        if p.z <= 0.0 {
-            return None;
+/// One pass over points for the slopes of their rays along the first of some axes, no numbers where they are not in front; the last
+/// axis is z. Tells how many are.
+struct Slopes<'a> {
+    axes: [&'a [f64]; 3],
+    slopes: &'a mut [f64],
+}
+
+impl WithSimd for Slopes<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> usize {
+        let Self { axes: [x, other, z], slopes } = self;
+        let mut count = 0;
+        for (slope, ((x, other), z)) in slopes.iter_mut().zip(x.iter().zip(other).zip(z)) {
+            let front = is_in_front(*x, *other, *z);
+            *slope = if front { x / z } else { f64::NAN };
+            count += u64::from(front);
         }
-        let x = (p.x / p.z - self.low[0]) / self.spacing;
-        let y = (p.y / p.z - self.low[1]) / self.spacing;
-        let inside = x >= 0.0 && y >= 0.0 && x < self.width as f64 && y < self.height as f64;
-        inside.then(|| y as usize * self.width + x as usize)
+        count as usize
+    }
+}
+
+/// One pass over points for their pixels, in place of [`OUTSIDE`].
+struct PixelsOfPoints<'a> {
+    image: &'a Image,
+    axes: [&'a [f64]; 3],
+    pixels: &'a mut [u32],
+}
+
+impl WithSimd for PixelsOfPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { image: Image { width, height, spacing, low, .. }, axes: [x, y, z], pixels } = self;
+        let (right, bottom) = (*width as f64, *height as f64);
+        for (pixel, ((x, y), z)) in pixels.iter_mut().zip(x.iter().zip(y).zip(z)) {
+            let x = (x / z - low[0]) / spacing;
+            let y = (y / z - low[1]) / spacing;
+            let inside = (*z > 0.0) & (x >= 0.0) & (y >= 0.0) & (x < right) & (y < bottom);
+            // An i32, of which an image has far fewer pixels, is what vector instructions convert to.
+            let number = (y as i32 as u32).wrapping_mul(*width as u32).wrapping_add(x as i32 as u32);
+            *pixel = if inside { number } else { OUTSIDE };
+        }
     }
 }
 
@@ -259,5 +363,34 @@ mod tests {
         for places in [[0, 999], [2, 997], [499, 501], [505, 505]] {
             assert_eq!(in_order(&numbers, places), places.map(|place| sorted[place]));
         }
+    }
+
+    #[test]
+    fn slopes_and_pixels_are_those_of_one_point_after_the_other() {
+        let numbers = [0.0, 1.0, -1.0, 0.3, 2.5, 1e-300, 1e300, -1e300, f64::NAN];
+        let points: Vec<[f64; 3]> =
+            (0..729).map(|k| [numbers[k % 9], numbers[k / 9 % 9], numbers[k / 81]]).collect();
+        let axes = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
+        let axes = axes.each_ref().map(|axis| &axis[..]);
+        let mut slopes = vec![0.0; points.len()];
+        let count = Slopes { axes, slopes: &mut slopes }.with_simd(pulp::Scalar);
+        let mut wide = vec![0.0; points.len()];
+        assert_eq!(Arch::new().dispatch(Slopes { axes, slopes: &mut wide }), count);
+        let (pixels, nearest) = (Vec::new(), Vec::new());
+        let image = Image { width: 30, height: 20, spacing: 0.1, low: [-1.5, -1.0], pixels, nearest };
+        let mut pixels = vec![OUTSIDE; points.len()];
+        Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels: &mut pixels });
+        let mut within = 0;
+        for (k, [x, y, z]) in points.into_iter().enumerate() {
+            let front = z > 0.0 && x.abs() <= WIDEST * z && y.abs() <= WIDEST * z;
+            within += usize::from(front);
+            assert_eq!(slopes[k].to_bits(), wide[k].to_bits());
+            assert!(if front { slopes[k] == x / z } else { slopes[k].is_nan() }, "{x} {y} {z}");
+            let place = [(x / z + 1.5) / 0.1, (y / z + 1.0) / 0.1];
+            let inside = z > 0.0 && (0.0..30.0).contains(&place[0]) && (0.0..20.0).contains(&place[1]);
+            let pixel = if inside { place[1] as u32 * 30 + place[0] as u32 } else { OUTSIDE };
+            assert_eq!(pixels[k], pixel, "{x} {y} {z}");
+        }
+        assert_eq!(within, count);
     }
 }

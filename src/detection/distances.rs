@@ -98,8 +98,7 @@ pub(super) fn place<S: Simd>(simd: S, surface: &Surface, point: [S::f64s; 3]) ->
             let offset = difference(simd, point, splat(simd, &cylinder.axis.point));
             let d = splat(simd, &cylinder.axis.direction);
             let along = dot(simd, offset, d);
-            let on_axis =
-                [simd.mul_f64s(d[0], along), simd.mul_f64s(d[1], along), simd.mul_f64s(d[2], along)];
+            let on_axis = times(simd, d, along);
             let wider = simd.mul_f64s(simd.splat_f64s(taper), along);
             (difference(simd, offset, on_axis), along, (cylinder.radius, wider))
         }
@@ -111,8 +110,8 @@ pub(super) fn place<S: Simd>(simd: S, surface: &Surface, point: [S::f64s; 3]) ->
     let norm = simd.sqrt_f64s(dot(simd, offset, offset));
     let norm = simd.max_f64s(norm, simd.splat_f64s(f64::MIN_POSITIVE));
     let distance = simd.sub_f64s(simd.sub_f64s(norm, simd.splat_f64s(radius.0)), radius.1);
-    let normal =
-        [simd.div_f64s(offset[0], norm), simd.div_f64s(offset[1], norm), simd.div_f64s(offset[2], norm)];
+    // One division takes as long as many products.
+    let normal = times(simd, offset, simd.div_f64s(simd.splat_f64s(1.0), norm));
     PlaceOf { distance, normal, along }
 }
 

@@ -24,8 +24,8 @@ const SHORTEST: f64 = 8.0;
 /// The standard deviation across an edge in pixels: a step blurred by up to this much.
 const WIDEST: f64 = 2.0;
 
-/// How far from an edge its blur reaches, in pixels.
-const BESIDE: i32 = 3;
+/// Where beside an edge its blur may be, in pixels across it.
+const BESIDE: [f32; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 
 /// A straight edge by its ends on the plane z = 1.
 #[derive(Debug, Clone, Copy)]
@@ -58,14 +58,15 @@ struct Gradient {
 impl Gradient {
     /// Whether a gradient is at least half as strong as any next to it across the edge: the shading beside a limb has its
     /// direction, but is weaker, and would make a broad region of the edge.
-    fn stands_out(&self, k: usize) -> bool {
-        let (x, y) = ((k % self.width) as f32, (k / self.width) as f32);
+    fn stands_out(&self, [column, row]: [usize; 2]) -> bool {
+        let k = row * self.width + column;
+        let (x, y) = (column as f32, row as f32);
         let height = self.magnitudes.len() / self.width;
         let unit = self.unit(k);
         // Rounds as `f32::round` does, which is a call; the conversion holds what is below 0 at 0.
         let rounded = |t: f32| t as u32 + u32::from(t - (t as u32) as f32 >= 0.5);
-        (-BESIDE..=BESIDE).filter(|&step| step != 0).all(|step| {
-            let place = [x + unit.x * step as f32, y + unit.y * step as f32].map(|t| rounded(t) as usize);
+        BESIDE.iter().all(|step| {
+            let place = [x + unit.x * step, y + unit.y * step].map(|t| rounded(t) as usize);
             let other = place[1].min(height - 1) * self.width + place[0].min(self.width - 1);
             2.0 * self.magnitudes[k] >= self.magnitudes[other]
         })
@@ -86,10 +87,13 @@ pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
     let mut free = vec![false; gradient.magnitudes.len()];
     let mut order: Vec<u32> = Vec::new();
-    for (k, &magnitude) in gradient.magnitudes.iter().enumerate() {
-        if magnitude > threshold && gradient.stands_out(k) {
-            free[k] = true;
-            order.push(k as u32);
+    for (row, magnitudes) in gradient.magnitudes.chunks_exact(gradient.width).enumerate() {
+        for (column, &magnitude) in magnitudes.iter().enumerate() {
+            if magnitude > threshold && gradient.stands_out([column, row]) {
+                let k = row * gradient.width + column;
+                free[k] = true;
+                order.push(k as u32);
+            }
         }
     }
     let mut region = Vec::new();
@@ -138,12 +142,19 @@ fn reduced(image: &GreyImage, factor: usize) -> Vec<f32> {
     let mut values = vec![0.0; width * height];
     for y in 0..height * factor {
         let row = &image.row(y)[..width * factor];
-        for (sum, pixels) in values[y / factor * width..].iter_mut().zip(row.chunks_exact(factor)) {
+        let sums = &mut values[y / factor * width..][..width];
+        // Most images are as wide as that.
+        if factor == 1 {
+            sums.copy_from_slice(row);
+            continue;
+        }
+        for (sum, pixels) in sums.iter_mut().zip(row.chunks_exact(factor)) {
             *sum += pixels.iter().sum::<f32>();
         }
     }
     let area = (factor * factor) as f32;
-    values.iter_mut().for_each(|value| *value = (*value / area).max(0.0).sqrt());
+    let roots = || values.iter_mut().for_each(|value| *value = (*value / area).max(0.0).sqrt());
+    Arch::new().dispatch(roots);
     values
 }
 
@@ -198,7 +209,9 @@ impl WithSimd for Derivatives<'_> {
 /// From where on a gradient is none of noise; `None` where the image is flat.
 fn threshold(magnitudes: &[f32]) -> Option<f32> {
     let quartile = lower_quartile(magnitudes)?;
-    let largest = magnitudes.iter().fold(0.0, |largest, &size| if size > largest { size } else { largest });
+    // Numbers without sign are ordered as their bits are, and so many side by side.
+    let largest = || magnitudes.iter().map(|size| size.to_bits()).max();
+    let largest = f32::from_bits(Arch::new().dispatch(largest)?);
     // Images without noise have no quartile.
     let threshold = (SIGNIFICANT / QUARTILE) as f32 * quartile;
     (largest > 0.0).then_some(threshold.max(0.01 * largest))
@@ -208,10 +221,11 @@ fn threshold(magnitudes: &[f32]) -> Option<f32> {
 fn lower_quartile(numbers: &[f32]) -> Option<f32> {
     // They are ordered as their bits are: counted by the upper half of these, then looked for among those that share it.
     let upper = |number: &f32| (number.to_bits() >> 16) as usize;
-    let mut counts = vec![0_usize; 1 << 16];
+    let mut counts = vec![0_u32; 1 << 16];
     numbers.iter().for_each(|number| counts[upper(number)] += 1);
     let mut place = numbers.len() / 4;
     let of_quartile = counts.iter().position(|&count| {
+        let count = count as usize;
         let there = place < count;
         place -= if there { 0 } else { count };
         there

@@ -1,9 +1,8 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
-use super::candidate::{Candidate, Marks, Scene, Sides};
+use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
 use super::distances::{self, Sight};
-use super::limb_pairs::ON_LIMB;
-use super::outline::{Beyond, outline};
+use super::outline::Beyond;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::Cylinder;
@@ -78,31 +77,27 @@ impl Scene<'_> {
         slope(&candidate.surface, (&self.grid.cells, cells), &tangents, self.optics)
     }
 
-    /// What speaks for or against a candidate, but for the slope, which only the score of a fit asks for. Where the score is
-    /// below `least` whatever else is looked at, it is not looked at.
-    pub fn judge(&self, candidate: &Candidate, least: f64, mark: &mut Marks) -> Option<Evidence> {
+    /// What speaks for or against a candidate after a look at it, but for the slope, which only the score of a fit asks for. Where
+    /// the score is below `least` whatever else is looked at, it is not looked at.
+    pub fn judge(
+        &self,
+        candidate: &Candidate,
+        look: &Look,
+        least: f64,
+        mark: &mut Marks,
+    ) -> Option<Evidence> {
         let Surface::Cylinder(cylinder, _) = candidate.surface else { return None };
         if self.effort.is_spent() {
             return None;
         }
-        let cells = &candidate.cells;
-        let misfits = self.misfits(&candidate.surface, cells);
-        self.effort.spend(cells.len());
-        let gain = self.gain_by(&misfits) - self.penalty(&candidate.surface, cells.len());
-        let mut evidence = Evidence { gain, ..Evidence::default() };
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut squares = 0.0;
-        let (mut across, mut along) = (List::new(), List::new());
-        distances::across_and_along(&cylinder, &self.grid.cells, cells, &mut across, &mut along);
-        for ((&across, &along), misfit) in across.iter().zip(&along).zip(&misfits) {
-            if across.is_nan() {
-                return None;
-            }
-            (first, last) = (first.min(along), last.max(along));
-            (left, right) = (left.min(across), right.max(across));
-            squares += misfit.min(REACH * REACH);
+        let Look { misfits, across, range: [first, last], sides, support, .. } = look;
+        if across.iter().any(|across| across.is_nan()) {
+            return None;
         }
+        let gain = self.gain_by(misfits) - self.penalty(&candidate.surface, candidate.cells.len());
+        let mut evidence = Evidence { gain, ..Evidence::default() };
+        let [mut left, mut right] = ends(across.iter().copied());
+        let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
         if cylinder.contains_origin() {
             // From inside, rays pass the axis at any distance; the turn of the wall tells how much of it is seen.
             let half = 0.5 * self.turn(candidate);
@@ -115,15 +110,13 @@ impl Scene<'_> {
         let pixels = cylinder.radius / (depth * self.optics.pixel);
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
         evidence.radius_pixels = pixels;
-        self.effort.spend(candidate.cells.len());
-        let sides = outline(self, &cylinder, &candidate.cells, mark);
         let part = |beyond: Beyond| {
             sides.iter().filter(|side| side.beyond == beyond).count() as f64 / sides.len().max(1) as f64
         };
         evidence.side_samples = sides.len() as f64 / self.noise.cells_per_sample.sqrt();
         evidence.open_sides = part(Beyond::Smooth);
         evidence.closed_sides = part(Beyond::Farther);
-        evidence.insets = self.insets(&cylinder, &sides);
+        evidence.insets = self.insets(&cylinder, sides);
         evidence.visible = [-1.0, 1.0].map(|sign| {
             let lines = sides.iter().filter(|side| side.sign == sign);
             let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), side| {
@@ -131,16 +124,15 @@ impl Scene<'_> {
             });
             seen / f64::max(all, 1.0)
         });
-        evidence.limbs =
-            self.image.map(|_| self.support(&cylinder, [first, last], ON_LIMB).unwrap_or_default().covered);
+        evidence.limbs = self.image.map(|_| support.as_ref().map_or([0.0; 2], |support| support.covered));
         [evidence.over_plane, evidence.over_edge, evidence.over_sphere] = [f64::INFINITY; 3];
         // What is seen behind and every other surface only lower the score.
         if evidence.score() >= least {
-            self.see_through(&cylinder, candidate, [first, last], &mut evidence);
+            self.see_through(&cylinder, candidate, look.range, &mut evidence);
             // What the sides rule out needs no other surface, which would take most of the time.
             if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
                 let length = evidence.length * cylinder.radius;
-                self.compare(candidate, &across, length, least, &mut evidence, mark);
+                self.compare(candidate, across, length, least, &mut evidence, mark);
             }
         }
         // Half of the evidence is none.
@@ -187,7 +179,7 @@ impl Scene<'_> {
         }
         let fitted = |start: Surface| self.fit(&start, cells, &[], REACH, 6);
         let mut margin = |other: &Surface| {
-            let other = self.grow(other, cells, Sides::Outline, mark)?;
+            let (other, _) = self.grow(other, cells, Sides::Outline, mark)?;
             mark.next();
             cells.iter().for_each(|&k| {
                 mark.set(k);

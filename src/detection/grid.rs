@@ -3,6 +3,7 @@
 //! A plane is linear in (x/z, y/z) ↦ 1/z, and so is every straight line in space along its image. Positions in a cell
 //! are therefore (x, y) on the plane z = 1 and w = 1/z.
 
+use super::distances::LANES;
 use super::row::Points;
 use crate::memory::List;
 use crate::statistics::median;
@@ -69,6 +70,8 @@ pub(super) struct Grid {
     pub cells: Vec<Cell>,
     /// The positions of the cells on the plane z = 1, axis by axis.
     pub rays: [Vec<f64>; 2],
+    /// Whether a cell has neighbours on all sides.
+    pub inner: Vec<bool>,
 }
 
 /// Sums over pixels of a cell.
@@ -83,6 +86,25 @@ struct Sums {
 
 impl Sums {
     const NONE: Self = Self { place: [0.0; 3], count: 0.0, near: f64::INFINITY, far: f64::NEG_INFINITY };
+
+    fn numbers(&self) -> [f64; 6] {
+        let [x, y, w] = self.place;
+        [x, y, w, self.count, self.near, self.far]
+    }
+
+    /// The sums over some columns.
+    #[inline]
+    fn across([x, y, w, count, near, far]: [&[f64]; 6]) -> Self {
+        let mut sums = Self::NONE;
+        let numbers = x.iter().zip(y).zip(w).zip(count.iter().zip(near).zip(far));
+        for (((x, y), w), ((count, near), far)) in numbers {
+            sums.place = [sums.place[0] + x, sums.place[1] + y, sums.place[2] + w];
+            sums.count += count;
+            sums.near = if *near < sums.near { *near } else { sums.near };
+            sums.far = if *far > sums.far { *far } else { sums.far };
+        }
+        sums
+    }
 
     /// The mean, where a third of all pixels were measured.
     fn mean(&self, full: usize) -> Cell {
@@ -120,42 +142,38 @@ fn about_the_middle(pixels: &[[f64; 3]], spacing: f64, depths: &mut Vec<f64>) ->
     sums
 }
 
-/// One pass over a row of pixels, for the sums of the cells that it goes through.
+/// Sums down columns of pixels, those of [`Sums`] in their order.
+type OfColumns = [List<f64>; 6];
+
+/// One pass over a row of pixels, which adds it to the sums down the columns. All lists are of the same length, some groups of
+/// [`LANES`].
 struct Line<'a> {
     points: &'a [List<f64>; 3],
-    side: usize,
-    /// Room for x/z, y/z, 1/z and the depth of every pixel, the last infinite where nothing was measured.
-    numbers: &'a mut [List<f64>; 4],
-    sums: &'a mut [Sums],
+    sums: &'a mut OfColumns,
 }
 
 impl WithSimd for Line<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { points: [px, py, pz], side, numbers: [x, y, w, z], sums } = self;
-        let places = x.iter_mut().zip(y.iter_mut()).zip(w.iter_mut()).zip(z.iter_mut());
-        for ((((x, y), w), z), ((px, py), pz)) in places.zip(px.iter().zip(py).zip(pz)) {
-            let inverse = 1.0 / pz;
-            let seen = *pz > 0.0;
-            // What nothing is added to keeps its bits.
-            *x = if seen { px * inverse } else { 0.0 };
-            *y = if seen { py * inverse } else { 0.0 };
-            *w = if seen { inverse } else { 0.0 };
-            *z = if seen { *pz } else { f64::INFINITY };
-        }
-        let parts = x.chunks_exact(side).zip(y.chunks_exact(side)).zip(w.chunks_exact(side));
-        let depths = z.chunks_exact(side).zip(pz.chunks_exact(side));
-        for ((sums, ((x, y), w)), (near, far)) in sums.iter_mut().zip(parts).zip(depths) {
-            let mut own = *sums;
-            for ((((x, y), w), near), far) in x.iter().zip(y).zip(w).zip(near).zip(far) {
-                own.place = [own.place[0] + x, own.place[1] + y, own.place[2] + w];
-                own.count += if *far > 0.0 { 1.0 } else { 0.0 };
-                own.near = if *near < own.near { *near } else { own.near };
-                own.far = if *far > own.far { *far } else { own.far };
-            }
-            *sums = own;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { points: [px, py, pz], sums: [x, y, w, count, near, far] } = self;
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let infinite = simd.splat_f64s(f64::INFINITY);
+        let (px, py, pz) = (S::as_simd_f64s(px).0, S::as_simd_f64s(py).0, S::as_simd_f64s(pz).0);
+        let (x, y, w) = (S::as_mut_simd_f64s(x).0, S::as_mut_simd_f64s(y).0, S::as_mut_simd_f64s(w).0);
+        let count = S::as_mut_simd_f64s(count).0;
+        let (near, far) = (S::as_mut_simd_f64s(near).0, S::as_mut_simd_f64s(far).0);
+        let sums = x.iter_mut().zip(y).zip(w).zip(count.iter_mut().zip(near).zip(far));
+        for ((((x, y), w), ((count, near), far)), ((px, py), pz)) in sums.zip(px.iter().zip(py).zip(pz)) {
+            let inverse = simd.div_f64s(one, *pz);
+            let seen = simd.greater_than_f64s(*pz, zero);
+            *x = simd.add_f64s(*x, simd.select_f64s(seen, simd.mul_f64s(*px, inverse), zero));
+            *y = simd.add_f64s(*y, simd.select_f64s(seen, simd.mul_f64s(*py, inverse), zero));
+            *w = simd.add_f64s(*w, simd.select_f64s(seen, inverse, zero));
+            *count = simd.add_f64s(*count, simd.select_f64s(seen, one, zero));
+            *near = simd.min_f64s(*near, simd.select_f64s(seen, *pz, infinite));
+            *far = simd.max_f64s(*far, *pz);
         }
     }
 }
@@ -167,17 +185,23 @@ impl Grid {
         let spacing = spacing * side as f64;
         let mut cells = Vec::with_capacity(columns * rows);
         let mut lines: Vec<[List<f64>; 3]> = (0..side).map(|_| Default::default()).collect();
-        let mut numbers = [(); 4].map(|()| List::filled(0.0, columns * side));
-        let mut all = List::with_capacity(columns);
+        let padded = (columns * side).next_multiple_of(LANES);
+        let mut of_columns = OfColumns::default();
         let (mut pixels, mut depths) = (List::with_capacity(side * side), List::with_capacity(side * side));
         for row in 0..rows {
-            all.clear();
-            all.resize(columns, Sums::NONE);
+            for (list, none) in of_columns.iter_mut().zip(Sums::NONE.numbers()) {
+                list.clear();
+                list.resize(padded, none);
+            }
             for (y, points) in lines.iter_mut().enumerate() {
                 read_points(row * side + y, 0..columns * side, points);
-                Arch::new().dispatch(Line { points, side, numbers: &mut numbers, sums: &mut all });
+                points.iter_mut().for_each(|list| list.resize(padded, 0.0));
+                Arch::new().dispatch(Line { points, sums: &mut of_columns });
             }
-            for (column, sums) in all.iter().enumerate() {
+            let [x, y, w, count, near, far] = of_columns.each_ref().map(|list| list.chunks_exact(side));
+            let of_cells = x.zip(y).zip(w).zip(count.zip(near).zip(far)).take(columns);
+            for (column, (((x, y), w), ((count, near), far))) in of_cells.enumerate() {
+                let sums = Sums::across([x, y, w, count, near, far]);
                 // Most cells see one surface: what is within reach of the nearest of them is within that of the middle one, too.
                 let alike = sums.far - sums.near <= reach_at(sums.near, spacing);
                 cells.push(if alike {
@@ -193,7 +217,10 @@ impl Grid {
             }
         }
         let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
-        Self { columns, rows, side, spacing, cells, rays }
+        let within = |k: usize, count: usize| k > 0 && k + 1 < count;
+        let row = |y: usize| (0..columns).map(move |x| within(x, columns) && within(y, rows));
+        let inner = (0..rows).flat_map(row).collect();
+        Self { columns, rows, side, spacing, cells, rays, inner }
     }
 
     pub fn at(&self, column: usize, row: usize) -> &Cell {
@@ -219,13 +246,66 @@ impl Grid {
     /// The neighbours of a cell left, right, above and below; beyond the border the cell itself.
     #[inline]
     pub fn neighbours(&self, index: usize) -> [usize; 4] {
-        let (column, row) = (index % self.columns, index / self.columns);
         let columns = self.columns;
+        // Most lie within, which is told without a division.
+        if self.inner[index] {
+            return [index - 1, index + 1, index - columns, index + columns];
+        }
+        let (column, row) = (index % columns, index / columns);
         [
             if column > 0 { index - 1 } else { index },
             if column + 1 < columns { index + 1 } else { index },
             if row > 0 { index - columns } else { index },
             if row + 1 < self.rows { index + columns } else { index },
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::Range;
+
+    #[test]
+    fn cells_are_means_of_their_pixels_one_after_the_other() {
+        let (size, side, spacing) = ((20, 9), 3, 0.002);
+        for scale in [1e-9, 1.0, 1e9] {
+            let point = |row: usize, column: usize| {
+                let seen = (row * 7 + column * 5) % 11 > 2;
+                let z = if seen { scale * (1.0 + 0.001 * ((row * column) % 5) as f64) } else { 0.0 };
+                [0.002 * column as f64 * z, 0.002 * row as f64 * z, z]
+            };
+            let read = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
+                super::super::row::write(columns, points, |column| point(row, column));
+            };
+            let grid = Grid::new(size, spacing, side, &read);
+            assert_eq!((grid.columns, grid.rows), (6, 3));
+            for (k, cell) in grid.cells.iter().enumerate() {
+                let (row, column) = (k / 6 * side, k % 6 * side);
+                let pixels = (0..9).map(|k| point(row + k / 3, column + k % 3)).filter(|p| p[2] > 0.0);
+                let (mut sums, mut count) = ([0.0; 3], 0.0);
+                for [x, y, z] in pixels {
+                    sums = [sums[0] + x / z, sums[1] + y / z, sums[2] + 1.0 / z];
+                    count += 1.0;
+                }
+                let [x, y, w] = sums.map(|sum| sum / count);
+                assert_eq!(cell.fill, count / 9.0);
+                let off = [cell.x / x, cell.y / y, cell.w / w].map(|ratio| (ratio - 1.0).abs());
+                // The first of all lies on an axis of the image.
+                assert!(off.iter().all(|off| *off < 1e-12 || off.is_nan()), "{k}: {off:?}");
+                assert_eq!(grid.inner[k], k == 7 || k == 8 || k == 9 || k == 10);
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_end_at_the_border() {
+        let read = |_: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
+            super::super::row::write(columns, points, |_| [0.0, 0.0, 1.0]);
+        };
+        let grid = Grid::new((4, 3), 0.002, 1, &read);
+        assert_eq!(grid.neighbours(0), [0, 1, 0, 4]);
+        assert_eq!(grid.neighbours(5), [4, 6, 1, 9]);
+        assert_eq!(grid.neighbours(11), [10, 11, 7, 11]);
     }
 }

@@ -10,6 +10,7 @@ mod evidence;
 mod grid;
 mod labels;
 mod limb_pairs;
+mod moments;
 mod noise;
 mod normal_equations;
 mod outline;

@@ -1,7 +1,10 @@
 //! The noise of the depth, from the image itself.
 
 use super::grid::Grid;
+use crate::memory::List;
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
 /// nearer cells share their error. 4 cells of 3 pixels do not.
@@ -23,29 +26,58 @@ pub(super) struct Noise {
     pub cells_per_sample: f64,
 }
 
-/// Second differences of w over cells without a step between: zero on planes but for noise. Curved surfaces add to the
-/// larger ones; the lower quartile, which half of the image may contradict, does not see them.
-fn differences(grid: &Grid, lag: usize) -> Vec<f64> {
-    let mut found = Vec::new();
-    let strides = [(1, grid.columns, grid.rows), (grid.columns, grid.rows, grid.columns)];
-    for (stride, along, lines) in strides {
-        let across = if stride == 1 { grid.columns } else { 1 };
-        for line in (0..lines).step_by(2) {
-            for k in lag..along.saturating_sub(lag) {
-                let middle = line * across + k * stride;
-                let [a, b, c] =
-                    [middle - lag * stride, middle, middle + lag * stride].map(|i| &grid.cells[i]);
-                if !(a.measured() && b.measured() && c.measured()) {
-                    continue;
-                }
-                // The cells are not exactly in the middle of each other.
-                let t = if stride == 1 { (b.x - a.x) / (c.x - a.x) } else { (b.y - a.y) / (c.y - a.y) };
-                let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
-                found.push(((b.w - a.w - t * (c.w - a.w)) / weights).abs());
-            }
-        }
+/// Sizes of second differences of w over cells without a step between, in every other row and in every other column: zero on planes but
+/// for noise. Curved surfaces add to the larger ones; the lower quartile, which half of the image may contradict, does not see
+/// them.
+fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
+    let (columns, [x, y]) = (grid.columns, &grid.rays);
+    let mut found = List::with_capacity(w.len());
+    let mut sizes = List::filled(0.0, columns);
+    let inner = columns.saturating_sub(2 * lag);
+    let three = |first: usize, stride: usize, count: usize| {
+        [0, lag * stride, 2 * lag * stride].map(|start| first + start..first + start + count)
+    };
+    let mut add = |of: [Range<usize>; 3], along: &[f64], step: usize| {
+        let sizes = &mut sizes[..of[0].len()];
+        let [places, w] = [along, w].map(|numbers| of.clone().map(|range| &numbers[range]));
+        Arch::new().dispatch(Differences { places, w, sizes });
+        found.extend(sizes.iter().step_by(step).copied().filter(|size| !size.is_nan()));
+    };
+    for row in (0..grid.rows).step_by(2).filter(|_| inner > 0) {
+        add(three(row * columns, 1, inner), x, 1);
+    }
+    for row in 0..grid.rows.saturating_sub(2 * lag) {
+        add(three(row * columns, columns, columns), y, 2);
     }
     found
+}
+
+/// One pass over cells by three, side by side: the sizes of their second differences of w, which are none where a cell was not
+/// measured.
+struct Differences<'a> {
+    /// Where they lie in the direction in which they follow each other.
+    places: [&'a [f64]; 3],
+    w: [&'a [f64]; 3],
+    sizes: &'a mut [f64],
+}
+
+impl WithSimd for Differences<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { places: [pa, pb, pc], w: [wa, wb, wc], sizes } = self;
+        let places = pa.iter().zip(pb).zip(pc);
+        for ((size, ((pa, pb), pc)), ((a, b), c)) in
+            sizes.iter_mut().zip(places).zip(wa.iter().zip(wb).zip(wc))
+        {
+            // The cells are not exactly in the middle of each other.
+            let t = (pb - pa) / (pc - pa);
+            let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
+            let measured = (*a > 0.0) & (*b > 0.0) & (*c > 0.0);
+            *size = if measured { ((b - a - t * (c - a)) / weights).abs() } else { f64::NAN };
+        }
+    }
 }
 
 fn lower_quartile(values: &mut [f64]) -> f64 {
@@ -56,15 +88,17 @@ fn lower_quartile(values: &mut [f64]) -> f64 {
 impl Noise {
     /// The noise of an image, and that of each cell; `None` where too little was measured.
     pub fn estimate(grid: &mut Grid) -> Option<Self> {
-        let mut far = differences(grid, LAG);
+        let mut w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
+        let mut far = differences(grid, &w, LAG);
         if far.len() < FEWEST {
             return None;
         }
         let deviation = lower_quartile(&mut far) / QUARTILE;
-        let mut near = differences(grid, 1);
+        let mut near = differences(grid, &w, 1);
+        w.retain(|w| *w > 0.0);
         let nearest = median(&mut near) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
-        let deviation = deviation.max(1e-6 * median_w(grid));
+        let deviation = deviation.max(1e-6 * median(&mut w));
         // Variance of a second difference: σ² (1.5 − 2 ρ₁ + 0.5 ρ₂) / 1.5 with ρ₂ = ρ₁² for errors that fade
         // exponentially: = σ² (1 − ρ₁) (3 − ρ₁) / 3.
         let ratio = (nearest / deviation).powi(2).min(1.0);
@@ -79,7 +113,51 @@ impl Noise {
     }
 }
 
-fn median_w(grid: &Grid) -> f64 {
-    let mut w: Vec<f64> = grid.cells.iter().filter(|c| c.measured()).map(|c| c.w).collect();
-    median(&mut w)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::grid::Cell;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn differences_are_those_of_one_cell_after_the_other() {
+        let (columns, rows) = (13, 11);
+        for scale in [0.0, 1e-9, 1.0, 1e9] {
+            let cell = |k: usize| {
+                let (x, y) = (0.01 * (k % columns) as f64, 0.01 * (k / columns) as f64);
+                let w = if k % 17 == 3 { 0.0 } else { scale * (1.0 + 0.001 * ((k * k) % 19) as f64) };
+                Cell { x, y: y + 1e-4 * (k % 3) as f64, w, point: Vector3::zeros(), sigma: 0.0, fill: 1.0 }
+            };
+            let cells: Vec<Cell> = (0..columns * rows).map(cell).collect();
+            let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
+            let w: Vec<f64> = cells.iter().map(|cell| cell.w).collect();
+            let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, inner: Vec::new() };
+            for lag in [1, LAG, 6] {
+                let mut plain = Vec::new();
+                let mut add = |places: [f64; 3], which: [usize; 3]| {
+                    let [a, b, c] = which.map(|k| w[k]);
+                    if a > 0.0 && b > 0.0 && c > 0.0 {
+                        let t = (places[1] - places[0]) / (places[2] - places[0]);
+                        let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
+                        plain.push(((b - a - t * (c - a)) / weights).abs());
+                    }
+                };
+                for row in (0..rows).step_by(2) {
+                    for column in lag..columns.saturating_sub(lag) {
+                        let k = row * columns + column;
+                        let which = [k - lag, k, k + lag];
+                        add(which.map(|k| grid.cells[k].x), which);
+                    }
+                }
+                for row in lag..rows.saturating_sub(lag) {
+                    for column in (0..columns).step_by(2) {
+                        let k = row * columns + column;
+                        let which = [k - lag * columns, k, k + lag * columns];
+                        add(which.map(|k| grid.cells[k].y), which);
+                    }
+                }
+                assert_eq!(differences(&grid, &w, lag).to_vec(), plain);
+            }
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! How a surface ends at its two sides.
 
 use super::candidate::{Marks, Scene};
-use super::distances;
 use super::grid::Cell;
 use super::rays::passes;
 use super::surface::Surface;
@@ -53,31 +52,33 @@ impl Side {
     }
 }
 
-/// The ends of lines across the axis at either side of the cells of a cylinder, line by line.
+/// The ends of lines across the axis at either side of the cells of a cylinder, line by line; the rays of the cells pass, and their
+/// points lie, at the places `across` and `along` the axis.
 pub(super) fn outline(
     scene: &Scene<'_>,
     cylinder: &Cylinder,
     cells: &[usize],
+    (across, along): (&[f64], &[f64]),
     mark: &mut Marks,
 ) -> List<Side> {
     let grid = scene.grid;
     scene.effort.spend(2 * cells.len());
     mark.next();
     let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-    let (mut across, mut along) = (List::new(), List::new());
-    distances::across_and_along(cylinder, &grid.cells, cells, &mut across, &mut along);
-    for (&k, &along) in cells.iter().zip(&along) {
+    for (&k, &along) in cells.iter().zip(along) {
         mark.set(k);
-        depth += grid.cells[k].point.z / cells.len() as f64;
+        depth += grid.cells[k].point.z;
         (first, last) = (first.min(along), last.max(along));
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
-    let count = ((width / (1.5 * grid.spacing * depth)) as usize).clamp(1, 1000);
+    let step = 1.5 * grid.spacing * depth / cells.len() as f64;
+    let count = ((width / step) as usize).clamp(1, 1000);
+    let per_width = count as f64 / width;
     // The outermost cell of each line on each side, and how far out it is.
     let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
-    for ((&k, &across), along) in cells.iter().zip(&across).zip(&along) {
+    for ((&k, &across), along) in cells.iter().zip(across).zip(along) {
         // None that is not a number is farther out.
-        let line = &mut outermost[(((along - first) / width * count as f64) as usize).min(count - 1)];
+        let line = &mut outermost[(((along - first) * per_width) as usize).min(count - 1)];
         if -across > line[0].0 {
             line[0] = (-across, k);
         }

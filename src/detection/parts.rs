@@ -1,7 +1,7 @@
 //! One cylinder in several parts, and several cylinders in one.
 
 use super::DetectionOptions;
-use super::candidate::{Candidate, Marks, Scene};
+use super::candidate::{Candidate, Look, Marks, Scene};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
 use crate::memory::List;
@@ -9,6 +9,13 @@ use nalgebra::Vector3;
 
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
 const SECOND: f64 = 4.0;
+
+/// Where a cylinder is cut in two, in eighths of its cells: some first, and those between them.
+const CUTS: [usize; 5] = [2, 4, 6, 3, 5];
+const COARSE: usize = 3;
+
+/// So far below what a second cylinder has to bring no cut between two others is looked at.
+const FAR: f64 = 3.0;
 
 /// Joins parts of one cylinder that something in front divides.
 pub(super) fn join(
@@ -69,24 +76,24 @@ fn joined(
     if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
         return None;
     }
-    let mut best: Option<(f64, Surface, List<usize>)> = None;
+    let mut best: Option<(Look, Surface, List<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
         let misfits = scene.misfits(&surface, &cells);
         let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
         let on: List<usize> = on.map(|(&k, _)| k).collect();
-        let worth = scene.worth(&surface, &on, marks);
-        if best.as_ref().is_none_or(|(most, ..)| worth > *most) {
-            best = Some((worth, surface, on));
+        let look = scene.look(&surface, &on, marks);
+        if best.as_ref().is_none_or(|(best, ..)| look.worth > best.worth) {
+            best = Some((look, surface, on));
         }
     }
-    let (gain, surface, cells) = best?;
+    let (look, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
-    if gain < a.candidate.gain + b.candidate.gain - 3.0 {
+    if look.worth < a.candidate.gain + b.candidate.gain - 3.0 {
         return None;
     }
-    let candidate = Candidate { surface, cells, gain, sides: a.candidate.sides };
-    Judged::new(scene, candidate, options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
+    let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };
+    Judged::new(scene, (candidate, look), options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
 }
 
 /// A surface and its cells.
@@ -110,11 +117,15 @@ pub(super) fn divided(
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
     let mut best: Option<(f64, [Part; 2])> = None;
-    for eighths in 2..=6 {
+    for (tried, eighths) in CUTS.into_iter().enumerate() {
+        // Between cuts that bring far too little there is none that brings enough.
+        if tried == COARSE && best.as_ref().is_some_and(|(most, _)| *most < gain + SECOND - FAR) {
+            return None;
+        }
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
         let fitted = |part: &[usize], marks: &mut Marks| {
             let surface = scene.refit(surface, part, judged.candidate.sides, marks)?;
-            Some((scene.worth(&surface, part, marks), (surface, List::from(part))))
+            Some((scene.look(&surface, part, marks).worth, (surface, List::from(part))))
         };
         let (Some((one, first)), Some((other, second))) = (fitted(low, marks), fitted(high, marks)) else {
             continue;
@@ -129,11 +140,11 @@ pub(super) fn divided(
     }
     let mut found = Vec::new();
     for (surface, cells) in parts {
-        let Some(candidate) = scene.grow(&surface, &cells, judged.candidate.sides, marks) else {
+        let Some(grown) = scene.grow(&surface, &cells, judged.candidate.sides, marks) else {
             continue;
         };
-        if candidate.cells.len() < judged.candidate.cells.len() {
-            found.extend(Judged::new(scene, candidate, options, marks));
+        if grown.0.cells.len() < judged.candidate.cells.len() {
+            found.extend(Judged::new(scene, grown, options, marks));
         }
     }
     let good = found.iter().filter(|part| part.score > 0.5).count();

@@ -5,8 +5,9 @@
 
 use super::candidate::Marks;
 use super::grid::Grid;
+use super::moments::Moments;
 use crate::geometry::{Cylinder, Line};
-use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, Vector4};
 
 /// The second derivative must be this many standard deviations from zero.
 const SIGNIFICANT: f64 = 3.0;
@@ -21,6 +22,8 @@ pub(super) fn collect(
     cells: &mut Vec<usize>,
 ) {
     let (column, row) = (seed % grid.columns, seed / grid.columns);
+    let (left, right) = (column.saturating_sub(half), (column + half).min(grid.columns - 1));
+    let (top, bottom) = (row.saturating_sub(half), (row + half).min(grid.rows - 1));
     cells.clear();
     cells.push(seed);
     mark.next();
@@ -29,14 +32,15 @@ pub(super) fn collect(
     while next < cells.len() {
         let k = cells[next];
         next += 1;
-        for neighbour in grid.neighbours(k) {
-            let (x, y) = (neighbour % grid.columns, neighbour / grid.columns);
-            if !mark.has(neighbour)
-                && x.abs_diff(column) <= half
-                && y.abs_diff(row) <= half
-                && open[neighbour]
-                && grid.connected(k, neighbour)
-            {
+        let (x, y) = (k % grid.columns, k / grid.columns);
+        let around = [
+            (x > left, k.wrapping_sub(1)),
+            (x < right, k + 1),
+            (y > top, k.wrapping_sub(grid.columns)),
+            (y < bottom, k + grid.columns),
+        ];
+        for (_, neighbour) in around.into_iter().filter(|(within, _)| *within) {
+            if !mark.has(neighbour) && open[neighbour] && grid.connected(k, neighbour) {
                 mark.set(neighbour);
                 cells.push(neighbour);
             }
@@ -51,50 +55,31 @@ pub(super) fn hypothesis(
     deviation: f64,
     cells_per_sample: f64,
 ) -> Option<Cylinder> {
-    let count = cells.len() as f64;
-    let mut middle = Vector2::zeros();
-    for &k in cells {
-        middle += Vector2::new(grid.cells[k].x, grid.cells[k].y) / count;
-    }
-    let mut size: f64 = 0.0;
-    for &k in cells {
-        size += (Vector2::new(grid.cells[k].x, grid.cells[k].y) - middle).norm_squared() / count;
-    }
-    let size = size.sqrt();
-    let mut matrix = SMatrix::<f64, 6, 6>::zeros();
-    let mut vector = SVector::<f64, 6>::zeros();
-    for &k in cells {
-        let cell = &grid.cells[k];
-        let (s, t) = ((cell.x - middle.x) / size, (cell.y - middle.y) / size);
-        let row = [1.0, s, t, 0.5 * s * s, s * t, 0.5 * t * t];
-        for i in 0..6 {
-            for j in 0..=i {
-                matrix[(i, j)] += row[i] * row[j];
-            }
-            vector[i] += row[i] * cell.w;
-        }
-    }
-    for i in 0..6 {
-        for j in 0..i {
-            matrix[(j, i)] = matrix[(i, j)];
-        }
-    }
+    let moments = Moments::new(grid, cells);
+    let (matrix, vector) = moments.equations();
     let inverse = matrix.cholesky()?.inverse();
-    let a = inverse * vector;
+    let mut a = inverse * vector;
+    // About the mean, and in units of how far the cells lie from it.
+    let mean = moments.mean();
+    let middle = moments.on_plane(&mean);
+    let size = moments.covariance().trace().sqrt();
+    a[0] += a[1] * mean.x
+        + a[2] * mean.y
+        + 0.5 * a[3] * mean.x * mean.x
+        + a[4] * mean.x * mean.y
+        + 0.5 * a[5] * mean.y * mean.y;
+    a[1] = (a[1] + a[3] * mean.x + a[4] * mean.y) * size;
+    a[2] = (a[2] + a[4] * mean.x + a[5] * mean.y) * size;
+    a.fixed_rows_mut::<3>(3).scale_mut(size * size);
+    let of_bend = inverse.fixed_view::<3, 3>(3, 3) * size.powi(4);
+    let size = size * grid.spacing;
     let eigen = Matrix2::new(a[3], a[4], a[4], a[5]).symmetric_eigen();
     let strong = if eigen.eigenvalues[0].abs() > eigen.eigenvalues[1].abs() { 0 } else { 1 };
     let bend = eigen.eigenvalues[strong];
     let across: Vector2<f64> = eigen.eigenvectors.column(strong).into();
     let along = Vector2::new(-across.y, across.x);
-    let row = SVector::<f64, 6>::from([
-        0.0,
-        0.0,
-        0.0,
-        across.x * across.x,
-        2.0 * across.x * across.y,
-        across.y * across.y,
-    ]);
-    let uncertainty = deviation * (cells_per_sample * row.dot(&(inverse * row))).sqrt();
+    let row = Vector3::new(across.x * across.x, 2.0 * across.x * across.y, across.y * across.y);
+    let uncertainty = deviation * (cells_per_sample * row.dot(&(of_bend * row))).sqrt();
     if bend.abs() < SIGNIFICANT * uncertainty {
         return None;
     }

@@ -3,9 +3,10 @@
 use super::candidate::Marks;
 use super::effort::Effort;
 use super::grid::Grid;
+use super::moments::Moments;
 use super::noise::Noise;
 use crate::memory::List;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
 
 /// Cells along the side of a block, the smallest piece that a plane starts from.
 const BLOCK: usize = 4;
@@ -189,23 +190,19 @@ fn settle(
     owner: &[u16],
     seen: &mut Marks,
 ) -> Option<List<usize>> {
-    let mut cells = List::new();
-    let mut spread = 0.0;
+    let mut found = None;
     for _ in 0..2 {
-        cells = flood(grid, noise, &plane, (column, row), owner, seen);
+        let cells = flood(grid, noise, &plane, (column, row), owner, seen);
         if cells.len() < FEWEST {
             return None;
         }
-        let mut sums = Sums::none();
-        for &k in &cells {
-            let cell = &grid.cells[k];
-            sums.add(cell.x, cell.y, cell.w);
-        }
-        let (fitted, rms) = sums.solve()?;
+        let moments = Moments::new(grid, &cells);
+        let (fitted, spread) = moments.plane()?;
         plane = fitted;
-        spread = rms;
+        found = Some((cells, moments, spread));
     }
-    let (width, bend) = width_and_bend(grid, &cells)?;
+    let (cells, moments, spread) = found?;
+    let (width, bend) = width_and_bend(&moments)?;
     let most_spread = if width < WIDE { SPREAD_OF_NARROW } else { SPREAD };
     let flat = spread <= most_spread * noise.deviation && bend <= FLAT * noise.deviation;
     flat.then_some(cells)
@@ -252,34 +249,21 @@ fn flood(
 /// The width of cells, in cells, and how far a quadratic surface through them bends off its plane over their extent, in w: the
 /// curvature across their shorter extent and that along the longer, each times a quarter of the variance-based half extent
 /// squared. `None` for those that are too narrow.
-fn width_and_bend(grid: &Grid, cells: &[usize]) -> Option<(f64, f64)> {
-    let count = cells.len() as f64;
-    let mean =
-        cells.iter().map(|&k| grid.cells[k]).fold([0.0; 2], |m, c| [m[0] + c.x / count, m[1] + c.y / count]);
-    let mut spread = nalgebra::Matrix2::zeros();
-    for &k in cells {
-        let offset = nalgebra::Vector2::new(grid.cells[k].x - mean[0], grid.cells[k].y - mean[1]);
-        spread += offset * offset.transpose() / count;
-    }
-    let eigen = spread.symmetric_eigen();
+fn width_and_bend(moments: &Moments) -> Option<(f64, f64)> {
+    let extents = moments.covariance().symmetric_eigen();
     // The width of a uniform stretch is 2 √3 standard deviations.
-    let width = (12.0 * eigen.eigenvalues.min()).sqrt() / grid.spacing;
-    if width < NARROWEST {
+    let width = (12.0 * extents.eigenvalues.min()).sqrt();
+    // A negative variance, which rounding makes of none, has no root.
+    if !(width >= NARROWEST) {
         return None;
     }
-    let mut matrix = SMatrix::<f64, 6, 6>::zeros();
-    let mut vector = SVector::<f64, 6>::zeros();
-    for &k in cells {
-        let cell = &grid.cells[k];
-        let offset = nalgebra::Vector2::new(cell.x - mean[0], cell.y - mean[1]);
-        // In units of half the extent: that of a uniform stretch is √3 standard deviations.
-        let [s, t] = [0, 1].map(|i| {
-            eigen.eigenvectors.column(i).dot(&offset) / (3.0 * eigen.eigenvalues[i].max(1e-300)).sqrt()
-        });
-        let row = SVector::<f64, 6>::from([1.0, s, t, s * s, s * t, t * t]);
-        matrix += row * row.transpose();
-        vector += row * cell.w;
-    }
-    let solution = matrix.cholesky()?.solve(&vector);
-    Some((width, solution[3].abs().max(solution[5].abs())))
+    let (matrix, vector) = moments.equations();
+    let surface = matrix.cholesky()?.solve(&vector);
+    let curvature = Matrix2::new(surface[3], surface[4], surface[4], surface[5]);
+    let bend = [0, 1].map(|k| {
+        let direction = extents.eigenvectors.column(k);
+        // Half the extent of a uniform stretch is √3 standard deviations.
+        (1.5 * extents.eigenvalues[k] * direction.dot(&(curvature * direction))).abs()
+    });
+    Some((width, bend[0].max(bend[1])))
 }

@@ -1,6 +1,6 @@
 //! The search: patches of several sizes, cylinders grown from them, and the choice among those.
 
-use super::candidate::{Candidate, Marks, Scene, Sides};
+use super::candidate::{Candidate, Look, Marks, Scene, Sides};
 use super::effort::Effort;
 use super::evidence::Evidence;
 use super::grid::Grid;
@@ -58,7 +58,7 @@ const CERTAIN: f64 = 0.9;
 const FAR_FROM_LIMB: f64 = 4.0;
 
 /// Visits up to which each stage may go: pairs, patches, edges, joining, dividing, choice. What one leaves is for the next.
-/// The frames of ../shared/scenes take up to 2.0, 3.2, 3.8, 4.0, 6.3 and 6.3 million; scenes with more bodies than an image
+/// The frames of ../shared/scenes take up to 2.2, 3.5, 4.2, 4.2, 5.4 and 5.4 million; scenes with more bodies than an image
 /// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
 const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
 
@@ -143,17 +143,17 @@ impl Judged {
     /// A candidate with its evidence, if it is worth a closer look.
     pub fn new(
         scene: &Scene<'_>,
-        candidate: Candidate,
+        grown: (Candidate, Look),
         options: &DetectionOptions,
         marks: &mut Marks,
     ) -> Option<Self> {
-        Self::with_score(scene, candidate, 0.0, options, marks)
+        Self::with_score(scene, grown, 0.0, options, marks)
     }
 
     /// The same for a caller who forgets those with a score below `least`, whose evidence need not be complete.
     fn with_score(
         scene: &Scene<'_>,
-        candidate: Candidate,
+        (candidate, look): (Candidate, Look),
         least: f64,
         options: &DetectionOptions,
         marks: &mut Marks,
@@ -161,7 +161,7 @@ impl Judged {
         if !plausible(scene, &candidate, options) {
             return None;
         }
-        let evidence = scene.judge(&candidate, least, marks)?;
+        let evidence = scene.judge(&candidate, &look, least, marks)?;
         Some(Self { candidate, evidence, score: evidence.score() })
     }
 
@@ -202,13 +202,12 @@ pub(super) fn candidates(
                 else {
                     continue;
                 };
-                let Some(candidate) =
-                    scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks)
+                let Some(grown) = scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks)
                 else {
                     continue;
                 };
-                candidate.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                let Some(judged) = Judged::with_score(scene, candidate, LEAST_SCORE, options, marks) else {
+                grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
+                let Some(judged) = Judged::with_score(scene, grown, LEAST_SCORE, options, marks) else {
                     continue;
                 };
                 if judged.score > 0.5 {
@@ -237,9 +236,9 @@ fn by_edges(
     for judged in found.iter().take_while(|_| !scene.effort.is_spent()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
-        let Some(candidate) = scene.grow(surface, cells, sides, marks) else { continue };
-        if candidate.gain > *gain {
-            moved.extend(Judged::new(scene, candidate, options, marks));
+        let Some(grown) = scene.grow(surface, cells, sides, marks) else { continue };
+        if grown.0.gain > *gain {
+            moved.extend(Judged::new(scene, grown, options, marks));
         }
     }
     moved
@@ -276,8 +275,8 @@ fn by_pairs(
         grown += 1;
         let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
-        let Some(candidate) = scene.grow(&start, &pair.cells, sides, marks) else { continue };
-        let Some(judged) = Judged::with_score(scene, candidate, LEAST_SCORE, options, marks) else {
+        let Some(grown) = scene.grow(&start, &pair.cells, sides, marks) else { continue };
+        let Some(judged) = Judged::with_score(scene, grown, LEAST_SCORE, options, marks) else {
             continue;
         };
         if let Surface::Cylinder(cylinder, _) = judged.candidate.surface {
@@ -341,8 +340,11 @@ fn select(
         }
         judged.candidate.cells.retain(|&k| !taken[k]);
         if judged.candidate.cells.len() < all {
-            judged.candidate.gain = scene.worth(&judged.candidate.surface, &judged.candidate.cells, marks);
-            let Some(evidence) = scene.judge(&judged.candidate, options.min_score, marks) else { continue };
+            let look = scene.look(&judged.candidate.surface, &judged.candidate.cells, marks);
+            judged.candidate.gain = look.worth;
+            let Some(evidence) = scene.judge(&judged.candidate, &look, options.min_score, marks) else {
+                continue;
+            };
             judged.evidence = evidence;
             judged.score = evidence.score();
         }

@@ -157,6 +157,11 @@ impl Fitter {
         self.view_mut().cloud.push_points(points, mask.as_ref())
     }
 
+    /// The same for points with these numbers in place of a mask: see [`PointCloud::push_numbered`].
+    pub(crate) fn push_numbered(&mut self, points: &PointsView<'_>, numbers: &[usize]) -> Result<()> {
+        self.view_mut().cloud.push_numbered(points, numbers)
+    }
+
     /// Adds the points of a depth image; a mask on the grid of the colour image selects pixels. Image and mask are kept, in
     /// place of earlier ones, for the extent and the completion.
     ///

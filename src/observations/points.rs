@@ -258,23 +258,45 @@ impl PointCloud {
     /// larger than an f32 can hold, and for a point so far from the others that the type of the cloud cannot hold the
     /// distance; `OutOfMemory`. Nothing is added then.
     pub fn push_points(&mut self, view: &PointsView<'_>, mask: Option<&Mask>) -> Result<()> {
+        if let Some(mask) = mask {
+            mask.check_size("organised cloud", (view.width(), view.height()))?;
+        }
+        self.push_some(view, mask.map(|mask| (mask.count(), mask.set_pixels())))
+    }
+
+    /// The same for points with these numbers, row by row from 0 on and in that order, in place of a mask with nothing but them.
+    ///
+    /// # Errors
+    /// `EmptyMask` for none, else as [`PointCloud::push_points`].
+    pub(crate) fn push_numbered(&mut self, view: &PointsView<'_>, numbers: &[usize]) -> Result<()> {
+        let (width, height) = (view.width(), view.height());
+        if numbers.is_empty() {
+            return Err(Error::EmptyMask { width, height });
+        }
+        let pixels = numbers.iter().map(|number| (number % width, number / width));
+        self.push_some(view, Some((numbers.len(), pixels)))
+    }
+
+    /// Copies the usable points of so many pixels, or of all.
+    fn push_some(
+        &mut self,
+        view: &PointsView<'_>,
+        pixels: Option<(usize, impl Iterator<Item = (usize, usize)>)>,
+    ) -> Result<()> {
         // On their way the coordinates take as much memory as in the hands of the caller.
         match view.scalar() {
-            Scalar::F32 => self.push_as(view, mask, |point| point.cast::<f32>().into()),
-            Scalar::F64 => self.push_as(view, mask, Vector3::into),
+            Scalar::F32 => self.push_as(view, pixels, |point| point.cast::<f32>().into()),
+            Scalar::F64 => self.push_as(view, pixels, Vector3::into),
         }
     }
 
     fn push_as<T: Coordinate>(
         &mut self,
         view: &PointsView<'_>,
-        mask: Option<&Mask>,
+        pixels: Option<(usize, impl Iterator<Item = (usize, usize)>)>,
         point_of: impl Fn(Vector3<f64>) -> [T; 3],
     ) -> Result<()> {
         let (width, height) = (view.width(), view.height());
-        if let Some(mask) = mask {
-            mask.check_size("organised cloud", (width, height))?;
-        }
         let mut batch = Batch::grid(width, height);
         let take = |batch: &mut Batch<T>, column: usize, row: usize| -> Result<()> {
             let (point, weight) = (view.points.at(column, row), view.weight(column, row));
@@ -295,11 +317,10 @@ impl PointCloud {
             }
             Ok(())
         };
-        if let Some(mask) = mask {
-            let count = mask.count();
+        if let Some((count, pixels)) = pixels {
             batch.dropped.outside_mask = batch.given - count;
             batch.reserve(count)?;
-            for (column, row) in mask.set_pixels() {
+            for (column, row) in pixels {
                 take(&mut batch, column, row)?;
             }
         } else {

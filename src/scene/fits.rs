@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
+use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
 /// Tells whether to go on; asked before each linear solve.
@@ -58,20 +59,16 @@ impl<'a> Fits<'a> {
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
         let own = (index + 1) as u16;
-        let labels = self.seen.labels.iter().enumerate();
-        let region: Vec<usize> = labels.filter(|(_, label)| **label == own).map(|(k, _)| k).collect();
-        let push = |fitter: &mut Fitter, chosen: &[usize]| {
-            let mut mask = vec![0_u8; self.seen.labels.len()];
-            chosen.iter().for_each(|&k| mask[k] = 1);
-            fitter.push_points(points, Some(&MaskView::from_u8(&mask, self.size)?))
-        };
+        let region = numbers_of(&self.seen.labels, own);
         let fit = |chosen: &[usize]| {
             let mut fitter = Box::new(self.fitter()?);
-            push(&mut fitter, chosen)?;
+            fitter.push_numbered(points, chosen)?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
-        let middle = |cylinder: &Cylinder| self.middle(points, &region, cylinder);
+        let place = |k: usize| points.points.at(k % self.size.0, k / self.size.0);
+        let places: Vec<Vector3<f64>> = region.iter().map(|&k| place(k)).collect();
+        let middle = |cylinder: &Cylinder| self.middle(&region, &places, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(&region))?;
         // Which points lie in the middle follows from the radius.
@@ -85,22 +82,22 @@ impl<'a> Fits<'a> {
         }
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
-        push(&mut whole, &region)?;
+        whole.push_numbered(points, &region)?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation, None);
         Ok(found(*fitter, evidence, detection, result))
     }
 
-    /// The points of a region between the parts next to the limbs, which structured light and stereo draw out; `None`
-    /// where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and where little or
-    /// less than half of the region would be left.
-    fn middle(&self, points: &PointsView<'_>, region: &[usize], cylinder: &Cylinder) -> Option<Vec<usize>> {
+    /// The points of a region, by their numbers and places, between the parts next to the limbs, which structured light and
+    /// stereo draw out; `None` where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and
+    /// where little or less than half of the region would be left.
+    fn middle(&self, region: &[usize], places: &[Vector3<f64>], cylinder: &Cylinder) -> Option<Vec<usize>> {
         if !self.seen.from_origin || cylinder.contains_origin() {
             return None;
         }
         let band = Band::new(cylinder, MIDDLE);
-        let inner = |index: usize| band.contains(&points.points.at(index % self.size.0, index / self.size.0));
-        let middle: Vec<usize> = region.iter().copied().filter(|&k| inner(k)).collect();
+        let inner = region.iter().zip(places).filter(|(_, place)| band.contains(place));
+        let middle: Vec<usize> = inner.map(|(&k, _)| k).collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
 
@@ -224,6 +221,22 @@ impl<'a> Fits<'a> {
         Ok(fitter)
     }
 }
+
+/// Which points have a label.
+fn numbers_of(labels: &[u16], label: u16) -> Vec<usize> {
+    let mut numbers = Vec::new();
+    for (block, labels) in labels.chunks(BLOCK).enumerate() {
+        // Most have another one: looked through many at a time.
+        if labels.iter().fold(false, |any, other| any | (*other == label)) {
+            let own = labels.iter().enumerate().filter(|(_, other)| **other == label);
+            numbers.extend(own.map(|(k, _)| block * BLOCK + k));
+        }
+    }
+    numbers
+}
+
+/// Labels that are looked through at a time.
+const BLOCK: usize = 64;
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
 fn radius_deviation(result: &FitResult) -> f64 {
