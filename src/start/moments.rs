@@ -15,22 +15,19 @@
 //! f = (ρ − r)(ρ + r) for a point at distance ρ from the axis weighs outer points more: with noise and an arc
 //! that is not the full circle the radius comes out too small. This is a start, not a result.
 
+mod spread;
+
 use crate::geometry::{AxisCone, Cylinder, any_orthogonal, rotate_direction};
 use crate::memory::List;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
+pub use spread::Spread;
+use spread::{about, covariance, is_flat};
 
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
 type Polynomial = SVector<f64, 10>;
 
 /// Those of the last six of them.
 type Quadratic = SVector<f64, 6>;
-
-/// Points that are added up before their sum joins the total, which keeps the rounding of millions small.
-const BLOCK: usize = 1024;
-
-/// The cloud counts as flat when its smallest variance is below this part of its largest: far below the
-/// flattest arc whose curvature survives the rounding of the moments.
-const FLAT_VARIANCE: f64 = 1e-13;
 
 /// Directions of the grid that [`Moments::best`] searches.
 const DEFAULT_SEEDS: usize = 128;
@@ -99,46 +96,10 @@ impl Moments {
     /// `None` when fewer than five remain, or when they lie in one plane or on one line to rounding.
     #[must_use]
     pub fn new(points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone) -> Option<Self> {
-        let usable = points
-            .filter(|(p, weight)| p.iter().all(|x| x.is_finite()) && *weight > 0.0 && weight.is_finite());
-
-        // About the first point, which is near the others wherever the cloud is.
-        let (reference, _) = usable.clone().next()?;
-        let mut count = 0_usize;
-        let (mut weights, mut first, mut second) = (0.0, Vector3::zeros(), 0.0);
-        for (p, weight) in usable.clone() {
-            let q = p - reference;
-            count += 1;
-            weights += weight;
-            first += q * weight;
-            second += q.norm_squared() * weight;
-        }
-        let mean = first / weights;
-        let unit = (second / weights - mean.norm_squared()).sqrt();
-        if !(count >= 5 && unit > 0.0 && unit.is_finite()) {
-            return None;
-        }
-
-        let center = reference + mean;
-        let gram = weighted_gram(usable.map(|(p, weight)| ((p - center) / unit, weight))) / weights;
-        if !gram.iter().all(|x| x.is_finite()) {
-            return None;
-        }
+        let Spread { center, size: unit } = Spread::unchecked(points.clone())?;
+        let gram = about(points, center, unit, monomials)?;
         let moments = Self { gram, center, unit };
-        let variances = moments.covariance().symmetric_eigenvalues();
-        (variances.min() > FLAT_VARIANCE * variances.max()).then_some(moments)
-    }
-
-    /// The weighted mean of the points.
-    #[must_use]
-    pub fn center(&self) -> Vector3<f64> {
-        self.center
-    }
-
-    /// The size of the cloud: the weighted root mean square distance of the points from their mean.
-    #[must_use]
-    pub fn size(&self) -> f64 {
-        self.unit
+        (!is_flat(&moments.covariance())).then_some(moments)
     }
 
     /// The best cylinder with the axis along `direction`, which need not have unit length.
@@ -232,8 +193,7 @@ impl Moments {
 
     /// Covariance of q.
     fn covariance(&self) -> Matrix3<f64> {
-        let mean = self.gram.fixed_view::<3, 1>(1, 0).into_owned();
-        self.gram.fixed_view::<3, 3>(1, 1) - mean * mean.transpose()
+        covariance(&self.gram.fixed_view::<4, 4>(0, 0).into_owned())
     }
 
     /// Minimises over (α, β, K) for a direction of unit length.
@@ -439,32 +399,6 @@ fn lowest_on_circle(at: impl Fn(f64) -> Option<Slice>, count: usize) -> Option<S
 fn monomials(q: &Vector3<f64>) -> [f64; 10] {
     let [x, y, z] = [q.x, q.y, q.z];
     [1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
-}
-
-/// The weighted sum of m mᵀ for the monomials m. Its upper triangle has 55 entries but only 35 of them
-/// differ; adding up those alone is slower, because they don't lie in rows.
-fn weighted_gram(points: impl Iterator<Item = (Vector3<f64>, f64)>) -> SMatrix<f64, 10, 10> {
-    let mut total = [[0.0; 10]; 10];
-    let mut block = [[0.0; 10]; 10];
-    let flush = |total: &mut [[f64; 10]; 10], block: &mut [[f64; 10]; 10]| {
-        for (t, b) in total.as_flattened_mut().iter_mut().zip(block.as_flattened_mut()) {
-            *t += std::mem::take(b);
-        }
-    };
-    for (n, (q, weight)) in points.enumerate() {
-        if n % BLOCK == 0 {
-            flush(&mut total, &mut block);
-        }
-        let m = monomials(&q);
-        for i in 0..10 {
-            let scaled = weight * m[i];
-            for j in i..10 {
-                block[i][j] += scaled * m[j];
-            }
-        }
-    }
-    flush(&mut total, &mut block);
-    SMatrix::from_fn(|i, j| total[i.min(j)][i.max(j)])
 }
 
 #[cfg(test)]
