@@ -20,6 +20,7 @@ mod spread;
 use crate::geometry::{AxisCone, Cylinder, any_orthogonal, rotate_direction};
 use crate::memory::List;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 pub use spread::Spread;
 use spread::{about, covariance, is_flat};
 
@@ -125,9 +126,7 @@ impl Moments {
     /// square.
     #[must_use]
     pub fn minima(&self, seeds: usize, converged: f64) -> List<AlgebraicFit> {
-        let grid: List<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
-        let minima = self.minima_of_grid(&grid, std::f64::consts::TAU, converged);
-        self.sorted(&minima)
+        Arch::new().dispatch(Minima { moments: self, seeds, converged })
     }
 
     /// The same within a cone of directions. A minimum on its border is found by a search along it.
@@ -148,6 +147,7 @@ impl Moments {
 
     /// The minima that Newton's method reaches from the lowest local minima of a grid over some area of the sphere,
     /// in steradian.
+    #[inline(always)]
     fn minima_of_grid(&self, grid: &[Slice], area: f64, converged: f64) -> List<Slice> {
         // One and a half times the distance of neighbours.
         let neighbour = (1.5 * (area / grid.len().max(1) as f64).sqrt()).cos();
@@ -197,6 +197,7 @@ impl Moments {
     }
 
     /// Minimises over (α, β, K) for a direction of unit length.
+    #[inline(always)]
     fn slice(&self, direction: &Vector3<f64>) -> Option<Slice> {
         let (u, v) = any_orthogonal(direction);
         let square = quadratic(&u, &u) + quadratic(&v, &v);
@@ -238,6 +239,7 @@ impl Moments {
     /// To second order h'² = (h + ax + by)² (1 − a² − b²), and u − a d̂, v − b d̂ span the plane across d̂'.
     /// What they lack of unit length is taken up by α and β, which G is minimised over:
     /// f = |q|² − h'² − 2α(x − ah) − 2β(y − bh) − K.
+    #[inline(always)]
     fn derivatives(&self, slice: &Slice) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let Slice { direction, u, v, alpha, beta, .. } = slice;
         let axial = quadratic(direction, direction);
@@ -283,9 +285,12 @@ impl Moments {
 
     /// Newton's method on the sphere, downhill: negative curvature is turned round, and a step that does not
     /// lower G is halved.
+    #[inline(always)]
     fn newton(&self, start: Slice, converged: f64) -> Slice {
         /// The longest step in radians, about the distance within which a minimum can be followed.
         const LONGEST: f64 = 0.3;
+        /// Most lengths of a step that are tried.
+        const HALVINGS: usize = 20;
         // Near the optimum G no longer tells two directions apart but its gradient still does.
         let rounding = 1e-15 * self.gram.amax();
 
@@ -304,14 +309,17 @@ impl Moments {
                 step += vector * along;
             }
             let mut length = (LONGEST / step.norm()).min(1.0);
-            let lower = std::iter::from_fn(|| {
+            let mut lower = None;
+            // No closures, as in `Minima`.
+            for _ in 0..HALVINGS {
                 let tangent = slice.u * (step.x * length) + slice.v * (step.y * length);
                 length *= 0.5;
-                Some(self.slice(&rotate_direction(&slice.direction, &tangent)))
-            })
-            .take(20)
-            .flatten()
-            .find(|trial| trial.mean_square <= slice.mean_square + rounding);
+                lower = self.slice(&rotate_direction(&slice.direction, &tangent));
+                lower = lower.filter(|trial| trial.mean_square <= slice.mean_square + rounding);
+                if lower.is_some() {
+                    break;
+                }
+            }
             let Some(lower) = lower else { break };
             slice = lower;
             if step.norm() < converged {
@@ -352,6 +360,30 @@ fn quadratic(a: &Vector3<f64>, b: &Vector3<f64>) -> Quadratic {
         a.y * b.z + a.z * b.y,
         a.z * b.z,
     )
+}
+
+/// The minima over all directions.
+struct Minima<'a> {
+    moments: &'a Moments,
+    seeds: usize,
+    converged: f64,
+}
+
+impl WithSimd for Minima<'_> {
+    type Output = List<AlgebraicFit>;
+
+    /// Products of small matrices, which the compiler makes the widest instructions of the machine of where they are inlined
+    /// here; they all round alike.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> List<AlgebraicFit> {
+        let Self { moments, seeds, converged } = self;
+        let mut grid = List::with_capacity(seeds);
+        for direction in half_sphere(seeds) {
+            grid.extend(moments.slice(&direction));
+        }
+        let minima = moments.minima_of_grid(&grid, std::f64::consts::TAU, converged);
+        moments.sorted(&minima)
+    }
 }
 
 /// Evenly spread directions of the half sphere z > 0 (Fibonacci).
