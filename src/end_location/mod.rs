@@ -214,14 +214,15 @@ fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundi
 fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Option<(f64, f64)> {
     let (mask, axis) = (search.mask, cylinder.axis);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (column, row) in mask.set_pixels_of_grid(stride) {
+    // A loop over an iterator of iterators is slow to be asked one by one.
+    mask.set_pixels_of_grid(stride).for_each(|(column, row)| {
         let ray = search.camera.ray_of_pixel(column, row);
         if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
             let position = (point - axis.point).dot(&axis.direction);
             low = low.min(position);
             high = high.max(position);
         }
-    }
+    });
     low.is_finite().then_some((low, high))
 }
 

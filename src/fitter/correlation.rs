@@ -41,6 +41,9 @@ type Cells = [List<u32>; 2];
 /// How many of them are computed in one go.
 const BLOCK: usize = 128;
 
+/// How many products of f32 are added before their sum joins that of all, which is an f64.
+const PRODUCTS: usize = 4096;
+
 /// Points on a rectangular grid.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
@@ -132,16 +135,15 @@ impl Lattice {
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
     pub fn independent_points(&self, residuals: &[f64], cutoff: f64) -> f64 {
-        let mut values = List::filled(0.0, self.shares.len());
-        for (residual, &cell) in residuals.iter().zip(&self.cells) {
-            // Without branches, which nobody could predict.
-            let counted = if residual.abs() <= cutoff { *residual } else { 0.0 };
+        let mut values = List::filled(0.0_f32, self.shares.len());
+        let counted = Arch::new().dispatch(Counted { residuals, cutoff });
+        for (counted, &cell) in counted.iter().zip(&self.cells) {
             if let Some(value) = values.get_mut(cell as usize) {
                 *value += counted;
             }
         }
         for (value, share) in values.iter_mut().zip(&self.shares) {
-            *value *= f64::from(*share);
+            *value *= *share;
         }
         let variance = dot(&values, &values) / self.taken;
         if !(variance > 0.0) {
@@ -280,25 +282,76 @@ fn pairs(first: &[f32], second: &[f32]) -> f64 {
     f64::from(Arch::new().dispatch(count))
 }
 
-/// The sum of the products of two sequences as far as both go, in partial sums side by side, so that one addition need
-/// not wait for another.
-fn dot(first: &[f64], second: &[f64]) -> f64 {
-    const LANES: usize = 8;
+/// Residuals in units of a cutoff, 0 beyond it.
+struct Counted<'a> {
+    residuals: &'a [f64],
+    cutoff: f64,
+}
+
+impl WithSimd for Counted<'_> {
+    type Output = List<f32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> List<f32> {
+        let Self { residuals, cutoff } = self;
+        let unit = cutoff.recip();
+        let mut counted = List::with_capacity(residuals.len());
+        let mut block = [0.0; BLOCK];
+        for residuals in residuals.chunks(BLOCK) {
+            for (counted, residual) in block.iter_mut().zip(residuals) {
+                let inside = if residual.abs() <= cutoff { *residual } else { 0.0 };
+                *counted = (inside * unit) as f32;
+            }
+            counted.extend_from_slice(&block[..residuals.len()]);
+        }
+        counted
+    }
+}
+
+/// The sum of the products of two sequences as far as both go: of blocks, in each of which partial sums run side by side.
+fn dot(first: &[f32], second: &[f32]) -> f64 {
     let count = first.len().min(second.len());
-    let ((first, first_rest), (second, second_rest)) =
-        (first[..count].as_chunks::<LANES>(), second[..count].as_chunks::<LANES>());
-    // The widest instructions of the machine; they all round alike.
-    let lanes = Arch::new().dispatch(|| {
-        let mut lanes = [0.0; LANES];
-        for (a, b) in first.iter().zip(second) {
-            for (lane, (a, b)) in lanes.iter_mut().zip(a.iter().zip(b)) {
+    Arch::new().dispatch(Dot { first: &first[..count], second: &second[..count] })
+}
+
+/// Two sequences of the same length.
+struct Dot<'a> {
+    first: &'a [f32],
+    second: &'a [f32],
+}
+
+impl WithSimd for Dot<'_> {
+    type Output = f64;
+
+    /// With the widest instructions of the machine; they all round alike.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        const LANES: usize = 32;
+        let mut sum = 0.0;
+        for (first, second) in self.first.chunks(PRODUCTS).zip(self.second.chunks(PRODUCTS)) {
+            let ((first, first_rest), (second, second_rest)) =
+                (first.as_chunks::<LANES>(), second.as_chunks::<LANES>());
+            // As many as there are lanes without vectors.
+            let mut sums = [simd.splat_f32s(0.0); LANES];
+            for (a, b) in first.iter().zip(second) {
+                let pairs = S::as_simd_f32s(a).0.iter().zip(S::as_simd_f32s(b).0);
+                for (sum, (a, b)) in sums.iter_mut().zip(pairs) {
+                    *sum = simd.add_f32s(*sum, simd.mul_f32s(*a, *b));
+                }
+            }
+            let mut lanes = [0.0; LANES];
+            for (lanes, sum) in S::as_mut_simd_f32s(&mut lanes).0.iter_mut().zip(sums) {
+                *lanes = sum;
+            }
+            for (lane, (a, b)) in lanes.iter_mut().zip(first_rest.iter().zip(second_rest)) {
                 *lane += a * b;
             }
+            for lane in lanes {
+                sum += f64::from(lane);
+            }
         }
-        lanes
-    });
-    let rest = first_rest.iter().zip(second_rest).map(|(a, b)| a * b);
-    lanes.into_iter().chain(rest).sum()
+        sum
+    }
 }
 
 #[cfg(test)]
@@ -329,6 +382,19 @@ mod tests {
             inside.map(|[x, y]| raw[(cell[1] + y) * wide + cell[0] + x]).sum()
         };
         grid(columns, rows).iter().map(mean).collect()
+    }
+
+    #[test]
+    fn products_are_summed_as_one_by_one() {
+        for size in [1.0, 1e15, 1e-15, 0.0] {
+            for count in [0, 1, 31, 32, 33, 4096, 4097, 5000] {
+                let number = |k: usize| (size * (k as f64 * 0.37).sin()) as f32;
+                let (a, b): (Vec<f32>, Vec<f32>) = (0..count).map(|k| (number(k), number(3 * k + 1))).unzip();
+                let products = || a.iter().zip(&b).map(|(a, b)| f64::from(*a) * f64::from(*b));
+                let scale: f64 = products().map(f64::abs).sum();
+                assert!((dot(&a, &b) - products().sum::<f64>()).abs() <= 1e-6 * scale);
+            }
+        }
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! What one short block of a limb says about its line.
 
 use super::consensus::BLOCK_RUNS;
-use super::profile::{FUNCTIONS, Functions, SHADED, ShadedRow, Table};
-use super::strip::{Strip, StripPixel};
+use super::gather::Gathered;
+use super::profile::{FLAT, FUNCTIONS, Functions, SHADED, ShadedProfile, ShadedRow, Table};
+use super::strip::Strip;
 use crate::memory::List;
 use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
-use pulp::{Arch, Simd, WithSimd};
-use std::ops::Range;
 
 constants! {
     /// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
@@ -56,8 +55,8 @@ impl Background {
 /// From where to where across a line its pixels are looked at, in pixels inside it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Window {
-    from: f64,
-    to: f64,
+    pub from: f64,
+    pub to: f64,
 }
 
 impl Window {
@@ -129,19 +128,23 @@ impl Block {
 /// [`super::profile::MARGIN`] of it.
 pub(super) fn shaded_sums(
     strip: &Strip,
-    profile: &Table<ShadedRow>,
+    profile: &ShadedProfile,
     line: &StripLine,
     near: &StripLine,
     window: Window,
 ) -> List<ShadedSums> {
-    let mut rows = List::with_capacity(strip.pixels_of_block());
-    let mut of_blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
-    of_blocks.extend(
-        blocks(strip).map(|runs| {
-            ShadedSums::new(Gather { strip, profile, line, near, window, runs, rows: &mut rows })
-        }),
-    );
-    of_blocks
+    // Where the profile does not reach they are of no pixels: the lines that are asked about lie next to each other, so that it
+    // reaches all parts of a window or none.
+    match profile {
+        ShadedProfile::Flat(table) => {
+            let sums = Gathered::of_blocks::<{ FLAT.len() }>(strip, table, line, near, window);
+            sums.map(|sums| sums.map_or_else(ShadedSums::default, ShadedSums::of_flat)).collect()
+        }
+        ShadedProfile::Sloped(table) => {
+            let sums = Gathered::of_blocks::<SHADED>(strip, table, line, near, window);
+            sums.map(|sums| sums.map_or_else(ShadedSums::default, ShadedSums::of_sloped)).collect()
+        }
+    }
 }
 
 /// The blocks that have enough pixels. `noise` is the standard deviation of a pixel.
@@ -158,44 +161,10 @@ pub(super) fn sums_of_blocks(
     line: &StripLine,
     near: &StripLine,
 ) -> List<BlockSums> {
-    let mut rows = List::with_capacity(strip.pixels_of_block());
-    let sums = |runs| {
-        BlockSums::new(Gather { strip, profile, line, near, window: Window::full(), runs, rows: &mut rows })
-    };
+    let sums = Gathered::of_blocks::<FUNCTIONS>(strip, profile, line, near, Window::full());
     let mut of_blocks = List::with_capacity(strip.len().div_ceil(BLOCK_RUNS.count()));
-    of_blocks.extend(blocks(strip).filter_map(sums));
+    of_blocks.extend(sums.filter_map(|sums| BlockSums::new(&sums?)));
     of_blocks
-}
-
-/// The runs of each block.
-fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
-    let count = strip.len();
-    (0..count.div_ceil(BLOCK_RUNS.count()))
-        .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
-}
-
-/// How far a pixel is inside a line.
-#[inline(always)]
-fn place(pixel: &StripPixel, line: &StripLine) -> f64 {
-    pixel.u - line.at(pixel.s)
-}
-
-/// How many of the first pixels of a run are not as far inside a line as a distance. The pixels of a run are about evenly
-/// spread: a straight line tells the number nearly.
-#[inline(always)]
-fn count_before(run: &[StripPixel], line: &StripLine, distance: f64) -> usize {
-    let (Some(first), Some(last)) = (run.first(), run.last()) else { return 0 };
-    let (first, last) = (place(first, line) - distance, place(last, line) - distance);
-    // The conversion holds what is below 0 at 0.
-    let mut count = (1.0 + (run.len() - 1) as f64 * first / (first - last)) as u32 as usize;
-    count = count.min(run.len());
-    while count > 0 && !(place(&run[count - 1], line) - distance < 0.0) {
-        count -= 1;
-    }
-    while count < run.len() && place(&run[count], line) - distance < 0.0 {
-        count += 1;
-    }
-    count
 }
 
 /// Sums over the pixels of a block of the products of what the profile says there, and of that with the values: they
@@ -210,11 +179,21 @@ pub(super) struct ShadedSums {
 }
 
 impl ShadedSums {
-    /// Of no pixels where the profile does not reach: the lines that are asked about lie next to each other, so that it reaches all
-    /// parts of a window or none.
-    fn new(gather: Gather<'_, 12>) -> Self {
-        let gathered = Arch::new().dispatch(gather);
-        gathered.map_or_else(Self::default, |Gathered { products, count, s }| Self { count, s, products })
+    fn of_sloped(Gathered { products, count, s, .. }: Gathered<12>) -> Self {
+        Self { count, s, products }
+    }
+
+    /// Those with the distance in the background are 0.
+    fn of_flat(Gathered { products, right, squares, count, s }: Gathered<{ FLAT.len() }>) -> Self {
+        let mut sums = Self { count, s, ..Self::default() };
+        for (i, (row, right)) in FLAT.into_iter().zip(right).enumerate() {
+            for (column, product) in FLAT.into_iter().zip(products[i]).skip(i) {
+                sums.products[row][column] = product;
+            }
+            sums.products[row][SHADED] = right;
+        }
+        sums.products[SHADED][SHADED] = squares;
+        sums
     }
 
     /// Adds those over other pixels of the block.
@@ -275,115 +254,6 @@ fn of_unknowns<const COLUMNS: usize>(
     })
 }
 
-/// Sums over the pixels of a block, with the widest instructions of the machine; they all round alike. No closure: what is
-/// not inlined here does without them.
-struct Gather<'a, const WIDTH: usize> {
-    strip: &'a Strip,
-    profile: &'a Table<[f64; WIDTH]>,
-    line: &'a StripLine,
-    /// The line that the pixels are near.
-    near: &'a StripLine,
-    window: Window,
-    runs: Range<usize>,
-    /// Room for a row a pixel.
-    rows: &'a mut List<[f64; WIDTH]>,
-}
-
-/// The sums of a block.
-struct Gathered<const WIDTH: usize> {
-    /// Of the products of the numbers of a row with each other; the right half is enough. The last number that is not
-    /// always 0 is the value of the pixel.
-    products: [[f64; WIDTH]; WIDTH],
-    count: f64,
-    /// Of the positions along the strip.
-    s: f64,
-}
-
-impl<const WIDTH: usize> WithSimd for Gather<'_, WIDTH> {
-    /// `None` where the profile does not reach.
-    type Output = Option<Gathered<WIDTH>>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { strip, profile, line, near, window, runs, rows } = self;
-        let of_value = if WIDTH == SHADED + 1 { SHADED } else { FUNCTIONS };
-        let (mut count, mut s) = (0, 0.0);
-        for run in runs {
-            let run = strip.run(run);
-            let run = &run[count_before(run, near, window.from)..];
-            // Room for all of them at once: in the loop the call would cost more than the pixels.
-            if rows.len() < count + run.len() {
-                rows.resize(count + run.len(), [0.0; WIDTH]);
-            }
-            let mut room = rows[count..].iter_mut();
-            for pixel in run {
-                if place(pixel, near) >= window.to {
-                    break;
-                }
-                // Where white was cut off the profile is not what the light was.
-                if pixel.saturated {
-                    continue;
-                }
-                let Some(row) = room.next() else { break };
-                let (below, above, part) = profile.beside(place(pixel, line))?;
-                let mut numbers = *below;
-                for (number, above) in numbers.iter_mut().zip(above) {
-                    *number += (above - *number) * part;
-                }
-                numbers[of_value] = pixel.value;
-                *row = numbers;
-                s += pixel.s;
-                count += 1;
-            }
-        }
-        let rows = &rows[..count];
-        let mut products = [[0.0; WIDTH]; WIDTH];
-        add_products::<S, WIDTH, 0>(simd, rows, &mut products);
-        add_products::<S, WIDTH, 4>(simd, rows, &mut products);
-        if WIDTH > 8 {
-            add_products::<S, WIDTH, 8>(simd, rows, &mut products);
-        }
-        Some(Gathered { products, count: count as f64, s })
-    }
-}
-
-/// The products of four numbers of the rows from `FIRST` on with all from there on: as many sums as the processor holds
-/// at once.
-#[inline(always)]
-fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize>(
-    simd: S,
-    rows: &[[f64; WIDTH]],
-    products: &mut [[f64; WIDTH]; WIDTH],
-) {
-    let vectors = (WIDTH - FIRST) / S::F64_LANES;
-    if vectors * S::F64_LANES != WIDTH - FIRST {
-        // No vectors, or too wide ones.
-        for row in rows {
-            for (products, factor) in products[FIRST..FIRST + 4].iter_mut().zip(&row[FIRST..]) {
-                for (product, number) in products[FIRST..].iter_mut().zip(&row[FIRST..]) {
-                    *product += factor * number;
-                }
-            }
-        }
-        return;
-    }
-    let mut sums = [[simd.splat_f64s(0.0); WIDTH]; 4];
-    for row in rows {
-        let numbers = S::as_simd_f64s(&row[FIRST..]).0;
-        for (sums, factor) in sums.iter_mut().zip(&row[FIRST..]) {
-            let factor = simd.splat_f64s(*factor);
-            for (sum, number) in sums.iter_mut().zip(numbers) {
-                *sum = simd.add_f64s(*sum, simd.mul_f64s(factor, *number));
-            }
-        }
-    }
-    for (products, sums) in products[FIRST..].iter_mut().zip(sums) {
-        for (product, sum) in S::as_mut_simd_f64s(&mut products[FIRST..]).0.iter_mut().zip(sums) {
-            *product = sum;
-        }
-    }
-}
-
 /// Sums over the pixels of a block, which tell everything about levels and shading.
 pub(super) struct BlockSums {
     /// How many pixels there are.
@@ -396,13 +266,12 @@ pub(super) struct BlockSums {
 }
 
 impl BlockSums {
-    fn new(gather: Gather<'_, 8>) -> Option<Self> {
-        let Gathered { products, count, .. } = Arch::new().dispatch(gather)?;
-        (count >= LEAST_PIXELS.count() as f64).then(|| Self {
-            count,
+    fn new(Gathered { products, right, squares, count, .. }: &Gathered<8>) -> Option<Self> {
+        (*count >= LEAST_PIXELS.count() as f64).then(|| Self {
+            count: *count,
             functions: SMatrix::from_fn(|i, k| products[i.min(k)][i.max(k)]),
-            right: SVector::from_fn(|i, _| products[i][FUNCTIONS]),
-            squares: products[FUNCTIONS][FUNCTIONS],
+            right: SVector::from_fn(|i, _| right[i]),
+            squares: *squares,
         })
     }
 
@@ -438,28 +307,5 @@ impl BlockSums {
             - cross * inverse * cross.transpose();
         let gradient = self.right.fixed_rows::<2>(LEVELS) - cross * levels;
         Some((information * (levels[2] * levels[2] / variance), gradient * (levels[2] / variance)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_pixels_before_a_line_are_those_that_a_search_finds() {
-        let pixel = |u: f64| StripPixel { u, s: 0.3, value: 1.0, saturated: false };
-        let even = |k: usize| -6.0 + 0.9 * k as f64;
-        let bent = |k: usize| -6.0 + 0.05 * (k * k) as f64;
-        let far_off = |k: usize| if k < 12 { -6.0 + 1e-3 * k as f64 } else { 1e6 };
-        for place in [even, bent, far_off, |_| 2.0] {
-            for length in [0, 1, 2, 15] {
-                let run: List<StripPixel> = (0..length).map(|k| pixel(place(k))).collect();
-                for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
-                    let found = run.partition_point(|pixel| pixel.u - limit < 0.0);
-                    let line = StripLine { offset: limit, slope: 0.0 };
-                    assert_eq!(count_before(&run, &line, 0.0), found);
-                }
-            }
-        }
     }
 }

@@ -18,6 +18,7 @@ mod block;
 mod compression;
 mod consensus;
 mod detected;
+mod gather;
 mod limb;
 mod profile;
 mod refine;

@@ -7,12 +7,12 @@
 //! that none of it turns away from, brightness is a + b sin θ + c (1 − cos θ). What is expected of it comes from the
 //! inner part of the surface; the two functions correct it. Both sides are blurred by the same Gaussian.
 
-use super::block::{INSIDE, OUTSIDE};
+use super::block::{Background, INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
 use crate::memory::List;
 use nalgebra::{Vector2, Vector4};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 constants! {
     /// Spacing of the tables in pixels.
@@ -37,6 +37,17 @@ pub(super) const SHADED: usize = 11;
 /// shading; their derivatives in u; their derivatives in the blur; sin θ and 1 − cos θ inside. The rest is 0, to a whole
 /// number of vectors.
 pub(super) type ShadedRow = [f64; 12];
+
+/// Which of these there are where the background has one brightness, and no distance counts.
+pub(super) const FLAT: [usize; 8] = [0, 2, 3, 5, 6, 8, 9, 10];
+
+/// The profile of a limb with its shading.
+pub(super) enum ShadedProfile {
+    /// Beside a background of one brightness.
+    Flat(Table<[f64; FLAT.len()]>),
+    /// Beside one with a slope.
+    Sloped(Table<ShadedRow>),
+}
 
 /// What a profile is made of, tabulated over u.
 #[derive(Debug, Clone)]
@@ -66,14 +77,40 @@ impl SharpProfile {
     pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
         let kernel = kernel(blur).into_iter().map(|[g, slope, _]| [[g; 4], [slope; 4]]);
         let cells = self.cells.iter().map(|cell| [(*cell).into(); 2]);
-        table(&cells.collect::<List<_>>(), &kernel.collect::<List<_>>(), margin, |u, [values, slopes]| {
+        table(cells, &kernel.collect::<List<_>>(), margin, |u, [values, slopes]| {
             let [outside, distance] = background(u, blur, values[0], slopes[0]);
             [outside, distance, values[1], values[2], values[3], 0.0, 0.0, 0.0]
         })
     }
 
-    /// The profile over the window, for a blur and a shading.
-    pub fn shaded(&self, blur: f64, shading: &Vector2<f64>) -> Table<ShadedRow> {
+    /// The profile over the window, for a blur, a shading and a background.
+    pub fn shaded(&self, blur: f64, shading: &Vector2<f64>, background: Background) -> ShadedProfile {
+        match background {
+            Background::Flat => ShadedProfile::Flat(self.shaded_table(
+                blur,
+                shading,
+                |[outside, _, inside],
+                 [outside_by_u, _, by_u],
+                 [outside_by_blur, _, by_blur],
+                 [sine, lean]| {
+                    [outside, inside, outside_by_u, by_u, outside_by_blur, by_blur, sine, lean]
+                },
+            )),
+            Background::Sloped => ShadedProfile::Sloped(self.shaded_table(
+                blur,
+                shading,
+                |[a, b, c], [d, e, f], [g, h, i], [sine, lean]| [a, b, c, d, e, f, g, h, i, sine, lean, 0.0],
+            )),
+        }
+    }
+
+    /// With rows of the levels, their derivatives in u and in the blur, and sin θ and 1 − cos θ.
+    fn shaded_table<Row: Send + 'static>(
+        &self,
+        blur: f64,
+        shading: &Vector2<f64>,
+        row: impl Fn([f64; 3], [f64; 3], [f64; 3], [f64; 2]) -> Row,
+    ) -> Table<Row> {
         let kernel =
             kernel(blur).into_iter().map(|[g, slope, by_blur]| [[g; 4], [slope, slope, by_blur, by_blur]]);
         let cells = self.cells.iter().map(|cell| {
@@ -81,19 +118,14 @@ impl SharpProfile {
             let inside = cell[1] + shading[0] * sine + shading[1] * lean;
             [[one, inside, sine, lean], [one, inside, one, inside]]
         });
-        table(&cells.collect::<List<_>>(), &kernel.collect::<List<_>>(), 0.0, |u, [values, slopes]| {
+        table(cells, &kernel.collect::<List<_>>(), 0.0, |u, [values, slopes]| {
             let [one, inside, sine, lean] = values;
             let [one_by_u, inside_by_u, one_by_blur, inside_by_blur] = slopes;
             let [outside, distance] = background(u, blur, one, one_by_u);
             let levels = [outside, distance, inside];
             let by_u = [-one_by_u, -outside, inside_by_u];
             let by_blur = [-one_by_blur, blur * one_by_u, inside_by_blur];
-            let mut row = [0.0; 12];
-            row[..3].copy_from_slice(&levels);
-            row[3..6].copy_from_slice(&by_u);
-            row[6..9].copy_from_slice(&by_blur);
-            row[9..SHADED].copy_from_slice(&[sine, lean]);
-            row
+            row(levels, by_u, by_blur, [sine, lean])
         })
     }
 }
@@ -101,23 +133,31 @@ impl SharpProfile {
 /// Two times four numbers: of a cell, or what they are multiplied by.
 type Pair = [[f64; 4]; 2];
 
+/// Rows whose sums run side by side: none waits for another, and what the cells are multiplied by is read once.
+const ROWS: usize = 4;
+
 /// A table over the window widened by `margin`: `row` of u and of the sums of the cells by a kernel.
 fn table<Row: Send + 'static>(
-    cells: &[Pair],
+    cells: impl Iterator<Item = Pair>,
     kernel: &[Pair],
     margin: f64,
     row: impl Fn(f64, Pair) -> Row,
 ) -> Table<Row> {
+    // Some rows reach beyond the cells there are.
+    let mut padded = List::filled([[0.0; 4]; 2], ROWS - 1);
+    padded.extend(cells);
+    padded.extend([[[0.0; 4]; 2]; ROWS - 1]);
     let taps = (kernel.len() / 2) as i32;
     let (first_index, last_index) = window(margin);
-    let rows = (first_index..=last_index).map(|index| {
-        // The kernel reaches from the first to the last of these cells, as far as there are any.
-        let (first, last) = (index - taps, index + taps);
-        let weights = &kernel[(-first).clamp(0, 2 * taps + 1) as usize..];
-        let cells = &cells[first.max(0) as usize..(last + 1).max(0) as usize];
-        row(f64::from(index) * STEP.get(), weighted_sums(weights, cells))
-    });
-    Table { first: f64::from(first_index) * STEP.get(), rows: rows.collect() }
+    let mut rows = List::with_capacity((last_index - first_index) as usize + ROWS);
+    for first in (first_index..=last_index).step_by(ROWS) {
+        // Where the kernel about the last of the rows meets the first cell.
+        let left = first + ROWS as i32 - 1 - taps;
+        let weights = &kernel[(-left).clamp(0, 2 * taps + 1) as usize..];
+        let sums = Arch::new().dispatch(WeightedSums { weights, cells: &padded[left.max(0) as usize..] });
+        rows.extend((first..=last_index).zip(sums).map(|(k, sums)| row(f64::from(k) * STEP.get(), sums)));
+    }
+    Table { first: f64::from(first_index) * STEP.get(), rows }
 }
 
 /// 1 and the distance from the limb outside of it, blurred, where 1 inside of it is `inside` and rises by `slope` per
@@ -130,10 +170,12 @@ fn background(u: f64, blur: f64, inside: f64, slope: f64) -> [f64; 2] {
 /// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.
 fn kernel(blur: f64) -> List<[f64; 3]> {
     let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
+    let place = |k: i32| f64::from(k) * STEP.get() / blur;
+    // The same on both sides.
+    let half: List<f64> = (0..=taps).map(place).map(|x| (-x * x / 2.0).exp()).collect();
     let kernel: List<[f64; 3]> = (-taps..=taps)
         .map(|k| {
-            let x = f64::from(k) * STEP.get() / blur;
-            let g = (-x * x / 2.0).exp();
+            let (x, g) = (place(k), half[k.unsigned_abs() as usize]);
             [g, x / blur * g, (x * x - 1.0) / blur * g]
         })
         .collect();
@@ -142,19 +184,36 @@ fn kernel(blur: f64) -> List<[f64; 3]> {
     kernel.iter().map(|k| [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum]).collect()
 }
 
-fn weighted_sums(weights: &[Pair], cells: &[Pair]) -> Pair {
-    // The widest instructions of the machine; they all round alike.
-    Arch::new().dispatch(|| {
-        let mut sums = [[0.0; 4]; 2];
-        for (weights, cell) in weights.iter().zip(cells) {
-            for ((sums, weights), cell) in sums.iter_mut().zip(weights).zip(cell) {
+/// The sums of cells times weights, from each of the first cells on.
+struct WeightedSums<'a> {
+    weights: &'a [Pair],
+    cells: &'a [Pair],
+}
+
+impl WithSimd for WeightedSums<'_> {
+    type Output = [Pair; ROWS];
+
+    /// With the widest instructions of the machine; they all round alike.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [Pair; ROWS] {
+        // As many as eight numbers are without vectors.
+        let mut sums = [[simd.splat_f64s(0.0); 8]; ROWS];
+        for (weights, cells) in self.weights.iter().zip(self.cells.windows(ROWS)) {
+            let weights = S::as_simd_f64s(weights.as_flattened()).0;
+            for (sums, cell) in sums.iter_mut().zip(cells) {
+                let cell = S::as_simd_f64s(cell.as_flattened()).0;
                 for ((sum, weight), x) in sums.iter_mut().zip(weights).zip(cell) {
-                    *sum += x * weight;
+                    *sum = simd.add_f64s(*sum, simd.mul_f64s(*x, *weight));
                 }
             }
         }
-        sums
-    })
+        let mut found = [[[0.0; 4]; 2]; ROWS];
+        for (found, sums) in found.iter_mut().zip(sums) {
+            let found = S::as_mut_simd_f64s(found.as_flattened_mut()).0;
+            found.iter_mut().zip(sums).for_each(|(found, sum)| *found = sum);
+        }
+        found
+    }
 }
 
 /// First and last cell of the window.

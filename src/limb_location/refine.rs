@@ -7,7 +7,7 @@
 
 use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
 use super::limb::{AMBIGUOUS, BLUR, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
-use super::profile::{MARGIN, ShadedRow, Table};
+use super::profile::{MARGIN, ShadedProfile};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2};
 use smallvec::SmallVec;
@@ -246,18 +246,13 @@ fn look_about(limbs: &mut [Limb<'_>], count: usize) {
 }
 
 /// The profiles of limbs.
-fn profiles(limbs: &[Limb<'_>], blur: f64) -> List<Table<ShadedRow>> {
-    limbs.iter().map(|limb| limb.sharp.shaded(blur, &limb.state.shading)).collect()
+fn profiles(limbs: &[Limb<'_>], blur: f64) -> List<ShadedProfile> {
+    limbs.iter().map(|limb| limb.sharp.shaded(blur, &limb.state.shading, limb.background)).collect()
 }
 
 /// A Gauss–Newton step on lines, shading and blur from where the limbs have these profiles; returns by how many pixels it
 /// moved them, 0 where nothing is determined.
-fn step(
-    limbs: &mut [Limb<'_>],
-    profiles: &[Table<ShadedRow>],
-    expected: &ExpectedBlur,
-    blur: &mut f64,
-) -> f64 {
+fn step(limbs: &mut [Limb<'_>], profiles: &[ShadedProfile], expected: &ExpectedBlur, blur: &mut f64) -> f64 {
     for (limb, profile) in limbs.iter_mut().zip(profiles) {
         let sums = shaded_sums(limb.strip, profile, &limb.state.line, &limb.near, Window::full());
         limb.blocks = fit_blocks(&sums, limb.noise, limb.background);

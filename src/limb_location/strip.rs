@@ -187,6 +187,17 @@ impl Strip {
         self.ends.push(self.pixels.len());
     }
 
+    /// Of runs that are given.
+    #[cfg(test)]
+    pub fn of_runs(runs: impl Iterator<Item = Vec<StripPixel>>) -> Self {
+        let mut strip = Self { pixels: List::new(), ends: List::new() };
+        for run in runs {
+            strip.pixels.extend(run);
+            strip.ends.push(strip.pixels.len());
+        }
+        strip
+    }
+
     /// The smallest and the largest s of any pixel; `None` without pixels.
     pub fn extent(&self) -> Option<[f64; 2]> {
         let s = || self.pixels.iter().map(|pixel| pixel.s);

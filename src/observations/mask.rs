@@ -109,24 +109,18 @@ impl Mask {
 
     /// The set pixels beside which one that is not set or outside the image is, row by row.
     pub fn outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let columns = self.columns.clone().step_by(EIGHT);
         self.rows.clone().flat_map(move |row| {
             let line = |row: usize| self.pixels.get(row * self.width..(row + 1) * self.width);
-            let (above, here, below) = (row.checked_sub(1).and_then(line), line(row), line(row + 1));
-            let inner = move |column: usize| {
-                let set = |line: Option<&[bool]>, column: usize| {
-                    line.and_then(|line| line.get(column)).is_some_and(|&set| set)
-                };
-                column > 0
-                    && set(here, column - 1)
-                    && set(here, column + 1)
-                    && set(above, column)
-                    && set(below, column)
-            };
-            let pixels = here.unwrap_or_default();
-            self.columns
-                .clone()
-                .filter(move |&column| pixels[column] && !inner(column))
-                .map(move |column| (column, row))
+            let lines = [row.checked_sub(1).and_then(line), line(row), line(row + 1)];
+            columns.clone().flat_map(move |first| {
+                let [above, here, below] = lines.map(|line| eight(line, first));
+                let left = first.checked_sub(1).map_or(here << 8, |before| eight(lines[1], before));
+                let edge = here & !(left & eight(lines[1], first + 1) & above & below);
+                // Most have none.
+                let looked_at = if edge == 0 { 0 } else { EIGHT };
+                (0..looked_at).filter(move |k| (edge >> (8 * k)) & 1 != 0).map(move |k| (first + k, row))
+            })
         })
     }
 
@@ -194,6 +188,18 @@ impl Mask {
 /// Pixels that are looked at at a time.
 const MANY: usize = 64;
 
+/// As many as a number has bytes.
+const EIGHT: usize = 8;
+
+/// The pixels of a row from a column on, a byte each; those outside the image are not set.
+fn eight(row: Option<&[bool]>, first: usize) -> u64 {
+    let pixels = row.and_then(|row| row.get(first..)).unwrap_or_default();
+    u64::from_le_bytes(match pixels.first_chunk::<EIGHT>() {
+        Some(pixels) => pixels.map(u8::from),
+        None => std::array::from_fn(|k| u8::from(pixels.get(k) == Some(&true))),
+    })
+}
+
 /// Whether any of some pixels is set.
 fn any(pixels: &[bool]) -> bool {
     let (chunks, rest) = pixels.as_chunks::<MANY>();
@@ -237,6 +243,34 @@ mod tests {
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();
         assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");
+    }
+
+    #[test]
+    fn the_outline_is_that_of_pixels_looked_at_one_by_one() {
+        let mut state = 1_u64;
+        for (width, height) in [(1, 1), (1, 9), (7, 5), (8, 8), (9, 3), (40, 23)] {
+            for density in [1, 2, 7] {
+                let memory: Vec<u8> = (0..width * height)
+                    .map(|_| {
+                        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+                        u8::from((state >> 40) % 8 <= density)
+                    })
+                    .collect();
+                let Ok(mask) = Mask::copy(&MaskView::from_u8(&memory, (width, height)).unwrap()) else {
+                    continue;
+                };
+                let set = |column: usize, row: usize| mask.contains(column, row);
+                let inner = |column: usize, row: usize| {
+                    set(column.wrapping_sub(1), row)
+                        && set(column + 1, row)
+                        && set(column, row.wrapping_sub(1))
+                        && set(column, row + 1)
+                };
+                let expected: Vec<_> =
+                    mask.set_pixels().filter(|&(column, row)| !inner(column, row)).collect();
+                assert_eq!(mask.outline().collect::<Vec<_>>(), expected);
+            }
+        }
     }
 
     #[test]

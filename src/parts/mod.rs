@@ -5,6 +5,7 @@
 //! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
 
 mod outline;
+mod sight;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
@@ -13,6 +14,7 @@ use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
 use nalgebra::Vector3;
+use sight::sights;
 
 constants! {
     /// About how many pixels of a mask are looked at.
@@ -142,15 +144,12 @@ impl Parts {
             return None;
         }
         let stride = (mask.count() as f64 / PIXELS.get()).sqrt().ceil().max(1.0) as usize;
-        let sights: List<Sight> = mask
-            .set_pixels_of_grid(stride)
-            .filter_map(|pixel| Sight::new(camera, depth, cylinder, pixel))
-            .collect();
+        let sights = sights(camera, depth, cylinder, mask.set_pixels_of_grid(stride));
         // Numbers are moved about in place of whole sights.
-        let mut order: List<(u64, usize)> =
-            sights.iter().enumerate().map(|(k, sight)| (ordered(sight.position), k)).collect();
+        let key = |(k, sight): (usize, &Sight)| u128::from(ordered(sight.position)) << 64 | k as u128;
+        let mut order: List<u128> = sights.iter().enumerate().map(key).collect();
         order.sort_unstable();
-        let sights: List<Sight> = order.iter().map(|&(_, k)| sights[k]).collect();
+        let sights: List<Sight> = order.iter().map(|&key| sights[key as u64 as usize]).collect();
         let reach = reach(cylinder, sights.iter().map(|sight| sight.distance));
         let votes: List<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
         let (first, last) = most(&votes)?;
@@ -160,7 +159,8 @@ impl Parts {
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
-        let outline: List<(usize, usize)> = mask.outline().collect();
+        let mut outline = List::new();
+        mask.outline().for_each(|pixel| outline.push(pixel));
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
@@ -298,30 +298,6 @@ fn faces(cylinder: &Cylinder, point: &Vector3<f64>) -> bool {
 }
 
 impl Sight {
-    fn new(
-        camera: &Camera,
-        depth: &DepthImage,
-        cylinder: &Cylinder,
-        (column, row): (usize, usize),
-    ) -> Option<Self> {
-        let z = depth.depth(column, row)?;
-        let ray = camera.ray_of_pixel(column, row)?;
-        let axis = &cylinder.axis;
-        let normal = ray.cross(&axis.direction);
-        if normal.dot(&axis.point).abs() > WIDTH_PART.get() * normal.norm() * cylinder.radius {
-            return None;
-        }
-        let hit = cylinder.first_hit(&ray)?;
-        let point = ray * z;
-        Some(Self {
-            position: (hit - axis.point).dot(&axis.direction),
-            distance: cylinder.distance(&point),
-            nearer: z < hit.z,
-            facing: faces(cylinder, &point),
-            point,
-        })
-    }
-
     /// 1 for the surface, −1 for what is farther away, 0 for what hides both.
     fn vote(&self, reach: f64) -> f64 {
         if self.distance.abs() <= reach && self.facing {

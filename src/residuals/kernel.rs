@@ -4,7 +4,7 @@
 //! multiplications and additions are never fused: every machine gets the same bits. The mathematics stands here once,
 //! for one point ([`Scalar`](pulp::Scalar)) and for as many as an instruction takes.
 
-use super::loss::{Influence, Loss};
+use super::loss::{Influence, Loss, Wall};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -313,16 +313,16 @@ impl Kernel {
         }
     }
 
-    /// Signed distances of points from the surface.
-    pub fn distances<T: Coordinate>(&self, axes: [&[T]; 3]) -> List<f64> {
+    /// Signed distances of points from the surface, infinite for those on a wall where they cannot be.
+    pub fn distances<T: Coordinate>(&self, axes: [&[T]; 3], wall: Wall) -> List<f64> {
         let mut distances = List::with_capacity(axes[0].len());
-        self.distances_by_blocks(axes, |block| distances.extend_from_slice(block));
+        self.distances_by_blocks(axes, wall, |block| distances.extend_from_slice(block));
         distances
     }
 
     /// The same, some at a time.
-    pub fn distances_by_blocks<T: Coordinate>(&self, axes: [&[T]; 3], block: impl FnMut(&[f64])) {
-        Arch::new().dispatch(Distances { kernel: self, axes, block });
+    pub fn distances_by_blocks<T: Coordinate>(&self, axes: [&[T]; 3], wall: Wall, block: impl FnMut(&[f64])) {
+        Arch::new().dispatch(Distances { kernel: self, axes, wall, block });
     }
 }
 
@@ -463,6 +463,7 @@ impl<T: Coordinate, X: Terms<N>, const N: usize> WithSimd for Chunk<'_, T, X, N>
 struct Distances<'a, T, F> {
     kernel: &'a Kernel,
     axes: [&'a [T]; 3],
+    wall: Wall,
     /// Who gets them.
     block: F,
 }
@@ -472,7 +473,8 @@ impl<T: Coordinate, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel, axes, block: mut receive } = self;
+        let Self { kernel, axes, wall, block: mut receive } = self;
+        let infinity = simd.splat_f64s(f64::INFINITY);
         let count = axes[0].len();
         let (mut x, mut y, mut z) = (EMPTY, EMPTY, EMPTY);
         let mut rho = [[0.0; LANES]; GROUPS];
@@ -483,7 +485,11 @@ impl<T: Coordinate, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
             let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
             let rho = rho.as_flattened_mut();
             for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {
-                *rho = kernel.residual(simd, &kernel.place(simd, [*x, *y, *z]));
+                let place = kernel.place(simd, [*x, *y, *z]);
+                *rho = kernel.residual(simd, &place);
+                if wall != Wall::Either {
+                    *rho = simd.select_f64s(wall.hidden(simd, place.facing), infinity, *rho);
+                }
             }
             receive(&rho[..end - start]);
         }

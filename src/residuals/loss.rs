@@ -75,7 +75,7 @@ impl Wall {
 
     /// Where points cannot be where they are: a mask, because a branch would keep sums from vector instructions.
     #[inline(always)]
-    fn hidden<S: Simd>(self, simd: S, facing: S::f64s) -> S::m64s {
+    pub(super) fn hidden<S: Simd>(self, simd: S, facing: S::f64s) -> S::m64s {
         // Looked up: where it is branched over the loop about it is, too.
         let sign = [0.0, 1.0, -1.0][self as usize];
         simd.greater_than_f64s(simd.mul_f64s(simd.splat_f64s(sign), facing), simd.splat_f64s(0.0))

@@ -4,7 +4,7 @@
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
 use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, Whole, Within};
-use super::loss::{Loss, Squared};
+use super::loss::{Loss, Squared, Wall};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
 use crate::memory::List;
@@ -103,10 +103,16 @@ impl<'a> PointTerm<'a> {
     /// The signed distances of the points from the surface, in units of the frame.
     #[must_use]
     pub fn distances(&self, frame: &LocalFrame) -> List<f64> {
+        self.distances_on(Wall::Either, frame)
+    }
+
+    /// The same, infinite for points that cannot be where they are.
+    #[must_use]
+    pub fn distances_on(&self, wall: Wall, frame: &LocalFrame) -> List<f64> {
         let kernel = Kernel::new(self.cloud.origin(), frame);
         match self.cloud.offsets() {
-            Offsets::F32(axes) => kernel.distances(axes),
-            Offsets::F64(axes) => kernel.distances(axes),
+            Offsets::F32(axes) => kernel.distances(axes, wall),
+            Offsets::F64(axes) => kernel.distances(axes, wall),
         }
     }
 
@@ -114,8 +120,8 @@ impl<'a> PointTerm<'a> {
     pub fn distances_by_blocks(&self, frame: &LocalFrame, block: impl FnMut(&[f64])) {
         let kernel = Kernel::new(self.cloud.origin(), frame);
         match self.cloud.offsets() {
-            Offsets::F32(axes) => kernel.distances_by_blocks(axes, block),
-            Offsets::F64(axes) => kernel.distances_by_blocks(axes, block),
+            Offsets::F32(axes) => kernel.distances_by_blocks(axes, Wall::Either, block),
+            Offsets::F64(axes) => kernel.distances_by_blocks(axes, Wall::Either, block),
         }
     }
 

@@ -15,22 +15,20 @@
 //! f = (ρ − r)(ρ + r) for a point at distance ρ from the axis weighs outer points more: with noise and an arc
 //! that is not the full circle the radius comes out too small. This is a start, not a result.
 
+mod spread;
+
 use crate::geometry::{AxisCone, Cylinder, any_orthogonal, rotate_direction};
 use crate::memory::List;
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, SMatrix, SVector, Vector2, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+pub use spread::Spread;
+use spread::{about, covariance, is_flat};
 
 /// Coefficients of a quadratic polynomial in the monomials 1, x, y, z, x², xy, xz, y², yz, z².
 type Polynomial = SVector<f64, 10>;
 
 /// Those of the last six of them.
 type Quadratic = SVector<f64, 6>;
-
-/// Points that are added up before their sum joins the total, which keeps the rounding of millions small.
-const BLOCK: usize = 1024;
-
-/// The cloud counts as flat when its smallest variance is below this part of its largest: far below the
-/// flattest arc whose curvature survives the rounding of the moments.
-const FLAT_VARIANCE: f64 = 1e-13;
 
 /// Directions of the grid that [`Moments::best`] searches.
 const DEFAULT_SEEDS: usize = 128;
@@ -99,46 +97,10 @@ impl Moments {
     /// `None` when fewer than five remain, or when they lie in one plane or on one line to rounding.
     #[must_use]
     pub fn new(points: impl Iterator<Item = (Vector3<f64>, f64)> + Clone) -> Option<Self> {
-        let usable = points
-            .filter(|(p, weight)| p.iter().all(|x| x.is_finite()) && *weight > 0.0 && weight.is_finite());
-
-        // About the first point, which is near the others wherever the cloud is.
-        let (reference, _) = usable.clone().next()?;
-        let mut count = 0_usize;
-        let (mut weights, mut first, mut second) = (0.0, Vector3::zeros(), 0.0);
-        for (p, weight) in usable.clone() {
-            let q = p - reference;
-            count += 1;
-            weights += weight;
-            first += q * weight;
-            second += q.norm_squared() * weight;
-        }
-        let mean = first / weights;
-        let unit = (second / weights - mean.norm_squared()).sqrt();
-        if !(count >= 5 && unit > 0.0 && unit.is_finite()) {
-            return None;
-        }
-
-        let center = reference + mean;
-        let gram = weighted_gram(usable.map(|(p, weight)| ((p - center) / unit, weight))) / weights;
-        if !gram.iter().all(|x| x.is_finite()) {
-            return None;
-        }
+        let Spread { center, size: unit } = Spread::unchecked(points.clone())?;
+        let gram = about(points, center, unit, monomials)?;
         let moments = Self { gram, center, unit };
-        let variances = moments.covariance().symmetric_eigenvalues();
-        (variances.min() > FLAT_VARIANCE * variances.max()).then_some(moments)
-    }
-
-    /// The weighted mean of the points.
-    #[must_use]
-    pub fn center(&self) -> Vector3<f64> {
-        self.center
-    }
-
-    /// The size of the cloud: the weighted root mean square distance of the points from their mean.
-    #[must_use]
-    pub fn size(&self) -> f64 {
-        self.unit
+        (!is_flat(&moments.covariance())).then_some(moments)
     }
 
     /// The best cylinder with the axis along `direction`, which need not have unit length.
@@ -164,9 +126,7 @@ impl Moments {
     /// square.
     #[must_use]
     pub fn minima(&self, seeds: usize, converged: f64) -> List<AlgebraicFit> {
-        let grid: List<Slice> = half_sphere(seeds).filter_map(|direction| self.slice(&direction)).collect();
-        let minima = self.minima_of_grid(&grid, std::f64::consts::TAU, converged);
-        self.sorted(&minima)
+        Arch::new().dispatch(Minima { moments: self, seeds, converged })
     }
 
     /// The same within a cone of directions. A minimum on its border is found by a search along it.
@@ -187,6 +147,7 @@ impl Moments {
 
     /// The minima that Newton's method reaches from the lowest local minima of a grid over some area of the sphere,
     /// in steradian.
+    #[inline(always)]
     fn minima_of_grid(&self, grid: &[Slice], area: f64, converged: f64) -> List<Slice> {
         // One and a half times the distance of neighbours.
         let neighbour = (1.5 * (area / grid.len().max(1) as f64).sqrt()).cos();
@@ -232,11 +193,11 @@ impl Moments {
 
     /// Covariance of q.
     fn covariance(&self) -> Matrix3<f64> {
-        let mean = self.gram.fixed_view::<3, 1>(1, 0).into_owned();
-        self.gram.fixed_view::<3, 3>(1, 1) - mean * mean.transpose()
+        covariance(&self.gram.fixed_view::<4, 4>(0, 0).into_owned())
     }
 
     /// Minimises over (α, β, K) for a direction of unit length.
+    #[inline(always)]
     fn slice(&self, direction: &Vector3<f64>) -> Option<Slice> {
         let (u, v) = any_orthogonal(direction);
         let square = quadratic(&u, &u) + quadratic(&v, &v);
@@ -278,6 +239,7 @@ impl Moments {
     /// To second order h'² = (h + ax + by)² (1 − a² − b²), and u − a d̂, v − b d̂ span the plane across d̂'.
     /// What they lack of unit length is taken up by α and β, which G is minimised over:
     /// f = |q|² − h'² − 2α(x − ah) − 2β(y − bh) − K.
+    #[inline(always)]
     fn derivatives(&self, slice: &Slice) -> Option<(Vector2<f64>, Matrix2<f64>)> {
         let Slice { direction, u, v, alpha, beta, .. } = slice;
         let axial = quadratic(direction, direction);
@@ -323,9 +285,12 @@ impl Moments {
 
     /// Newton's method on the sphere, downhill: negative curvature is turned round, and a step that does not
     /// lower G is halved.
+    #[inline(always)]
     fn newton(&self, start: Slice, converged: f64) -> Slice {
         /// The longest step in radians, about the distance within which a minimum can be followed.
         const LONGEST: f64 = 0.3;
+        /// Most lengths of a step that are tried.
+        const HALVINGS: usize = 20;
         // Near the optimum G no longer tells two directions apart but its gradient still does.
         let rounding = 1e-15 * self.gram.amax();
 
@@ -344,14 +309,17 @@ impl Moments {
                 step += vector * along;
             }
             let mut length = (LONGEST / step.norm()).min(1.0);
-            let lower = std::iter::from_fn(|| {
+            let mut lower = None;
+            // No closures, as in `Minima`.
+            for _ in 0..HALVINGS {
                 let tangent = slice.u * (step.x * length) + slice.v * (step.y * length);
                 length *= 0.5;
-                Some(self.slice(&rotate_direction(&slice.direction, &tangent)))
-            })
-            .take(20)
-            .flatten()
-            .find(|trial| trial.mean_square <= slice.mean_square + rounding);
+                lower = self.slice(&rotate_direction(&slice.direction, &tangent));
+                lower = lower.filter(|trial| trial.mean_square <= slice.mean_square + rounding);
+                if lower.is_some() {
+                    break;
+                }
+            }
             let Some(lower) = lower else { break };
             slice = lower;
             if step.norm() < converged {
@@ -392,6 +360,30 @@ fn quadratic(a: &Vector3<f64>, b: &Vector3<f64>) -> Quadratic {
         a.y * b.z + a.z * b.y,
         a.z * b.z,
     )
+}
+
+/// The minima over all directions.
+struct Minima<'a> {
+    moments: &'a Moments,
+    seeds: usize,
+    converged: f64,
+}
+
+impl WithSimd for Minima<'_> {
+    type Output = List<AlgebraicFit>;
+
+    /// Products of small matrices, which the compiler makes the widest instructions of the machine of where they are inlined
+    /// here; they all round alike.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> List<AlgebraicFit> {
+        let Self { moments, seeds, converged } = self;
+        let mut grid = List::with_capacity(seeds);
+        for direction in half_sphere(seeds) {
+            grid.extend(moments.slice(&direction));
+        }
+        let minima = moments.minima_of_grid(&grid, std::f64::consts::TAU, converged);
+        moments.sorted(&minima)
+    }
 }
 
 /// Evenly spread directions of the half sphere z > 0 (Fibonacci).
@@ -439,32 +431,6 @@ fn lowest_on_circle(at: impl Fn(f64) -> Option<Slice>, count: usize) -> Option<S
 fn monomials(q: &Vector3<f64>) -> [f64; 10] {
     let [x, y, z] = [q.x, q.y, q.z];
     [1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
-}
-
-/// The weighted sum of m mᵀ for the monomials m. Its upper triangle has 55 entries but only 35 of them
-/// differ; adding up those alone is slower, because they don't lie in rows.
-fn weighted_gram(points: impl Iterator<Item = (Vector3<f64>, f64)>) -> SMatrix<f64, 10, 10> {
-    let mut total = [[0.0; 10]; 10];
-    let mut block = [[0.0; 10]; 10];
-    let flush = |total: &mut [[f64; 10]; 10], block: &mut [[f64; 10]; 10]| {
-        for (t, b) in total.as_flattened_mut().iter_mut().zip(block.as_flattened_mut()) {
-            *t += std::mem::take(b);
-        }
-    };
-    for (n, (q, weight)) in points.enumerate() {
-        if n % BLOCK == 0 {
-            flush(&mut total, &mut block);
-        }
-        let m = monomials(&q);
-        for i in 0..10 {
-            let scaled = weight * m[i];
-            for j in i..10 {
-                block[i][j] += scaled * m[j];
-            }
-        }
-    }
-    flush(&mut total, &mut block);
-    SMatrix::from_fn(|i, j| total[i.min(j)][i.max(j)])
 }
 
 #[cfg(test)]

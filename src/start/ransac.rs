@@ -25,7 +25,7 @@
 mod sample;
 mod score;
 
-use super::moments::Moments;
+use super::moments::Spread;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
@@ -47,6 +47,9 @@ const FEW: usize = 4;
 
 /// Limit of [`RansacOptions::max_iterations`], some tens of seconds.
 pub const LARGEST_MAX_ITERATIONS: usize = 1_000_000;
+
+/// The median distance of so many points is good to 8 % of the noise.
+const JUDGES: usize = 250;
 
 /// Fewer points than this within the threshold determine no cylinder.
 const FEWEST_POINTS: usize = 5;
@@ -136,20 +139,19 @@ pub fn ransac(
     let chosen = choose(points, check)?;
     let chosen_points: List<_> = chosen.iter().map(|&i| points[i]).collect();
     let chosen_normals: Option<List<_>> = normals.map(|n| chosen.iter().map(|&i| n[i]).collect());
-    let Some(moments) = Moments::new(chosen_points.iter().map(|p| (*p, 1.0))) else {
+    let Some(spread) = Spread::new(chosen_points.iter().map(|p| (*p, 1.0))) else {
         return Err(no_start("the points lie in one plane or on one line".into()));
     };
     let coordinates: List<[f64; 3]> = chosen_points.iter().map(|p| (*p).into()).collect();
     let mut cloud = PointCloud::default();
     cloud.push_points(&PointsView::from_f64(&coordinates), None)?;
-    let mut few = PointCloud::default();
-    let coordinates: List<[f64; 3]> = coordinates.into_iter().step_by(FEW).collect();
-    few.push_points(&PointsView::from_f64(&coordinates), None)?;
+    let [few, judges] = [FEW, chosen.len().div_ceil(JUDGES)]
+        .map(|stride| cloud.listed(&(0..cloud.len()).step_by(stride).collect::<List<_>>()));
 
     let sampler = Sampler {
         points: &chosen_points,
         normals: chosen_normals.as_ref().map(|normals| &normals[..]),
-        size: moments.size(),
+        size: spread.size,
         observer_at_origin,
         cone: options.limits.cone(),
     };
@@ -157,10 +159,11 @@ pub fn ransac(
         points: &chosen_points,
         term: PointTerm::new(&cloud, None),
         few: PointTerm::new(&few, None),
+        judges: PointTerm::new(&judges, None),
         observer_at_origin,
         threshold: options.threshold,
-        center: moments.center(),
-        size: moments.size(),
+        center: spread.center,
+        size: spread.size,
         limits: options.limits,
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);

@@ -71,6 +71,28 @@ fn the_points_on_the_visible_wall_are_those_that_the_cylinder_counts() {
 }
 
 #[test]
+fn distances_on_a_wall_are_those_of_single_points_and_infinite_on_the_other() {
+    for size in [1.0, 1e60, 1e-60] {
+        let (points, frame) = scene(1_003);
+        let points: Vec<[f64; 3]> = points.iter().map(|point| point.map(|x| x * size)).collect();
+        let Cylinder { axis, radius } = frame.cylinder;
+        let cylinder = Cylinder::new(axis.point * size, axis.direction, radius * size).unwrap();
+        let frame = LocalFrame::new(&cylinder, &Vector3::zeros(), 0.05 * size);
+        let mut cloud = PointCloud::default();
+        cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let rows = PointRows::new(&frame);
+        for wall in [Wall::Either, Wall::Facing, Wall::Averted] {
+            let found = PointTerm::new(&cloud, None).distances_on(wall, &frame);
+            for (point, found) in points.iter().zip(&found) {
+                let (residual, facing) = rows.residual(&Vector3::from(*point));
+                let expected = if wall.hides(facing) { f64::INFINITY } else { residual };
+                assert!(*found == expected || (found - expected).abs() < 1e-12, "{found} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_cost_alone_and_the_rows_are_those_of_the_linearisation() {
     let (points, frame) = scene(4_999);
     let mut cloud = PointCloud::default();

@@ -166,3 +166,20 @@ fn directions_without_meaning_are_refused() {
     assert!(by_size[0] == by_size[1] && by_size[1] == by_size[2]);
     assert!(moments.minima(0, CONVERGED).is_empty());
 }
+
+#[test]
+fn the_spread_is_that_of_the_moments_and_known_where_they_are() {
+    let reference = Vector3::new(3.0, -2.0, 50.0);
+    let on_plane = |k: usize| Vector3::new((k % 7) as f64, (k / 7) as f64, 0.0);
+    for bend in [0.0, 0.01] {
+        for scale in [1.0, 1e60, 1e-60, 0.0] {
+            let point = |k| (reference + on_plane(k) + Vector3::z() * bend * (k * k) as f64) * scale;
+            for count in [0, 1, 4, 5, 60] {
+                let points = (0..count).map(|k| (point(k), 1.0));
+                let spread = Spread::new(points.clone()).map(|spread| (spread.center, spread.size));
+                let moments = Moments::new(points).map(|moments| (moments.center, moments.unit));
+                assert_eq!(spread, moments);
+            }
+        }
+    }
+}

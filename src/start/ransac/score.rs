@@ -6,7 +6,7 @@ use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
-use crate::statistics::median;
+use crate::statistics::median_size;
 use nalgebra::{Matrix3, Vector3};
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
@@ -42,6 +42,8 @@ pub(super) struct Scorer<'a> {
     pub term: PointTerm<'a>,
     /// Every so many of them, which tell most bad cylinders.
     pub few: PointTerm<'a>,
+    /// About as many as a median distance needs.
+    pub judges: PointTerm<'a>,
     /// Whether a point on the hidden wall is an outlier.
     pub observer_at_origin: bool,
     /// Largest distance of an inlier from the surface.
@@ -121,33 +123,33 @@ impl Scorer<'_> {
         Ok(inliers)
     }
 
+    /// The distances of points from the surface, in units of the size; infinite on the hidden wall.
+    fn distances(&self, points: &PointTerm<'_>, cylinder: &Cylinder) -> List<f64> {
+        let mut distances = points.distances_on(self.loss(cylinder).wall, &self.frame(cylinder));
+        distances.iter_mut().for_each(|distance| *distance = distance.abs());
+        distances
+    }
+
     /// The part of the scored points within the threshold.
     pub fn inlier_fraction(&self, cylinder: &Cylinder) -> f64 {
-        let surface = self.surface(cylinder);
-        let inliers = self.points.iter().filter(|p| surface.distance(p) < self.threshold).count();
+        let distances = self.distances(&self.term, cylinder);
+        let inliers = distances.iter().filter(|e| **e * self.size < self.threshold).count();
         inliers as f64 / self.points.len() as f64
     }
 
     /// The median distance over some of the points where it is below `limit`.
     pub fn median_distance_below(&self, cylinder: &Cylinder, limit: f64) -> Option<f64> {
-        /// The median of so many points is good to 8 % of the noise.
-        const ENOUGH: usize = 250;
-        let surface = self.surface(cylinder);
-        let stride = self.points.len().div_ceil(ENOUGH);
-        let distances = || self.points.iter().step_by(stride).map(|p| surface.distance(p));
-        // Most samples are worse, which a count tells: no list, no order.
-        let (mut below, mut count) = (0, 0);
-        for distance in distances() {
-            below += usize::from(distance < limit);
-            count += 1;
-        }
-        (below > count / 2).then(|| median_of(distances().collect())).flatten()
+        let distances = self.distances(&self.judges, cylinder);
+        // Most samples are worse, which a count tells: no order.
+        let below = distances.iter().filter(|e| **e * self.size < limit).count();
+        (below > distances.len() / 2).then(|| median_size(distances.iter().copied()) * self.size)
     }
 
     /// The median distance of the points within the threshold, if any.
     pub fn median_inlier_distance(&self, cylinder: &Cylinder) -> Option<f64> {
-        let surface = self.surface(cylinder);
-        median_of(self.points.iter().map(|p| surface.distance(p)).filter(|e| *e < self.threshold).collect())
+        let mut distances = self.distances(&self.term, cylinder);
+        distances.retain(|e| *e * self.size < self.threshold);
+        (!distances.is_empty()).then(|| median_size(distances.iter().copied()) * self.size)
     }
 
     /// The cylinder moved into the limits; `None` when its radius is not positive or not finite.
@@ -162,9 +164,11 @@ impl Scorer<'_> {
         if self.limits.radius_max < f64::INFINITY {
             return false;
         }
-        let surface = self.surface(cylinder);
-        let is_inlier = |p: &Vector3<f64>| surface.distance(p) < self.threshold;
-        let inliers: List<Vector3<f64>> = self.points.iter().filter(|p| is_inlier(p)).copied().collect();
+        let distances = self.distances(&self.term, cylinder);
+        let is_inlier = |distance: &f64| distance * self.size < self.threshold;
+        let pairs = self.points.iter().zip(&distances);
+        let inliers: List<Vector3<f64>> =
+            pairs.filter(|(_, distance)| is_inlier(distance)).map(|(p, _)| *p).collect();
         let Some(mut plane) = Plane::through(inliers.iter()) else { return false };
         let mut near: List<Vector3<f64>> = List::new();
         for _ in 0..PLANE_ROUNDS {
@@ -245,9 +249,4 @@ impl Plane {
     fn distance(&self, p: &Vector3<f64>) -> f64 {
         (p - self.point).dot(&self.normal).abs()
     }
-}
-
-/// The median, if there are any values.
-fn median_of(mut values: List<f64>) -> Option<f64> {
-    (!values.is_empty()).then(|| median(&mut values))
 }
