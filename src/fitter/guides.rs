@@ -143,7 +143,7 @@ pub(super) fn nearest_to_limbs(
 }
 
 /// Signed distance of a point from a line, positive on the side away from `inner`.
-fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
+pub(super) fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
     let along = (line[1] - line[0]).normalize();
     let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
     -across(inner).signum() * across(q)

@@ -1,6 +1,7 @@
 //! Third stage: the limbs, located in the images.
 
 use super::data::{Data, ViewData};
+use super::doubt;
 use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
 use super::guides::BESIDE;
 use super::held::{Held, HeldView};
@@ -131,6 +132,10 @@ fn observe_view(
     }
     for (limb, _) in seen.limbs.iter_mut().zip(beside).filter(|(_, beside)| *beside) {
         limb.line = Err(NotVisible::OutOfReach);
+        seen.appearance = None;
+    }
+    if view.view.sides_tell() && doubt::weigh(&mut seen.limbs, guides, &view.noise) {
+        // In the next image no mask would be asked.
         seen.appearance = None;
     }
     if !guides.seen.is_empty() {

@@ -10,6 +10,7 @@ mod continued;
 mod correlation;
 mod data;
 mod describe;
+mod doubt;
 mod edges;
 mod few;
 mod fit;

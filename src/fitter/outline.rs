@@ -52,6 +52,6 @@ impl View {
         let belongs = |pixel: (usize, usize)| {
             depth.depth(pixel.0, pixel.1).is_none() && ray(pixel).is_some_and(|ray| between(&ray))
         };
-        Some(self.with_mask(mask.extended(belongs)))
+        Some(self.with_drawn_sides(mask.extended(belongs)))
     }
 }

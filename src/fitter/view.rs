@@ -18,6 +18,8 @@ pub(crate) struct View {
     pub body: Option<Mask>,
     /// Whether the mask is known to hold the body alone.
     pub mask_is_body: bool,
+    /// Whether the sides of the mask were drawn about the cylinder of a fit.
+    sides_drawn: bool,
     pub cloud: PointCloud,
     pub segments: Vec<EdgeSegment>,
     /// The neighbours among the points, as soon as a fit has asked for them; those that an observer sees come second.
@@ -34,6 +36,7 @@ impl View {
             mask: self.mask.clone(),
             body,
             mask_is_body: self.mask_is_body,
+            sides_drawn: self.sides_drawn,
             cloud,
             segments: self.segments.clone(),
             neighbours: Default::default(),
@@ -41,9 +44,15 @@ impl View {
         }
     }
 
-    /// The same view with another mask.
-    pub fn with_mask(&self, mask: Mask) -> Self {
-        Self { mask: Some(mask), body: None, ..self.clone() }
+    /// The same view with another mask, whose sides were drawn.
+    pub fn with_drawn_sides(&self, mask: Mask) -> Self {
+        Self { mask: Some(mask), body: None, sides_drawn: true, ..self.clone() }
+    }
+
+    /// Whether the sides of the mask say something of their own: not where they were drawn about the cylinder of a fit, nor
+    /// where a detector found the body by the depth, which is smeared at the limbs.
+    pub fn sides_tell(&self) -> bool {
+        !self.sides_drawn && !self.mask_is_body
     }
 
     /// The points are about to change.

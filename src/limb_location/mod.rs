@@ -181,6 +181,8 @@ pub struct LimbSample {
 pub struct LimbObservation {
     /// The line, or why there is none.
     pub line: Result<LimbLine, NotVisible>,
+    /// A line that is not believed alone, as too few blocks carry it.
+    pub(crate) of_few: Option<LimbLine>,
     /// The pieces along it, used and refused, also where no line came of them.
     pub samples: List<LimbSample>,
     /// Blur of the image at the limbs, standard deviation of a Gaussian in pixels, common to both limbs; `None`
@@ -196,14 +198,16 @@ impl LimbObservation {
     }
 
     fn none(reason: NotVisible) -> Self {
-        Self { line: Err(reason), samples: List::new(), blur: None }
+        Self { line: Err(reason), of_few: None, samples: List::new(), blur: None }
     }
 
     /// The same in pixels of the image, of whose boxes of `factor` columns and rows it was in pixels.
     fn enlarged(mut self, factor: usize) -> Self {
         let ratio = factor as f64;
         let place = |place: Vector2<f64>| place.map(|x| from_reduced(x, factor));
-        self.line = self.line.map(|line| LimbLine { ends: line.ends.map(place), sigma: line.sigma * ratio });
+        let enlarged = |line: LimbLine| LimbLine { ends: line.ends.map(place), sigma: line.sigma * ratio };
+        self.line = self.line.map(enlarged);
+        self.of_few = self.of_few.map(enlarged);
         for sample in &mut self.samples {
             sample.position = place(sample.position);
             sample.sigma *= ratio;
@@ -311,11 +315,11 @@ fn observed(
     blur: f64,
     noise: &ImageNoise,
 ) -> LimbObservation {
-    LimbObservation {
-        line: judged(limb, baseline, reach, blur, noise),
-        samples: samples(limb, baseline),
-        blur: Some(blur),
-    }
+    let (line, of_few) = match judged(limb, baseline, reach, blur, noise) {
+        Ok(line) if is_patchy(limb) => (Err(NotVisible::Patchy), Some(line)),
+        line => (line, None),
+    };
+    LimbObservation { line, of_few, samples: samples(limb, baseline), blur: Some(blur) }
 }
 
 /// The angle φ of each limb about the axis, in units of 90°: u rises from the first limb to the second.
@@ -414,11 +418,13 @@ fn judged(
     if at_ends.is_nan() || at_ends > LARGEST_DEVIATION.get() * noise.endpoint || half.is_nan() {
         return Err(NotVisible::Uncertain);
     }
-    if limb.carriers() < (LEAST_SPREAD.get() * limb.blocks.len() as f64).min(ENOUGH_BLOCKS.get()) {
-        return Err(NotVisible::Patchy);
-    }
     let ends = [center - half, center + half].map(|s| baseline.position(s, limb.state.line.at(s)));
     Ok(LimbLine { ends, sigma })
+}
+
+/// Whether so few blocks carry a line that it may as well be an edge beside the limb.
+fn is_patchy(limb: &Limb<'_>) -> bool {
+    limb.carriers() < (LEAST_SPREAD.get() * limb.blocks.len() as f64).min(ENOUGH_BLOCKS.get())
 }
 
 fn samples(limb: &Limb<'_>, baseline: &Baseline) -> List<LimbSample> {
