@@ -1,12 +1,12 @@
 //! Third stage: the limbs, located in the images.
 
 use super::data::{Data, ViewData};
-use super::doubt;
 use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
 use super::guides::BESIDE;
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
+use super::outlier;
 use super::result::Flags;
 use super::run::Run;
 use crate::error::{Error, Result};
@@ -134,7 +134,7 @@ fn observe_view(
         limb.line = Err(NotVisible::OutOfReach);
         seen.appearance = None;
     }
-    if view.view.sides_tell() && doubt::weigh(&mut seen.limbs, guides, &view.noise) {
+    if view.view.sides_tell() && outlier::weigh(&mut seen.limbs, guides, &view.noise) {
         // In the next image no mask would be asked.
         seen.appearance = None;
     }

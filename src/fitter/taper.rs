@@ -39,6 +39,12 @@ impl Taper {
         [self.slope, self.deviation.hypot(USUAL_TURN)]
     }
 
+    /// By how much the deviations of the limbs are too small for their turn to be one standard deviation (the ratio of Birge);
+    /// 1 where they are large enough.
+    pub(crate) fn turn(self) -> f64 {
+        f64::max(1.0, (self.slope / self.deviation).abs())
+    }
+
     /// Whether it is more than noise and what is usual.
     pub(super) fn is_wrong(self) -> bool {
         let [slope, deviation] = self.with_usual_turn();
@@ -77,9 +83,8 @@ impl Data<'_> {
         Some(Taper { slope, deviation })
     }
 
-    /// Weighs the lines of a single view less where they turn against each other by more than their stated deviations, by as
-    /// much as makes the turn one standard deviation (the ratio of Birge): either body or lines are not what a cylinder
-    /// shows. Says whether there was anything to do.
+    /// Weighs the lines of a single view less where they turn against each other by more than their stated deviations: either
+    /// body or lines are not what a cylinder shows. Says whether there was anything to do.
     pub fn loosen(
         &self,
         lines: &mut [Lines],
@@ -88,12 +93,8 @@ impl Data<'_> {
         scales: &Scales,
     ) -> bool {
         let ([lines], [Some(seen)]) = (lines, &observations[..]) else { return false };
-        let Some(taper) = self.taper(&seen.limbs, cylinder, scales) else { return false };
-        let squared_ratio = (taper.slope / taper.deviation).powi(2);
-        let turned = squared_ratio > 1.0;
-        if turned {
-            lines.iter_mut().flatten().for_each(|line| line.weight /= squared_ratio);
-        }
-        turned
+        let turn = self.taper(&seen.limbs, cylinder, scales).map_or(1.0, Taper::turn);
+        lines.iter_mut().flatten().for_each(|line| line.weight /= turn * turn);
+        turn > 1.0
     }
 }

@@ -1,4 +1,4 @@
-//! How likely a located line is the edge of something else than its limb, by the sides of the mask.
+//! Outliers among the located lines: how likely one is the edge of something else than its limb, by the sides of the mask.
 //!
 //! The edge of a shadow, a lit strip of the background or a print may look like a limb, a few pixels beside it. The line alone
 //! does not tell; where the mask has the limb does, though only to a pixel or two. So each line is a mixture: it is the limb, or
@@ -11,12 +11,12 @@ use crate::limb_location::{LimbLine, LimbObservation, NotVisible};
 use crate::noise::ImageNoise;
 use nalgebra::{Matrix2, Vector2};
 
-/// The part of the located lines that are something else: on objects of the twin 46 of 642 are off by more than three
+/// The rate of outliers among located lines: on objects of the twin 46 of 642 are off by more than three
 /// deviations and a quarter of a pixel.
-const WRONG: f64 = 0.05;
+const OUTLIERS: f64 = 0.05;
 
 /// The same of lines that few blocks carry: 9 of 27 are off by more than 0.4 pixels.
-const WRONG_OF_FEW: f64 = 0.3;
+const OUTLIERS_OF_FEW: f64 = 0.3;
 
 /// What is more likely something else is no limb.
 const REFUSED: f64 = 0.5;
@@ -35,11 +35,11 @@ struct Compared {
     inner: Vector2<f64>,
 }
 
-/// What may be wrong with a line.
+/// What a line may be besides its limb.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Doubt {
-    /// The probability that it is something else.
-    wrong: f64,
+struct Outlier {
+    /// The probability that it is one.
+    probability: f64,
     /// By how many pixels it lies too far outside then.
     error: f64,
 }
@@ -50,11 +50,11 @@ pub(super) fn weigh(limbs: &mut [LimbObservation; 2], guides: &Guides, noise: &I
         true => [0, 1].map(|limb| Compared::new(&limbs[limb], limb, guides)),
         false => [None, None],
     };
-    let doubts = doubts(&compared, noise);
+    let outliers = outliers(&compared, noise);
     let mut changed = false;
-    for ((limb, compared), doubt) in limbs.iter_mut().zip(&compared).zip(doubts) {
+    for ((limb, compared), outlier) in limbs.iter_mut().zip(&compared).zip(outliers) {
         let Some(compared) = compared else { continue };
-        let line = compared.judged(doubt);
+        let line = compared.weighed(&outlier);
         changed |= line != limb.line;
         limb.line = line;
     }
@@ -73,17 +73,17 @@ impl Compared {
 
     /// The probability that it is something else before the mask is asked.
     fn prior(&self) -> f64 {
-        if self.of_few { WRONG_OF_FEW } else { WRONG }
+        if self.of_few { OUTLIERS_OF_FEW } else { OUTLIERS }
     }
 
     /// The line as far as it is believed.
-    fn judged(&self, doubt: Doubt) -> Result<LimbLine, NotVisible> {
-        if doubt.wrong > REFUSED {
+    fn weighed(&self, outlier: &Outlier) -> Result<LimbLine, NotVisible> {
+        if outlier.probability > REFUSED {
             return Err(if self.of_few { NotVisible::Patchy } else { NotVisible::OutOfReach });
         }
         // That some lines are wrong is in no stated deviation; what the mask adds to that is.
-        let known = if self.of_few { 0.0 } else { WRONG };
-        let wrong = (doubt.wrong - known) / (1.0 - known);
+        let known = if self.of_few { 0.0 } else { OUTLIERS };
+        let wrong = (outlier.probability - known) / (1.0 - known);
         if wrong <= 0.0 {
             return Ok(self.line);
         }
@@ -92,19 +92,19 @@ impl Compared {
         let across = Vector2::new(-along.y, along.x);
         let inward = across * (self.inner - ends[0]).dot(&across).signum();
         // Both ends are off alike, so that the middle has half the variance of an end.
-        let enlarged = (sigma * sigma + 2.0 * wrong * (1.0 - wrong) * doubt.error * doubt.error).sqrt();
+        let enlarged = (sigma * sigma + 2.0 * wrong * (1.0 - wrong) * outlier.error * outlier.error).sqrt();
         // What is beside a limb is parallel to it: farther apart, the ends tell the angle as before. That of few blocks may be
         // anything.
         let apart = if self.of_few { 1.0 } else { enlarged / sigma };
         let middle = (ends[0] + ends[1]) / 2.0;
-        let ends = ends.map(|q| middle + (q - middle) * apart + inward * (wrong * doubt.error));
+        let ends = ends.map(|q| middle + (q - middle) * apart + inward * (wrong * outlier.error));
         Ok(LimbLine { ends, sigma: enlarged })
     }
 }
 
 /// What may be wrong with two lines. Right ones lie beside their sides by the growth of the mask, which both share, and by its
 /// unevenness; a wrong one besides by as much as a side is off, for there it was looked for.
-fn doubts(lines: &[Option<Compared>; 2], noise: &ImageNoise) -> [Doubt; 2] {
+fn outliers(lines: &[Option<Compared>; 2], noise: &ImageNoise) -> [Outlier; 2] {
     let uneven = noise.unevenness.powi(2);
     let variance = |line: &Compared| uneven / 2.0 + line.line.sigma.powi(2) / 2.0;
     let own = lines.each_ref().map(|line| line.as_ref().map_or(UNKNOWN, variance));
@@ -129,8 +129,8 @@ fn doubts(lines: &[Option<Compared>; 2], noise: &ImageNoise) -> [Doubt; 2] {
             errors[k] += weight * far * solved[k];
         }
     }
-    [0, 1].map(|k| Doubt {
-        wrong: if sum > 0.0 { wrong[k] / sum } else { 0.0 },
+    [0, 1].map(|k| Outlier {
+        probability: if sum > 0.0 { wrong[k] / sum } else { 0.0 },
         error: if wrong[k] > 0.0 { errors[k] / wrong[k] } else { 0.0 },
     })
 }
