@@ -5,6 +5,7 @@ use super::held::Held;
 use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
+use super::taper::Taper;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
@@ -121,7 +122,7 @@ pub(super) fn describe(
     flags.set(Flags::POOR_FIT, count > 0 && scales.all > largest_scale(data, cylinder));
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, cylinder, scales));
-    flags.set(Flags::BODY_TAPERS, held.limbs_located() == 2 && taper.is_some_and(|taper| taper.is_wrong()));
+    flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
     let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();

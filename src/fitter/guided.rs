@@ -51,7 +51,7 @@ const MANY: usize = 4;
 
 /// A sample leaves no doubt about a scale that differs from a limit by this factor: of 500 normal errors it tells the scale
 /// to 5 %.
-const DOUBT: f64 = 1.5;
+const CLEARLY: f64 = 1.5;
 
 /// The first fit, and what guides the limbs of each view.
 pub(super) struct Guided {
@@ -438,9 +438,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         let solves = self.run.solves();
         let mut few = View { data: &data, run: self.run };
         let beside = few.attempt(Guides::default(), &[fit.onward()]);
-        let better = few.starts_are_better(DOUBT * limit, candidates);
+        let better = few.starts_are_better(CLEARLY * limit, candidates);
         self.run.count_from(solves);
-        Ok(beside?.is_ok_and(|beside| beside.scale() >= DOUBT * limit) && !better)
+        Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEARLY * limit) && !better)
     }
 
     /// Whether the points lie on one of the starts with a scale below some limit.

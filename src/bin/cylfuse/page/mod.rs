@@ -89,7 +89,7 @@ impl<'a> CylinderContent<'a> {
             at_least: extent.may_go_on(),
         });
         let length = length.unwrap_or_default();
-        let doubts = &measurement.doubts;
+        let undecided_by = &measurement.undecided_by;
         Self {
             number: None,
             color: color_of(0),
@@ -104,7 +104,7 @@ impl<'a> CylinderContent<'a> {
             length: length.value,
             length_deviation: length.deviation,
             warnings: notes.clone(),
-            judgement: tolerance::judge(limits.tolerances, radius, length, doubts, limits.unit),
+            judgement: tolerance::judge(limits.tolerances, radius, length, undecided_by, limits.unit),
         }
     }
 }

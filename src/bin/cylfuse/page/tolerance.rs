@@ -109,12 +109,12 @@ pub struct Unit {
 /// The verdict on radius and length; none without limits.
 ///
 /// Within or outside is what is so with 1.96 standard deviations on either side (ISO 14253-1): between lies what the
-/// measurement does not decide. Nor does it decide anything where one of the `doubts`, warnings in words, takes part.
+/// measurement does not decide. Nor does it decide anything where one of the warnings in words takes part.
 pub fn judge(
     tolerances: &[Tolerance],
     radius: Measured,
     length: Measured,
-    doubts: &[String],
+    warnings: &[String],
     unit: Unit,
 ) -> Option<Judgement> {
     let of = |tolerance: &Tolerance| match tolerance.quantity {
@@ -125,9 +125,9 @@ pub fn judge(
     // The worst first; those alike stay in the order of the limits.
     parts.sort_by_key(|(verdict, _)| std::cmp::Reverse(*verdict));
     let worst = parts.first()?.0;
-    let verdict = if doubts.is_empty() { worst } else { Verdict::Undecided };
-    let doubts = doubts.iter().map(|doubt| format!("in doubt: {doubt}"));
-    Some(Judgement { verdict, reasons: doubts.chain(parts.into_iter().map(|part| part.1)).collect() })
+    let verdict = if warnings.is_empty() { worst } else { Verdict::Undecided };
+    let warnings = warnings.iter().map(|warning| format!("in doubt: {warning}"));
+    Some(Judgement { verdict, reasons: warnings.chain(parts.into_iter().map(|part| part.1)).collect() })
 }
 
 impl Tolerance {

@@ -68,7 +68,7 @@ pub struct Measurement {
     pub notes: Vec<String>,
     /// Those of them that put radius and length in doubt, whatever their deviations are.
     #[serde(skip)]
-    pub doubts: Vec<String>,
+    pub undecided_by: Vec<String>,
     /// The folder of the files about it.
     pub out: Option<String>,
     /// What a page shows of it.
@@ -149,7 +149,7 @@ impl Measurement {
             view: ViewValues::new(Fitted::Cloud),
             views: None,
             notes: explained(result.flags),
-            doubts: explained(result.flags.intersection(DOUBTS)),
+            undecided_by: explained(result.flags.intersection(UNDECIDED_BY)),
             out: None,
             illustration: None,
             seconds: SecondsValues {
@@ -195,7 +195,7 @@ impl Measurement {
 }
 
 /// The warnings of which a stated deviation says nothing: no verdict rests on such a result (docs/warnings.md).
-const DOUBTS: Flags = Flags::POOR_FIT
+const UNDECIDED_BY: Flags = Flags::POOR_FIT
     .union(Flags::POINTS_AND_LIMBS_DISAGREE)
     .union(Flags::BODY_TAPERS)
     .union(Flags::HIDDEN_WALL)
