@@ -30,11 +30,11 @@ fn fit(slope: f64) -> FitResult {
         object,
         shape,
         pose: RigidMotion::new(rotation, Vector3::new(0.0, 0.0, z)).unwrap(),
-        material: Material { albedo: if object == 0 { 0.2 } else { 0.7 }, ..Material::default() },
+        material: Material { albedo: if object == 0 { 0.9 } else { 0.4 }, ..Material::default() },
         measured: false,
     };
     let bodies = vec![body(1, turned, rotation, 0.7), body(0, Shape::Plane, Matrix3::identity(), 1.0)];
-    let scene = Scene { bodies, lamp: Vector3::new(0.3, -1.0, 0.0), ambient: 0.3, ..Scene::default() };
+    let scene = Scene { bodies, lamp: Vector3::new(0.2, -0.3, -0.3), ambient: 0.5, ..Scene::default() };
     let camera = Camera::new(intrinsics).unwrap();
     let sensor = DepthSensor::StructuredLight(StructuredLight::default());
     let options = CaptureOptions { camera, picture: PictureOptions::default(), sensor, registered: true };
@@ -51,11 +51,11 @@ fn fit(slope: f64) -> FitResult {
 
 #[test]
 fn a_body_that_tapers_is_flagged() {
-    for slope in [0.0, 0.06, -0.1] {
+    for slope in [0.0, 0.02, -0.05] {
         let result = fit(slope);
-        let taper = result.taper.unwrap();
+        let taper = result.taper.unwrap_or_else(|| panic!("{slope}: {:?}", result.flags));
         // Towards the camera or away from it: the axis points where its largest component is positive.
-        assert!((taper.slope.abs() - slope.abs()).abs() < 0.15 * slope.abs() + 0.005, "{slope}: {taper:?}");
+        assert!((taper.slope.abs() - slope.abs()).abs() < 0.1 * slope.abs() + 0.003, "{slope}: {taper:?}");
         assert_eq!(result.flags.contains(Flags::BODY_TAPERS), slope != 0.0, "{slope}: {:?}", result.flags);
     }
 }

@@ -45,7 +45,7 @@ impl<'a> Fits<'a> {
         });
         let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let slope = result.taper.map(Taper::with_usual_turn);
+        let slope = result.taper.map(|taper| [taper.slope, taper.deviation]);
         // By how much the limbs turn is in the slope: it counts once.
         let deviation = radius_deviation(&result) / result.taper.map_or(1.0, Taper::turn);
         let evidence = self.seen.evidence_of_fit(detection, &fitted, deviation, slope);
