@@ -19,7 +19,7 @@ const REACH: f64 = 3.0;
 /// by a third of a pixel over a hundred, as lenses bend lines that are said to be straight.
 const USUAL_TURN: f64 = 0.003;
 
-/// A body tapers when the slope of its radius is more than this many standard deviations: of 347 cylinders whose limbs were
+/// A body tapers when the slope of its radius is more than this many standard deviations: of 374 cylinders whose limbs were
 /// located three are beyond, two of them with a line that is no limb.
 const TAPERS: f64 = 3.0;
 
