@@ -54,8 +54,8 @@ fn a_body_that_tapers_is_flagged() {
     for slope in [0.0, 0.02, -0.05] {
         let result = fit(slope);
         let taper = result.taper.unwrap_or_else(|| panic!("{slope}: {:?}", result.flags));
-        // Towards the camera or away from it: the axis points where its largest component is positive.
-        assert!((taper.slope.abs() - slope.abs()).abs() < 0.1 * slope.abs() + 0.003, "{slope}: {taper:?}");
+        // The axis of the body is that of the camera's x, along which the largest component of a result is positive.
+        assert!((taper.slope - slope).abs() < 0.1 * slope.abs() + 0.003, "{slope}: {taper:?}");
         assert_eq!(result.flags.contains(Flags::BODY_TAPERS), slope != 0.0, "{slope}: {:?}", result.flags);
     }
 }

@@ -227,3 +227,20 @@ fn the_sides_of_a_mask_contest_the_radius_of_points_that_are_bent() {
     let deviation = fit.uncertainty.unwrap().radius();
     assert!((fit.cylinder.radius - radius).abs() < 2.0 * deviation, "{deviation}");
 }
+
+/// Points that are exact but for the rounding of their depth share no error, however the mask was drawn.
+#[test]
+fn exact_depth_keeps_its_radius_beside_a_mask_that_is_too_narrow() {
+    let scene = Scene::new(Top::Closed);
+    let body = scene.pixels(|part, _| part == Some(Part::Body));
+    let inner = |k: usize| body[k] && body[k.saturating_sub(2)] && body[(k + 2).min(body.len() - 1)];
+    let mask: Vec<u8> = (0..body.len()).map(|k| u8::from(inner(k))).collect();
+    let depth = scene.pixels(|_, depth| (depth * 1e4).round() as u16);
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(*scene.camera.intrinsics()).unwrap();
+    let depth = DepthView::from_u16(&depth, SIZE, 1e-4).unwrap();
+    let mask = MaskView::from_u8(&mask, SIZE).unwrap();
+    fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+    let off = fitter.fit().unwrap().cylinder.radius / scene.cylinder.radius - 1.0;
+    assert!(off.abs() < 6e-3, "{off}");
+}

@@ -71,7 +71,7 @@ const (
 	// FlagPoorFit: the points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
 	// from the camera or, without a camera, by more than a quarter of the radius.
 	FlagPoorFit Flags = C.CYLFUSE_RESULT_FLAGS_POOR_FIT
-	// FlagBodyTapers: both limbs were located and turn against each other, so that the radius changes along the axis: the
+	// FlagBodyTapers: the lines of both limbs turn against each other, so that the radius changes along the axis: the
 	// body is no cylinder, or one of the lines is no limb.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
 )

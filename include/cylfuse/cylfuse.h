@@ -1163,8 +1163,9 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 /**
- * Both limbs were located in the image and turn against each other, so that the radius changes along the axis by more
- * than 3 standard deviations. The body is no cylinder, or one of the lines is no limb.
+ * The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
+ * than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines
+ * is no limb.
  */
 #define CYLFUSE_RESULT_FLAGS_BODY_TAPERS 524288
 

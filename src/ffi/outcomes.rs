@@ -243,7 +243,8 @@ impl cylfuse_result_flags {
     /// distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
     /// camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
     pub const POOR_FIT: cylfuse_result_flags = cylfuse_result_flags(262144);
-    /// Both limbs were located in the image and turn against each other, so that the radius changes along the axis by more
-    /// than 3 standard deviations. The body is no cylinder, or one of the lines is no limb.
+    /// The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
+    /// than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines
+    /// is no limb.
     pub const BODY_TAPERS: cylfuse_result_flags = cylfuse_result_flags(524288);
 }

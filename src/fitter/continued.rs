@@ -146,7 +146,8 @@ impl Sequence<'_, '_> {
         let mut lines = lines_of(data, &observations);
         data.loosen(&mut lines, &observations, cylinder, &self.scales);
         let mut without = held(data, &guided, flags, &lines);
-        without.settle(observations);
+        without.keep(observations);
+        without.settle(&self.scales);
         if without.contradicts_segments(data, &guided) {
             return Ok(None);
         }

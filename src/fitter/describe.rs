@@ -121,7 +121,7 @@ pub(super) fn describe(
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     flags.set(Flags::POOR_FIT, count > 0 && scales.all > largest_scale(data, cylinder));
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
-    let taper = limbs.and_then(|limbs| data.taper(limbs, cylinder, scales));
+    let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
     flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);

@@ -51,7 +51,7 @@ const MANY: usize = 4;
 
 /// A sample leaves no doubt about a scale that differs from a limit by this factor: of 500 normal errors it tells the scale
 /// to 5 %.
-const CLEARLY: f64 = 1.5;
+const CLEAR_FACTOR: f64 = 1.5;
 
 /// The first fit, and what guides the limbs of each view.
 pub(super) struct Guided {
@@ -79,7 +79,9 @@ pub(super) struct GuidedView {
 impl Guided {
     /// What the first fit was held to.
     pub fn held(&self, data: &Data<'_>) -> Held {
-        Held { settled: true, ..hold(data, self.views.iter().map(|view| &view.guides), self.flags) }
+        let mut held = hold(data, self.views.iter().map(|view| &view.guides), self.flags);
+        held.settle(&self.minimum.scales);
+        held
     }
 }
 
@@ -438,9 +440,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         let solves = self.run.solves();
         let mut few = View { data: &data, run: self.run };
         let beside = few.attempt(Guides::default(), &[fit.onward()]);
-        let better = few.starts_are_better(CLEARLY * limit, candidates);
+        let better = few.starts_are_better(CLEAR_FACTOR * limit, candidates);
         self.run.count_from(solves);
-        Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEARLY * limit) && !better)
+        Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEAR_FACTOR * limit) && !better)
     }
 
     /// Whether the points lie on one of the starts with a scale below some limit.

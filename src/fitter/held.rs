@@ -2,6 +2,7 @@
 
 use super::data::{Data, ViewData};
 use super::result::Flags;
+use super::scales::Scales;
 use crate::end_location::LastArc;
 use crate::geometry::{Cylinder, Line};
 use crate::limb_location::{Appearance, LimbObservation};
@@ -33,6 +34,9 @@ pub(super) struct HeldView {
     pub given: usize,
     /// and how many were located in the image.
     pub located: usize,
+    /// Scale of the point residuals where lines did not contest what the points say; `None` where it is not known. What
+    /// points share is bounded by it.
+    pub point_scale: Option<f64>,
     /// The arcs of the ends.
     pub arcs: ArcTerm,
     /// Where the arcs were located.
@@ -66,6 +70,14 @@ impl Held {
         let flags = Self::as_given(data).flags | reason | Flags::EDGES_IGNORED;
         let views = data.views.iter().map(|view| HeldView::new(view, &[], 0, 0)).collect();
         Self { views, flags, edge_weight: 0.0, settled: true }
+    }
+
+    /// From here on lines contest what the points say, whose scales are those without.
+    pub fn settle(&mut self, scales: &Scales) {
+        self.settled = true;
+        for (view, scales) in self.views.iter_mut().zip(&scales.views) {
+            view.point_scale = Some(scales.point);
+        }
     }
 
     /// What a view of the fitter is held to.

@@ -80,7 +80,8 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     {
         located.held = held(data, &guided.views, guided.flags, &lines);
     }
-    located.held.settle(observations);
+    located.held.keep(observations);
+    located.held.settle(&located.minimum.scales);
     Ok(located)
 }
 
@@ -205,9 +206,8 @@ pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: 
 }
 
 impl Held {
-    /// Keeps what the images show of the limbs. Nothing else is looked for from here.
-    pub fn settle(&mut self, observations: Observations) {
-        self.settled = true;
+    /// Keeps what the images show of the limbs.
+    pub fn keep(&mut self, observations: Observations) {
         for (held, seen) in self.views.iter_mut().zip(observations) {
             let (limbs, appearance) = seen.map(|seen| (seen.limbs, seen.appearance)).unzip();
             (held.limbs, held.appearance) = (limbs, appearance.flatten());

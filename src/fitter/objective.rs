@@ -1,7 +1,7 @@
 //! From a start to the minimum of the chosen objective.
 
 use super::data::{Data, ViewData};
-use super::held::Held;
+use super::held::{Held, HeldView};
 use super::options::ChartChoice;
 use super::run::Run;
 use super::scales::Scales;
@@ -254,7 +254,7 @@ impl Data<'_> {
             .enumerate()
             .map(|(k, ((view, held), scales))| {
                 let near = frame.moved(&view.into_view);
-                let shared = shared_matter.then(|| self.shared_errors(view, &near, scales)).flatten();
+                let shared = shared_matter.then(|| self.shared_errors(view, held, &near, scales)).flatten();
                 RobustView {
                     into_view: view.into_view,
                     points: view.points,
@@ -279,13 +279,16 @@ impl Data<'_> {
     pub fn shared_errors(
         &self,
         view: &ViewData<'_>,
+        held: &HeldView,
         near: &LocalFrame,
         scales: &RobustScales,
     ) -> Option<SharedErrors> {
         if !view.observed || near.cylinder.contains_origin() {
             return None;
         }
-        let size = self.shared_size(view, scales.point).filter(|&size| size > 0.0)?;
+        // Lines that contest them raise the scale.
+        let scale = held.point_scale.map_or(scales.point, |alone| alone.min(scales.point));
+        let size = self.shared_size(view, scale).filter(|&size| size > 0.0)?;
         let distance = view.into_view.point(&self.center).norm();
         Some(SharedErrors::of_offset(size, distance, self.unit))
     }

@@ -11,7 +11,7 @@ use crate::limb_location::{LimbLine, LimbObservation, NotVisible};
 use crate::noise::ImageNoise;
 use nalgebra::{Matrix2, Vector2};
 
-/// The rate of outliers among located lines: on objects of the twin 46 of 642 are off by more than three
+/// The rate of outliers among located lines, rounded down: on objects of the twin 46 of 642 are off by more than three
 /// deviations and a quarter of a pixel.
 const OUTLIERS: f64 = 0.05;
 
@@ -46,13 +46,21 @@ struct Outlier {
 
 /// Weighs located lines against the sides of a mask; returns whether a line has changed. Given segments tell more than a mask.
 pub(super) fn weigh(limbs: &mut [LimbObservation; 2], guides: &Guides, noise: &ImageNoise) -> bool {
-    let compared = match guides.given.is_empty() {
+    let mut compared = match guides.given.is_empty() {
         true => [0, 1].map(|limb| Compared::new(&limbs[limb], limb, guides)),
         false => [None, None],
     };
-    let outliers = outliers(&compared, noise);
+    let mut of_lines = outliers(&compared, noise);
+    let refused = [0, 1].map(|k| {
+        of_lines[k].probability > REFUSED && compared[k].as_ref().is_some_and(|compared| compared.of_few)
+    });
+    if refused.contains(&true) {
+        // Nothing but a refused line of few blocks would speak against the other one.
+        (0..2).filter(|&k| refused[k]).for_each(|k| compared[k] = None);
+        of_lines = outliers(&compared, noise);
+    }
     let mut changed = false;
-    for ((limb, compared), outlier) in limbs.iter_mut().zip(&compared).zip(outliers) {
+    for ((limb, compared), outlier) in limbs.iter_mut().zip(&compared).zip(of_lines) {
         let Some(compared) = compared else { continue };
         let line = compared.weighed(&outlier);
         changed |= line != limb.line;
@@ -81,7 +89,7 @@ impl Compared {
         if outlier.probability > REFUSED {
             return Err(if self.of_few { NotVisible::Patchy } else { NotVisible::OutOfReach });
         }
-        // That some lines are wrong is in no stated deviation; what the mask adds to that is.
+        // Stated deviations of lines hold but for the outliers of that rate: only what the mask adds to it counts.
         let known = if self.of_few { 0.0 } else { OUTLIERS };
         let wrong = (outlier.probability - known) / (1.0 - known);
         if wrong <= 0.0 {
@@ -91,7 +99,7 @@ impl Compared {
         let along = (ends[1] - ends[0]).normalize();
         let across = Vector2::new(-along.y, along.x);
         let inward = across * (self.inner - ends[0]).dot(&across).signum();
-        // Both ends are off alike, so that the middle has half the variance of an end.
+        // The errors of the ends are independent, so that the middle has half the variance of an end.
         let enlarged = (sigma * sigma + 2.0 * wrong * (1.0 - wrong) * outlier.error * outlier.error).sqrt();
         // What is beside a limb is parallel to it: farther apart, the ends tell the angle as before. That of few blocks may be
         // anything.
@@ -103,7 +111,7 @@ impl Compared {
 }
 
 /// What may be wrong with two lines. Right ones lie beside their sides by the growth of the mask, which both share, and by its
-/// unevenness; a wrong one besides by as much as a side is off, for there it was looked for.
+/// unevenness; a wrong one besides by as much as a side is off.
 fn outliers(lines: &[Option<Compared>; 2], noise: &ImageNoise) -> [Outlier; 2] {
     let uneven = noise.unevenness.powi(2);
     let variance = |line: &Compared| uneven / 2.0 + line.line.sigma.powi(2) / 2.0;
@@ -112,17 +120,20 @@ fn outliers(lines: &[Option<Compared>; 2], noise: &ImageNoise) -> [Outlier; 2] {
     let prior = lines.each_ref().map(|line| line.as_ref().map_or(0.0, Compared::prior));
     let growth = (noise.side.powi(2) - uneven).max(0.0);
     let far = noise.side.powi(2);
+    let cases = [[true, true], [true, false], [false, true], [false, false]].map(|is_wrong| {
+        let diagonal = [0, 1].map(|k| own[k] + if is_wrong[k] { far } else { 0.0 });
+        let covariance = Matrix2::from_element(growth) + Matrix2::from_diagonal(&Vector2::from(diagonal));
+        let solved: Vector2<f64> = covariance.try_inverse().unwrap_or_default() * off;
+        let priors = [0, 1].map(|k| if is_wrong[k] { prior[k] } else { 1.0 - prior[k] });
+        (is_wrong, solved, priors[0] * priors[1] / covariance.determinant().sqrt())
+    });
+    // The first covariance is the largest and so its exponent, too: without it all of them may vanish.
+    let largest = off.dot(&cases[0].1);
     let mut sum = 0.0;
     let mut wrong: Vector2<f64> = Vector2::zeros();
     let mut errors: Vector2<f64> = Vector2::zeros();
-    for is_wrong in [[false, false], [true, false], [false, true], [true, true]] {
-        let diagonal = [0, 1].map(|k| own[k] + if is_wrong[k] { far } else { 0.0 });
-        let covariance = Matrix2::from_element(growth) + Matrix2::from_diagonal(&Vector2::from(diagonal));
-        let Some(inverse) = covariance.try_inverse() else { continue };
-        let solved: Vector2<f64> = inverse * off;
-        let priors = [0, 1].map(|k| if is_wrong[k] { prior[k] } else { 1.0 - prior[k] });
-        let weight =
-            priors[0] * priors[1] * (-off.dot(&solved) / 2.0).exp() / covariance.determinant().sqrt();
+    for (is_wrong, solved, factor) in cases {
+        let weight = factor * ((largest - off.dot(&solved)) / 2.0).exp();
         sum += weight;
         for k in [0, 1].into_iter().filter(|&k| is_wrong[k]) {
             wrong[k] += weight;
@@ -196,6 +207,26 @@ mod tests {
         assert!(second.is_ok_and(|line| line.sigma > SIGMA), "{second:?}");
         let [_, second] = weighed([seen(300.0, false), seen(344.0, true)]);
         assert_eq!(second, Err(NotVisible::Patchy));
+    }
+
+    #[test]
+    fn a_refused_line_of_few_blocks_says_nothing_of_the_other_one() {
+        for far in [347.0, 348.0, 334.0] {
+            let [first, second] = weighed([seen(300.0, false), seen(far, true)]);
+            assert_eq!((first, second), (seen(300.0, false).line, Err(NotVisible::Patchy)), "{far}");
+        }
+    }
+
+    /// All weights vanish in doubles where the mask is said to be drawn that exactly.
+    #[test]
+    fn a_line_beside_a_mask_that_is_known_exactly_is_no_limb() {
+        let model = NoiseModel { mask_side: 0.1, mask_unevenness: 0.06, ..NoiseModel::default() };
+        let side =
+            |x: f64, limb: usize| PixelSegment { endpoints: upright(x), weight: 1.0, limb: Some(limb) };
+        let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
+        let mut limbs = [seen(300.0, false), seen(350.0, false)];
+        weigh(&mut limbs, &guides, &model.in_image((640, 480)));
+        assert_eq!(limbs[1].line, Err(NotVisible::OutOfReach));
     }
 
     #[test]

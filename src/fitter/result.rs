@@ -57,8 +57,9 @@ bitflags::bitflags! {
         /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
         /// depth where the caller states it; without a camera, by more than a quarter of the radius.
         const POOR_FIT = 1 << 18;
-        /// Both limbs were located and turn against each other, so that the radius changes along the axis by more than 3
-        /// standard deviations: see [`FitResult::taper`]. The body is no cylinder, or one of them is no limb.
+        /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
+        /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one
+        /// of the lines is no limb.
         const BODY_TAPERS = 1 << 19;
     }
 }
@@ -88,7 +89,8 @@ pub struct FitResult {
     pub radii: Option<RadiusComparison>,
     /// The shift between depth and image across the axis; `None` unless both limbs of a single view were located.
     pub shift: Option<ImageShift>,
-    /// By how much the radius grows along the axis; `None` unless both limbs of a single view were located.
+    /// By how much the radius grows along the axis; `None` unless a line was found at each limb of a single view. One that
+    /// the fit refused counts.
     pub taper: Option<Taper>,
     /// The model that the iteration started from, moved into the limits.
     pub start: Cylinder,

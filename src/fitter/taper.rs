@@ -16,7 +16,7 @@ const SAMPLE: usize = 500;
 const REACH: f64 = 3.0;
 
 /// By how much the limbs of a cylinder turn against each other as a slope of its radius, beyond their stated deviations:
-/// by a third of a pixel over a hundred, as lenses bend lines that are said to be straight.
+/// by a third of a pixel over a hundred, as distortion of the lens does that is not modelled.
 const USUAL_TURN: f64 = 0.003;
 
 /// A body tapers when the slope of its radius is more than this many standard deviations: of 374 cylinders whose limbs were
@@ -35,7 +35,7 @@ pub struct Taper {
 impl Taper {
     /// By how much the deviations of the limbs are too small for their turn to be one standard deviation (the ratio of Birge);
     /// 1 where they are large enough.
-    pub(crate) fn turn(self) -> f64 {
+    fn turn(self) -> f64 {
         f64::max(1.0, (self.slope / self.deviation).abs())
     }
 
@@ -47,7 +47,7 @@ impl Taper {
 
 impl Data<'_> {
     /// The taper of a cylinder by both limbs in the image of a single view, which tell it far better than depth does, and
-    /// points, which tell how the axis lies to them; `None` where one limb was not located. A limb that the fit refused
+    /// points, which tell how the axis lies to them; `None` where a limb has no line. A limb that the fit refused
     /// counts, too: the limbs of a body that tapers contradict every cylinder.
     pub fn taper(&self, limbs: &[LimbObservation; 2], cylinder: &Cylinder, scales: &Scales) -> Option<Taper> {
         let [view] = &self.views[..] else { return None };
@@ -77,7 +77,8 @@ impl Data<'_> {
     }
 
     /// Weighs the lines of a single view less where they turn against each other by more than their stated deviations: either
-    /// body or lines are not what a cylinder shows. Says whether there was anything to do.
+    /// body or lines are not what a cylinder shows. Says whether there was anything to do. A detector judges by the taper
+    /// itself whether there is a cylinder, and by how certain the radius is: the turn would count twice.
     pub fn loosen(
         &self,
         lines: &mut [Lines],
@@ -86,6 +87,9 @@ impl Data<'_> {
         scales: &Scales,
     ) -> bool {
         let ([lines], [Some(seen)]) = (lines, &observations[..]) else { return false };
+        if self.views[0].view.mask_is_body {
+            return false;
+        }
         let turn = self.taper(&seen.limbs, cylinder, scales).map_or(1.0, Taper::turn);
         lines.iter_mut().flatten().for_each(|line| line.weight /= turn * turn);
         turn > 1.0

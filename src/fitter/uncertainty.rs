@@ -90,7 +90,7 @@ impl Data<'_> {
         let usual = USUAL_SHIFT * view.noise.pixel;
         // The shift that is usual is counted by itself.
         let near = frame.moved(&view.into_view);
-        let shared = self.shared_errors(view, &near, &scales.views[0]);
+        let shared = self.shared_errors(view, of_view, &near, &scales.views[0]);
         let usual_of_points = shared.map_or(0.0, |shared| shared.across / self.unit);
         let of_points = (points.deviation.powi(2) - usual_of_points.powi(2)).max(0.0).sqrt();
         let of_noise = pixels * of_points.hypot(limbs.deviation);

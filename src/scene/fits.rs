@@ -4,7 +4,7 @@ use super::work::Share;
 use super::{DetectorOptions, Found, mask_of};
 use crate::detection::{Band, Detection, Detections, Evidence};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Taper, Uncertainty};
+use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
 use nalgebra::Vector3;
@@ -45,10 +45,10 @@ impl<'a> Fits<'a> {
         });
         let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
-        let slope = result.taper.map(|taper| [taper.slope, taper.deviation]);
-        // By how much the limbs turn is in the slope: it counts once.
-        let deviation = radius_deviation(&result) / result.taper.map_or(1.0, Taper::turn);
-        let evidence = self.seen.evidence_of_fit(detection, &fitted, deviation, slope);
+        // Of a cylinder that was kept the limbs are those of a fit that was refused.
+        let taper = result.termination.and(result.taper);
+        let slope = taper.map(|taper| [taper.slope, taper.deviation]);
+        let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), slope);
         Ok(found(fitter, evidence, detection, result))
     }
 

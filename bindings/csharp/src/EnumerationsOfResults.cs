@@ -101,7 +101,7 @@ namespace Cylfuse
         /// <summary>The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
         /// from the camera or, without a camera, by more than a quarter of the radius.</summary>
         PoorFit = 262144,
-        /// <summary>Both limbs were located and turn against each other, so that the radius changes along the axis: the body
+        /// <summary>The lines of both limbs turn against each other, so that the radius changes along the axis: the body
         /// is no cylinder, or one of the lines is no limb.</summary>
         BodyTapers = 524288,
     }

@@ -345,7 +345,7 @@ class ResultFlags(IntFlag):
     #: The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
     #: camera or, without a camera, by more than a quarter of the radius.
     POOR_FIT = 262144
-    #: Both limbs were located and turn against each other, so that the radius changes along the axis: the body is no
+    #: The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
     #: cylinder, or one of the lines is no limb.
     BODY_TAPERS = 524288
 

@@ -109,7 +109,7 @@ pub struct Unit {
 /// The verdict on radius and length; none without limits.
 ///
 /// Within or outside is what is so with 1.96 standard deviations on either side (ISO 14253-1): between lies what the
-/// measurement does not decide. Nor does it decide anything where one of the warnings in words takes part.
+/// measurement does not decide. Nor does it decide anything where there are `warnings`.
 pub fn judge(
     tolerances: &[Tolerance],
     radius: Measured,

@@ -63,7 +63,7 @@ public enum ResultFlag {
      */
     POOR_FIT(262144),
     /**
-     * Both limbs were located and turn against each other, so that the radius changes along the axis: the body is no
+     * The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
      * cylinder, or one of the lines is no limb.
      */
     BODY_TAPERS(524288);
