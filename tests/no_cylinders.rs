@@ -2,20 +2,24 @@
 #![cfg(feature = "twin")]
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
-use cylfuse::camera::{Camera, Distortion, Intrinsics};
+#[path = "support/frames.rs"]
+mod frames;
+#[path = "support/twin_frames.rs"]
+mod twin_frames;
+
+use cylfuse::camera::Camera;
 use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
 use cylfuse::scene::{Detector, Found, Scene};
 use cylfuse::twin::{
     CaptureOptions, DEPTH_UNIT, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight, capture,
     random_scene,
 };
+use twin_frames::{SIZE, captured, intrinsics};
 
-const SIZE: (usize, usize) = (640, 480);
+const FOCAL: f64 = 570.0;
 
 fn camera() -> Camera {
-    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
-    let distortion = Distortion::None;
-    Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion }).unwrap()
+    Camera::new(intrinsics(FOCAL)).unwrap()
 }
 
 fn found(depth: &[u16], image: Option<&[u8]>) -> Scene {
@@ -66,11 +70,8 @@ fn nothing_is_found_among_boxes_spheres_frustums_and_planes() {
 /// Frustums of 4 to 10 degrees passed for cylinders with scores of 0.75 to 0.88, though both of their limbs were located.
 #[test]
 fn limbs_that_turn_against_each_other_tell_frustums() {
-    let sensor = DepthSensor::StructuredLight(StructuredLight::default());
-    let options =
-        CaptureOptions { camera: camera(), picture: PictureOptions::default(), sensor, registered: true };
     for seed in [74_009, 74_014, 74_019, 74_024, 74_027] {
-        let frame = capture(&random_scene(Kind::NoCylinders, seed).unwrap(), &options, seed).unwrap();
+        let frame = captured(&random_scene(Kind::NoCylinders, seed).unwrap(), FOCAL, seed);
         assert_eq!(complaint(&format!("seed {seed}"), &frame.depth, Some(&frame.image)), None);
     }
 }
@@ -99,11 +100,8 @@ fn nothing_is_found_in_noise() {
 /// Its wall is as flat as its noise in strips of a quarter of its width, and no part of it was left for a cylinder.
 #[test]
 fn a_wide_can_on_a_table_is_no_plane() {
-    let sensor = DepthSensor::StructuredLight(StructuredLight::default());
-    let options =
-        CaptureOptions { camera: camera(), picture: PictureOptions::default(), sensor, registered: true };
     let seed = 9152;
-    let frame = capture(&random_scene(Kind::Table, seed).unwrap(), &options, seed).unwrap();
+    let frame = captured(&random_scene(Kind::Table, seed).unwrap(), FOCAL, seed);
     let found = found(&frame.depth, None);
     let radii: Vec<f64> = found.cylinders.iter().map(|found| 1e3 * found.result.cylinder.radius).collect();
     assert!(radii.iter().any(|radius| (radius / 53.0 - 1.0).abs() < 0.1), "{radii:?}");

@@ -2,17 +2,18 @@
 #![cfg(feature = "twin")]
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
-use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::fitter::{FitResult, Fitter, Flags};
-use cylfuse::geometry::RigidMotion;
-use cylfuse::observations::{DepthRange, DepthView, ImageView, MaskView};
-use cylfuse::twin::{
-    Body, CaptureOptions, DEPTH_UNIT, DepthSensor, Material, PictureOptions, Scene, Shape, StructuredLight,
-    capture,
-};
-use nalgebra::{Matrix3, Vector3};
+#[path = "support/frames.rs"]
+mod frames;
+#[path = "support/twin_frames.rs"]
+mod twin_frames;
 
-const SIZE: (usize, usize) = (640, 480);
+use cylfuse::fitter::{FitResult, Flags};
+use cylfuse::geometry::RigidMotion;
+use cylfuse::twin::{Body, Material, Scene, Shape};
+use nalgebra::{Matrix3, Vector3};
+use twin_frames::{captured, fit_within};
+
+const FOCAL: f64 = 570.0;
 
 /// Half the length of the body.
 const HALF_LENGTH: f64 = 0.06;
@@ -20,9 +21,6 @@ const HALF_LENGTH: f64 = 0.06;
 /// The fit of a turned body in front of a wall, with mask and image. Its radius is 40 mm in the middle and grows by `slope`
 /// along the axis, which lies across the view.
 fn fit(slope: f64) -> FitResult {
-    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
-    let distortion = Distortion::None;
-    let intrinsics = Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion };
     let radii = [-1.0, 1.0].map(|end| 0.04 + slope * HALF_LENGTH * end);
     let turned = Shape::Turned { radii, length: 2.0 * HALF_LENGTH, bore: None };
     let rotation = Matrix3::from_columns(&[Vector3::y(), Vector3::z(), Vector3::x()]);
@@ -35,18 +33,8 @@ fn fit(slope: f64) -> FitResult {
     };
     let bodies = vec![body(1, turned, rotation, 0.7), body(0, Shape::Plane, Matrix3::identity(), 1.0)];
     let scene = Scene { bodies, lamp: Vector3::new(0.2, -0.3, -0.3), ambient: 0.5, ..Scene::default() };
-    let camera = Camera::new(intrinsics).unwrap();
-    let sensor = DepthSensor::StructuredLight(StructuredLight::default());
-    let options = CaptureOptions { camera, picture: PictureOptions::default(), sensor, registered: true };
-    let frame = capture(&scene, &options, 1).unwrap();
-    let mut fitter = Fitter::new();
-    fitter.set_intrinsics(intrinsics).unwrap();
-    let depth = DepthView::from_u16(&frame.depth, SIZE, DEPTH_UNIT).unwrap();
-    let mask: Vec<u8> = frame.labels.iter().map(|label| u8::from(*label == 1)).collect();
-    let mask = MaskView::from_u8(&mask, SIZE).unwrap();
-    fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
-    fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
-    fitter.fit().unwrap()
+    let frame = captured(&scene, FOCAL, 1);
+    fit_within(&frame, FOCAL, frame.labels.iter().map(|label| u8::from(*label == 1)).collect())
 }
 
 #[test]

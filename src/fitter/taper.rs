@@ -20,7 +20,7 @@ const REACH: f64 = 3.0;
 const USUAL_TURN: f64 = 0.003;
 
 /// A body tapers when the slope of its radius is more than this many standard deviations: of 374 cylinders whose limbs were
-/// located three are beyond, two of them with a line that is no limb.
+/// located three are beyond, two of which have a radius that is off by 4 and 5 %.
 const TAPERS: f64 = 3.0;
 
 /// By how much the radius grows along the axis, as two limbs that turn against each other tell it.

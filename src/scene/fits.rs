@@ -1,7 +1,7 @@
 //! The fit of one region.
 
 use super::work::Share;
-use super::{DetectorOptions, Found, mask_of};
+use super::{DetectorOptions, Found, indices_of, mask_of};
 use crate::detection::{Band, Detection, Detections, Evidence};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
@@ -60,8 +60,7 @@ impl<'a> Fits<'a> {
         detection: &Detection,
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
-        let own = (index + 1) as u16;
-        let region = numbers_of(&self.seen.labels, own);
+        let region: Vec<usize> = indices_of(&self.seen.labels, index).collect();
         let fit = |chosen: &[usize]| {
             let mut fitter = Box::new(self.fitter()?);
             fitter.push_numbered(points, chosen)?;
@@ -223,22 +222,6 @@ impl<'a> Fits<'a> {
         Ok(fitter)
     }
 }
-
-/// Which points have a label.
-fn numbers_of(labels: &[u16], label: u16) -> Vec<usize> {
-    let mut numbers = Vec::new();
-    for (block, labels) in labels.chunks(BLOCK).enumerate() {
-        // Most have another one: looked through many at a time.
-        if labels.iter().fold(false, |any, other| any | (*other == label)) {
-            let own = labels.iter().enumerate().filter(|(_, other)| **other == label);
-            numbers.extend(own.map(|(k, _)| block * BLOCK + k));
-        }
-    }
-    numbers
-}
-
-/// Labels that are looked through at a time.
-const BLOCK: usize = 64;
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
 fn radius_deviation(result: &FitResult) -> f64 {

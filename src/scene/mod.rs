@@ -186,8 +186,7 @@ pub struct Scene {
 impl Scene {
     /// The pixels or points of a cylinder, counted from 0 row by row.
     pub fn indices(&self, index: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-        let own = move |(_, label): &(usize, &u16)| usize::from(**label) == index + 1;
-        self.labels.iter().enumerate().filter(own).map(|(k, _)| k)
+        indices_of(&self.labels, index)
     }
 
     /// The fitter of a cylinder as its fit left it, with frame, mask, start and result: for residuals, completion and all
@@ -212,6 +211,22 @@ impl Scene {
     fn mask(&self, index: usize) -> Vec<u8> {
         mask_of(&self.labels, index)
     }
+}
+
+/// Labels that are looked through at a time.
+const BLOCK: usize = 64;
+
+/// The pixels or points of one region, counted from 0.
+fn indices_of(labels: &[u16], index: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+    // Labels count from 1 in 16 bits.
+    let own = u16::try_from(index + 1).ok();
+    // Most blocks have others: looked through many at a time.
+    let has_own = move |labels: &[u16]| labels.iter().fold(false, |any, label| any | (Some(*label) == own));
+    let blocks = labels.chunks(BLOCK).enumerate().filter(move |(_, labels)| has_own(labels));
+    blocks.flat_map(move |(block, labels)| {
+        let of_block = labels.iter().enumerate().filter(move |(_, label)| Some(**label) == own);
+        of_block.map(move |(k, _)| block * BLOCK + k)
+    })
 }
 
 /// The mask of one region, 1 inside.
