@@ -52,7 +52,7 @@ constants! {
     /// The mean gain in log-likelihood per generator from which on an arc is believed.
     LEAST_GAIN = 2.0, "";
 
-    /// By how much the edge of a wall must explain a generator better than none, in log-likelihood: see the measurements.
+    /// By how much the edge of a wall must explain a generator better than none, in log-likelihood: docs/measurements-ends.md.
     WALL_GAIN = 6.0, "";
 
     /// What a template leaves out, as a part of the contrast: no wall is made of that.
@@ -72,7 +72,7 @@ constants! {
     /// Samples of a window that are independent, by pixel: neighbours share pixels.
     INDEPENDENT = 1.0, "1/px";
 
-    /// Standard deviation of an end beyond which all is cut off at white, in blurs: see the measurements.
+    /// Standard deviation of an end beyond which all is cut off at white, in blurs: docs/measurements-ends.md.
     CUT_OFF_DEVIATION = 1.0, "σ";
 }
 
