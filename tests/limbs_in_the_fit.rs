@@ -191,3 +191,17 @@ fn what_hides_a_part_of_a_limb_is_not_taken_for_it() {
     // With the edges of the plate in the search they differed by 1.2 %.
     assert!(radii.iter().all(|radius| radius / largest > 0.999), "{radii:?}");
 }
+
+/// Arcs that are none pulled the axis off the limbs by six of their deviations, and back again round by round.
+#[test]
+fn arcs_that_contradict_the_limbs_are_dropped() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/slim");
+    let mut fitter = frames::fitter_with_edges(&folder, false);
+    frames::push_image(&mut fitter, &folder);
+    let fit = fitter.fit().unwrap();
+    let truth = frames::cylinder(&frames::json(&folder.join("truth.json")), "center", "axis");
+    let change = truth.compare(&fit.cylinder);
+    assert_eq!(fit.limbs_located, 2);
+    assert!(change.radius_relative.abs() < 0.02, "{change:?}");
+    assert!(change.angle.to_degrees() < 1.0, "{change:?}");
+}

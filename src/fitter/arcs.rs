@@ -33,8 +33,12 @@ pub(super) const ARC_ROUNDS: usize = 5;
 /// pixels it moves them by a tenth of a pixel.
 pub(super) const SETTLED_TURN: f64 = 0.004;
 
+/// A minimum contradicts the lines that it is held to where it leaves them by this many standard deviations, root mean
+/// square.
+const LEFT_LINES: f64 = 3.0;
+
 /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
-/// contradict the points are something else and are dropped.
+/// contradict the points or the limbs are something else and are dropped.
 pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
     // With a radius that no limb holds the arcs bend otherwise.
     if located.held.limbs_located() == 0 {
@@ -52,7 +56,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
         let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if after.scale() > CONTRADICTION * scale {
+        if after.scale() > CONTRADICTION * scale || leaves_lines(data, &held, after.cylinder()) {
             held = without;
             break;
         }
@@ -62,6 +66,14 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
         }
     }
     Ok(Located { minimum, held })
+}
+
+/// Whether a cylinder is not where the lines of some view are.
+pub(super) fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
+    data.views.iter().zip(&held.views).any(|(view, held)| {
+        let squares = held.lines.as_ref().and_then(|lines| lines.mean_square(&view.seen(cylinder)));
+        squares.is_some_and(|squares| squares > (LEFT_LINES * view.noise.endpoint).powi(2))
+    })
 }
 
 /// What is known of the ends of a view before they are located.

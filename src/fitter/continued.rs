@@ -3,7 +3,7 @@
 //! The limbs are looked for where the last cylinder has them, or that cylinder after it was moved to the points, and as they
 //! looked in the last image. What does not agree with that takes all stages.
 
-use super::arcs::{ARC_ROUNDS, KnownEnds, SETTLED_TURN, with_arcs};
+use super::arcs::{ARC_ROUNDS, KnownEnds, SETTLED_TURN, leaves_lines, with_arcs};
 use super::data::{Data, ViewData};
 use super::fit::Fit;
 use super::guided::{CONTRADICTION, GuidedView};
@@ -168,7 +168,9 @@ impl Sequence<'_, '_> {
                 Some(located) => data.minimise_again(&held, &located.minimum, Precision::Full, run),
             };
             let Some(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
-            if minimum.scale() > CONTRADICTION * self.scales.all {
+            if minimum.scale() > CONTRADICTION * self.scales.all
+                || leaves_lines(data, &held, minimum.cylinder())
+            {
                 return Ok(None);
             }
             let after = *minimum.cylinder();

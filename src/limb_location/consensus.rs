@@ -3,7 +3,8 @@
 //! A single strong edge (a tile of the background, a letter of a label, the rim of a cap) covers a short
 //! stretch; the limb is weak perhaps, but long. Every line that crosses the strip within reach of the expected
 //! one is scored by the sum over short blocks of ln(1 + t²), t the significance of an edge there, which lets no
-//! block count for much more than another, and by the significance of all blocks together.
+//! block count for much more than another, and by the significance of all blocks together. Labels and a patterned
+//! background turn the polarity of a limb here and there: each turn along the line costs something.
 
 use super::strip::Strip;
 use crate::memory::List;
@@ -30,6 +31,10 @@ constants! {
     /// for a long one.
     FULL_SIGNIFICANCE = 6.0, "σ";
 
+    /// What it costs in that sum where the polarity changes from one block to the next: less, and noise would pass for
+    /// edges that change all the time; with more, a label on the surface makes half of its limb count against the rest.
+    POLARITY_CHANGE = 2.0, "σ";
+
     /// How many standard deviations above what noise gives an edge must be: of a thousand lines on noise alone the
     /// best is at 3.3.
     VISIBLE_DEVIATIONS = 4.0, "σ";
@@ -38,9 +43,16 @@ constants! {
     pub(super) LEAST_BLOCKS = 3.0, "blocks";
 }
 
-/// Mean and variance of ln(1 + t²) for Gaussian t: what a block without any edge gives.
-const NOISE_MEAN: f64 = 0.535;
-const NOISE_VARIANCE: f64 = 0.45;
+/// The filter's response to a step turns its sign beside it, and is there at most 0.46 times as large, two pixels away. So a
+/// response that is within that distance of one of the other sign, more than so many times as large, may be nothing else: of
+/// a clear step it would count in full, too.
+const LOBE: f64 = 2.0;
+const LOBE_DISTANCE: usize = 2;
+
+/// Mean and variance a block of the score of a line on Gaussian noise: a block without any edge gives ln(1 + t²) with 0.535
+/// and 0.45, and all of them together, as polarity may change, the rest.
+const NOISE_MEAN: f64 = 0.64;
+const NOISE_VARIANCE: f64 = 0.65;
 
 /// A line across the strip by its u at both ends, s = ∓ half length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,17 +123,23 @@ pub(super) fn rough_line(
 fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
     let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
     let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
-    let mut values = (0..count).map(|k| {
+    let mut values: List<f64> = List::with_capacity(count);
+    values.extend((0..count).map(|k| {
         let sum = |sum: f64, (d, w): (usize, &f64)| {
             sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
         };
         FILTER.iter().enumerate().fold(0.0, sum) / norm
-    });
-    let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
-    let mut below = values.next()?;
+    }));
+    let is_lobe = |k: usize| {
+        let near = &values[k.saturating_sub(LOBE_DISTANCE)..(k + LOBE_DISTANCE + 1).min(count)];
+        near.iter().any(|other| other * values[k] < 0.0 && other.abs() > LOBE * values[k].abs())
+    };
+    let own = |k: usize| if is_lobe(k) { 0.0 } else { values[k] };
     let mut pairs = List::with_capacity(count);
-    pairs.extend(values.map(|above| [std::mem::replace(&mut below, above), above]));
+    let mut below = own(0);
+    pairs.extend((1..count).map(|k| [std::mem::replace(&mut below, own(k)), below]));
     pairs.push([0.0; 2]);
+    let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
     Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
 }
 
@@ -143,22 +161,26 @@ impl WithSimd for Evidence<'_> {
         let middle = ends.map(|ends| f64::midpoint(ends[0], ends[1]));
         let slope = ends.map(|ends| (ends[1] - ends[0]) / (2.0 * half_length));
         let mut products: [Logarithm; LINES] = std::array::from_fn(|_| Logarithm::default());
-        let (mut sums_of_all, mut blocks) = ([0.0; LINES], 0.0);
+        // The sum of all blocks along the best way of polarities that ends with either of them.
+        let (mut rising, mut falling, mut blocks) = ([0.0_f64; LINES], [0.0_f64; LINES], 0.0);
         for block in responses.chunks(BLOCK_RUNS.count()) {
             let mut sums = [0.0; LINES];
             for response in block {
                 add_responses(response, &middle, &slope, &mut sums);
             }
             let norm = (block.len() as f64).sqrt();
-            for ((sum, product), sum_of_all) in sums.iter().zip(&mut products).zip(&mut sums_of_all) {
-                let t = sum / norm;
-                product.add(1.0 + t * t);
-                *sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
+            for k in 0..LINES {
+                let t = sums[k] / norm;
+                products[k].add(1.0 + t * t);
+                let t = t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
+                let turned = [falling[k], rising[k]].map(|sum| sum - POLARITY_CHANGE.get());
+                rising[k] = rising[k].max(turned[0]) + t;
+                falling[k] = falling[k].max(turned[1]) - t;
             }
             blocks += 1.0;
         }
-        // Of one polarity, the blocks tell more together than one by one.
-        std::array::from_fn(|k| products[k].sum() + sums_of_all[k] * sums_of_all[k] / blocks)
+        // The blocks tell more together than one by one.
+        std::array::from_fn(|k| products[k].sum() + rising[k].max(falling[k]).powi(2) / blocks)
     }
 }
 
@@ -221,6 +243,7 @@ impl Logarithm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limb_location::strip::StripPixel;
 
     /// What a run responds at u.
     fn at(response: &Response, u: f64) -> f64 {
@@ -247,16 +270,96 @@ mod tests {
         let found = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
         for ([first, last], found) in ends.into_iter().zip(found) {
             let (middle, slope) = (f64::midpoint(first, last), (last - first) / (2.0 * half_length));
-            let (mut sum_of_logarithms, mut sum_of_all, mut blocks) = (0.0, 0.0, 0.0);
+            let (mut sum_of_logarithms, mut blocks) = (0.0, Vec::new());
             for block in responses.chunks(BLOCK_RUNS.count()) {
                 let sum: f64 = block.iter().map(|response| at(response, middle + slope * response.s)).sum();
                 let t = sum / (block.len() as f64).sqrt();
                 sum_of_logarithms += (1.0 + t * t).ln();
-                sum_of_all += t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get());
-                blocks += 1.0;
+                blocks.push(t.clamp(-FULL_SIGNIFICANCE.get(), FULL_SIGNIFICANCE.get()));
             }
-            let plain = sum_of_logarithms + sum_of_all * sum_of_all / blocks;
+            // Every way of polarities, one bit a block.
+            let sum = |way: u32| {
+                let of_block = |k: usize| if way >> k & 1 == 1 { -blocks[k] } else { blocks[k] };
+                let changes = (way ^ way >> 1) & ((1 << (blocks.len() - 1)) - 1);
+                (0..blocks.len()).map(of_block).sum::<f64>()
+                    - f64::from(changes.count_ones()) * POLARITY_CHANGE.get()
+            };
+            let best = (0..1 << blocks.len()).map(sum).fold(f64::NEG_INFINITY, f64::max);
+            let plain = sum_of_logarithms + best * best / blocks.len() as f64;
             assert!((found - plain).abs() <= 1e-12 * plain, "{found} {plain}");
+        }
+    }
+
+    /// A strip of 60 rows whose brightness at each u is told by the row.
+    fn strip(brightness: impl Fn(usize, f64) -> f64) -> Strip {
+        let run = |row: usize| {
+            let pixel = |k: usize| {
+                let (s, u) = (row as f64 - 29.5, k as f64 - 14.0);
+                StripPixel { s, u, value: brightness(row, u), saturated: false }
+            };
+            (0..29).map(pixel).collect()
+        };
+        Strip::of_runs((0..60).map(run))
+    }
+
+    /// A step at u = 0 as a lens in focus shows it.
+    fn step(u: f64) -> f64 {
+        libm::erf(u / (0.8 * 2.0_f64.sqrt()))
+    }
+
+    fn line_of(strip: &Strip) -> RoughLine {
+        rough_line(strip, 1.0, 29.5, 6.0, 2.0).unwrap()
+    }
+
+    /// The evidence of an upright line.
+    fn evidence(strip: &Strip, u: f64) -> f64 {
+        let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt();
+        let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
+        let ends = [[u; 2]; LINES];
+        Arch::new().dispatch(Evidence { responses: &responses, half_length: 29.5, ends: &ends })[0]
+    }
+
+    #[test]
+    fn two_pixels_beside_a_clear_step_there_is_no_second_edge() {
+        let strip = strip(|_, u| 200.0 * step(u - 0.5));
+        let at_the_step = evidence(&strip, 0.5);
+        for u in [-1.5, 2.5] {
+            let beside = evidence(&strip, u);
+            assert!(beside < 0.1 * at_the_step, "{beside} {at_the_step}");
+        }
+    }
+
+    #[test]
+    fn a_limb_whose_polarity_changes_is_as_good_as_another() {
+        let score = |bright: usize| line_of(&strip(|row, u| if row < bright { 5.0 } else { -5.0 } * step(u)));
+        let (alike, changing) = (score(60), score(32));
+        assert!(changing.score > 0.85 * alike.score, "{alike:?} {changing:?}");
+        assert_eq!(changing.ends, [0.0; 2]);
+    }
+
+    #[test]
+    fn noise_is_no_limb() {
+        for rows in [24, 60, 400, 1200] {
+            for seed in 0..20 {
+                let mut state = 1 + seed as u64;
+                let mut uniform = || {
+                    state =
+                        state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    (state >> 11) as f64 / (1_u64 << 53) as f64
+                };
+                let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+                let runs: Vec<Vec<StripPixel>> = (0..rows)
+                    .map(|row| {
+                        let s = row as f64 - (rows - 1) as f64 / 2.0;
+                        let pixel =
+                            |k: i32| StripPixel { s, u: f64::from(k), value: noise(), saturated: false };
+                        (-14..=14).map(pixel).collect()
+                    })
+                    .collect();
+                let strip = Strip::of_runs(runs.into_iter());
+                let found = rough_line(&strip, 1.0, (rows - 1) as f64 / 2.0, 6.0, 2.0).unwrap();
+                assert!(!found.visible, "{rows} rows, seed {seed}: {found:?}");
+            }
         }
     }
 }

@@ -82,6 +82,15 @@ impl PixelTerm {
         Some(self.rows(&frame)?.iter().map(|rows| rows.map(|(distance, _)| distance)).collect())
     }
 
+    /// The weighted mean of the squares of these distances, in square pixels.
+    #[must_use]
+    pub fn mean_square(&self, cylinder: &Cylinder) -> Option<f64> {
+        let distances = self.distances(cylinder)?;
+        let squares = self.segments.iter().zip(&distances);
+        let sum: f64 = squares.map(|(segment, [a, b])| segment.weight * (a * a + b * b)).sum();
+        Some(sum / (2 * self.segments.len()) as f64)
+    }
+
     fn rows(&self, frame: &LocalFrame) -> Option<List<[LimbRow; 2]>> {
         let limbs = LimbFrame::new(&frame.cylinder)?;
         let lines = self.limb_lines(frame, &limbs);
@@ -159,6 +168,16 @@ mod tests {
                 assert!((distances[k].abs() - nearest[k]).abs() < 1e-10);
             }
         }
+    }
+
+    #[test]
+    fn the_mean_square_is_that_of_the_weighted_distances() {
+        let (frame, mut term) = scene();
+        term.segments[1].weight = 0.25;
+        let distances = term.distances(&frame.cylinder).unwrap();
+        let square = |k: usize| distances[k][0].powi(2) + distances[k][1].powi(2);
+        let expected = (square(0) + 0.25 * square(1) + square(2)) / 6.0;
+        assert!((term.mean_square(&frame.cylinder).unwrap() - expected).abs() < 1e-12 * expected);
     }
 
     #[test]
