@@ -284,6 +284,34 @@ impl Camera {
         finite(self.to_pixel(&distorted))
     }
 
+    /// The pixels of points `start` + `direction` t + `offset` for some t, as [`Camera::project`] has them, by their numbers x and
+    /// y, which are not finite where it has none. Without a lens a plain loop, for those that run with vector instructions.
+    #[inline(always)]
+    pub(crate) fn project_line(
+        &self,
+        [start, direction, offset]: [&Vector3<f64>; 3],
+        places: &[f64],
+        x: &mut [f64],
+        y: &mut [f64],
+    ) {
+        let points = places.iter().map(|t| start + direction * *t + offset);
+        let pixels = points.zip(x.iter_mut().zip(y));
+        if !matches!(self.lens, Lens::Pinhole) {
+            for (point, (x, y)) in pixels {
+                let pixel = self.project(&point);
+                (*x, *y) = pixel.map_or((f64::NAN, f64::NAN), |pixel| (pixel.x, pixel.y));
+            }
+            return;
+        }
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        for (point, (x, y)) in pixels {
+            let seen = point.z > 0.0;
+            let pixel = (fx * (point.x / point.z) + cx, fy * (point.y / point.z) + cy);
+            *x = if seen { pixel.0 } else { f64::NAN };
+            *y = if seen { pixel.1 } else { f64::NAN };
+        }
+    }
+
     /// The ray with z = 1 that the pixel of the (distorted) image sees, for pixels in the image and beyond its
     /// border. `None` when no ray of the valid field goes there, or not finite. That of a whole pixel of the image is found
     /// once; between pixels a lens with distortion takes some hundred times as long.

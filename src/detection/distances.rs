@@ -9,6 +9,9 @@ use crate::geometry::Cylinder;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
+/// Products of two that are no less are no 0.
+const LEAST: f64 = 1e-100;
+
 /// Numbers side by side.
 pub(super) const LANES: usize = 8;
 
@@ -19,12 +22,12 @@ pub(super) struct PlaceOf<T> {
     pub along: T,
 }
 
-/// The place of a cell with its distance from where the surface is measured, the variance of that, and the share of the
-/// bias in it.
+/// The place of a cell with its distance from where the surface is measured, one over the variance of that, and the share of
+/// the bias in it.
 pub(super) struct ResidualOf<T> {
     pub place: PlaceOf<T>,
     pub distance: T,
-    pub variance: T,
+    pub information: T,
     pub shape: T,
 }
 
@@ -133,24 +136,30 @@ pub(super) fn residual<S: Simd>(
     let square = simd.mul_f64s(along, along);
     let length = dot(simd, ray, ray);
     let lateral = simd.mul_f64s(simd.splat_f64s(LATERAL_PIXELS * pixel), point[2]);
-    let across = simd.max_f64s(simd.div_f64s(simd.sub_f64s(length, square), length), zero);
+    let across = simd.max_f64s(simd.sub_f64s(length, square), zero);
     let of_depth = simd.mul_f64s(simd.mul_f64s(square, sigma), sigma);
     let of_lateral = simd.mul_f64s(simd.mul_f64s(lateral, lateral), across);
-    let variance = simd.add_f64s(of_depth, of_lateral);
+    // The variance times the squared length of the ray.
+    let variance = simd.add_f64s(simd.mul_f64s(of_depth, length), of_lateral);
+    let variance = simd.max_f64s(variance, simd.splat_f64s(LEAST));
     // How a bias at the limbs shows: the sixth power of the position across, which vanishes in the middle, and is 0.1 at
     // 0.7 radii.
-    let (shape, bias) = match surface {
+    let (information, shape, bias) = match surface {
         Surface::Cylinder(cylinder, bias) => {
             let along_axis = dot(simd, ray, splat(simd, &cylinder.axis.direction));
             let flat = simd.sub_f64s(length, simd.mul_f64s(along_axis, along_axis));
-            let flat = simd.max_f64s(flat, simd.splat_f64s(f64::MIN_POSITIVE));
-            let squared = simd.max_f64s(simd.sub_f64s(one, simd.div_f64s(square, flat)), zero);
-            (simd.mul_f64s(simd.mul_f64s(squared, squared), squared), *bias)
+            let flat = simd.max_f64s(flat, simd.splat_f64s(LEAST));
+            // One division takes as long as many products.
+            let inverse = simd.div_f64s(one, simd.mul_f64s(variance, flat));
+            let across = simd.mul_f64s(simd.mul_f64s(square, variance), inverse);
+            let squared = simd.max_f64s(simd.sub_f64s(one, across), zero);
+            let shape = simd.mul_f64s(simd.mul_f64s(squared, squared), squared);
+            (simd.mul_f64s(simd.mul_f64s(length, flat), inverse), shape, *bias)
         }
-        _ => (zero, 0.0),
+        _ => (simd.div_f64s(length, variance), zero, 0.0),
     };
     let distance = simd.sub_f64s(place.distance, simd.mul_f64s(simd.splat_f64s(bias), shape));
-    ResidualOf { place, distance, variance, shape }
+    ResidualOf { place, distance, information, shape }
 }
 
 /// The points of cells, their positions on the plane z = 1 and the standard deviations of their depths, side by side.
@@ -214,7 +223,7 @@ impl WithSimd for Misfits<'_> {
                 let sigma = lanes(simd, &sigma, part);
                 let residual = residual(simd, surface, pixel, point, position, sigma);
                 let distance = residual.distance;
-                let square = simd.div_f64s(simd.mul_f64s(distance, distance), residual.variance);
+                let square = simd.mul_f64s(simd.mul_f64s(distance, distance), residual.information);
                 let from_outside = simd.less_than_f64s(dot(simd, residual.place.normal, point), zero);
                 let (near, far) = if inside { (hidden, square) } else { (square, hidden) };
                 S::as_mut_simd_f64s(&mut squares).0[part] = simd.select_f64s(from_outside, near, far);
@@ -284,8 +293,8 @@ impl WithSimd for AcrossAndAlong<'_> {
 pub(super) struct Sight {
     /// How far behind the surface it lies, across that.
     pub behind: f64,
-    /// The variance of that.
-    pub variance: f64,
+    /// One over the variance of that.
+    pub information: f64,
     /// Where the ray meets the cylinder along the axis; infinite where it does not.
     pub along: f64,
 }
@@ -338,12 +347,13 @@ impl WithSimd for Sights<'_> {
                 let facing = simd.abs_f64s(dot(simd, residual.place.normal, ray));
                 let behind = simd.mul_f64s(simd.sub_f64s(depth, hit[2]), facing);
                 S::as_mut_simd_f64s(&mut found[0]).0[part] = behind;
-                S::as_mut_simd_f64s(&mut found[1]).0[part] = residual.variance;
+                S::as_mut_simd_f64s(&mut found[1]).0[part] = residual.information;
                 S::as_mut_simd_f64s(&mut found[2]).0[part] = along;
             }
-            let [behind, variance, along] = found;
-            for ((behind, variance), along) in behind.into_iter().zip(variance).zip(along).take(chunk.len()) {
-                sights.push(Sight { behind, variance, along });
+            let [behind, information, along] = found;
+            let found = behind.into_iter().zip(information).zip(along);
+            for ((behind, information), along) in found.take(chunk.len()) {
+                sights.push(Sight { behind, information, along });
             }
         }
     }
@@ -363,11 +373,11 @@ pub(super) mod tests {
     use crate::geometry::any_orthogonal;
     use pulp::Scalar;
 
-    /// The place of a cell, its distance from where the surface is measured, and the variance of that.
+    /// The place of a cell, its distance from where the surface is measured, and one over the variance of that.
     pub fn residual_of(surface: &Surface, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
         let Cell { x, y, point, sigma, .. } = *cell;
         let residual = residual(Scalar, surface, pixel, point.into(), [x, y], sigma);
-        (residual.place.into(), residual.distance, residual.variance)
+        (residual.place.into(), residual.distance, residual.information)
     }
 
     /// Cells about a cylinder, a group and a part of the next, one of them out of reach.
@@ -401,10 +411,10 @@ pub(super) mod tests {
             Surface::Sphere(cylinder.axis.point, 0.065),
         ] {
             let plain = which.map(|k| {
-                let (place, distance, variance) = residual_of(&surface, &cells[k], pixel);
+                let (place, distance, information) = residual_of(&surface, &cells[k], pixel);
                 let outside = place.normal.dot(&cells[k].point) < 0.0;
                 let seen = outside != surface.contains_origin();
-                if seen { distance * distance / variance } else { f64::INFINITY }
+                if seen { distance * distance * information } else { f64::INFINITY }
             });
             misfits(&surface, pixel, &cells, &which, &mut found);
             assert_eq!(found, plain);
@@ -433,8 +443,8 @@ pub(super) mod tests {
                 missed += 1;
                 continue;
             };
-            let (place, _, variance) = residual_of(&surface, &Cell { point: hit, ..*cell }, pixel);
-            assert_eq!((sight.along, sight.variance), (place.along, variance));
+            let (place, _, information) = residual_of(&surface, &Cell { point: hit, ..*cell }, pixel);
+            assert_eq!((sight.along, sight.information), (place.along, information));
             assert_eq!(sight.behind, (cell.point.z - hit.z) * place.normal.dot(&ray).abs());
         }
         assert!(found.len() == which.len() && missed < which.len(), "{missed}");

@@ -2,6 +2,7 @@
 //! segment detector", IPOL 2012.
 
 use crate::camera::Camera;
+use crate::memory::List;
 use crate::observations::GreyImage;
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
@@ -58,24 +59,71 @@ struct Gradient {
 impl Gradient {
     /// Whether a gradient is at least half as strong as any next to it across the edge: the shading beside a limb has its
     /// direction, but is weaker, and would make a broad region of the edge.
+    #[inline(always)]
     fn stands_out(&self, [column, row]: [usize; 2]) -> bool {
         let k = row * self.width + column;
-        let (x, y) = (column as f32, row as f32);
         let height = self.magnitudes.len() / self.width;
         let unit = self.unit(k);
-        // Rounds as `f32::round` does, which is a call; the conversion holds what is below 0 at 0.
-        let rounded = |t: f32| t as u32 + u32::from(t - (t as u32) as f32 >= 0.5);
-        BESIDE.iter().all(|step| {
-            let place = [x + unit.x * step, y + unit.y * step].map(|t| rounded(t) as usize);
-            let other = place[1].min(height - 1) * self.width + place[0].min(self.width - 1);
-            2.0 * self.magnitudes[k] >= self.magnitudes[other]
-        })
+        for step in BESIDE {
+            let x = nearest(column as f32 + unit.x * step, self.width);
+            let y = nearest(row as f32 + unit.y * step, height);
+            if !(2.0 * self.magnitudes[k] >= self.magnitudes[y * self.width + x]) {
+                return false;
+            }
+        }
+        true
     }
 
     /// The direction of a gradient.
     #[inline]
     fn unit(&self, k: usize) -> Vector2<f32> {
         Vector2::new(self.x[k], self.y[k]) / self.magnitudes[k]
+    }
+}
+
+/// The whole number nearest to a coordinate, from 0 on and below a limit. Rounds as `f32::round` does, which is a call.
+#[inline(always)]
+fn nearest(t: f32, below: usize) -> usize {
+    // The conversion holds what is below 0 at 0. An image has fewer rows and columns than that.
+    let whole = t as u32;
+    let up = u32::from(t - whole as f32 >= 0.5);
+    ((whole + up) as usize).min(below - 1)
+}
+
+/// Pixels that are looked at in one go.
+const BLOCK: usize = 32;
+
+/// The gradients above a threshold that stand out, by the widest instructions of the machine.
+struct Standing<'a> {
+    gradient: &'a Gradient,
+    threshold: f32,
+}
+
+impl WithSimd for Standing<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Vec<u32> {
+        let Self { gradient, threshold } = self;
+        let mut found = Vec::new();
+        for (row, magnitudes) in gradient.magnitudes.chunks_exact(gradient.width).enumerate() {
+            for (block, some) in magnitudes.chunks(BLOCK).enumerate() {
+                // Most of an image is no edge.
+                let mut any = false;
+                for magnitude in some {
+                    any |= *magnitude > threshold;
+                }
+                if !any {
+                    continue;
+                }
+                for (column, magnitude) in (block * BLOCK..).zip(some) {
+                    if *magnitude > threshold && gradient.stands_out([column, row]) {
+                        found.push((row * gradient.width + column) as u32);
+                    }
+                }
+            }
+        }
+        found
     }
 }
 
@@ -86,16 +134,8 @@ pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
     let mut found = Vec::new();
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
     let mut free = vec![false; gradient.magnitudes.len()];
-    let mut order: Vec<u32> = Vec::new();
-    for (row, magnitudes) in gradient.magnitudes.chunks_exact(gradient.width).enumerate() {
-        for (column, &magnitude) in magnitudes.iter().enumerate() {
-            if magnitude > threshold && gradient.stands_out([column, row]) {
-                let k = row * gradient.width + column;
-                free[k] = true;
-                order.push(k as u32);
-            }
-        }
-    }
+    let order = Arch::new().dispatch(Standing { gradient: &gradient, threshold });
+    order.iter().for_each(|&k| free[k as usize] = true);
     let mut region = Vec::new();
     for seed in strongest_first(order, &gradient.magnitudes).into_iter().map(|k| k as usize) {
         if !free[seed] {
@@ -139,21 +179,24 @@ fn strongest_first(mut order: Vec<u32>, magnitudes: &[f32]) -> Vec<u32> {
 /// Means of boxes, as square roots: noise of light grows about as its root does.
 fn reduced(image: &GreyImage, factor: usize) -> Vec<f32> {
     let (width, height) = (image.width() / factor, image.height() / factor);
+    let root = |value: f32| value.max(0.0).sqrt();
+    // Most images are as wide as that.
+    if factor == 1 {
+        let mut values = Vec::with_capacity(width * height);
+        let rows = || (0..height).for_each(|y| values.extend(image.row(y).iter().map(|value| root(*value))));
+        Arch::new().dispatch(rows);
+        return values;
+    }
     let mut values = vec![0.0; width * height];
     for y in 0..height * factor {
         let row = &image.row(y)[..width * factor];
         let sums = &mut values[y / factor * width..][..width];
-        // Most images are as wide as that.
-        if factor == 1 {
-            sums.copy_from_slice(row);
-            continue;
-        }
         for (sum, pixels) in sums.iter_mut().zip(row.chunks_exact(factor)) {
             *sum += pixels.iter().sum::<f32>();
         }
     }
     let area = (factor * factor) as f32;
-    let roots = || values.iter_mut().for_each(|value| *value = (*value / area).max(0.0).sqrt());
+    let roots = || values.iter_mut().for_each(|value| *value = root(*value / area));
     Arch::new().dispatch(roots);
     values
 }
@@ -221,11 +264,17 @@ fn threshold(magnitudes: &[f32]) -> Option<f32> {
 fn lower_quartile(numbers: &[f32]) -> Option<f32> {
     // They are ordered as their bits are: counted by the upper half of these, then looked for among those that share it.
     let upper = |number: &f32| (number.to_bits() >> 16) as usize;
-    let mut counts = vec![0_u32; 1 << 16];
-    numbers.iter().for_each(|number| counts[upper(number)] += 1);
+    // Two counts of each, in turn: many neighbours are alike, and one that is counted up waits for its store. The sign is none.
+    let mut counts = vec![[0_u32; 2]; 1 << 15];
+    let (pairs, rest) = numbers.as_chunks::<2>();
+    for [first, second] in pairs {
+        counts[upper(first)][0] += 1;
+        counts[upper(second)][1] += 1;
+    }
+    rest.iter().for_each(|number| counts[upper(number)][0] += 1);
     let mut place = numbers.len() / 4;
-    let of_quartile = counts.iter().position(|&count| {
-        let count = count as usize;
+    let of_quartile = counts.iter().position(|[first, second]| {
+        let count = (first + second) as usize;
         let there = place < count;
         place -= if there { 0 } else { count };
         there
@@ -246,13 +295,19 @@ fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<us
     while next < region.len() {
         let k = region[next];
         next += 1;
+        let mut length = sum.norm();
         // Gradients are zero along the border, so that every neighbour exists.
         for row in [k - gradient.width, k, k + gradient.width] {
             for neighbour in [row - 1, row, row + 1] {
-                if free[neighbour] && unit(neighbour).dot(&sum) > ALIKE as f32 * sum.norm() {
+                if !free[neighbour] {
+                    continue;
+                }
+                let direction = unit(neighbour);
+                if direction.dot(&sum) > ALIKE as f32 * length {
                     free[neighbour] = false;
                     region.push(neighbour);
-                    sum += unit(neighbour);
+                    sum += direction;
+                    length = sum.norm();
                 }
             }
         }
@@ -264,23 +319,26 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     if (region.len() as f64) < SHORTEST {
         return None;
     }
-    let place = |k: usize| Vector2::new((k % gradient.width) as f64, (k / gradient.width) as f64);
+    // Each place takes a division, and is asked for three times. An image has fewer pixels than 2³².
+    let width = gradient.width as u32;
+    let place = |&k: &usize| Vector2::new(f64::from(k as u32 % width), f64::from(k as u32 / width));
+    let places: List<Vector2<f64>> = region.iter().map(place).collect();
     let (mut weights, mut middle) = (0.0, Vector2::zeros());
-    for &k in region {
+    for (&k, place) in region.iter().zip(&*places) {
         let weight = f64::from(gradient.magnitudes[k]);
         weights += weight;
-        middle += place(k) * weight;
+        middle += place * weight;
     }
     middle /= weights;
     let mut spread = Matrix2::zeros();
-    for &k in region {
-        let offset = place(k) - middle;
+    for (&k, place) in region.iter().zip(&*places) {
+        let offset = place - middle;
         spread += offset * offset.transpose() * (f64::from(gradient.magnitudes[k]) / weights);
     }
     let eigen = spread.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
     let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
-    let along = region.iter().map(|&k| (place(k) - middle).dot(&direction));
+    let along = places.iter().map(|place| (place - middle).dot(&direction));
     let (low, high) =
         along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
     (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)

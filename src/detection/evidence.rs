@@ -285,11 +285,11 @@ impl Scene<'_> {
         }
         let of_cylinder = (&candidate.surface, cylinder);
         distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
-        for Sight { behind, variance, along } in sights.iter().copied() {
+        for Sight { behind, information, along } in sights.iter().copied() {
             if along < first + inset || along > last - inset {
                 continue;
             }
-            let tolerance = (1.3 * REACH * variance.sqrt()).max(LID * cylinder.radius);
+            let tolerance = (1.3 * REACH / information.sqrt()).max(LID * cylinder.radius);
             if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
                 through += 1.0;
             } else if behind.abs() <= tolerance {

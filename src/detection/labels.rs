@@ -144,11 +144,14 @@ impl WithSimd for Misfits<'_> {
         for (group, misfits) in misfits.chunks_mut(LANES).enumerate() {
             let (first, count) = (group * LANES, misfits.len());
             let mut numbers = [[0.0; LANES]; 5];
-            numbers[0][..count].copy_from_slice(&rays[0][first..first + count]);
-            numbers[1][..count].copy_from_slice(&rays[1][first..first + count]);
-            numbers[2][..count].copy_from_slice(&points[0][first..first + count]);
-            numbers[3][..count].copy_from_slice(&points[1][first..first + count]);
-            numbers[4][..count].copy_from_slice(&points[2][first..first + count]);
+            let lists = [rays[0], rays[1], &points[0], &points[1], &points[2]];
+            for (numbers, list) in numbers.iter_mut().zip(lists) {
+                // Copies of a known length are no calls.
+                match list[first..].first_chunk() {
+                    Some(group) => *numbers = *group,
+                    None => numbers[..count].copy_from_slice(&list[first..first + count]),
+                }
+            }
             let mut found = [0.0; LANES];
             for part in 0..LANES / S::F64_LANES {
                 let (x, y) = (lanes(simd, &numbers[0], part), lanes(simd, &numbers[1], part));
@@ -156,7 +159,7 @@ impl WithSimd for Misfits<'_> {
                 let point = [lanes(simd, &numbers[2], part), lanes(simd, &numbers[3], part), z];
                 let residual = residual(simd, surface, pixel, point, [x, y], sigma);
                 let misfit =
-                    simd.div_f64s(simd.abs_f64s(residual.distance), simd.sqrt_f64s(residual.variance));
+                    simd.mul_f64s(simd.abs_f64s(residual.distance), simd.sqrt_f64s(residual.information));
                 let misfit = simd.select_f64s(simd.greater_than_f64s(z, zero), misfit, nothing);
                 let along = meets(simd, cylinder, [x, y, one]);
                 let misfit = simd.select_f64s(simd.less_than_f64s(along, low), beyond, misfit);

@@ -108,8 +108,8 @@ impl WithSimd for Pass<'_> {
                     lanes(simd, &group[6], part),
                 ];
                 let residual = residual(simd, surface, optics.pixel, [px, py, pz], [x, y], sigma);
-                let ResidualOf { place: PlaceOf { normal, along, .. }, distance, variance, shape } = residual;
-                let information = simd.div_f64s(one, variance);
+                let ResidualOf { place: PlaceOf { normal, along, .. }, distance, information, shape } =
+                    residual;
                 let square = simd.mul_f64s(simd.mul_f64s(distance, distance), information);
                 let given = simd.select_f64s(simd.less_than_or_equal_f64s(square, most), given, zero);
                 // Tukey's weight: what is nearly out counts little.
@@ -169,14 +169,14 @@ mod tests {
             let (mut matrix, mut vector) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
             let mut count = 0;
             for cell in &cells {
-                let (place, distance, variance) = residual_of(&surface, cell, optics.pixel);
-                let ratio = distance / variance.sqrt();
+                let (place, distance, information) = residual_of(&surface, cell, optics.pixel);
+                let ratio = distance * information.sqrt();
                 if ratio.abs() > reach {
                     continue;
                 }
                 count += 1;
                 let part = 1.0 - (ratio / reach).powi(2);
-                let weight = part * part / (variance * optics.cells_per_sample);
+                let weight = part * part * information / optics.cells_per_sample;
                 let (n, h) = (place.normal, place.along);
                 let row = match surface {
                     Surface::Sphere(..) => SVector::from([-n.x, -n.y, -n.z, -1.0, 0.0, 0.0]),

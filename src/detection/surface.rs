@@ -158,7 +158,12 @@ pub(super) const OUTLINE_PIXELS: f64 = 1.5;
 
 /// The mean of the points of the cells `which`.
 pub(super) fn middle(cells: &[Cell], which: &[usize]) -> Vector3<f64> {
-    which.iter().map(|&k| cells[k].point / which.len() as f64).sum()
+    // Four sums side by side: none waits for another.
+    let mut sums = [Vector3::zeros(); 4];
+    for some in which.chunks(sums.len()) {
+        sums.iter_mut().zip(some).for_each(|(sum, &k)| *sum += cells[k].point);
+    }
+    sums.iter().sum::<Vector3<f64>>() / which.len() as f64
 }
 
 /// By how much the radius of a cylinder seems to grow along its axis, and the standard deviation of that: one step from the
@@ -184,7 +189,7 @@ pub(super) fn slope(
     for &k in which {
         let Cell { x, y, point, sigma, .. } = cells[k];
         let residual = distances::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
-        let sigma = residual.variance.sqrt();
+        let sigma = residual.information.sqrt().recip();
         add(&residual.place.into(), residual.distance, sigma, residual.shape, 1.0 / optics.cells_per_sample);
     }
     for Tangent { ray, inset, deviation, weight } in tangents {

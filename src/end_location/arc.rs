@@ -9,16 +9,19 @@
 //! wall, a ring that is wider or narrower than the blur.
 
 mod profile;
+mod samples;
+mod windows;
 
 use super::LastArc;
 use super::silhouette::RoughEnd;
-use super::surface::Surface;
+use super::surface::{Generator, Surface};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
+use samples::{Room, Sampled};
 use std::borrow::Cow;
 
 constants! {
@@ -192,9 +195,9 @@ fn locate(
     let model = MODEL_DEVIATION.get().hypot(cut_off) * rough.pixel;
     let samples = whole().filter_map(|profile| {
         let (edge, deviation) = profile.step(shift * profile.across, template, noise)?;
-        let at = |edge: f64| surface.pixel(profile.angle, rough.position + outward * edge / profile.across);
-        let tangent = surface.pixel(profile.angle + 1e-3, rough.position)?
-            - surface.pixel(profile.angle, rough.position)?;
+        let generator = surface.generator(profile.angle);
+        let at = |edge: f64| generator.pixel(rough.position + outward * edge / profile.across);
+        let tangent = generator.pixel_beside(rough.position)? - generator.pixel(rough.position)?;
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
@@ -275,38 +278,32 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
     let count = GENERATORS.count().min((2.0 * part * half_width) as usize);
     let inner = WALL_PIXELS.map(|width| inner_circle(surface, rough, outward, width));
     let mut profiles = List::with_capacity(count);
+    let mut room = Room::default();
     for angle in surface.generators(count, part) {
-        let Some(crossing) = surface.crossing(angle, rough.position) else { continue };
+        let generator = surface.generator(angle);
+        let Some(crossing) = generator.crossing(rough.position) else { continue };
         if crossing.across < LEAST_SINE.get() * crossing.along {
             continue;
         }
-        let place = surface.pixels(angle);
-        let at = |pixels: f64| place(rough.position + outward * pixels / crossing.across);
+        let before = generator.pixel(rough.position + outward * -WINDOW_PIXELS.get() / crossing.across);
         // Where the surface before the end is covered there is no end to be seen.
-        if !at(-WINDOW_PIXELS.get()).is_some_and(|pixel| arcs.masked(&pixel)) {
+        if !before.is_some_and(|pixel| arcs.masked(&pixel)) {
             continue;
         }
-        let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i64;
-        let count = 2 * reach as usize + 1;
-        let (mut samples, mut cut_off) = (List::with_capacity(count), List::new());
-        for k in 0..count {
-            let pixel = at(SAMPLE_PIXELS.get() * (k as i64 - reach) as f64);
-            let Some((value, saturated)) = pixel.and_then(|pixel| interpolate(&arcs.image, &pixel)) else {
-                break;
-            };
-            samples.push(value);
-            if saturated {
-                cut_off.push(k);
-            }
-        }
-        if samples.len() < count {
-            continue;
-        }
-        let width =
-            |circle: f64| cap_width(surface, angle, rough.position, outward, circle) * crossing.across;
+        let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i32;
+        let sampled = Sampled {
+            image: &arcs.image,
+            generator: &generator,
+            position: rough.position,
+            outward,
+            across: crossing.across,
+            reach,
+        };
+        let Some((samples, cut_off)) = sampled.take(&mut room) else { continue };
+        let width = |circle: f64| cap_width(&generator, rough.position, outward, circle) * crossing.across;
         let cap = width(1.0);
         let walls = inner.map(|circle| if circle < 1.0 { width(circle).min(cap) } else { cap });
-        let profile = Profile::new(angle, crossing.across, cap, walls, samples, reach as f64);
+        let profile = Profile::new(angle, crossing.across, cap, walls, samples, f64::from(reach));
         profiles.push(profile.with_cut_off(cut_off));
     }
     profiles
@@ -315,9 +312,10 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
 /// The length along the axis by which the generator at an angle must be continued beyond the end until its place on
 /// the cap leaves (`circle` 1) or enters (below 1) a circle about the axis, of this part of the radius; infinite where
 /// the cap is not seen or it never does.
-fn cap_width(surface: &Surface<'_>, angle: f64, position: f64, outward: f64, circle: f64) -> f64 {
+fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64) -> f64 {
+    let surface = &generator.surface;
     let direction = surface.cylinder.axis.direction;
-    let point = surface.point(angle, position);
+    let point = generator.point(position);
     let height = point.dot(&direction);
     if !(outward * height < 0.0) {
         return f64::INFINITY;
@@ -346,23 +344,6 @@ fn inner_circle(surface: &Surface<'_>, rough: &RoughEnd, outward: f64, width: f6
     let across = (point - direction * height) / (1.0 - part);
     let center = surface.frame.toward * surface.frame.distance;
     ((across - center).norm() / surface.cylinder.radius).max(0.0)
-}
-
-/// The brightness between pixels, bilinear, and whether the light of one of them may be any from its value on.
-#[inline]
-fn interpolate(image: &ReducedImage<'_>, pixel: &Vector2<f64>) -> Option<(f64, bool)> {
-    // Not negative, numbers become those below them; `f64::floor` is a call.
-    let (column, row) = (pixel.x as u32, pixel.y as u32);
-    let (x, y) = (f64::from(column), f64::from(row));
-    let inside = pixel.x >= 0.0 && pixel.y >= 0.0;
-    if !(inside && x + 1.0 < image.width() as f64 && y + 1.0 < image.height() as f64) {
-        return None;
-    }
-    let (column, row) = (column as usize, row as usize);
-    let (right, down) = (pixel.x - x, pixel.y - y);
-    let ([above, below], saturated) = image.square(column, row);
-    let line = |[a, b]: [f32; 2]| f64::from(a) * (1.0 - right) + f64::from(b) * right;
-    Some((line(above) * (1.0 - down) + line(below) * down, saturated))
 }
 
 /// The noise of the samples: the median size of their second difference over a step of one pixel, at which they

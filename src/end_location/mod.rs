@@ -19,10 +19,11 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
-use crate::parts::{BodyEnd, Parts};
+use crate::parts::{self, BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
+use nalgebra::Vector3;
 use silhouette::{RoughEnd, Silhouette};
 use std::ops::ControlFlow;
 use surface::Surface;
@@ -134,9 +135,22 @@ constants! {
 #[must_use]
 pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     let stride = cloud.len() / TOLERANCE_POINTS.count() + 1;
-    let mut distances: List<f64> =
-        cloud.points().step_by(stride).map(|point| cylinder.distance(&point).abs()).collect();
-    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(LEAST_TOLERANCE.get() * cylinder.radius)
+    let points = || (0..cloud.len()).step_by(stride).map(|index| cloud.point(index));
+    let Cylinder { axis, radius } = cylinder;
+    let least = LEAST_TOLERANCE.get() * radius;
+    // Mostly more than half of them are so near that the median does not matter, short of rounding.
+    let near = (1.0 - 1e-9) * least / (3.0 * DEVIATION_OF_MEDIAN);
+    let [low, high] = [(radius - near).max(0.0), radius + near].map(|distance| distance * distance);
+    let is_near = |point: &Vector3<f64>| {
+        let distance = (point - axis.point).cross(&axis.direction).norm_squared();
+        (low..=high).contains(&distance)
+    };
+    let enough = points().len() / 2;
+    if points().filter(is_near).nth(enough).is_some() {
+        return least;
+    }
+    let mut distances: List<f64> = points().map(|point| cylinder.distance(&point).abs()).collect();
+    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(least)
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
@@ -212,17 +226,8 @@ fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundi
 /// The least and the greatest position along the axis of the points completed over every `stride`-th row and
 /// column of the mask.
 fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Option<(f64, f64)> {
-    let (mask, axis) = (search.mask, cylinder.axis);
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    // A loop over an iterator of iterators is slow to be asked one by one.
-    mask.set_pixels_of_grid(stride).for_each(|(column, row)| {
-        let ray = search.camera.ray_of_pixel(column, row);
-        if let Some(point) = ray.and_then(|ray| cylinder.first_hit(&ray)) {
-            let position = (point - axis.point).dot(&axis.direction);
-            low = low.min(position);
-            high = high.max(position);
-        }
-    });
+    let pixels = search.mask.set_pixels_of_grid(stride);
+    let [low, high] = parts::extremes(search.camera, cylinder, pixels);
     low.is_finite().then_some((low, high))
 }
 

@@ -1,7 +1,7 @@
 //! The ends in the mask: where the generators of the surface leave it.
 
 use super::EndState;
-use super::surface::Surface;
+use super::surface::{Generator, Surface};
 use super::surroundings::Surroundings;
 use crate::memory::List;
 use crate::noise::ImageNoise;
@@ -9,6 +9,7 @@ use crate::observations::Mask;
 use crate::parts::BodyEnd;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
+use pulp::Arch;
 
 constants! {
     /// Generators that are followed out of the mask.
@@ -36,6 +37,9 @@ constants! {
     /// Rounds of reweighting of the mean of the generators.
     REWEIGHTINGS = 10.0, "";
 }
+
+/// Places on a generator whose pixels are found side by side.
+const BLOCK: usize = 16;
 
 /// The mask beside the model.
 pub(super) struct Silhouette<'a> {
@@ -98,22 +102,18 @@ impl<'a> Silhouette<'a> {
     /// The end towards `outward`; `None` when no generator shows it.
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
         let (extreme, noise) = (self.extreme(outward), &self.noise);
-        // (position, pixels per unit across the arc)
+        // (place on the surface, position, pixels per unit across the arc)
         let mut ends = List::with_capacity(GENERATORS.count());
         for angle in self.surface.generators(GENERATORS.count(), WIDTH_PART.get()) {
-            let Some(crossing) = self.surface.crossing(angle, extreme) else { continue };
-            let Some(position) =
-                self.last_in_mask(angle, STEP_PIXELS.get() * noise.pixel / crossing.along, outward)
-            else {
-                continue;
-            };
-            ends.push((angle, position, crossing.across));
+            let generator = self.surface.generator(angle);
+            let Some(crossing) = generator.crossing(extreme) else { continue };
+            let step = STEP_PIXELS.get() * noise.pixel / crossing.along;
+            let Some(position) = self.last_in_mask(&generator, step, outward) else { continue };
+            ends.push((generator.point(position), position, crossing.across));
         }
         let all: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         // Generators that an occluder covers end early.
-        ends.retain(|&(angle, position, _)| {
-            surroundings.state_on(self.surface, angle, position, outward) != EndState::Hidden
-        });
+        ends.retain(|(rim, ..)| surroundings.state_on(rim, outward) != EndState::Hidden);
         let open: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
         let used = if open.is_empty() { all } else { open };
         let (position, across) = robust_mean(&used, ROBUST_DEVIATION.get() * noise.boundary)?;
@@ -135,19 +135,28 @@ impl<'a> Silhouette<'a> {
         pixel.is_finite().then_some(RoughEnd { position: end.position, deviation: end.deviation, pixel })
     }
 
-    /// Where the generator at an angle leaves the mask for the last time.
-    fn last_in_mask(&self, angle: f64, step: f64, outward: f64) -> Option<f64> {
+    /// Where a generator leaves the mask for the last time.
+    fn last_in_mask(&self, generator: &Generator<'_>, step: f64, outward: f64) -> Option<f64> {
         let (middle, extreme) = (self.middle(), self.extreme(outward));
         // The extreme is one of a grid, see its stride, and not of the border.
         let beyond = self.noise.beyond()[3] / (STEP_PIXELS.get() * self.noise.pixel);
         let steps = ((extreme - middle).abs() / step + beyond).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
         // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
-        let pixel = self.surface.pixels(angle);
-        let last = (0..=steps)
-            .rev()
-            .find(|&k| pixel(position(k)).is_some_and(|pixel| contains(self.mask, &pixel)))?;
-        Some(position(last) + 0.5 * outward * step)
+        let mut places = [[0.0; BLOCK]; 3];
+        let mut end = steps + 1;
+        while end > 0 {
+            let first = end.saturating_sub(BLOCK);
+            let [positions, x, y] = places.each_mut().map(|numbers| &mut numbers[..end - first]);
+            positions.iter_mut().zip(first..).for_each(|(place, k)| *place = position(k));
+            Arch::new().dispatch(|| generator.pixels(positions, x, y));
+            let pixels = x.iter().zip(&*y).map(|(x, y)| Vector2::new(*x, *y));
+            if let Some(last) = pixels.rev().position(|pixel| contains(self.mask, &pixel)) {
+                return Some(position(end - 1 - last) + 0.5 * outward * step);
+            }
+            end = first;
+        }
+        None
     }
 
     /// How far the boundary of the mask lies outside the limbs of the model in pixels, the mean of both limbs so
@@ -156,14 +165,16 @@ impl<'a> Silhouette<'a> {
         let limb = self.surface.limb_angle();
         let half_width = self.surface.half_width(self.middle())?;
         let reach = (LIMB_REACH_PIXELS.get() * self.noise.pixel).min(0.6 * half_width);
+        let middle = self.surface.generator(0.0);
         let mut sum = 0.0;
         for angle in [-limb, limb] {
+            let generator = self.surface.generator(angle);
             let mut offsets = List::new();
             for k in 0..LIMB_PLACES.count() {
                 // Beside the ends the boundary turns away from the limb.
                 let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES.count() - 1) as f64;
                 let position = self.extremes.0 + part * (self.extremes.1 - self.extremes.0);
-                offsets.extend(self.boundary_at_limb(angle, position, reach));
+                offsets.extend(self.boundary_at_limb([&generator, &middle], position, reach));
             }
             if offsets.len() < LIMB_PLACES.count() / 8 {
                 return None;
@@ -174,13 +185,18 @@ impl<'a> Silhouette<'a> {
         Some(0.5 * sum)
     }
 
-    /// The offset of the mask's boundary from the limb at an angle, in pixels outward; `None` where something
+    /// The offset of the mask's boundary from a limb, in pixels outward; `None` where something
     /// else than the limb bounds the mask.
-    fn boundary_at_limb(&self, angle: f64, position: f64, reach: f64) -> Option<f64> {
+    fn boundary_at_limb(
+        &self,
+        [limb, middle]: [&Generator<'_>; 2],
+        position: f64,
+        reach: f64,
+    ) -> Option<f64> {
         let radius = self.surface.cylinder.radius;
-        let at = self.surface.pixel(angle, position)?;
-        let along = self.surface.pixel(angle, position + 0.01 * radius)? - at;
-        let inward = self.surface.pixel(0.0, position)? - at;
+        let at = limb.pixel(position)?;
+        let along = limb.pixel(position + 0.01 * radius)? - at;
+        let inward = middle.pixel(position)? - at;
         let normal = Vector2::new(-along.y, along.x).normalize();
         let outward = if normal.dot(&inward) < 0.0 { normal } else { -normal };
         let step = STEP_PIXELS.get() * self.noise.pixel;

@@ -44,11 +44,9 @@ impl<'a> Surface<'a> {
         self.camera.project(&self.point(angle, position))
     }
 
-    /// The same for all positions on the generator at an angle.
-    pub fn pixels(&self, angle: f64) -> impl Fn(f64) -> Option<Vector2<f64>> {
-        let Cylinder { axis, radius } = self.cylinder;
-        let from_axis = self.normal(angle) * *radius;
-        move |position| self.camera.project(&(axis.point + axis.direction * position + from_axis))
+    /// The generator at an angle.
+    pub fn generator(&self, angle: f64) -> Generator<'a> {
+        Generator { surface: *self, angle, from_axis: self.normal(angle) * self.cylinder.radius }
     }
 
     /// The angle of the limbs, at which the surface turns away: cos = r / ‖c‖.
@@ -73,12 +71,52 @@ impl<'a> Surface<'a> {
 
     /// How the end circle at a position crosses the generator at an angle.
     pub fn crossing(&self, angle: f64, position: f64) -> Option<Crossing> {
-        // Small against every curvature in the image, large against rounding.
-        let step = 1e-3;
-        let length = step * self.cylinder.radius;
-        let generator =
-            (self.pixel(angle, position + length)? - self.pixel(angle, position - length)?) / (2.0 * length);
-        let tangent = self.pixel(angle + step, position)? - self.pixel(angle - step, position)?;
+        self.generator(angle).crossing(position)
+    }
+}
+
+/// A line of the surface along the axis. Its sine and cosine are found once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Generator<'a> {
+    pub surface: Surface<'a>,
+    pub angle: f64,
+    /// From the axis to it.
+    from_axis: Vector3<f64>,
+}
+
+/// How far from a generator, as an angle, its neighbours are at which the tangent of the end circle is taken, and how far along
+/// the axis in radii: small against every curvature in the image, large against rounding.
+const STEP: f64 = 1e-3;
+
+impl Generator<'_> {
+    /// A point of the surface.
+    pub fn point(&self, position: f64) -> Vector3<f64> {
+        let Cylinder { axis, .. } = self.surface.cylinder;
+        axis.point + axis.direction * position + self.from_axis
+    }
+
+    /// Its pixel, when the camera model has one; it may lie outside the image.
+    pub fn pixel(&self, position: f64) -> Option<Vector2<f64>> {
+        self.surface.camera.project(&self.point(position))
+    }
+
+    /// The pixels of several positions by their numbers x and y, not finite where the camera model has none.
+    #[inline(always)]
+    pub fn pixels(&self, positions: &[f64], x: &mut [f64], y: &mut [f64]) {
+        let Cylinder { axis, .. } = self.surface.cylinder;
+        self.surface.camera.project_line([&axis.point, &axis.direction, &self.from_axis], positions, x, y);
+    }
+
+    /// The pixel at a position on the generator beside it.
+    pub fn pixel_beside(&self, position: f64) -> Option<Vector2<f64>> {
+        self.surface.pixel(self.angle + STEP, position)
+    }
+
+    /// How the end circle at a position crosses it.
+    pub fn crossing(&self, position: f64) -> Option<Crossing> {
+        let length = STEP * self.surface.cylinder.radius;
+        let generator = (self.pixel(position + length)? - self.pixel(position - length)?) / (2.0 * length);
+        let tangent = self.pixel_beside(position)? - self.surface.pixel(self.angle - STEP, position)?;
         let across = generator.perp(&tangent).abs() / tangent.norm();
         let along = generator.norm();
         (along > 0.0 && across.is_finite()).then_some(Crossing { along, across })

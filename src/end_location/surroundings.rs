@@ -1,13 +1,12 @@
 //! What lies beyond an end: its state.
 
 use super::EndState;
-use super::surface::Surface;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, any_orthogonal};
-use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use nalgebra::Vector3;
+use smallvec::SmallVec;
 
 constants! {
     /// Lines along the surface on which the surroundings of an end are looked at.
@@ -62,10 +61,10 @@ impl Surroundings<'_> {
         votes.state()
     }
 
-    /// The same for one generator of the surface.
-    pub fn state_on(&self, surface: &Surface<'_>, angle: f64, position: f64, outward: f64) -> EndState {
+    /// The same for one point of an end circle.
+    pub fn state_on(&self, rim: &Vector3<f64>, outward: f64) -> EndState {
         let mut votes = Votes::default();
-        self.look(&surface.point(angle, position), outward, &mut votes);
+        self.look(rim, outward, &mut votes);
         votes.state()
     }
 
@@ -85,14 +84,15 @@ impl Surroundings<'_> {
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
-        let mut steps = List::with_capacity(places.len());
+        let mut steps: SmallVec<[(f64, f64); 4]> = SmallVec::new();
         for beyond in places {
             let point = rim + outward * (pixel * beyond);
             let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
                 votes.cut += 1;
                 continue;
             };
-            let (column, row) = (at.x.round() as usize, at.y.round() as usize);
+            // The conversion rounds down; `f64::round` is a call.
+            let (column, row) = ((at.x + 0.5) as usize, (at.y + 0.5) as usize);
             if self.mask.contains(column, row) {
                 continue;
             }

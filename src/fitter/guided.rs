@@ -20,7 +20,8 @@ use crate::limb_location::{Outline, axial_range};
 use crate::memory::List;
 use crate::residuals::PixelSegment;
 use crate::start::limbs::from_limbs;
-use crate::statistics::at_places;
+use crate::statistics::at_both_ends;
+use pulp::Arch;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
@@ -496,7 +497,8 @@ impl ViewData<'_> {
         let axis = self.seen(cylinder).axis;
         let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
         let positions = self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction));
-        let trim = (POINTS_TRIM * last as f64) as usize;
-        at_places(positions, [trim, last - trim])
+        let mut along = List::with_capacity(last + 1);
+        Arch::new().dispatch(|| along.extend(positions));
+        at_both_ends(&along, (POINTS_TRIM * last as f64) as usize)
     }
 }

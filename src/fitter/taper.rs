@@ -68,11 +68,8 @@ impl Data<'_> {
         let RobustScales { point: scale, independent_points } = scales.views[0];
         let sample = view.view.cloud.sampled(SAMPLE);
         let weight = independent_points / (sample.len() as f64 * scale * scale);
-        let points = sample.filter_map(|p| {
-            let part = 1.0 - (cylinder.distance(&p) / (REACH * scale)).powi(2);
-            (part > 0.0).then_some((p, weight * part * part))
-        });
-        let [slope, deviation] = slope_by_points(&cylinder, points.chain(ends.into_iter().flatten()))?;
+        let ends = ends.into_iter().flatten();
+        let [slope, deviation] = slope_by_points(&cylinder, sample, (weight, REACH * scale), ends)?;
         Some(Taper { slope, deviation })
     }
 

@@ -138,7 +138,7 @@ pub fn locate_limbs_again(
         let shading = if lit_alike { last.limbs[k].shading } else { Vector2::zeros() };
         Limb::again(strip, *expected, &near, radius, &Look { shading, ..last.limbs[k] })
     });
-    let blur = refine_again(&mut limbs, search.noise.blur, last.blur, search.reach)?;
+    let blur = refine_again(&mut limbs, search.noise.blur, last.blur, search.reach, rest)?;
     let mut seen = [0, 1].map(|k| observed(&limbs[k], &found[k].0, search.reach[k], blur, &search.noise));
     drop_same_line(&mut seen, search.noise.apart());
     let [first, second] = &limbs;

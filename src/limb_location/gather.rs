@@ -34,7 +34,9 @@ impl<const WIDTH: usize> Gathered<WIDTH> {
         let (mut rows, mut values) = (List::with_capacity(pixels), List::with_capacity(pixels));
         blocks(strip).map(move |runs| {
             let (rows, values) = (&mut rows, &mut values);
-            by_fours(Gather::<WIDTH, COUNT> { strip, profile, line, near, window, runs, rows, values })
+            let gather = Gather::<WIDTH, COUNT> { strip, profile, line, near, window, runs, rows, values };
+            // Rows of twelve are whole numbers of four alone.
+            if WIDTH.is_multiple_of(8) { Arch::new().dispatch(gather) } else { by_fours(gather) }
         })
     }
 }
@@ -86,7 +88,7 @@ struct Gather<'a, const WIDTH: usize, const COUNT: usize> {
     values: &'a mut List<f64>,
 }
 
-/// Works with instructions of four numbers, of which rows are whole numbers, on machines with wider ones, too.
+/// Works with instructions of four numbers on machines with wider ones, too.
 fn by_fours<W: WithSimd>(work: W) -> W::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -124,26 +126,30 @@ impl<const WIDTH: usize, const COUNT: usize> WithSimd for Gather<'_, WIDTH, COUN
                 }
                 let Some(row) = room.next() else { break };
                 let (below, above, part) = profile.beside(place(pixel, line))?;
-                let mut numbers = *below;
-                for (number, above) in numbers.iter_mut().zip(above) {
-                    *number += (above - *number) * part;
+                let (below, above) = (S::as_simd_f64s(below).0, S::as_simd_f64s(above).0);
+                let part = simd.splat_f64s(part);
+                for ((number, below), above) in S::as_mut_simd_f64s(row).0.iter_mut().zip(below).zip(above) {
+                    *number = simd.add_f64s(*below, simd.mul_f64s(simd.sub_f64s(*above, *below), part));
                 }
                 if COUNT < WIDTH {
-                    numbers[COUNT] = pixel.value;
+                    row[COUNT] = pixel.value;
                 } else {
                     values[count] = pixel.value;
                 }
-                *row = numbers;
                 s += pixel.s;
                 count += 1;
             }
         }
         let rows = &rows[..count];
         let mut products = [[0.0; WIDTH]; WIDTH];
-        add_products::<S, WIDTH, 0>(simd, rows, &mut products);
-        add_products::<S, WIDTH, 4>(simd, rows, &mut products);
-        if WIDTH > 8 {
-            add_products::<S, WIDTH, 8>(simd, rows, &mut products);
+        if S::F64_LANES > 4 {
+            add_products::<S, WIDTH, 0, WIDTH>(simd, rows, &mut products);
+        } else {
+            add_products::<S, WIDTH, 0, 4>(simd, rows, &mut products);
+            add_products::<S, WIDTH, 4, 4>(simd, rows, &mut products);
+            if WIDTH > 8 {
+                add_products::<S, WIDTH, 8, 4>(simd, rows, &mut products);
+            }
         }
         let (mut right, mut squares) = ([0.0; WIDTH], 0.0);
         if COUNT < WIDTH {
@@ -182,17 +188,17 @@ fn add_values<S: Simd, const WIDTH: usize>(
     }
 }
 
-/// The products of four numbers of the rows from `FIRST` on with all from there on: as many sums as the processor holds
+/// The products of `FACTORS` numbers of the rows from `FIRST` on with all from there on: as many sums as the processor holds
 /// at once.
 #[inline(always)]
-fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize>(
+fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize, const FACTORS: usize>(
     simd: S,
     rows: &[[f64; WIDTH]],
     products: &mut [[f64; WIDTH]; WIDTH],
 ) {
     // Rows are whole numbers of four.
     assert!((WIDTH - FIRST).is_multiple_of(S::F64_LANES), "instructions that are too wide");
-    let mut sums = [[simd.splat_f64s(0.0); WIDTH]; 4];
+    let mut sums = [[simd.splat_f64s(0.0); WIDTH]; FACTORS];
     for row in rows {
         let numbers = S::as_simd_f64s(&row[FIRST..]).0;
         for (sums, factor) in sums.iter_mut().zip(&row[FIRST..]) {

@@ -70,7 +70,17 @@ impl SharpProfile {
     pub fn new(radius: f64, shading: &LimbShading, margin: f64) -> Self {
         let taps = (TAIL.get() * MOST_BLUR.get() / STEP.get()).ceil() as i32;
         let (_, last) = window(margin);
-        Self { cells: (0..=last + taps).map(|k| sharp(k, radius, shading)).collect() }
+        let mut cells = List::with_capacity((last + taps + 1) as usize);
+        let mean_sine = sine_up_to(INSIDE.get(), radius) / INSIDE.get();
+        let mut before = 0.0;
+        for k in 0..=last + taps {
+            let (low, high) = cell(k);
+            let through = sine_up_to(high, radius);
+            let sine = (through - before) / STEP.get();
+            before = through;
+            cells.push(sharp((low, high), radius, shading, [sine, mean_sine]));
+        }
+        Self { cells }
     }
 
     /// The functions over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
@@ -236,22 +246,30 @@ impl<Row: Send + 'static> Table<Row> {
     }
 }
 
-/// The functions without blur, averaged over the cell of index k: θ has an infinite slope at the limb.
-fn sharp(k: i32, radius: f64, shading: &LimbShading) -> Vector4<f64> {
+/// From where to where the part of the cell of index k on the inner side reaches.
+fn cell(k: i32) -> (f64, f64) {
     let u = f64::from(k) * STEP.get();
-    // The part of the cell on the inner side.
-    let (low, high) = ((u - STEP.get() / 2.0).max(0.0), (u + STEP.get() / 2.0).max(0.0));
+    ((u - STEP.get() / 2.0).max(0.0), (u + STEP.get() / 2.0).max(0.0))
+}
+
+/// The integral of sin θ = √(1 − (1 − w)²) with w = u / ρ from 0 to u: ρ/2 (θ − sin θ cos θ).
+fn sine_up_to(u: f64, radius: f64) -> f64 {
+    let cos = 1.0 - (u / radius).min(1.0);
+    let sine = ((1.0 - cos) * (1.0 + cos)).sqrt();
+    radius / 2.0 * (cos.acos() - sine * cos)
+}
+
+/// The functions without blur, averaged over a cell by its inner part: θ has an infinite slope at the limb. The mean of sin θ in
+/// the cell and over the window are known.
+fn sharp(
+    (low, high): (f64, f64),
+    radius: f64,
+    shading: &LimbShading,
+    [sine, mean_sine]: [f64; 2],
+) -> Vector4<f64> {
     let inner = (high - low) / STEP.get();
-    // sin θ = √(1 − (1 − w)²) with w = u / ρ has the integral ρ/2 (θ − sin θ cos θ).
-    let integral = |u: f64| {
-        let cos = 1.0 - (u / radius).min(1.0);
-        let theta = cos.acos();
-        radius / 2.0 * (theta - theta.sin() * cos)
-    };
-    let sine = (integral(high) - integral(low)) / STEP.get();
     let lean = f64::midpoint(low, high) / radius * inner;
     // Less their means over the window, so that the level inside is the mean brightness there.
-    let mean_sine = integral(INSIDE.get()) / INSIDE.get();
     let mean_lean = INSIDE.get() / (2.0 * radius);
     // The expected brightness has an infinite slope there, too.
     let places = 8;

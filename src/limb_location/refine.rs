@@ -99,17 +99,20 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
 }
 
 /// Refines limbs that are about where they are expected, from the blur of another image of a sequence; returns the blur.
-/// `None` where a line goes farther than `reach` from there.
+/// `None` where a line goes farther than `reach` from there. Where they are at `rest` the pixels about their lines there are
+/// looked at from the first step on: no other place is near, and those that come and go with each step kept them from settling.
 pub(super) fn refine_again(
     limbs: &mut [Limb<'_>],
     told_blur: f64,
     last_blur: f64,
     reach: [f64; 2],
+    rest: bool,
 ) -> Option<f64> {
+    let settling = if rest { FIRST_STEPS.count() } else { 0 };
     let expected = ExpectedBlur::new(told_blur);
     let mut blur = if told_blur > 0.0 { expected.value } else { last_blur };
     for count in 1..=STEPS.count() {
-        look_about(limbs, count);
+        look_about(limbs, settling + count);
         let moved = step(limbs, &profiles(limbs, blur), &expected, &mut blur);
         if limbs.iter().zip(reach).any(|(limb, reach)| limb.is_beyond(reach)) {
             return None;

@@ -132,7 +132,10 @@ impl GreyImage {
         let pair = |place: usize| [self.values[place], self.values[place + 1]];
         let values = [pair(place), pair(place + self.width)];
         let saturated = match &self.saturation {
-            Saturation::From(white) => values.as_flattened().iter().any(|value| value >= white),
+            // Without branches.
+            Saturation::From(white) => {
+                values.as_flattened().iter().fold(false, |any, value| any | (value >= white))
+            }
             Saturation::Marked(marked) => {
                 marked[place]
                     | marked[place + 1]

@@ -14,6 +14,7 @@ use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
 use nalgebra::Vector3;
+pub(crate) use sight::extremes;
 use sight::sights;
 
 constants! {

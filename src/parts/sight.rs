@@ -30,6 +30,51 @@ pub(super) fn sights(
     Arch::new().dispatch(Looks { view: View::new(cylinder), rays: &rays, depths: &depths })
 }
 
+/// The least and the greatest position along the axis at which the rays of pixels first meet a cylinder; infinite where none does.
+pub(crate) fn extremes(
+    camera: &Camera,
+    cylinder: &Cylinder,
+    pixels: impl Iterator<Item = (usize, usize)>,
+) -> [f64; 2] {
+    let mut rays: [List<f64>; 3] = Default::default();
+    pixels.for_each(|(column, row)| {
+        if let Some(ray) = camera.ray_of_pixel(column, row) {
+            rays.iter_mut().zip(ray.iter()).for_each(|(list, x)| list.push(*x));
+        }
+    });
+    Arch::new().dispatch(Extremes { view: View::new(cylinder), rays: &rays })
+}
+
+/// Rays alone.
+struct Extremes<'a> {
+    view: View,
+    rays: &'a [List<f64>; 3],
+}
+
+impl WithSimd for Extremes<'_> {
+    type Output = [f64; 2];
+
+    /// Plain loops, as below.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> [f64; 2] {
+        let Self { view, rays: [x, y, z] } = self;
+        let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut seen = [0.0; BLOCK];
+        for ((x, y), z) in x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)) {
+            for (((x, y), z), position) in x.iter().zip(y).zip(z).zip(&mut seen) {
+                let ray = [*x, *y, *z];
+                let (hit, met) = view.first_hit(ray);
+                let found = dot(minus(hit, view.point), view.direction);
+                *position = if met { found } else { f64::NAN };
+            }
+            for position in &seen[..x.len()] {
+                extremes = [extremes[0].min(*position), extremes[1].max(*position)];
+            }
+        }
+        extremes
+    }
+}
+
 /// Rays with their depths.
 struct Looks<'a> {
     view: View,
@@ -96,16 +141,10 @@ impl View {
         }
     }
 
-    /// Along a ray of a pixel with a depth: the position along the axis and the depth at which it meets the surface, how far
-    /// the measured point is from that, and a number that is negative for a point on the wall that the camera sees. The
-    /// position is NaN where the ray passes by or beside the middle part.
-    ///
-    /// The numbers of [`Cylinder::first_hit`] and [`Cylinder::distance`] to the last bit, without branches.
+    /// Where a ray first meets the cylinder, and whether it does: [`Cylinder::first_hit`] to the last bit, without branches.
     #[inline(always)]
-    fn look(&self, ray: [f64; 3], depth: f64) -> [f64; 4] {
-        let Self { direction, point, radius, nearest, product } = *self;
-        let normal = cross(ray, direction);
-        let beside = dot(normal, point).abs() > WIDTH_PART.get() * dot(normal, normal).sqrt() * radius;
+    fn first_hit(&self, ray: [f64; 3]) -> ([f64; 3], bool) {
+        let Self { direction, radius, nearest, product, .. } = *self;
         // As `intersect_ray` of a cylinder.
         let across = along(ray, direction, -dot(ray, direction));
         let a = dot(across, across);
@@ -117,10 +156,22 @@ impl View {
         let (first, second) = (large / a, product / large);
         let (near, far) = if first < second { (first, second) } else { (second, first) };
         let t = if near > 0.0 { near } else { far };
-        let hit = ray.map(|x| x * t);
-        let from_point = minus(hit, point);
         // False for a root that is none.
-        let met = (t > 0.0) & (large != 0.0);
+        (ray.map(|x| x * t), (t > 0.0) & (large != 0.0))
+    }
+
+    /// Along a ray of a pixel with a depth: the position along the axis and the depth at which it meets the surface, how far
+    /// the measured point is from that, and a number that is negative for a point on the wall that the camera sees. The
+    /// position is NaN where the ray passes by or beside the middle part.
+    ///
+    /// The numbers of [`Cylinder::first_hit`] and [`Cylinder::distance`] to the last bit, without branches.
+    #[inline(always)]
+    fn look(&self, ray: [f64; 3], depth: f64) -> [f64; 4] {
+        let Self { direction, point, radius, .. } = *self;
+        let normal = cross(ray, direction);
+        let beside = dot(normal, point).abs() > WIDTH_PART.get() * dot(normal, normal).sqrt() * radius;
+        let (hit, met) = self.first_hit(ray);
+        let from_point = minus(hit, point);
         let position = if met & !beside { dot(from_point, direction) } else { f64::NAN };
         let measured = ray.map(|x| x * depth);
         let from_axis_point = minus(measured, point);

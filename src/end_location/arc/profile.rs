@@ -1,5 +1,6 @@
 //! The image along one generator, and how well a blurred step explains it.
 
+use super::windows::{LANES, Windows};
 use super::{BLURS, INDEPENDENT, LEAST_GAIN, RIM_BLURS, SAMPLE_PIXELS, SAMPLE_REACH_PIXELS, WINDOW_PIXELS};
 use crate::memory::{List, apart};
 use pulp::{Arch, Simd, WithSimd};
@@ -32,99 +33,10 @@ pub(super) struct Profile {
     /// rough end.
     pub samples: List<f64>,
     /// Sums of the samples and of their squares before each sample, and of all.
-    sums: List<(f64, f64)>,
+    pub sums: List<(f64, f64)>,
     pub zero: f64,
     /// The samples whose light may be any from their value on.
     cut_off: List<usize>,
-}
-
-/// Sums over a window for the brightness x of the surface, the cap and the background by least squares.
-struct Window {
-    n: f64,
-    /// Sums of the products of the three parts of the template and the samples: surface, cap, background.
-    ss: f64,
-    sc: f64,
-    cc: f64,
-    cb: f64,
-    bb: f64,
-    sb: f64,
-    sy: f64,
-    cy: f64,
-    by: f64,
-    y: f64,
-    yy: f64,
-}
-
-impl Window {
-    #[inline(always)]
-    fn new(profile: &Profile, edge: f64, Template { steps, wall }: Template<'_>) -> Self {
-        let cap = wall.map_or(profile.cap, |wall| profile.walls[wall]);
-        let (first, last) = profile.window(edge);
-        let samples = &profile.samples[first..=last];
-        let origin = first as f64 - profile.zero - edge / SAMPLE_PIXELS.get();
-        // Of what lies beyond the surface (p), and beyond the cap (q).
-        let (beyond, [p, pp]) = steps.at(origin, samples.len());
-        let (py, [q, qq], qy, pq) = if cap < steps.reach {
-            let (beyond_cap, sums) = steps.at(origin - cap / SAMPLE_PIXELS.get(), samples.len());
-            let [py, qy, pq] = dots(beyond, beyond_cap, samples);
-            (py, sums, qy, pq)
-        } else {
-            let py = dot(beyond, samples);
-            (py, [p, pp], py, pp)
-        };
-        let n = (last + 1 - first) as f64;
-        let (before, through) = (profile.sums[first], profile.sums[last + 1]);
-        let (y, yy) = (through.0 - before.0, through.1 - before.1);
-        // The parts are 1 − p, p − q and q.
-        Self {
-            n,
-            ss: n - 2.0 * p + pp,
-            sc: p - q - pp + pq,
-            cc: pp - 2.0 * pq + qq,
-            cb: pq - qq,
-            bb: qq,
-            sb: q - pq,
-            sy: y - py,
-            cy: py - qy,
-            by: qy,
-            y,
-            yy,
-        }
-    }
-
-    /// Sum of squares about the mean.
-    #[inline(always)]
-    fn constant(&self) -> f64 {
-        (self.yy - self.y * self.y / self.n).max(0.0)
-    }
-
-    /// Sum of squares about the best steps.
-    #[inline(always)]
-    fn left(&self) -> f64 {
-        let [a, b, c] = self.steps();
-        if c > 1e-6 * self.n { (a - b * b / c).max(0.0) } else { a }
-    }
-
-    /// The same for a cap of brightness x: A − 2 B x + C x².
-    #[inline(always)]
-    fn steps(&self) -> [f64; 3] {
-        let determinant = self.ss * self.bb - self.sb * self.sb;
-        if !(determinant > 1e-9 * self.ss * self.bb) {
-            return [self.constant(), 0.0, 0.0];
-        }
-        let (cap, samples) = ((self.sc, self.cb), (self.sy, self.by));
-        [
-            (self.yy - self.project(samples, samples) / determinant).max(0.0),
-            self.cy - self.project(cap, samples) / determinant,
-            (self.cc - self.project(cap, cap) / determinant).max(0.0),
-        ]
-    }
-
-    /// The product of two vectors freed of what surface and background explain, times the determinant of these.
-    #[inline(always)]
-    fn project(&self, (s1, b1): (f64, f64), (s2, b2): (f64, f64)) -> f64 {
-        self.bb * s1 * s2 - self.sb * (s1 * b2 + b1 * s2) + self.ss * b1 * b2
-    }
 }
 
 /// The log-likelihood that a window gains where sums of squares have this ratio.
@@ -156,10 +68,14 @@ impl WithSimd for Gain<'_> {
         let Self { profiles, shift, template, noise } = self;
         let mut sum = 0.0;
         // The logarithm of eight ratios, of a million at most each, is as dear as that of one.
-        for some in profiles.chunks(8) {
+        for some in profiles.chunks(LANES) {
+            let mut windows = Windows::default();
+            for (k, profile) in some.iter().enumerate() {
+                windows.set(k, profile, shift * profile.across, template);
+            }
             let mut product = 1.0;
-            for profile in some {
-                product *= profile.ratio(shift * profile.across, template, noise);
+            for ratio in windows.ratios(noise).iter().take(some.len()) {
+                product *= ratio;
             }
             sum += log_likelihood(product);
         }
@@ -195,7 +111,7 @@ impl Profile {
 
     /// The first and the last sample that a step at `edge` is judged by.
     #[inline(always)]
-    fn window(&self, edge: f64) -> (usize, usize) {
+    pub fn window(&self, edge: f64) -> (usize, usize) {
         let last = self.place(edge + WINDOW_PIXELS.get()).min(self.samples.len() - 1);
         (self.place(edge - WINDOW_PIXELS.get()).min(last), last)
     }
@@ -213,46 +129,86 @@ impl Profile {
         self.cut_off.iter().any(|sample| (first..=last).contains(sample))
     }
 
-    /// How much larger the sum of squares about a constant brightness is than that about a step at `edge`, in pixels across the
-    /// arc.
-    #[inline(always)]
-    fn ratio(&self, edge: f64, template: Template<'_>, noise: f64) -> f64 {
-        let window = Window::new(self, edge, template);
-        let floor = window.n * noise * noise;
-        (window.constant() + floor) / (window.left() + floor)
-    }
-
     /// What another template may gain there at most: all that is left but the noise.
     pub fn unexplained(&self, edge: f64, template: Template<'_>, noise: f64) -> f64 {
-        let window = Window::new(self, edge, template);
-        let floor = window.n * noise * noise;
-        log_likelihood((window.left() + floor) / (2.0 * floor)).max(0.0)
+        let mut windows = Windows::default();
+        windows.set(0, self, edge, template);
+        let floor = windows.samples(0) * noise * noise;
+        log_likelihood((windows.left()[0] + floor) / (2.0 * floor)).max(0.0)
     }
 
     /// The step of this profile alone near `expected`, and its standard deviation, in pixels across the arc.
     pub fn step(&self, expected: f64, template: Template<'_>, noise: f64) -> Option<(f64, f64)> {
-        let side = 0.25;
-        let reach = (SAMPLE_REACH_PIXELS.get() / side) as i64;
-        let score = |k: i64| self.ratio(expected + side * k as f64, template, noise);
-        // Every other place first: a step is wider than that.
-        let places = (-reach..=reach).step_by(2).map(|k| (k, score(k)));
-        let (rough, value) = places.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (below, above) = (score(rough - 1), score(rough + 1));
-        let (k, before, best, after) = if value >= below.max(above) {
-            (rough, below, value, above)
-        } else if above > below {
-            (rough + 1, value, above, score(rough + 2))
-        } else {
-            (rough - 1, score(rough - 2), below, value)
-        };
-        let edge = expected + side * k as f64;
-        let [before, best, after] = [before, best, after].map(log_likelihood);
-        let curvature = (before - 2.0 * best + after) / (side * side);
+        let Found { k, ratios } = Arch::new().dispatch(Step { profile: self, expected, template, noise });
+        let edge = expected + SIDE * k as f64;
+        let [before, best, after] = ratios.map(log_likelihood);
+        let curvature = (before - 2.0 * best + after) / (SIDE * SIDE);
+        let reach = (SAMPLE_REACH_PIXELS.get() / SIDE) as i64;
         if k.abs() >= reach || best < LEAST_GAIN.get() || !(curvature < 0.0) {
             return None;
         }
-        let shift = (-0.5 * (after - before) / side / curvature).clamp(-side, side);
+        let shift = (-0.5 * (after - before) / SIDE / curvature).clamp(-SIDE, SIDE);
         Some((edge + shift, (-1.0 / curvature).sqrt()))
+    }
+}
+
+/// Spacing of the places at which the step of a single profile is looked for, in pixels.
+const SIDE: f64 = 0.25;
+
+/// Which of these places explains a profile best, and the ratios before it, there and after it.
+struct Found {
+    k: i64,
+    ratios: [f64; 3],
+}
+
+/// The search for the step of a single profile, with the widest instructions of the machine; they all round alike.
+struct Step<'a> {
+    profile: &'a Profile,
+    expected: f64,
+    template: Template<'a>,
+    noise: f64,
+}
+
+impl WithSimd for Step<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Found {
+        let Self { profile, expected, template, noise } = self;
+        let reach = (SAMPLE_REACH_PIXELS.get() / SIDE) as i64;
+        // Every other place first: a step is wider than that.
+        let (mut rough, mut value, mut beside) = (-reach, f64::NEG_INFINITY, [0.0; 2]);
+        let mut last = 0.0;
+        let mut first = -reach;
+        while first <= reach {
+            let mut windows = Windows::default();
+            let count = LANES.min((reach - first) as usize / 2 + 1);
+            for k in 0..count {
+                let edge = expected + SIDE * (first + 2 * k as i64) as f64;
+                windows.set(k, profile, edge, template);
+            }
+            for ratio in windows.ratios(noise).iter().take(count) {
+                if first == rough + 2 {
+                    beside[1] = *ratio;
+                }
+                if *ratio >= value {
+                    (rough, value, beside) = (first, *ratio, [last, 0.0]);
+                }
+                last = *ratio;
+                first += 2;
+            }
+        }
+        let mut windows = Windows::default();
+        windows.set(0, profile, expected + SIDE * (rough - 1) as f64, template);
+        windows.set(1, profile, expected + SIDE * (rough + 1) as f64, template);
+        let [below, above, ..] = windows.ratios(noise);
+        if value >= below.max(above) {
+            Found { k: rough, ratios: [below, value, above] }
+        } else if above > below {
+            Found { k: rough + 1, ratios: [value, above, beside[1]] }
+        } else {
+            Found { k: rough - 1, ratios: [beside[0], below, value] }
+        }
     }
 }
 
@@ -263,7 +219,7 @@ pub(super) struct Steps {
     /// Standard deviation of the blur, in pixels.
     pub blur: f64,
     /// What lies farther beyond an edge than this does not shine into its window, in pixels.
-    reach: f64,
+    pub reach: f64,
     /// A row for each place, of `length` samples, of which `before` lie before the edge.
     rows: List<f64>,
     /// Of each row the sums of the samples and of their squares before each sample, and of all.
@@ -311,7 +267,7 @@ impl Steps {
     /// The step in so many samples, the first of which lies `first` samples beyond the edge, and the sums of these and of
     /// their squares.
     #[inline(always)]
-    fn at(&self, first: f64, count: usize) -> (&[f64], [f64; 2]) {
+    pub fn at(&self, first: f64, count: usize) -> (&[f64], [f64; 2]) {
         let place = first + self.before as f64;
         // The conversion holds what is below 0 at 0.
         let whole = (place as u32 as usize).min(self.length - count);
@@ -342,46 +298,4 @@ impl Normal {
         let (k, part) = (place as usize, place.fract());
         self.0[k] + part * (self.0[k + 1] - self.0[k])
     }
-}
-
-/// The sum of the products of two lists of the same length, four side by side.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let (mut sums, mut rest) = ([0.0; 4], 0.0);
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    for (a, b) in a_rest.iter().zip(b_rest) {
-        rest += a * b;
-    }
-    total(sums, rest)
-}
-
-/// The same of three lists: p · y, q · y and p · q.
-#[inline(always)]
-fn dots(p: &[f64], q: &[f64], y: &[f64]) -> [f64; 3] {
-    let ((p, p_rest), (q, q_rest), (y, y_rest)) =
-        (p.as_chunks::<4>(), q.as_chunks::<4>(), y.as_chunks::<4>());
-    let (mut py, mut qy, mut pq, mut rest) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 3]);
-    for ((p, q), y) in p.iter().zip(q).zip(y) {
-        for k in 0..4 {
-            py[k] += p[k] * y[k];
-            qy[k] += q[k] * y[k];
-            pq[k] += p[k] * q[k];
-        }
-    }
-    for ((p, q), y) in p_rest.iter().zip(q_rest).zip(y_rest) {
-        rest[0] += p * y;
-        rest[1] += q * y;
-        rest[2] += p * q;
-    }
-    [total(py, rest[0]), total(qy, rest[1]), total(pq, rest[2])]
-}
-
-#[inline(always)]
-fn total(sums: [f64; 4], rest: f64) -> f64 {
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
