@@ -4,7 +4,7 @@ use super::data::{Data, ViewData};
 use super::guided::CONTRADICTION;
 use super::held::{EndPlace, Held, HeldView};
 use super::located::Located;
-use super::objective::Precision;
+use super::objective::{Minimum, Precision};
 use super::run::Run;
 use crate::camera::Camera;
 use crate::end_location::{ArcSample, EndSearch, LastArc, depth_tolerance, locate_ends};
@@ -56,7 +56,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
         let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if after.scale() > CONTRADICTION * scale || leaves_lines(data, &held, after.cylinder()) {
+        if contradicts(data, &held, &after, scale) {
             held = without;
             break;
         }
@@ -68,12 +68,16 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     Ok(Located { minimum, held })
 }
 
-/// Whether a cylinder is not where the lines of some view are.
-pub(super) fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
-    data.views.iter().zip(&held.views).any(|(view, held)| {
-        let squares = held.lines.as_ref().and_then(|lines| lines.mean_square(&view.seen(cylinder)));
-        squares.is_some_and(|squares| squares > (LEFT_LINES * view.noise.endpoint).powi(2))
-    })
+/// Whether a minimum with arcs contradicts the points, whose scale is known without, or lines that the points do not contradict
+/// themselves: where they lie better with the arcs, a line is wrong.
+pub(super) fn contradicts(data: &Data<'_>, held: &Held, minimum: &Minimum, scale: f64) -> bool {
+    let is_left = |(view, held): (&ViewData<'_>, &HeldView)| {
+        let squares = held.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;
+        Some(squares > (LEFT_LINES * view.noise.endpoint).powi(2))
+    };
+    let mut views = data.views.iter().zip(&held.views);
+    minimum.scale() > CONTRADICTION * scale
+        || minimum.scale() > scale && views.any(|view| is_left(view) == Some(true))
 }
 
 /// What is known of the ends of a view before they are located.

@@ -3,10 +3,10 @@
 //! The limbs are looked for where the last cylinder has them, or that cylinder after it was moved to the points, and as they
 //! looked in the last image. What does not agree with that takes all stages.
 
-use super::arcs::{ARC_ROUNDS, KnownEnds, SETTLED_TURN, leaves_lines, with_arcs};
+use super::arcs::{ARC_ROUNDS, KnownEnds, SETTLED_TURN, contradicts, with_arcs};
 use super::data::{Data, ViewData};
 use super::fit::Fit;
-use super::guided::{CONTRADICTION, GuidedView};
+use super::guided::GuidedView;
 use super::guides::Guides;
 use super::held::{EndPlace, Held, HeldView};
 use super::located::{Located, Observations, held, lines_of};
@@ -168,9 +168,7 @@ impl Sequence<'_, '_> {
                 Some(located) => data.minimise_again(&held, &located.minimum, Precision::Full, run),
             };
             let Some(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
-            if minimum.scale() > CONTRADICTION * self.scales.all
-                || leaves_lines(data, &held, minimum.cylinder())
-            {
+            if contradicts(data, &held, &minimum, self.scales.all) {
                 return Ok(None);
             }
             let after = *minimum.cylinder();

@@ -33,7 +33,7 @@ constants! {
 
     /// What it costs in that sum where the polarity changes from one block to the next: less, and noise would pass for
     /// edges that change all the time; with more, a label on the surface makes half of its limb count against the rest.
-    POLARITY_CHANGE = 2.0, "σ";
+    POLARITY_CHANGE = 3.0, "σ";
 
     /// How many standard deviations above what noise gives an edge must be: of a thousand lines on noise alone the
     /// best is at 3.3.
@@ -51,8 +51,8 @@ const LOBE_DISTANCE: usize = 2;
 
 /// Mean and variance a block of the score of a line on Gaussian noise: a block without any edge gives ln(1 + t²) with 0.535
 /// and 0.45, and all of them together, as polarity may change, the rest.
-const NOISE_MEAN: f64 = 0.64;
-const NOISE_VARIANCE: f64 = 0.65;
+const NOISE_MEAN: f64 = 0.6;
+const NOISE_VARIANCE: f64 = 0.5;
 
 /// A line across the strip by its u at both ends, s = ∓ half length.
 #[derive(Debug, Clone, Copy, PartialEq)]
