@@ -54,7 +54,7 @@ fn stated(frame: &Frame, case: &Case) -> Option<(f64, f64)> {
 /// The radii of recorded frames with their stated deviations.
 pub fn real(sets: &Sets) {
     println!("\n### recorded frames, radius error ± stated deviation (%)\n");
-    println!("Set in brackets: the radius is not known but from the frame itself.\n");
+    println!("In brackets: frames whose radius is known only from the frame itself.\n");
     println!("| frame | image and edges | image, no edges | neither |\n|---|---|---|---|");
     let cases =
         [Case::default(), no_edges(), Case { image: false, ..no_edges() }].map(|case| (case, Vec::new()));
