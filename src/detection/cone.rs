@@ -1,6 +1,7 @@
 //! Whether the radius of a body changes along its axis: what tapers is no cylinder.
 
 use super::distances::{LANES, PlaceOf, dot, lanes, place, splat};
+use super::normal_equations::{PRODUCTS, add_products, of_products};
 use super::surface::{Place, Surface};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
@@ -35,19 +36,14 @@ impl ToCone {
     }
 
     /// The same for places with these sums of [`Pass`].
-    fn add_sums(&mut self, sums: [f64; SUMS]) {
-        let mut sums = sums.into_iter();
-        let mut next = || sums.next().unwrap_or_default();
+    fn add_sums(&mut self, sums: [f64; PRODUCTS]) {
+        let (matrix, vector) = of_products(&sums);
         for (i, row) in PLACES.into_iter().enumerate() {
-            for column in PLACES.into_iter().take(i) {
-                let sum = next();
-                self.matrix[(row, column)] += sum;
-                self.matrix[(column, row)] += sum;
+            for (j, column) in PLACES.into_iter().enumerate() {
+                self.matrix[(row, column)] += matrix[(i.max(j), i.min(j))];
             }
-            self.matrix[(row, row)] += next();
+            self.vector[row] += vector[i];
         }
-        // The distance falls where the surface moves outwards.
-        PLACES.into_iter().for_each(|row| self.vector[row] -= next());
     }
 
     /// How large the bias is expected to be, at the `bias` that distances were taken with.
@@ -101,9 +97,6 @@ type Group = [[f64; LANES]; 4];
 /// The places of the numbers of [`Pass`] in a row of the step; there is no bias.
 const PLACES: [usize; 6] = [0, 1, 2, 3, 4, 6];
 
-/// Their products with each other, the lower half, and those with the distance.
-const SUMS: usize = 27;
-
 /// One pass over points, with the widest vector instructions of the machine. The sums run in [`LANES`] partial sums.
 struct Pass<'a> {
     groups: &'a [Group],
@@ -113,17 +106,17 @@ struct Pass<'a> {
 }
 
 impl WithSimd for Pass<'_> {
-    type Output = [f64; SUMS];
+    type Output = [f64; PRODUCTS];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; SUMS] {
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; PRODUCTS] {
         let Self { groups, surface, across: [u, v], reach } = self;
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (u, v) = (splat(simd, u), splat(simd, v));
         let (per_reach, per_radius) = (simd.splat_f64s(1.0 / reach), simd.splat_f64s(1.0 / surface.radius()));
-        let mut sums = [[0.0; LANES]; SUMS];
+        let mut sums = [[0.0; LANES]; PRODUCTS];
         for part in 0..LANES / S::F64_LANES {
-            let mut own = [zero; SUMS];
+            let mut own = [zero; PRODUCTS];
             for [x, y, z, weight] in groups {
                 let point = [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)];
                 let PlaceOf { distance, normal, along } = place(simd, &surface, point);
@@ -134,19 +127,7 @@ impl WithSimd for Pass<'_> {
                 // Tilts and slopes in radii: all numbers are lengths.
                 let along = simd.mul_f64s(along, per_radius);
                 let row = [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, along];
-                let mut k = 0;
-                for i in 0..6 {
-                    let weighted = simd.mul_f64s(weight, row[i]);
-                    for other in &row[..=i] {
-                        own[k] = simd.add_f64s(own[k], simd.mul_f64s(weighted, *other));
-                        k += 1;
-                    }
-                }
-                let weighted = simd.mul_f64s(weight, distance);
-                for part in &row {
-                    own[k] = simd.add_f64s(own[k], simd.mul_f64s(weighted, *part));
-                    k += 1;
-                }
+                add_products(simd, &mut own, &row, weight, distance);
             }
             for (sum, own) in sums.iter_mut().zip(own) {
                 S::as_mut_simd_f64s(sum).0[part] = own;

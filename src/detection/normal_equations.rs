@@ -10,8 +10,11 @@ use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// The lower half of a symmetric matrix of six columns, six numbers of a vector, and how many cells there are.
-const SUMS: usize = 28;
+/// The sums of [`add_products`]: the lower half of a symmetric matrix of six columns, and six numbers of a vector.
+pub(super) const PRODUCTS: usize = 27;
+
+/// These, and how many cells there are.
+const SUMS: usize = PRODUCTS + 1;
 
 /// Cells side by side: points, positions on the plane z = 1, standard deviations of the depths, and 1, or 0 for the rest
 /// of the last group.
@@ -62,18 +65,46 @@ impl Cells {
         reach: f64,
     ) -> NormalEquations {
         let sums = Arch::new().dispatch(Pass { cells: self, surface, across, reach });
-        let mut matrix = SMatrix::<f64, 6, 6>::zeros();
-        let mut sums = sums.into_iter();
-        let mut next = || sums.next().unwrap_or_default();
-        for i in 0..6 {
-            for j in 0..=i {
-                matrix[(i, j)] = next();
-            }
-        }
-        // The distance falls where the surface moves outwards.
-        let vector = SVector::from_fn(|_, _| -next());
-        NormalEquations { matrix, vector, count: next() as usize }
+        let (matrix, vector) = of_products(&sums);
+        NormalEquations { matrix, vector, count: sums[PRODUCTS] as usize }
     }
+}
+
+/// Adds the products of the numbers of a row with each other, the lower half, and with the distance, all times a weight.
+#[inline(always)]
+pub(super) fn add_products<S: Simd>(
+    simd: S,
+    sums: &mut [S::f64s],
+    row: &[S::f64s; 6],
+    weight: S::f64s,
+    distance: S::f64s,
+) {
+    let mut k = 0;
+    for i in 0..6 {
+        let weighted = simd.mul_f64s(weight, row[i]);
+        for other in &row[..=i] {
+            sums[k] = simd.add_f64s(sums[k], simd.mul_f64s(weighted, *other));
+            k += 1;
+        }
+    }
+    let weighted = simd.mul_f64s(weight, distance);
+    for part in row {
+        sums[k] = simd.add_f64s(sums[k], simd.mul_f64s(weighted, *part));
+        k += 1;
+    }
+}
+
+/// The lower half of Jᵀ W J and Jᵀ W d of these sums. The distance falls where the surface moves outwards.
+pub(super) fn of_products(sums: &[f64]) -> (SMatrix<f64, 6, 6>, SVector<f64, 6>) {
+    let mut sums = sums.iter();
+    let mut next = || sums.next().copied().unwrap_or_default();
+    let mut matrix = SMatrix::zeros();
+    for i in 0..6 {
+        for j in 0..=i {
+            matrix[(i, j)] = next();
+        }
+    }
+    (matrix, SVector::from_fn(|_, _| -next()))
 }
 
 /// One pass over the cells.
@@ -124,20 +155,8 @@ impl WithSimd for Pass<'_> {
                         [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, last]
                     }
                 };
-                let mut k = 0;
-                for i in 0..6 {
-                    let weighted = simd.mul_f64s(weight, row[i]);
-                    for other in &row[..=i] {
-                        own[k] = simd.add_f64s(own[k], simd.mul_f64s(weighted, *other));
-                        k += 1;
-                    }
-                }
-                let weighted = simd.mul_f64s(weight, distance);
-                for part in &row {
-                    own[k] = simd.add_f64s(own[k], simd.mul_f64s(weighted, *part));
-                    k += 1;
-                }
-                own[k] = simd.add_f64s(own[k], given);
+                add_products(simd, &mut own, &row, weight, distance);
+                own[PRODUCTS] = simd.add_f64s(own[PRODUCTS], given);
             }
             for (sum, own) in sums.iter_mut().zip(own) {
                 S::as_mut_simd_f64s(sum).0[part] = own;

@@ -68,8 +68,8 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
     Ok(Located { minimum, held })
 }
 
-/// Whether a minimum with arcs contradicts the points, whose scale is known without, or lines that the points do not contradict
-/// themselves: where they lie better with the arcs, a line is wrong.
+/// Whether a minimum with arcs contradicts the points, whose `scale` without arcs is known, or the lines. Points that scatter less
+/// with the arcs side with them: then it is a line that is wrong.
 pub(super) fn contradicts(data: &Data<'_>, held: &Held, minimum: &Minimum, scale: f64) -> bool {
     let is_left = |(view, held): (&ViewData<'_>, &HeldView)| {
         let squares = held.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;

@@ -244,6 +244,8 @@ impl Logarithm {
 mod tests {
     use super::*;
     use crate::limb_location::strip::StripPixel;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
 
     /// What a run responds at u.
     fn at(response: &Response, u: f64) -> f64 {
@@ -339,11 +341,8 @@ mod tests {
 
     #[test]
     fn noise_is_no_limb() {
-        let mut state = 1_u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mut uniform = || f64::from(rng.next_u32()) / f64::from(u32::MAX);
         // Twelve uniform numbers are nearly Gaussian, with variance 1.
         let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
         for (rows, repeat) in [24, 60, 400, 1200].into_iter().flat_map(|rows| (0..20).map(move |k| (rows, k)))
