@@ -412,7 +412,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
         let mut starts = List::from(candidates);
         if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
-            match self.data.ransac(self.run) {
+            match self.data.ransac(None, self.run) {
                 Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => {}

@@ -51,9 +51,10 @@ impl Data<'_> {
             StartKind::Moments => found(StartKind::Moments, self.moments_start()).ok_or_else(|| {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
-            StartKind::Ransac => {
-                Ok(List::from([Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)?.cylinder }]))
-            }
+            StartKind::Ransac => Ok(List::from([Candidate {
+                kind: StartKind::Ransac,
+                cylinder: self.ransac(None, run)?.cylinder,
+            }])),
             StartKind::Auto => self.choose(of_model, run),
             StartKind::Last => self.choose(self.last.map(|last| self.start_of(last)).or(of_model), run),
         }
@@ -72,14 +73,15 @@ impl Data<'_> {
         Some(self.within_limits(&fit.cylinder))
     }
 
-    /// The best of random samples. The points of several views have no common observer.
-    pub fn ransac(&self, run: &mut Run<'_>) -> Result<RansacFit> {
+    /// The best of random samples, of which none is drawn where a guess explains the points. The points of several views have no common observer.
+    pub fn ransac(&self, guess: Option<Cylinder>, run: &mut Run<'_>) -> Result<RansacFit> {
         let points: List<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
             limits: self.limits_of_iteration(),
+            guess,
             ..RansacOptions::default()
         };
         let normals = self.normals();
@@ -123,7 +125,7 @@ impl Data<'_> {
         candidates.extend(moments.map(|cylinder| judge(Candidate { kind: StartKind::Moments, cylinder })));
         let mut failure = None;
         if !explained {
-            match self.ransac(run) {
+            match self.ransac(moments, run) {
                 Ok(fit) => {
                     candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }));
                 }

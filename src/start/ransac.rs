@@ -60,6 +60,16 @@ const FEWEST_ITERATIONS: usize = 50;
 /// The same for oriented samples, which are cheaper, and worse where normals are noisy.
 const FEWEST_ORIENTED_ITERATIONS: usize = 200;
 
+/// The part of the points that are inliers of a cylinder that needs no samples. Of normal noise it is 99 %.
+const EXPLAINED_PART: f64 = 0.9;
+
+/// The largest threshold of such a cylinder in parts of its radius: in more noise a handle or an edge beside it may look like
+/// a part of one that is several times as large.
+const CLEAR_PART: f64 = 0.1;
+
+/// So many samples may show that there is a better one.
+const WITNESSES: usize = 10;
+
 /// Threshold in standard deviations of the noise, when it comes from the data: 1 % of the normal
 /// distribution is outside.
 const THRESHOLD_DEVIATIONS: f64 = 2.5;
@@ -85,6 +95,9 @@ pub struct RansacOptions {
     pub seed: u64,
     /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
     pub limits: CylinderLimits,
+    /// A cylinder that may be the one. Where the threshold comes from the data, and after the local optimisation nine tenths of the
+    /// points are its inliers, a few samples are drawn that may show a better one, and no more: there is little for them to find.
+    pub guess: Option<Cylinder>,
 }
 
 impl Default for RansacOptions {
@@ -95,6 +108,7 @@ impl Default for RansacOptions {
             confidence: 0.99,
             seed: 0,
             limits: CylinderLimits::default(),
+            guess: None,
         }
     }
 }
@@ -168,14 +182,10 @@ pub fn ransac(
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
-    if options.threshold == 0.0 {
-        search.choose_threshold(&mut rng)?;
-    }
-    let iterations = search.run(&mut rng)?;
-    search.best = search.best.or(search.flat);
-    if options.threshold == 0.0 {
-        search.narrow_threshold()?;
-    }
+    let iterations = match search.is_explained(&mut rng)? {
+        true => 0,
+        false => search.by_samples(&mut rng)?,
+    };
 
     let Search { scorer, best, check, samples, .. } = search;
     let nothing = || {
@@ -227,6 +237,57 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Takes the guess where it explains nearly all points, and none of some samples is better.
+    fn is_explained(&mut self, rng: &mut ChaCha8Rng) -> Result<bool> {
+        if self.options.threshold > 0.0 {
+            return Ok(false);
+        }
+        let guess = self.options.guess.and_then(|guess| self.scorer.within_limits(&guess));
+        let median =
+            |guess: Cylinder| Some((guess, self.scorer.median_distance_below(&guess, f64::INFINITY)?));
+        let Some(guess) = guess.and_then(median) else { return Ok(false) };
+        self.start_from(guess)?;
+        if self.is_clear() && !self.is_surpassed(rng)? {
+            return Ok(true);
+        }
+        (self.best, self.flat, self.scorer.threshold) = (None, None, self.options.threshold);
+        Ok(false)
+    }
+
+    /// Whether the best cylinder is no plane, has little noise and nearly all points.
+    fn is_clear(&self) -> bool {
+        self.best.is_some_and(|Candidate { cylinder, .. }| {
+            self.scorer.threshold <= CLEAR_PART * cylinder.radius
+                && self.scorer.inlier_fraction(&cylinder) >= EXPLAINED_PART
+                && !self.scorer.is_flat(&cylinder)
+        })
+    }
+
+    /// Whether one of some samples is better than the best cylinder.
+    fn is_surpassed(&mut self, rng: &mut ChaCha8Rng) -> Result<bool> {
+        for _ in 0..WITNESSES.min(self.options.max_iterations) {
+            for hypothesis in self.draw(rng)? {
+                if self.consider(&hypothesis)? {
+                    return Ok(true);
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// Takes the best of random samples; returns how many were drawn once the threshold was known.
+    fn by_samples(&mut self, rng: &mut ChaCha8Rng) -> Result<usize> {
+        if self.options.threshold == 0.0 {
+            self.choose_threshold(rng)?;
+        }
+        let iterations = self.run(rng)?;
+        self.best = self.best.or(self.flat);
+        if self.options.threshold == 0.0 {
+            self.narrow_threshold()?;
+        }
+        Ok(iterations)
+    }
+
     /// Draws samples until the best cylinder leaves enough confidence; returns their number.
     fn run(&mut self, rng: &mut ChaCha8Rng) -> Result<usize> {
         let mut needed = self.needed_iterations();
@@ -319,18 +380,22 @@ impl Search<'_> {
         }
         self.scorer.threshold = SMALLEST_THRESHOLD * self.scorer.size;
         // There is none where the observer sees less than half of the points.
-        if let Some((cylinder, median)) = least {
-            let threshold = THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median;
-            self.scorer.threshold = self.scorer.threshold.max(threshold);
-            let improved = self.improve(&cylinder)?;
+        if let Some(least) = least {
             // The noise of a plane is that of the cylinder beside it.
-            self.best = Some(improved);
-            self.narrow_threshold()?;
+            self.start_from(least)?;
             if let Some(best) = self.best.take() {
                 self.take(best);
             }
         }
         Ok(())
+    }
+
+    /// Takes a cylinder, improved, and the threshold from the median distance of the points from it.
+    fn start_from(&mut self, (cylinder, median): (Cylinder, f64)) -> Result<()> {
+        let threshold = THRESHOLD_DEVIATIONS * DEVIATION_OF_MEDIAN * median;
+        self.scorer.threshold = threshold.max(SMALLEST_THRESHOLD * self.scorer.size);
+        self.best = Some(self.improve(&cylinder)?);
+        self.narrow_threshold()
     }
 
     /// Narrows the threshold on the inliers of the best cylinder until it no longer shrinks.
