@@ -67,9 +67,6 @@ const EXPLAINED_PART: f64 = 0.9;
 /// a part of one that is several times as large.
 const CLEAR_PART: f64 = 0.1;
 
-/// So many samples may show that there is a better one.
-const WITNESSES: usize = 10;
-
 /// Threshold in standard deviations of the noise, when it comes from the data: 1 % of the normal
 /// distribution is outside.
 const THRESHOLD_DEVIATIONS: f64 = 2.5;
@@ -96,7 +93,7 @@ pub struct RansacOptions {
     /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
     pub limits: CylinderLimits,
     /// A cylinder that may be the one. Where the threshold comes from the data, and after the local optimisation nine tenths of the
-    /// points are its inliers, a few samples are drawn that may show a better one, and no more: there is little for them to find.
+    /// points are its inliers and the threshold is at most a tenth of its radius, no sample is drawn: there is little to find.
     pub guess: Option<Cylinder>,
 }
 
@@ -182,7 +179,7 @@ pub fn ransac(
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
-    let iterations = match search.is_explained(&mut rng)? {
+    let iterations = match search.is_explained()? {
         true => 0,
         false => search.by_samples(&mut rng)?,
     };
@@ -237,8 +234,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Takes the guess where it explains nearly all points, and none of some samples is better.
-    fn is_explained(&mut self, rng: &mut ChaCha8Rng) -> Result<bool> {
+    /// Takes the guess where it explains nearly all points.
+    fn is_explained(&mut self) -> Result<bool> {
         if self.options.threshold > 0.0 {
             return Ok(false);
         }
@@ -247,10 +244,10 @@ impl Search<'_> {
             |guess: Cylinder| Some((guess, self.scorer.median_distance_below(&guess, f64::INFINITY)?));
         let Some(guess) = guess.and_then(median) else { return Ok(false) };
         self.start_from(guess)?;
-        if self.is_clear() && !self.is_surpassed(rng)? {
+        if self.is_clear() {
             return Ok(true);
         }
-        (self.best, self.flat, self.scorer.threshold) = (None, None, self.options.threshold);
+        (self.best, self.scorer.threshold) = (None, self.options.threshold);
         Ok(false)
     }
 
@@ -261,18 +258,6 @@ impl Search<'_> {
                 && self.scorer.inlier_fraction(&cylinder) >= EXPLAINED_PART
                 && !self.scorer.is_flat(&cylinder)
         })
-    }
-
-    /// Whether one of some samples is better than the best cylinder.
-    fn is_surpassed(&mut self, rng: &mut ChaCha8Rng) -> Result<bool> {
-        for _ in 0..WITNESSES.min(self.options.max_iterations) {
-            for hypothesis in self.draw(rng)? {
-                if self.consider(&hypothesis)? {
-                    return Ok(true);
-                }
-            }
-        }
-        Ok(false)
     }
 
     /// Takes the best of random samples; returns how many were drawn once the threshold was known.
