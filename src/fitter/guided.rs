@@ -20,8 +20,6 @@ use crate::limb_location::{Outline, axial_range};
 use crate::memory::List;
 use crate::residuals::PixelSegment;
 use crate::start::limbs::from_limbs;
-use crate::statistics::at_both_ends;
-use pulp::Arch;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
@@ -40,9 +38,6 @@ const SIDE_ROUNDS: usize = 2;
 /// Most given segments that are tried one by one. A detector of lines gives hundreds, each a fit of its own, but a
 /// line that the points admit is one of the few beside the limbs of the fit to them.
 const MOST_SINGLE_SEGMENTS: usize = 8;
-
-/// The part of the points at either end that does not tell how long the surface is.
-const POINTS_TRIM: f64 = 0.02;
 
 /// Points from which a fit to the sides of a mask starts, and which tell whether the points contradict segments.
 const SAMPLE: usize = 500;
@@ -482,23 +477,5 @@ impl<'a> View<'_, 'a, '_, '_> {
             &objective,
         );
         Ok(uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius()))
-    }
-}
-
-impl ViewData<'_> {
-    /// The part of the axis along which segments were given.
-    pub fn range_of_given(&self, camera: &Camera, cylinder: &Cylinder) -> Option<[f64; 2]> {
-        let endpoints = self.view.segments.iter().flat_map(|segment| segment.endpoints);
-        axial_range(camera, &self.seen(cylinder), endpoints, 0.0)
-    }
-
-    /// The part of the axis along which there are points.
-    pub fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
-        let axis = self.seen(cylinder).axis;
-        let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
-        let positions = self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction));
-        let mut along = List::with_capacity(last + 1);
-        Arch::new().dispatch(|| along.extend(positions));
-        at_both_ends(&along, (POINTS_TRIM * last as f64) as usize)
     }
 }

@@ -23,6 +23,7 @@ mod objective;
 mod options;
 mod outlier;
 mod outline;
+mod ranges;
 mod result;
 mod run;
 mod scales;

@@ -77,6 +77,7 @@ pub struct Seconds {
 
 /// The outcome of a fit, with the numbers to judge it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FitResult {
     /// The cylinder. Its axis point is the one nearest to the middle of the points; the largest component of
     /// its direction is positive.
