@@ -407,7 +407,8 @@ impl<'a> View<'_, 'a, '_, '_> {
     fn alone(&mut self, candidates: &[Candidate]) -> Result<Attempt> {
         let mut starts = List::from(candidates);
         if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
-            match self.data.ransac(None, self.run) {
+            let moments = candidates.iter().find(|candidate| candidate.kind == StartKind::Moments);
+            match self.data.ransac(moments.map(|candidate| candidate.cylinder), self.run) {
                 Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => {}
