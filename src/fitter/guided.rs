@@ -9,6 +9,7 @@ use super::guides::{Guides, Sides, nearest_to_limbs};
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::{EdgeUse, StartKind};
+use super::ranges::moved;
 use super::result::Flags;
 use super::run::Run;
 use super::start::{Candidate, EXPLAINED};
@@ -181,16 +182,6 @@ fn join(
         }
     });
     Ok(Guided { start, minimum, views: views.collect(), flags })
-}
-
-/// A range along the axis of one cylinder on that of another.
-pub(super) fn moved(range: &[f64; 2], from: &Cylinder, to: &Cylinder) -> [f64; 2] {
-    let at = |position: f64| {
-        let point = from.axis.point + from.axis.direction * position;
-        (point - to.axis.point).dot(&to.axis.direction)
-    };
-    let [a, b] = range.map(at);
-    [a.min(b), a.max(b)]
 }
 
 /// A minimum and the guides that it is held to.

@@ -1,12 +1,13 @@
 //! Third stage: the limbs, located in the images.
 
 use super::data::{Data, ViewData};
-use super::guided::{CONTRADICTION, Guided, GuidedView, moved};
+use super::guided::{CONTRADICTION, Guided, GuidedView};
 use super::guides::BESIDE;
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
 use super::outlier;
+use super::ranges::moved;
 use super::result::Flags;
 use super::run::Run;
 use crate::error::{Error, Result};

@@ -1,4 +1,4 @@
-//! The part of the axis along which a view shows the surface, from the point of the axis.
+//! Parts of the axis along which a view shows the surface, from the point of the axis.
 
 use super::data::ViewData;
 use crate::camera::Camera;
@@ -27,4 +27,14 @@ impl ViewData<'_> {
         Arch::new().dispatch(|| along.extend(positions));
         at_both_ends(&along, (POINTS_TRIM * last as f64) as usize)
     }
+}
+
+/// A range along the axis of one cylinder on that of another.
+pub(super) fn moved(range: &[f64; 2], from: &Cylinder, to: &Cylinder) -> [f64; 2] {
+    let at = |position: f64| {
+        let point = from.axis.point + from.axis.direction * position;
+        (point - to.axis.point).dot(&to.axis.direction)
+    };
+    let [a, b] = range.map(at);
+    [a.min(b), a.max(b)]
 }

@@ -73,7 +73,8 @@ impl Data<'_> {
         Some(self.within_limits(&fit.cylinder))
     }
 
-    /// The best of random samples, of which none is drawn where a guess explains the points. The points of several views have no common observer.
+    /// The best of random samples, of which none is drawn where a guess explains the points. The points of several views
+    /// have no common observer.
     pub fn ransac(&self, guess: Option<Cylinder>, run: &mut Run<'_>) -> Result<RansacFit> {
         let points: List<Vector3<f64>> = self.points().collect();
         let options = RansacOptions {

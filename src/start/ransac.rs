@@ -18,6 +18,8 @@
 //! hypothesis that spans few degrees is no candidate when the plane through its inliers explains about as many points:
 //! its sagitta is lost in the noise. It is the answer only where no sample gives another, or a largest radius is set.
 //!
+//! A guess that explains nearly all points with little noise is the answer, and no sample is drawn.
+//!
 //! The work does not depend on the number of points beyond one pass to choose [`SCORED_POINTS`] of them and
 //! one to count the inliers. It is done in one order with a generator of its own, so equal input gives equal
 //! bits.
@@ -179,7 +181,7 @@ pub fn ransac(
     };
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
-    let iterations = match search.is_explained()? {
+    let iterations = match search.take_guess()? {
         true => 0,
         false => search.by_samples(&mut rng)?,
     };
@@ -234,8 +236,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Takes the guess where it explains nearly all points.
-    fn is_explained(&mut self) -> Result<bool> {
+    /// Takes the guess where it explains nearly all points; returns whether it does.
+    fn take_guess(&mut self) -> Result<bool> {
         if self.options.threshold > 0.0 {
             return Ok(false);
         }
@@ -247,7 +249,7 @@ impl Search<'_> {
         if self.is_clear() {
             return Ok(true);
         }
-        (self.best, self.scorer.threshold) = (None, self.options.threshold);
+        self.best = None;
         Ok(false)
     }
 
