@@ -20,6 +20,17 @@ pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
     size_at(numbers, 2)
 }
 
+/// The part of residuals in their order that tells as much as all of them do: (1 − ρ) / (1 + ρ) with the correlation ρ of
+/// neighbours, as of a first-order autoregression.
+pub(crate) fn independent_part(residuals: &[f64]) -> f64 {
+    let squares: f64 = residuals.iter().map(|e| e * e).sum();
+    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    if !(products > 0.0) {
+        return 1.0;
+    }
+    (squares - products) / (squares + products)
+}
+
 /// The upper median of the absolute values of many numbers that come in blocks, between whose bounds by a `sample` few are
 /// kept; `None` where the sample is no likeness of them.
 pub(crate) fn median_size_of_blocks(
@@ -158,12 +169,36 @@ fn nth(numbers: &mut [u64], place: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
 
     #[test]
     fn the_median_is_the_upper_one() {
         assert_eq!(median(&mut [3.0, -1.0, 7.0]), 3.0);
         assert_eq!(median(&mut [3.0, -1.0, 7.0, 4.0]), 4.0);
         assert_eq!(median(&mut []), 0.0);
+    }
+
+    #[test]
+    fn residuals_that_err_with_their_neighbours_count_less() {
+        // Noise with variance 1, of which each residual keeps ρ from the one before it.
+        let series = |correlation: f64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(5);
+            let mut last = 0.0;
+            let next = |_| {
+                let fresh = (f64::from(rng.next_u32()) / f64::from(u32::MAX) - 0.5) * 12.0_f64.sqrt();
+                last = correlation * last + (1.0 - correlation * correlation).sqrt() * fresh;
+                last
+            };
+            (0..20_000).map(next).collect::<Vec<f64>>()
+        };
+        for (correlation, part) in [(0.0, 1.0), (0.3, 0.538), (0.6, 0.25), (0.9, 0.0526)] {
+            let found = independent_part(&series(correlation));
+            assert!((found - part).abs() < 0.03, "{correlation}: {found}");
+        }
+        // Never more than there are, and exact where nothing is left.
+        assert_eq!(independent_part(&series(-0.5)), 1.0);
+        assert_eq!(independent_part(&[0.0; 10]), 1.0);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::surface::{Generator, Surface};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_size};
 use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
 use samples::{Room, Sampled};
@@ -68,6 +68,10 @@ constants! {
     /// The far rim of the cap shines so many blurs into a window before it.
     RIM_BLURS = 2.0, "σ";
 
+    /// The error of an arc in standard errors of its places: they err in larger groups than neighbours tell
+    /// (docs/measurements-ends.md).
+    PLACES_ERROR = 2.0, "σ";
+
     /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
     MODEL_DEVIATION = 0.1, "px";
     PLACE_DEVIATION = 0.05, "px";
@@ -89,7 +93,10 @@ const BLURS: [f64; 7] = [1.0, 0.5, 0.7, 1.4, 1.9, 2.5, 0.35];
 #[derive(Debug, Clone)]
 pub(super) struct ArcEnd {
     pub position: f64,
+    /// Standard deviation by what the image shows.
     pub deviation: f64,
+    /// Standard deviation of what the model of the profile leaves out.
+    pub model: f64,
     pub samples: List<ArcSample>,
     pub blur: f64,
 }
@@ -105,6 +112,15 @@ pub struct ArcSample {
     pub deviation: f64,
     /// How fast the arc moves across itself when the end moves along the axis, in pixels by length.
     pub across: f64,
+}
+
+/// The step of one generator alone: its angle, how fast the arc moves across itself there, and where it is beside the
+/// rough end and its standard deviation, in pixels across the arc.
+struct PlacedStep {
+    angle: f64,
+    across: f64,
+    edge: f64,
+    deviation: f64,
 }
 
 /// Where arcs are searched.
@@ -191,25 +207,40 @@ fn locate(
     // A step that is cut off at white seems to lie inside, and an arc of such steps seems narrower than it is.
     let whole = || profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across));
     let share = 1.0 - whole().count() as f64 / profiles.len() as f64;
-    let cut_off = CUT_OFF_DEVIATION.get() * share * template.steps.blur;
-    let model = MODEL_DEVIATION.get().hypot(cut_off) * rough.pixel;
-    let samples = whole().filter_map(|profile| {
-        let (edge, deviation) = profile.step(shift * profile.across, template, noise)?;
-        let generator = surface.generator(profile.angle);
-        let at = |edge: f64| generator.pixel(rough.position + outward * edge / profile.across);
+    let cut_off = CUT_OFF_DEVIATION.get() * share * template.steps.blur * rough.pixel;
+    let steps: List<PlacedStep> = whole()
+        .filter_map(|profile| {
+            let (edge, deviation) = profile.step(shift * profile.across, template, noise)?;
+            let &Profile { angle, across, .. } = profile;
+            Some(PlacedStep { angle, across, edge, deviation })
+        })
+        .collect();
+    let error = PLACES_ERROR.get() * standard_error(&steps, shift);
+    let place = |step: &PlacedStep| {
+        let generator = surface.generator(step.angle);
+        let at = |edge: f64| generator.pixel(rough.position + outward * edge / step.across);
         let tangent = generator.pixel_beside(rough.position)? - generator.pixel(rough.position)?;
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
-        let (pixel, ahead) = (at(edge)?, at(edge + 1.0)?);
+        let (pixel, ahead) = (at(step.edge)?, at(step.edge + 1.0)?);
         let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
-        let deviation = deviation.hypot(PLACE_DEVIATION.get());
-        Some(ArcSample { pixel, normal, deviation, across: profile.across })
-    });
+        let deviation = step.deviation.hypot(PLACE_DEVIATION.get());
+        Some(ArcSample { pixel, normal, deviation, across: step.across })
+    };
     Some(ArcEnd {
         position: rough.position + outward * shift,
-        deviation: (variance + model * model).sqrt(),
-        samples: samples.collect(),
+        deviation: (variance + cut_off * cut_off + error * error).sqrt(),
+        model: MODEL_DEVIATION.get() * rough.pixel,
+        samples: steps.iter().filter_map(place).collect(),
         blur: template.steps.blur,
     })
+}
+
+/// The standard error of the common place of steps, by how much they scatter about it, of which neighbours err alike: a shadow, a
+/// label or a lid moves many of them. 0 for none.
+fn standard_error(steps: &[PlacedStep], shift: f64) -> f64 {
+    let apart: List<f64> = steps.iter().map(|step| step.edge / step.across - shift).collect();
+    let independent = (independent_part(&apart) * apart.len() as f64).max(1.0);
+    DEVIATION_OF_MEDIAN * median_size(apart.iter().copied()) / independent.sqrt()
 }
 
 /// The arc by which the image, together with the rough end, is explained best: by how much it lies outward of that, and

@@ -261,8 +261,7 @@ fn locate(
     }
     match (state != EndState::Hidden).then(|| arc(&rough)).flatten() {
         Some(arc) => {
-            let (position, deviation) =
-                if told.is_some() { with_depth(&rough, &arc) } else { (arc.position, arc.deviation) };
+            let (position, deviation) = together(&rough, &arc);
             End {
                 position,
                 deviation: Some(deviation),
@@ -285,18 +284,12 @@ fn locate(
     }
 }
 
-/// So many of its deviations from where the depth has an end an arc may be that of the end.
-const AGREEING: f64 = 2.0;
-
-/// An arc and what the depth says of an end inside a mask, where rims and seams make arcs, too: position and standard
-/// deviation. By how far they are apart beyond that the arc may be another one.
-fn with_depth(depth: &RoughEnd, arc: &ArcEnd) -> (f64, f64) {
-    let apart = arc.position - depth.position;
-    let of_depth = depth.deviation * depth.deviation;
-    let of_arc = arc.deviation * arc.deviation + (apart * apart - AGREEING * AGREEING * of_depth).max(0.0);
-    let part = of_depth / (of_depth + of_arc);
-    // Of both together, and of which it is.
-    (depth.position + part * apart, (part * of_arc + part * (1.0 - part) * apart * apart).sqrt())
+/// What an arc and the rough end say together: position and standard deviation. What the model of an arc leaves out is not
+/// made less by a rough end, which errs by more.
+fn together(rough: &RoughEnd, arc: &ArcEnd) -> (f64, f64) {
+    let [of_rough, of_arc] = [rough.deviation, arc.deviation].map(|deviation| deviation * deviation);
+    let part = of_rough / (of_rough + of_arc);
+    (rough.position + part * (arc.position - rough.position), (part * of_arc).sqrt().hypot(arc.model))
 }
 
 #[cfg(test)]
@@ -304,13 +297,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arc_far_from_what_the_depth_says_of_an_end_gives_way_to_it() {
-        let depth = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
-        let arc =
-            |apart: f64| ArcEnd { position: 0.1 + apart, deviation: 1e-4, samples: List::new(), blur: 1.0 };
-        let (position, deviation) = with_depth(&depth, &arc(8e-4));
-        assert!((position - 0.1008).abs() < 2e-5 && deviation < 2e-4, "{position} {deviation}");
-        let (position, deviation) = with_depth(&depth, &arc(4e-3));
-        assert!((0.1..0.1005).contains(&position) && deviation > 1e-3, "{position} {deviation}");
+    fn an_arc_whose_places_disagree_gives_way_to_the_rough_end() {
+        let rough = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
+        let arc = |deviation: f64| ArcEnd {
+            position: 0.104,
+            deviation,
+            model: 1e-5,
+            samples: List::new(),
+            blur: 1.0,
+        };
+        let (position, deviation) = together(&rough, &arc(1e-4));
+        assert!((position - 0.104).abs() < 5e-5 && deviation < 1.1e-4, "{position} {deviation}");
+        let (position, deviation) = together(&rough, &arc(2e-3));
+        assert!((position - 0.1008).abs() < 1e-6 && deviation < 1e-3, "{position} {deviation}");
     }
 }

@@ -13,6 +13,7 @@ use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
 use crate::memory::List;
 use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
+use crate::statistics::independent_part;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::ControlFlow;
 
@@ -196,51 +197,10 @@ fn places(
         Some(Progress::Moved)
     })?;
     left.iter_mut().zip(&weights).for_each(|(residual, weight)| *residual *= weight.sqrt());
-    let factor = independent_share(&left) * (endpoint / scale).powi(2);
+    let factor = independent_part(&left) * (endpoint / scale).powi(2);
     let weighted = |((place, ..), weight): ((ArcRay, f64, Vector3<f64>), f64)| ArcRay {
         weight: place.weight * weight * factor,
         ..place
     };
     Some(found.into_iter().zip(weights).map(weighted).collect())
-}
-
-/// The share of the places along an arc that tell as much as all of them do, by what a fit leaves of them in their order:
-/// (1 − ρ) / (1 + ρ) with the correlation ρ of neighbours, as of a first-order autoregression. Neighbours share pixels, and
-/// what the model of the profile leaves out.
-fn independent_share(residuals: &[f64]) -> f64 {
-    let squares: f64 = residuals.iter().map(|e| e * e).sum();
-    let products: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    if !(products > 0.0) {
-        return 1.0;
-    }
-    (squares - products) / (squares + products)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
-
-    #[test]
-    fn places_that_err_with_their_neighbours_count_less() {
-        // Noise with variance 1, of which each place keeps ρ from the one before it.
-        let series = |correlation: f64| {
-            let mut rng = ChaCha8Rng::seed_from_u64(5);
-            let mut last = 0.0;
-            let next = |_| {
-                let fresh = (f64::from(rng.next_u32()) / f64::from(u32::MAX) - 0.5) * 12.0_f64.sqrt();
-                last = correlation * last + (1.0 - correlation * correlation).sqrt() * fresh;
-                last
-            };
-            (0..20_000).map(next).collect::<Vec<f64>>()
-        };
-        for (correlation, share) in [(0.0, 1.0), (0.3, 0.538), (0.6, 0.25), (0.9, 0.0526)] {
-            let found = independent_share(&series(correlation));
-            assert!((found - share).abs() < 0.03, "{correlation}: {found}");
-        }
-        // Never more than there are, and exact where nothing is left.
-        assert_eq!(independent_share(&series(-0.5)), 1.0);
-        assert_eq!(independent_share(&[0.0; 10]), 1.0);
-    }
 }
