@@ -35,11 +35,15 @@ constants! {
     pub(super) AMBIGUOUS = 100.0, "";
 
     /// The least distance of such places in pixels: blur moves a minimum by less.
-    ELSEWHERE = 1.0, "px";
+    pub(super) ELSEWHERE = 1.0, "px";
 
     /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
     /// pixel is odd about its neighbours, too.
     pub(super) TEMPERATURE = 4.0, "";
+
+    /// By how much twice the log-likelihood is divided before it pays for the slopes of a background: 1 if no pixel shared
+    /// anything with its neighbours (docs/measurements-limbs.md).
+    SLOPE_TEMPERATURE = 1.4, "";
 }
 
 /// Where the blur stands among the unknowns, after four of each limb.
@@ -79,6 +83,8 @@ pub(super) struct Limb<'a> {
     /// Standard deviation of the coefficients of the shading.
     shading_deviation: f64,
     pub background: Background,
+    /// Whether slopes explain the background better about the place that the scan found without them.
+    pub is_sloped_there: bool,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
@@ -108,6 +114,7 @@ impl<'a> Limb<'a> {
             sharp,
             shading_deviation,
             background: Background::Flat,
+            is_sloped_there: false,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             near: line,
@@ -183,24 +190,30 @@ impl<'a> Limb<'a> {
             };
             sums.iter().map(place).collect()
         };
-        let mut places = places_on(Background::Flat);
-        // A slope of each block is worth its while where it explains more than any number would.
-        let price: f64 = sums[0].1.iter().map(|block| TEMPERATURE.get() * block.count.ln()).sum();
-        let sloped = places_on(Background::Sloped);
-        let lowest =
-            |places: &[(f64, LimbState)]| places.iter().map(|place| place.0).fold(f64::INFINITY, f64::min);
-        if lowest(&sloped) + price < lowest(&places) {
-            places = sloped;
-            self.background = Background::Sloped;
-        }
+        let [flat, sloped] = [Background::Flat, Background::Sloped].map(places_on);
         let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
             places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
         };
-        let Some(best) = least(&mut places.iter()) else { return List::from([self.state]) };
+        let [Some(of_flat), Some(of_sloped)] = [&flat, &sloped].map(|places| least(&mut places.iter()))
+        else {
+            return List::from([self.state]);
+        };
+        // The price of a slope in each block (Schwarz, Annals of Statistics 6, 1978).
+        let price: f64 = sums[0].1.iter().map(|block| block.count.ln()).sum();
+        let apart = |a: &LimbState, b: &LimbState| (a.line.offset - b.line.offset).abs();
+        let (places, best) = if of_sloped.0 + TEMPERATURE.get() * price < of_flat.0 {
+            self.background = Background::Sloped;
+            (&sloped, of_sloped)
+        } else {
+            let beside = |place: &&(f64, LimbState)| apart(&place.1, &of_flat.1) < ELSEWHERE.get();
+            let there = least(&mut sloped.iter().filter(beside));
+            self.is_sloped_there =
+                there.is_some_and(|there| there.0 + SLOPE_TEMPERATURE.get() * price < of_flat.0);
+            (&flat, of_flat)
+        };
         // A blur that is not known yet turns a second minimum into a shoulder.
         let other = least(&mut places.iter().filter(|place| {
-            (place.1.line.offset - best.1.line.offset).abs() >= ELSEWHERE.get()
-                && place.0 < best.0 + AMBIGUOUS.get()
+            apart(&place.1, &best.1) >= ELSEWHERE.get() && place.0 < best.0 + AMBIGUOUS.get()
         }));
         [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
     }

@@ -5,8 +5,10 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
-use super::limb::{AMBIGUOUS, BLUR, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
+use super::block::{
+    Background, LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks,
+};
+use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
 use super::profile::{MARGIN, ShadedProfile};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -81,6 +83,7 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
         modes.push(Mode { cost, limbs: limbs.iter().cloned().collect(), blur, path });
     }
     modes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    modes[0].take_slopes(&blur);
     limbs.clone_from_slice(&modes[0].limbs);
     see_less(limbs, &blur, modes[0].blur);
     let weights: List<f64> =
@@ -185,6 +188,27 @@ struct Mode<'a> {
 }
 
 impl Mode<'_> {
+    /// Goes on with slopes of the background where these explain it better. They are for soft shadows, which move a line by
+    /// tenths of a pixel: with slopes from the start lines went to edges inside the limb, and what leads away stays without.
+    fn take_slopes(&mut self, expected: &ExpectedBlur) {
+        let (mut limbs, mut blur) = (self.limbs.clone(), self.blur);
+        let sloped = limbs.iter_mut().filter(|limb| limb.is_sloped_there);
+        if sloped.map(|limb| limb.background = Background::Sloped).count() == 0 {
+            return;
+        }
+        for _ in 1..=STEPS.count() {
+            look_about(&mut limbs, STEPS.count());
+            let profiles = profiles(&limbs, blur);
+            if step(&mut limbs, &profiles, expected, &mut blur) < SETTLED.get() {
+                break;
+            }
+        }
+        let mut pairs = limbs.iter().zip(&self.limbs);
+        if pairs.all(|(limb, before)| limb.is_along(&before.state.line, ELSEWHERE.get())) {
+            (self.limbs, self.blur) = (limbs, blur);
+        }
+    }
+
     /// Whether limbs are there, or where the same steps led there from.
     fn leads_from(&self, limbs: &[Limb<'_>]) -> bool {
         let mut pairs = self.limbs.iter().zip(limbs);

@@ -254,6 +254,13 @@ fn a_shadow_that_fades_beside_the_limbs_does_not_move_them() {
 }
 
 #[test]
+fn a_faint_shadow_does_not_move_the_limbs_either() {
+    for background in [160.0, 220.0] {
+        Scene { background, shadow: 0.15, ..Scene::new() }.check(0.05);
+    }
+}
+
+#[test]
 fn the_deviation_of_a_line_says_that_a_hard_shadow_ends_beside_it() {
     for width in [2.5, 3.0, 3.5] {
         let scene = Scene { hard_shadow: width, background: 220.0, ..Scene::new() };
