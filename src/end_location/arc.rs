@@ -68,8 +68,8 @@ constants! {
     /// The far rim of the cap shines so many blurs into a window before it.
     RIM_BLURS = 2.0, "σ";
 
-    /// The error of an arc in standard errors of its places: they err in larger groups than neighbours tell
-    /// (docs/measurements-ends.md).
+    /// The error of an arc in standard errors of its places: they err together over longer stretches than the correlation
+    /// of neighbours shows (docs/measurements-ends.md).
     PLACES_ERROR = 2.0, "σ";
 
     /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
@@ -114,12 +114,15 @@ pub struct ArcSample {
     pub across: f64,
 }
 
-/// The step of one generator alone: its angle, how fast the arc moves across itself there, and where it is beside the
-/// rough end and its standard deviation, in pixels across the arc.
+/// The step of one generator alone.
 struct PlacedStep {
+    /// That of the generator.
     angle: f64,
+    /// How fast the arc moves across itself there when the end moves along the axis, in pixels by length.
     across: f64,
+    /// How far it is outward of the rough end, in pixels across the arc.
     edge: f64,
+    /// Its standard deviation, likewise.
     deviation: f64,
 }
 
@@ -215,7 +218,8 @@ fn locate(
             Some(PlacedStep { angle, across, edge, deviation })
         })
         .collect();
-    let error = PLACES_ERROR.get() * standard_error(&steps, shift);
+    let reach = SAMPLE_REACH_PIXELS.get() * rough.pixel;
+    let error = PLACES_ERROR.get() * standard_error(&steps, shift).unwrap_or(reach);
     let place = |step: &PlacedStep| {
         let generator = surface.generator(step.angle);
         let at = |edge: f64| generator.pixel(rough.position + outward * edge / step.across);
@@ -235,12 +239,13 @@ fn locate(
     })
 }
 
-/// The standard error of the common place of steps, by how much they scatter about it, of which neighbours err alike: a shadow, a
-/// label or a lid moves many of them. 0 for none.
-fn standard_error(steps: &[PlacedStep], shift: f64) -> f64 {
+/// The standard error of the common place of steps by how much they scatter about it, of which neighbours err alike: a shadow, a
+/// label or a lid moves many of them. `None` for none.
+fn standard_error(steps: &[PlacedStep], shift: f64) -> Option<f64> {
     let apart: List<f64> = steps.iter().map(|step| step.edge / step.across - shift).collect();
     let independent = (independent_part(&apart) * apart.len() as f64).max(1.0);
-    DEVIATION_OF_MEDIAN * median_size(apart.iter().copied()) / independent.sqrt()
+    let scatter = DEVIATION_OF_MEDIAN * median_size(apart.iter().copied());
+    (!steps.is_empty()).then(|| scatter / independent.sqrt())
 }
 
 /// The arc by which the image, together with the rough end, is explained best: by how much it lies outward of that, and

@@ -7,6 +7,8 @@
 //!    at the limbs (`silhouette`);
 //! 2. in the depth image: what lies beyond, from which the state of the end follows (`surroundings`);
 //! 3. in the grey image: the arc of the end circle that bounds the visible surface (`arc`).
+//!
+//! Where the image shows an arc, both are joined by their variances.
 
 mod arc;
 mod border;
@@ -106,16 +108,16 @@ pub struct End {
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
-    /// The blur with which the image shows the arc, in pixels of the grid on which it was looked for.
-    pub blur: Option<f64>,
+    /// The arc by itself; `None` where the image did not show it.
+    pub arc: Option<LastArc>,
 }
 
-/// An arc of the last image of a sequence.
+/// An arc as the image shows it, from which the search in the next image of a sequence starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LastArc {
     /// Its position along the axis, from the axis point of the cylinder.
     pub position: f64,
-    /// See [`End::blur`].
+    /// The blur with which the image shows it, in pixels of the grid on which it was looked for.
     pub blur: f64,
 }
 
@@ -214,7 +216,7 @@ fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End 
         source: EndSource::Extreme,
         rim: false,
         samples: List::new(),
-        blur: None,
+        arc: None,
     }
 }
 
@@ -256,20 +258,20 @@ fn locate(
             source: EndSource::Border,
             rim: told.is_some(),
             samples: List::new(),
-            blur: None,
+            arc: None,
         };
     }
     match (state != EndState::Hidden).then(|| arc(&rough)).flatten() {
         Some(arc) => {
-            let (position, deviation) = together(&rough, &arc);
+            let Together { position, deviation, part } = together(&rough, &arc);
             End {
                 position,
                 deviation: Some(deviation),
                 state,
-                source: EndSource::Image,
+                source: if part >= 0.5 { EndSource::Image } else { EndSource::Mask },
                 rim: told.is_some(),
                 samples: arc.samples,
-                blur: Some(arc.blur),
+                arc: Some(LastArc { position: arc.position, blur: arc.blur }),
             }
         }
         None => End {
@@ -279,17 +281,30 @@ fn locate(
             source: EndSource::Mask,
             rim: told.is_some(),
             samples: List::new(),
-            blur: None,
+            arc: None,
         },
     }
 }
 
-/// What an arc and the rough end say together: position and standard deviation. What the model of an arc leaves out is not
-/// made less by a rough end, which errs by more.
-fn together(rough: &RoughEnd, arc: &ArcEnd) -> (f64, f64) {
+/// What an arc and the rough end say together.
+struct Together {
+    position: f64,
+    /// Its standard deviation.
+    deviation: f64,
+    /// The part that the arc has in the position.
+    part: f64,
+}
+
+/// The mean of an arc and the rough end by their variances. What the model of the arc leaves out is added afterwards: an
+/// arc that is good to a tenth of a pixel would otherwise be drawn to a mask that is drawn to half of one.
+fn together(rough: &RoughEnd, arc: &ArcEnd) -> Together {
     let [of_rough, of_arc] = [rough.deviation, arc.deviation].map(|deviation| deviation * deviation);
     let part = of_rough / (of_rough + of_arc);
-    (rough.position + part * (arc.position - rough.position), (part * of_arc).sqrt().hypot(arc.model))
+    Together {
+        position: rough.position + part * (arc.position - rough.position),
+        deviation: (part * of_arc).sqrt().hypot(arc.model),
+        part,
+    }
 }
 
 #[cfg(test)]
@@ -297,18 +312,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_arc_whose_places_disagree_gives_way_to_the_rough_end() {
+    fn an_arc_that_is_uncertain_gives_way_to_the_rough_end() {
         let rough = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
         let arc = |deviation: f64| ArcEnd {
             position: 0.104,
             deviation,
-            model: 1e-5,
+            model: 3e-4,
             samples: List::new(),
             blur: 1.0,
         };
-        let (position, deviation) = together(&rough, &arc(1e-4));
-        assert!((position - 0.104).abs() < 5e-5 && deviation < 1.1e-4, "{position} {deviation}");
-        let (position, deviation) = together(&rough, &arc(2e-3));
-        assert!((position - 0.1008).abs() < 1e-6 && deviation < 1e-3, "{position} {deviation}");
+        let Together { position, deviation, part } = together(&rough, &arc(1e-4));
+        assert!((position - 0.104).abs() < 5e-5 && part > 0.98, "{position} {part}");
+        assert!((3e-4..3.3e-4).contains(&deviation), "{deviation}");
+        let Together { position, deviation, part } = together(&rough, &arc(2e-3));
+        assert!((position - 0.1008).abs() < 1e-6 && (part - 0.2).abs() < 1e-9, "{position} {part}");
+        assert!((9e-4..1e-3).contains(&deviation), "{deviation}");
     }
 }

@@ -136,7 +136,7 @@ mod tests {
                 source: EndSource::Image,
                 rim: false,
                 samples: crate::memory::List::new(),
-                blur: None,
+                arc: None,
             });
             let at = |end| (end, RigidMotion::identity());
             let both = [at(&ends[0]), at(&ends[1])];

@@ -147,7 +147,7 @@ fn arcs(
     if ends.iter().any(|end| end.rim) {
         return Ok(None);
     }
-    let last = ends.each_ref().map(|end| Some(LastArc { position: end.position, blur: end.blur? }));
+    let last = ends.each_ref().map(|end| end.arc);
     let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
     Ok(Some((ArcTerm { ends: ends.collect() }, last)))
 }
@@ -197,6 +197,7 @@ fn places(
         Some(Progress::Moved)
     })?;
     left.iter_mut().zip(&weights).for_each(|(residual, weight)| *residual *= weight.sqrt());
+    // Neighbours share pixels, and what the model of the profile leaves out.
     let factor = independent_part(&left) * (endpoint / scale).powi(2);
     let weighted = |((place, ..), weight): ((ArcRay, f64, Vector3<f64>), f64)| ArcRay {
         weight: place.weight * weight * factor,

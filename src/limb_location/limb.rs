@@ -83,8 +83,8 @@ pub(super) struct Limb<'a> {
     /// Standard deviation of the coefficients of the shading.
     shading_deviation: f64,
     pub background: Background,
-    /// Whether slopes explain the background better about the place that the scan found without them.
-    pub is_sloped_there: bool,
+    /// Where the scan found the limb without slopes of the background, if these explain it better there.
+    sloped_at: Option<f64>,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
@@ -114,7 +114,7 @@ impl<'a> Limb<'a> {
             sharp,
             shading_deviation,
             background: Background::Flat,
-            is_sloped_there: false,
+            sloped_at: None,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             near: line,
@@ -156,6 +156,16 @@ impl<'a> Limb<'a> {
     pub fn is_beyond(&self, reach: f64) -> bool {
         let half = self.expected.half_length;
         [-half, half].iter().any(|s| self.state.line.at(*s).abs() > reach)
+    }
+
+    /// Gives the background slopes where the scan found that they explain it better, if the line is still there; whether it did.
+    pub fn take_slopes(&mut self) -> bool {
+        let near = |at: f64| (self.state.line.offset - at).abs() < ELSEWHERE.get();
+        let takes = self.sloped_at.is_some_and(near);
+        if takes {
+            self.background = Background::Sloped;
+        }
+        takes
     }
 
     /// Whether the line goes within `distance` of another one, in pixels.
@@ -207,8 +217,8 @@ impl<'a> Limb<'a> {
         } else {
             let beside = |place: &&(f64, LimbState)| apart(&place.1, &of_flat.1) < ELSEWHERE.get();
             let there = least(&mut sloped.iter().filter(beside));
-            self.is_sloped_there =
-                there.is_some_and(|there| there.0 + SLOPE_TEMPERATURE.get() * price < of_flat.0);
+            let there = there.filter(|there| there.0 + SLOPE_TEMPERATURE.get() * price < of_flat.0);
+            self.sloped_at = there.map(|_| of_flat.1.line.offset);
             (&flat, of_flat)
         };
         // A blur that is not known yet turns a second minimum into a shoulder.

@@ -5,9 +5,7 @@
 //! each limb has its line and its shading relative to the level inside; the image has its blur. Gauss–Newton steps on
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
-use super::block::{
-    Background, LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks,
-};
+use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
 use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
 use super::profile::{MARGIN, ShadedProfile};
 use crate::memory::List;
@@ -188,16 +186,20 @@ struct Mode<'a> {
 }
 
 impl Mode<'_> {
-    /// Goes on with slopes of the background where these explain it better. They are for soft shadows, which move a line by
-    /// tenths of a pixel: with slopes from the start lines went to edges inside the limb, and what leads away stays without.
+    /// Continues with slopes of the background where the scan found that they explain it better. They are for soft shadows, which
+    /// move a line by tenths of a pixel: taken from the first step on they drew lines to edges inside the limb. If a line goes
+    /// elsewhere, the result without slopes stays.
     fn take_slopes(&mut self, expected: &ExpectedBlur) {
         let (mut limbs, mut blur) = (self.limbs.clone(), self.blur);
-        let sloped = limbs.iter_mut().filter(|limb| limb.is_sloped_there);
-        if sloped.map(|limb| limb.background = Background::Sloped).count() == 0 {
+        let mut sloped = false;
+        for limb in &mut limbs {
+            sloped |= limb.take_slopes();
+        }
+        if !sloped {
             return;
         }
         for _ in 1..=STEPS.count() {
-            look_about(&mut limbs, STEPS.count());
+            look_about(&mut limbs, FIRST_STEPS.count() + 1);
             let profiles = profiles(&limbs, blur);
             if step(&mut limbs, &profiles, expected, &mut blur) < SETTLED.get() {
                 break;
@@ -325,28 +327,39 @@ mod tests {
     use crate::observations::{GreyImage, ImageView, ReducedImage};
 
     const SIZE: (usize, usize) = (80, 80);
-    const CONTRAST: f64 = 12.0;
-    const NOISE: f64 = 6.0;
-
-    /// An upright limb that the noise nearly hides.
-    fn faint(seed: u64) -> GreyImage {
-        let mut state = seed;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let pixels = (0..SIZE.0 * SIZE.1).map(|k| {
-            let inside = 1.0 / (1.0 + (-2.0 * ((k % SIZE.0) as f64 - 40.3)).exp());
-            // Four uniform numbers are nearly Gaussian, with variance 1/3.
-            let noise = ((0..4).map(|_| uniform()).sum::<f64>() - 2.0) * 3.0_f64.sqrt() * NOISE;
-            (100.0 + CONTRAST * inside + noise).round() as u8
-        });
-        let bytes: Vec<u8> = pixels.collect();
-        GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap()
+    /// An upright limb at 40.3 before a background of brightness 100.
+    struct Scene {
+        contrast: f64,
+        noise: f64,
+        /// The part of the light that a shadow takes away beside the limb; it fades over ten pixels.
+        shadow: f64,
     }
 
-    /// How far the last step moves the limb, in pixels.
-    fn last_step(image: &GreyImage) -> f64 {
+    /// A limb that the noise nearly hides.
+    const FAINT: Scene = Scene { contrast: 12.0, noise: 6.0, shadow: 0.0 };
+
+    impl Scene {
+        fn image(&self, seed: u64) -> GreyImage {
+            let mut state = seed;
+            let mut uniform = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1_u64 << 53) as f64
+            };
+            let pixels = (0..SIZE.0 * SIZE.1).map(|k| {
+                let u = (k % SIZE.0) as f64 - 40.3;
+                let inside = 1.0 / (1.0 + (-2.0 * u).exp());
+                let shadow = self.shadow * (1.0 + u.min(0.0) / 10.0).max(0.0) * (1.0 - inside);
+                // Four uniform numbers are nearly Gaussian, with variance 1/3.
+                let noise = ((0..4).map(|_| uniform()).sum::<f64>() - 2.0) * 3.0_f64.sqrt() * self.noise;
+                (100.0 * (1.0 - shadow) + self.contrast * inside + noise).round() as u8
+            });
+            let bytes: Vec<u8> = pixels.collect();
+            GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap()
+        }
+    }
+
+    /// Does something with the limb of an image, from a rough line 0.3 pixels beside it.
+    fn with_limb<R>(image: &GreyImage, noise: f64, then: impl FnOnce(Limb<'_>) -> R) -> R {
         let intrinsics = Intrinsics {
             width: SIZE.0 as u32,
             height: SIZE.1 as u32,
@@ -357,16 +370,22 @@ mod tests {
             distortion: Distortion::None,
         };
         let camera = Camera::new(intrinsics).unwrap();
-        let noise = NoiseModel::default().in_image(SIZE);
-        let grid = Grid { image: ReducedImage::new(image, 1), camera: &camera, noise, least_noise: 0.0 };
+        let of_image = NoiseModel::default().in_image(SIZE);
+        let grid =
+            Grid { image: ReducedImage::new(image, 1), camera: &camera, noise: of_image, least_noise: 0.0 };
         let ideal =
             |x: f64, y: f64| camera.ideal_pixel(&camera.unproject(&Vector2::new(x, y)).unwrap()).unwrap();
         let baseline = Baseline::new(&[ideal(40.0, 0.0), ideal(40.0, 79.0)], &ideal(60.0, 40.0)).unwrap();
         let strip = Strip::gather(&grid, &baseline, 10.0);
         let rough = RoughLine { ends: [0.0; 2], score: 0.0, visible: true };
         let half_length = baseline.half_length;
-        let expected = Expected { rough, half_length, deviation: 1.5, noise: NOISE };
-        let mut limbs = [Limb::new(&strip, expected, &LimbShading::plain(0.3), 30.0)];
+        let expected = Expected { rough, half_length, deviation: 1.5, noise };
+        then(Limb::new(&strip, expected, &LimbShading::plain(0.3), 30.0))
+    }
+
+    /// How far the last step moves the limb, in pixels.
+    fn last_step(limb: Limb<'_>) -> f64 {
+        let mut limbs = [limb];
         let expected = ExpectedBlur::new(0.0);
         let (mut blur, mut moved) = (expected.value, f64::INFINITY);
         for count in 1..=STEPS.count() {
@@ -378,8 +397,25 @@ mod tests {
     }
 
     #[test]
+    fn slopes_are_taken_where_the_scan_asked_for_them_and_nowhere_else() {
+        let scanned = |shadow: f64, beside: f64| {
+            let scene = Scene { contrast: 100.0, noise: 1.0, shadow };
+            with_limb(&scene.image(1), scene.noise, |mut limb| {
+                limb.state = limb.scan(FIRST_BLUR.get())[0];
+                limb.state.line.offset += beside;
+                limb.take_slopes()
+            })
+        };
+        assert!(scanned(0.1, 0.0));
+        assert!(!scanned(0.1, 1.5));
+        assert!(!scanned(0.0, 0.0));
+    }
+
+    #[test]
     fn faint_limbs_settle() {
-        let settled = (0..20).filter(|seed| last_step(&faint(*seed)) < SETTLED.get()).count();
+        let settled = (0..20)
+            .filter(|seed| with_limb(&FAINT.image(*seed), FAINT.noise, last_step) < SETTLED.get())
+            .count();
         // With pixels that enter and leave at each step it was 8.
         assert!(settled >= 14, "{settled} of 20");
     }

@@ -1,10 +1,13 @@
-//! Arcs before a background that is cut off at white, and arcs at which the edge of a wall begins.
+//! Arcs before a background that is cut off at white, arcs at which the edge of a wall begins, and how far places err together.
 
 use super::super::{End, EndSearch, locate_ends};
+use super::{PlacedStep, standard_error};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::observations::{GreyImage, ImageView, Mask, MaskView};
+use crate::statistics::DEVIATION_OF_MEDIAN;
 use nalgebra::{Vector2, Vector3};
 use std::ops::ControlFlow;
 
@@ -96,6 +99,8 @@ fn an_arc_before_a_background_that_is_cut_off_at_white_tells_no_shape() {
         assert!(end.samples.is_empty(), "off by {:?} px", off(&end));
         let (error, deviation) = (end.position.abs() - HALF_LENGTH, end.deviation.unwrap());
         assert!(error.abs() < 2.0 * deviation, "{error} +- {deviation}");
+        // A sequence goes on from the arc by itself, which seems to lie inside, not from what it says with the mask.
+        assert!(end.arc.is_some_and(|arc| arc.position.abs() < end.position.abs()), "{end:?}");
     }
 }
 
@@ -128,4 +133,18 @@ fn the_edge_of_a_wall_at_an_open_end_does_not_shift_it() {
     assert!(open.samples.len() > 20 && off(&open).iter().all(|off| off.abs() < 0.4), "{:?}", off(&open));
     let across = open.samples[0].across;
     assert!(((open.position + HALF_LENGTH) * across).abs() < 0.4, "{open:?}");
+}
+
+#[test]
+fn places_of_an_arc_that_err_together_tell_less_of_its_error() {
+    let steps = |edges: &[f64]| -> List<PlacedStep> {
+        edges.iter().map(|&edge| PlacedStep { angle: 0.0, across: 2.0, edge, deviation: 0.1 }).collect()
+    };
+    let error = |edges: &[f64]| standard_error(&steps(edges), 0.0);
+    // Half a pixel apart where a length of one is two pixels; alternating errors are independent ones.
+    let alternating: Vec<f64> = (0..16).map(|k| if k % 2 == 0 { 0.5 } else { -0.5 }).collect();
+    assert!((error(&alternating).unwrap() - DEVIATION_OF_MEDIAN * 0.25 / 4.0).abs() < 1e-12);
+    let halves: Vec<f64> = (0..16).map(|k| if k < 8 { 0.5 } else { -0.5 }).collect();
+    assert!(error(&halves).unwrap() > 3.0 * error(&alternating).unwrap());
+    assert_eq!(error(&[]), None);
 }
