@@ -116,7 +116,7 @@ pub struct ArcSample {
 
 /// The step of one generator alone.
 struct PlacedStep {
-    /// That of the generator.
+    /// The angle of the generator about the axis.
     angle: f64,
     /// How fast the arc moves across itself there when the end moves along the axis, in pixels by length.
     across: f64,
