@@ -1,6 +1,7 @@
 //! All cylinders of a scene: from a depth image or from a bare cloud.
 
 mod candidate;
+mod caps;
 mod cloud;
 mod cone;
 mod distances;

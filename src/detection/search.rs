@@ -97,7 +97,7 @@ pub(super) fn search(
     effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
     effort.limit(LIMITS[1]);
-    let by_depth = candidates(&scene, options, &mut explained, &mut marks);
+    let by_depth = candidates(&scene, options, 1, &mut explained, &mut marks);
     effort.limit(LIMITS[2]);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
@@ -171,10 +171,11 @@ impl Judged {
     }
 }
 
-/// Candidates by patches of the depth, among cells that are not explained yet.
+/// Candidates by patches of the depth, among cells that are not explained yet: so many `seeds` along half of the side of one.
 pub(super) fn candidates(
     scene: &Scene<'_>,
     options: &DetectionOptions,
+    seeds: usize,
     explained: &mut [bool],
     marks: &mut Marks,
 ) -> Vec<Judged> {
@@ -183,7 +184,7 @@ pub(super) fn candidates(
     let mut cells = Vec::new();
     let mut visits = vec![0_u8; grid.cells.len()];
     for half in SIZES {
-        let stride = half.max(2);
+        let stride = (half / seeds).max(2);
         for row in (stride / 2..grid.rows).step_by(stride) {
             for column in (stride / 2..grid.columns).step_by(stride) {
                 let seed = row * grid.columns + column;
