@@ -9,7 +9,7 @@ use crate::memory::List;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::collections::BTreeMap;
 
-/// The least ratio of the variances of a cap along its longer and its shorter diameter. Of 450 objects of the twin six caps had 0.80
+/// The least ratio of the variances of a cap along its longer and its shorter diameter. Of 920 objects of the twin five caps had 0.80
 /// and more, what was seen of the front of a body 0.35 at most.
 const LEAST_ROUND: f64 = 0.6;
 
