@@ -13,7 +13,7 @@ use frames::Inputs;
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 use std::path::Path;
-use support::{SIZE, camera, can, fitter_with, intrinsics, limb_segments, segment, visible_points};
+use support::{Noise, SIZE, camera, can, fitter_with, intrinsics, limb_segments, segment, visible_points};
 
 fn paper() -> Options {
     Options { objective: ObjectiveKind::Paper, ..Options::default() }
@@ -65,6 +65,28 @@ fn the_paper_takes_two_segments_or_no_weight() {
         // The handle stays usable and keeps its data.
         fitter.set_options(Options { edge_weight: 0.0, ..paper() }).unwrap();
         assert_can(&mut fitter);
+    }
+}
+
+#[test]
+fn a_radius_whose_interval_reaches_down_to_nothing_is_weak() {
+    let can = can();
+    let mut noise = Noise::new(1);
+    let faces = |p: &Vector3<f64>| (p - can.axis.nearest_to(p)).normalize().dot(&-p.normalize()) > 0.85;
+    let points: Vec<[f64; 3]> = visible_points(&can, &Vector3::zeros(), 20_000)
+        .into_iter()
+        .map(Vector3::from)
+        .filter(faces)
+        .map(|p| (p * (1.0 + 0.002 * noise.normal())).into())
+        .collect();
+    let mut fitter = fitter_with(&points);
+    // Independent points tell the radius; where ten in all are, it may be anything.
+    for (independent_points, weak) in [(points.len() as f64, false), (10.0, true)] {
+        fitter.set_options(Options { independent_points, ..Options::default() }).unwrap();
+        let fit = fitter.fit().unwrap();
+        let deviation = fit.uncertainty.unwrap().radius() / fit.cylinder.radius;
+        assert_eq!(deviation > 0.5, weak, "{deviation}");
+        assert_eq!(fit.flags.contains(Flags::WEAK_RADIUS), weak, "{deviation}");
     }
 }
 

@@ -106,7 +106,9 @@ pub(super) fn describe(
     let (uncertainty, radii, shift) = data.uncertainty(held, &frame, scales, &objective);
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
-    flags.set(Flags::WEAK_RADIUS, weak || scale_held);
+    // The 95 % interval of what is stated reaches down to nothing.
+    let unknown = uncertainty.as_ref().is_some_and(|stated| 2.0 * stated.radius() >= cylinder.radius);
+    flags.set(Flags::WEAK_RADIUS, weak || scale_held || unknown);
     let coarse = clouds().any(|cloud| cloud.resolution() > COARSE * cylinder.radius);
     flags.set(Flags::RESOLUTION_LOST, coarse);
     flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
