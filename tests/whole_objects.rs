@@ -5,8 +5,8 @@ mod support;
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::extent::EndState;
-use cylfuse::fitter::{Fitter, Part};
-use cylfuse::geometry::Cylinder;
+use cylfuse::fitter::{Fitter, Options, Part};
+use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use cylfuse::observations::{DepthRange, DepthView, MaskView};
 use nalgebra::{Vector2, Vector3};
 use support::Noise;
@@ -141,7 +141,6 @@ fn the_body_is_measured_whatever_the_mask_holds() {
     }
 }
 
-/// Most of the points are of a wall far behind, which says nothing of the noise of the surface.
 /// What is seen of such a body bends less than the noise, and with its cap the points lie on a cylinder across it as well.
 #[test]
 fn a_body_seen_along_its_axis_is_found_by_its_cap() {
@@ -154,12 +153,22 @@ fn a_body_seen_along_its_axis_is_found_by_its_cap() {
         for (k, depth) in depth.iter_mut().enumerate() {
             *depth += depth.powi(2) * errors[k / SIZE.0 / 7 * 35 + k % SIZE.0 / 7] as f32;
         }
-        let fit = scene.fitter_with(|_| true, &depth).fit().unwrap();
-        let angle = scene.cylinder.compare(&fit.cylinder).angle;
-        assert!(angle < 0.05, "{seed}: {angle}");
+        let Cylinder { axis, radius } = scene.cylinder;
+        let known_radius =
+            CylinderLimits { radius_min: radius, radius_max: radius, ..CylinderLimits::default() };
+        let cone = AxisCone { direction: axis.direction, max_angle: 0.02 };
+        let known_axis = CylinderLimits { axis: Some(cone), ..CylinderLimits::default() };
+        for cylinder_limits in [CylinderLimits::default(), known_radius, known_axis] {
+            let mut fitter = scene.fitter_with(|_| true, &depth);
+            fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
+            let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
+            assert!(difference.angle < 0.05, "{seed}, {cylinder_limits:?}: {}", difference.angle);
+            assert!(difference.axis_distance < 0.1 * radius, "{seed}: {}", difference.axis_distance);
+        }
     }
 }
 
+/// Most of the points are of a wall far behind, which says nothing of the noise of the surface.
 #[test]
 fn the_background_is_told_without_a_mask() {
     let scene = Scene::new(Top::Dark);

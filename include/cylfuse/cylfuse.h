@@ -1101,7 +1101,7 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_SCALE_HELD 32
 /**
- * The data hardly determine the radius: see `condition`.
+ * The data hardly determine the radius: see `radius_deviation`.
  */
 #define CYLFUSE_RESULT_FLAGS_WEAK_RADIUS 64
 /**

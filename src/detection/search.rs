@@ -48,7 +48,7 @@ const MOST_PAIRS: usize = 200;
 const COVERED: f64 = 0.6;
 
 /// Candidates with less are forgotten.
-const LEAST_SCORE: f64 = 0.01;
+pub(super) const LEAST_SCORE: f64 = 0.01;
 
 /// With this score what is explained is not explained again.
 const CERTAIN: f64 = 0.9;
@@ -171,7 +171,8 @@ impl Judged {
     }
 }
 
-/// Candidates by patches of the depth, among cells that are not explained yet: so many `seeds` along half of the side of one.
+/// Candidates by patches of the depth, among cells that are not explained yet. Seeds lie half the side of a
+/// patch divided by `seeds` apart, and at least two cells.
 pub(super) fn candidates(
     scene: &Scene<'_>,
     options: &DetectionOptions,

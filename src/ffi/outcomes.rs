@@ -207,7 +207,7 @@ impl cylfuse_result_flags {
     pub const EDGES_BEHIND: cylfuse_result_flags = cylfuse_result_flags(16);
     /// The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.
     pub const SCALE_HELD: cylfuse_result_flags = cylfuse_result_flags(32);
-    /// The data hardly determine the radius: see `condition`.
+    /// The data hardly determine the radius: see `radius_deviation`.
     pub const WEAK_RADIUS: cylfuse_result_flags = cylfuse_result_flags(64);
     /// The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     pub const RESOLUTION_LOST: cylfuse_result_flags = cylfuse_result_flags(128);

@@ -65,7 +65,7 @@ namespace Cylfuse
         EdgesBehind = 16,
         /// <summary>The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept.</summary>
         ScaleHeld = 32,
-        /// <summary>The data hardly determine the radius: see <see cref="FitResult.Condition"/>.</summary>
+        /// <summary>The data hardly determine the radius: see its stated deviation.</summary>
         WeakRadius = 64,
         /// <summary>The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.</summary>
         ResolutionLost = 128,

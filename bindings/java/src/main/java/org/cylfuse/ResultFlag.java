@@ -19,7 +19,7 @@ public enum ResultFlag {
     EDGES_BEHIND(16),
     /** The edges alone (an edge weight of 1) do not tell the scale: that of the start was kept. */
     SCALE_HELD(32),
-    /** The data hardly determine the radius: see {@link FitResult#condition()}. */
+    /** The data hardly determine the radius: see its stated deviation. */
     WEAK_RADIUS(64),
     /** The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin. */
     RESOLUTION_LOST(128),
