@@ -1,14 +1,16 @@
 # Builds and installs the library for C and C++. For everything else see CONTRIBUTING.md.
 #
 #   make                               builds the shared and the static library
-#   make install PREFIX=/opt/cylfuse   headers, libraries, pkg-config file, CMake package
+#   make install PREFIX=/opt/cylfuse   headers, libraries, pkg-config file, CMake package; `prefix=` means the same
+#   make uninstall PREFIX=/opt/cylfuse removes them
 #   make deb                           a pair of Debian packages in $(TARGET)/deb
 #   make sbom                          what the library is made of, as a CycloneDX bill of materials in $(TARGET)
 #
 # DESTDIR stages an installation; LIBDIR may differ from $(PREFIX)/lib; STRIP=: keeps the line tables; PROFILE=release takes
 # the library of `cargo build --release`, which is not optimised as a whole and compiles faster.
 
-PREFIX ?= /usr/local
+prefix ?= /usr/local
+PREFIX ?= $(prefix)
 DESTDIR ?=
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR = $(PREFIX)/include
@@ -41,7 +43,7 @@ SUBSTITUTE = sed \
 	-e 's|@SYSTEM_LIBRARIES@|$(SYSTEM_LIBRARIES)|g' \
 	-e 's|@SYSTEM_LIBRARY_FLAGS@|$(addprefix -l,$(SYSTEM_LIBRARIES))|g'
 
-.PHONY: build install install-runtime install-dev deb sbom
+.PHONY: build install install-runtime install-dev uninstall deb sbom
 
 LIBRARIES = $(BUILT)/libcylfuse.so $(BUILT)/libcylfuse.a
 
@@ -70,6 +72,10 @@ install-dev: $(LIBRARIES)
 	@$(SUBSTITUTE) packaging/cylfuse.pc.in > $(DESTDIR)$(PKGCONFIGDIR)/cylfuse.pc
 	@$(SUBSTITUTE) packaging/cylfuse-config.cmake.in > $(DESTDIR)$(CMAKEDIR)/cylfuse-config.cmake
 	@$(SUBSTITUTE) packaging/cylfuse-config-version.cmake.in > $(DESTDIR)$(CMAKEDIR)/cylfuse-config-version.cmake
+
+uninstall:
+	rm -f $(DESTDIR)$(LIBDIR)/libcylfuse.so* $(DESTDIR)$(LIBDIR)/libcylfuse.a $(DESTDIR)$(PKGCONFIGDIR)/cylfuse.pc
+	rm -rf $(DESTDIR)$(INCLUDEDIR)/cylfuse $(DESTDIR)$(CMAKEDIR)
 
 deb: $(LIBRARIES)
 	PROFILE=$(PROFILE) packaging/deb.sh $(VERSION) $(SOVERSION) $(TARGET)/deb

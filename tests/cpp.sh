@@ -49,6 +49,10 @@ check "what was installed" test "$listing" = "./include/cylfuse/batch.hpp ./incl
 ./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
+uninstalls() { # uninstalls: a copy of the installation, named as other projects name it
+    cp -a "$prefix" "$work/copy" && "${make[@]}" uninstall prefix="$work/copy" && test -z "$(find "$work/copy" -type f -o -type l)"
+}
+check "make uninstall" uninstalls
 # From here on it is somewhere else: nothing may remember where it was.
 mv "$prefix" "$work/moved"
 prefix=$work/moved
