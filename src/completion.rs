@@ -6,6 +6,7 @@ use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
 use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// What became of the pixels of the mask.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,9 +68,9 @@ impl Fitter {
         let seen = self.pose().inverse().cylinder(&self.model_or_result(call, model)?);
         let region = Region::new(call, self, mask)?;
         let mut counts = CompletionCounts::default();
-        for row in 0..region.mask().height() {
-            for column in 0..region.mask().width() {
-                let inside = region.mask().contains(column, row);
+        for row in 0..region.mask.height() {
+            for column in 0..region.mask.width() {
+                let inside = region.mask.contains(column, row);
                 emit(column, row, inside.then(|| region.cast(&seen, column, row, &mut counts)).flatten());
             }
         }
@@ -80,8 +81,7 @@ impl Fitter {
 /// A camera and a mask on its image: what completion and extent look at.
 pub(crate) struct Region<'a> {
     pub camera: &'a Camera,
-    given: Option<Mask>,
-    kept: Option<&'a Mask>,
+    pub mask: Cow<'a, Mask>,
 }
 
 impl<'a> Region<'a> {
@@ -91,15 +91,14 @@ impl<'a> Region<'a> {
             missing: "intrinsics",
             remedy: "set the intrinsics first",
         })?;
-        let given = mask.map(Mask::copy).transpose()?;
-        let kept = fitter.mask();
-        if given.is_none() && kept.is_none() {
-            let remedy = "give one, or push the depth image with one";
-            return Err(Error::BadState { call, missing: "a mask", remedy });
-        }
-        let region = Self { camera, given, kept };
-        region.mask().check_size("the image of the intrinsics", camera.size())?;
-        Ok(region)
+        let given = mask.map(Mask::copy).transpose()?.map(Cow::Owned);
+        let mask = given.or_else(|| fitter.mask().map(Cow::Borrowed)).ok_or(Error::BadState {
+            call,
+            missing: "a mask",
+            remedy: "give one, or push the depth image with one",
+        })?;
+        mask.check_size("the image of the intrinsics", camera.size())?;
+        Ok(Self { camera, mask })
     }
 
     /// Where the ray of a pixel first meets a cylinder.
@@ -120,12 +119,5 @@ impl<'a> Region<'a> {
             None => counts.misses += 1,
         }
         hit
-    }
-
-    pub fn mask(&self) -> &Mask {
-        match (&self.given, self.kept) {
-            (Some(mask), _) | (None, Some(mask)) => mask,
-            (None, None) => unreachable!("checked when the region was made"),
-        }
     }
 }

@@ -121,14 +121,14 @@ pub enum Error {
     },
     /// No pixel in the region has a usable depth.
     #[error(
-        "none of the {pixels} pixels in the region has a usable depth: {missing} without a measurement, {out_of_range} out of range; check the depth scale and the mask"
+        "none of the {pixels} pixels in the region has a usable depth: {missing} without a measurement, {out_of_range} out of range or hidden; check the depth scale and the mask"
     )]
     NoDepth {
         /// Pixels in the region.
         pixels: usize,
         /// Pixels with a depth of zero, below zero or not finite.
         missing: usize,
-        /// Pixels outside the range of depths or of the camera model.
+        /// Pixels outside the range of depths or of the camera model, or hidden from the image by something nearer.
         out_of_range: usize,
     },
     /// No start could be found for the iteration.

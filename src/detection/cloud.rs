@@ -40,18 +40,10 @@ struct Viewpoint {
     of_sensor: bool,
 }
 
-/// Finds all cylinders in a cloud; labels are by point, row by row.
+/// Finds all cylinders in a cloud, until `stopped` says so; labels are by point, row by row.
 ///
 /// # Errors
-/// `InvalidArgument`, `OutOfMemory`.
-pub fn detect_points(view: &PointsView<'_>, options: &DetectionOptions) -> Result<Detections> {
-    detect_points_until(view, options, &|| false)
-}
-
-/// The same, until `stopped` says so.
-///
-/// # Errors
-/// Those of [`detect_points`], and `Cancelled`.
+/// `InvalidArgument`, `OutOfMemory`, `Cancelled`.
 pub(crate) fn detect_points_until(
     view: &PointsView<'_>,
     options: &DetectionOptions,

@@ -25,7 +25,6 @@ mod score;
 mod search;
 mod surface;
 
-pub use cloud::detect_points;
 pub(crate) use cloud::detect_points_until;
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
@@ -38,7 +37,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
-use crate::observations::{DepthImage, GreyImage};
+use crate::observations::{DepthImage, GreyImage, check_same_size};
 use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
@@ -157,20 +156,24 @@ impl Detections {
 /// more of each: see [`Detections::evidence_of_fit`].
 ///
 /// # Errors
-/// `InvalidArgument`.
+/// `InvalidArgument`; `SizeMismatch` where depth or image do not have the size of the camera.
 pub fn detect(
     camera: &Camera,
     depth: &DepthImage,
     image: Option<&GreyImage>,
     options: &DetectionOptions,
 ) -> Result<Detections> {
+    check_same_size("depth image", (depth.width(), depth.height()), "camera", camera.size())?;
+    if let Some(image) = image {
+        check_same_size("image", (image.width(), image.height()), "camera", camera.size())?;
+    }
     detect_until(camera, depth, image, options, &|| false)
 }
 
-/// The same, until `stopped` says so.
+/// The same for images of the size of the camera, until `stopped` says so.
 ///
 /// # Errors
-/// Those of [`detect`], and `Cancelled`.
+/// `InvalidArgument`, `Cancelled`.
 pub(crate) fn detect_until(
     camera: &Camera,
     depth: &DepthImage,

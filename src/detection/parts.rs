@@ -1,7 +1,7 @@
 //! One cylinder in several parts, and several cylinders in one.
 
 use super::DetectionOptions;
-use super::candidate::{Candidate, Look, Marks, Scene};
+use super::candidate::{Candidate, Look, Marks, Scene, ends};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
 use crate::memory::List;
@@ -9,6 +9,10 @@ use nalgebra::Vector3;
 
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
 const SECOND: f64 = 4.0;
+
+/// The part of what the smaller of two parts explains that a cylinder in place of both may fall short: each part has
+/// errors of depth in common, which a cylinder of its own takes up.
+const SHARED_PART: f64 = 0.2;
 
 /// Where a cylinder is cut in two, in eighths of its cells: some first, and those between them.
 const CUTS: [usize; 5] = [2, 4, 6, 3, 5];
@@ -89,7 +93,8 @@ fn joined(
     }
     let (look, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
-    if look.worth < a.candidate.gain + b.candidate.gain - 3.0 {
+    let [less, more] = ends([a.candidate.gain, b.candidate.gain].into_iter());
+    if look.worth < more + less * (1.0 - SHARED_PART) - 3.0 {
         return None;
     }
     let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };

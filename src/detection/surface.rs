@@ -251,6 +251,9 @@ pub(super) fn fit(
             parameters = 6;
         }
         let radius = surface.radius();
+        // Nearly undetermined combinations stay: a ten-thousandth of what the best determined one is.
+        let of_radius = if matches!(surface, Surface::Sphere(..)) { 3 } else { 4 };
+        let scale = matrix[(of_radius, of_radius)].max(matrix[(0, 0)]) * 1e-4;
         for i in 0..6 {
             for j in 0..i {
                 matrix[(j, i)] = matrix[(i, j)];
@@ -262,8 +265,6 @@ pub(super) fn fit(
                 matrix[(i, i)] = 1.0;
             }
         }
-        // Nearly undetermined combinations stay: a ten-thousandth of what the best determined one is.
-        let scale = matrix[(4, 4)].max(matrix[(0, 0)]) * 1e-4;
         for i in 0..parameters {
             let lever = if matches!(surface, Surface::Sphere(..))
                 || !(matches!(i, 2 | 3) || i == 5 && matches!(surface, Surface::Cone(..)))

@@ -148,9 +148,11 @@ impl ArcSearch<'_> {
         let known = last.filter(|last| (last.position - rough.position).abs() <= search);
         let near = known.and_then(|last| {
             let rough = RoughEnd { position: last.position, ..reduced };
-            locate(self, &rough, outward, LAST_PIXELS.get() * rough.pixel, Some(last.blur))
+            let blur = last.blur / factor as f64;
+            locate(self, &rough, outward, LAST_PIXELS.get() * rough.pixel, Some(blur))
         });
         let mut end = near.or_else(|| locate(self, &reduced, outward, search, None))?;
+        end.blur *= factor as f64;
         for sample in &mut end.samples {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
             sample.deviation *= factor as f64;

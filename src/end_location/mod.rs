@@ -117,7 +117,7 @@ pub struct End {
 pub struct LastArc {
     /// Its position along the axis, from the axis point of the cylinder.
     pub position: f64,
-    /// The blur with which the image shows it, in pixels of the grid on which it was looked for.
+    /// The blur with which the image shows it, in pixels of the image.
     pub blur: f64,
 }
 

@@ -121,7 +121,7 @@ impl Fitter {
         let mut views = List::new();
         for (index, view) in self.views().iter().enumerate() {
             let selected = index == self.selected_view();
-            let own = region.as_ref().filter(|_| selected && mask.is_some()).map(Region::mask);
+            let own = region.as_ref().filter(|_| selected && mask.is_some()).map(|region| &*region.mask);
             let Some((camera, mask)) = view.camera().zip(own.or(self.fitted_mask(index))) else { continue };
             let whole = own.is_none() && view.mask_is_body;
             views.extend(self.ends_of(index, camera, (mask, whole), &cylinder, limbs_known));

@@ -48,7 +48,7 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_bound(
 }
 
 fn bound(region: &Region<'_>, organised: bool) -> usize {
-    let mask = region.mask();
+    let mask = &*region.mask;
     if organised { mask.width() * mask.height() } else { mask.count() }
 }
 
@@ -140,7 +140,7 @@ unsafe fn complete(
         }
     }
     let (width, height) = match organised {
-        true => (region.mask().width(), region.mask().height()),
+        true => (region.mask.width(), region.mask.height()),
         false => (out.capacity.min(bound), 1),
     };
     let grid = Grid {
@@ -232,7 +232,7 @@ unsafe fn complete_depth(
     }
     let region = Region::new("completing the depth image", fitter, mask)?;
     let (width, height) = (out.width as usize, out.height as usize);
-    region.mask().check_size("the depth image to be written", (width, height))?;
+    region.mask.check_size("the depth image to be written", (width, height))?;
     let grid = Grid {
         name: "out.data",
         element: "pixel",

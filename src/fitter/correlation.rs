@@ -31,6 +31,9 @@ const CENTRAL_PART: f64 = 0.98;
 /// Most cells a point in a grid made from where they are: of points along a slanted line nearly all cells are empty.
 const MOST_CELLS: f64 = 64.0;
 
+/// Fewest points a place in the mean where points share their places.
+const SHARED_PLACES: usize = 2;
+
 /// A cell of the grid, its column and its row for a point that lies outside.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -85,7 +88,7 @@ impl Lattice {
         Self::of_places([around, along])
     }
 
-    /// A grid with about one place a cell.
+    /// A grid with about one place a cell. Places that several points share, as those of a still camera's frames do, count once.
     fn of_places(places: Places) -> Option<Self> {
         let count = places[0].len();
         if count == 0 {
@@ -98,23 +101,33 @@ impl Lattice {
             return None;
         }
         let cells = |step: f64| Arch::new().dispatch(InCells { places: &places, bounds: &bounds, step });
-        // Cells that surely hold several places tell the area that these cover.
-        let area = size[0] * size[1] / count as f64;
-        // Points in one row, to rounding, have no more cells than there are points either.
-        let shortest = size[0].max(size[1]) / count as f64;
-        let coarse = (2.0 * area.sqrt()).max(shortest);
-        let occupied = {
-            let cells = cells(coarse);
+        let occupied = |step: f64| {
+            let cells = cells(step);
             let grid = Grid::around(&cells, 0)?;
             let mut taken = List::new();
             taken.try_reserve_exact(grid.size).ok()?;
             taken.resize(grid.size, false);
             let inside = grid.indices(cells).into_iter().filter(|&cell| cell != OUTSIDE);
             inside.for_each(|cell| taken[cell as usize] = true);
-            taken.iter().filter(|&&taken| taken).count()
+            Some(taken.iter().filter(|&&taken| taken).count())
         };
-        let step = coarse * (occupied as f64 / count as f64).sqrt();
-        let cells = cells(step.max((area / MOST_CELLS).sqrt()).max(shortest));
+        let mut distinct = count;
+        let step = loop {
+            // Cells that surely hold several places tell the area that these cover.
+            let area = size[0] * size[1] / distinct as f64;
+            // Points in one row, to rounding, have no more cells than there are points either.
+            let shortest = size[0].max(size[1]) / distinct as f64;
+            let coarse = (2.0 * area.sqrt()).max(shortest);
+            let step = coarse * (occupied(coarse)? as f64 / distinct as f64).sqrt();
+            let step = step.max((area / MOST_CELLS).sqrt()).max(shortest);
+            // Of places at random 37 of 100 cells are empty.
+            let taken = occupied(step)?.max(1);
+            if SHARED_PLACES * taken > distinct {
+                break step;
+            }
+            distinct = taken;
+        };
+        let cells = cells(step);
         // No longer needed, and much memory in a large cloud.
         drop(places);
         Self::new(cells)
@@ -168,7 +181,18 @@ impl Lattice {
             }
             range
         };
-        (residuals.len() as f64 / (range(0) * range(1))).max(1.0)
+        // Where points share places, those of one place have a range of their own.
+        let of_place = if SHARED_PLACES as f64 * self.taken > residuals.len() as f64 {
+            1.0
+        } else {
+            let [mut sum, mut points] = [0.0, 0.0];
+            for (counted, _) in counted.iter().zip(&self.cells).filter(|(_, cell)| **cell != OUTSIDE) {
+                sum += f64::from(counted * counted);
+                points += 1.0;
+            }
+            (points / self.taken * variance / (sum / points)).max(1.0)
+        };
+        (residuals.len() as f64 / (range(0) * range(1) * of_place)).max(1.0)
     }
 }
 
@@ -426,6 +450,26 @@ mod tests {
             let cells = Lattice::of_places([&places.0[..], &places.1[..]].map(List::from))
                 .map_or(0, |lattice| lattice.shares.len());
             assert!(cells < 100 * count, "{slope} {scatter}: {cells} cells");
+        }
+    }
+
+    #[test]
+    fn frames_of_a_still_camera_count_by_what_is_new_in_them() {
+        let places = |frames: usize| {
+            let place = |axis: usize| move |cell: [usize; 2]| cell[axis] as f64 / 570.0;
+            [0, 1].map(|axis| (0..frames).flat_map(|_| grid(60, 50).into_iter().map(place(axis))).collect())
+        };
+        let of = |frames: usize, residuals: &[f64]| {
+            Lattice::of_places(places(frames)).unwrap().independent_points(residuals, 100.0)
+        };
+        let frame = smooth(60, 50, [3, 3]);
+        let one = of(1, &frame);
+        let more = noise(12 * 3_000, 7);
+        for frames in [2, 3, 4, 5, 8, 12] {
+            let alike = of(frames, &frame.repeat(frames));
+            assert!((alike / one - 1.0).abs() < 0.25, "{frames} times one frame: {alike} of {one}");
+            let other = of(frames, &more[..frames * 3_000]);
+            assert!((other / (frames as f64 * 3_000.0) - 1.0).abs() < 0.1, "{frames} frames: {other}");
         }
     }
 

@@ -131,6 +131,9 @@ pub(super) fn describe(
     if !gradient_norm.is_finite() {
         return Err(Error::Numerical { what: "the gradient at the cylinder" });
     }
+    // A view without points has one in its scales, by which nothing is divided.
+    let with_points = data.views.iter().zip(&scales.views).filter(|(view, _)| view.points.count() > 0);
+    let independent = with_points.map(|(_, scales)| scales.independent_points);
     Ok(FitResult {
         cylinder: data.canonical(cylinder),
         uncertainty,
@@ -155,7 +158,7 @@ pub(super) fn describe(
         limbs_located: held.limbs_located(),
         point_rms: energy_points.sqrt(),
         point_scale: if count > 0 { scales.all } else { 0.0 },
-        independent_points: scales.views.iter().map(|scales| scales.independent_points).sum(),
+        independent_points: independent.sum(),
         edge_rms_pixels: edge_rms_pixels(data, cylinder).filter(|_| !flags.contains(Flags::EDGES_IGNORED)),
         near_wall_fraction: walls.map(|walls| walls.fraction()),
         condition: if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY },

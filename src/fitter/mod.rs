@@ -393,6 +393,7 @@ impl Fitter {
         clock: &Instant,
     ) -> Result<(MadeWith, FitResult, Last)> {
         let seconds = || clock.elapsed().as_secs_f64();
+        let began = seconds();
         let separated = self.separated(drawn, run)?;
         let known: List<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
         let bodies: List<_> = separated.into_iter().map(|view| view.body).collect();
@@ -406,7 +407,7 @@ impl Fitter {
         if run.poll().is_break() {
             return Err(Error::Cancelled { iterations: 0 });
         }
-        let mut started = 0.0;
+        let mut started = began;
         let fit = fit::fit(&data, run, || started = seconds())?;
         let ended = seconds();
         // Of very many points a description takes as long as several steps.
@@ -415,7 +416,7 @@ impl Fitter {
             describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
         if let Some(convergence) = &fit.convergence {
             result.add_convergence(convergence);
-            result.seconds.start = started;
+            result.seconds.start = started - began;
             result.seconds.solve = ended - started;
         }
         let last = Last::new(&fit);

@@ -335,11 +335,9 @@ impl PointCloud {
             }
         }
         if batch.len() == 0 {
-            return Err(Error::NoDepth {
-                pixels: batch.given - batch.dropped.outside_mask,
-                missing: batch.dropped.no_depth,
-                out_of_range: batch.given - batch.dropped.outside_mask - batch.dropped.no_depth,
-            });
+            let missing = batch.dropped.no_depth;
+            let pixels = batch.given - batch.dropped.outside_mask;
+            return Err(Error::NoDepth { pixels, missing, out_of_range: pixels - missing });
         }
         self.append(batch, Scalar::F32)
     }
