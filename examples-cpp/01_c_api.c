@@ -98,8 +98,14 @@ int main(int argc, char **argv)
         const double *direction = cylinder.model.direction;
         printf("radius %.2f +- %.2f mm, length %.2f mm, axis %.4f %.4f %.4f\n", 1e3 * cylinder.model.radius,
                1e3 * cylinder.radius_deviation, 1e3 * extent.length, direction[0], direction[1], direction[2]);
-        printf("%llu of %llu points used, warnings %u\n", (unsigned long long)result.points_used,
-               (unsigned long long)result.points_given, (unsigned)result.flags);
+        printf("%llu of %llu points used\n", (unsigned long long)result.points_used, (unsigned long long)result.points_given);
+        printf("ends: %s and %s\n", cylfuse_end_state_string(extent.start_state), cylfuse_end_state_string(extent.end_state));
+        for (int bit = 0; bit < 32; bit++) {
+            const cylfuse_result_flags flag = result.flags & (cylfuse_result_flags)1 << bit;
+            if (flag != 0) {
+                printf("warning %s\n", cylfuse_flag_string(flag));
+            }
+        }
     } else {
         fprintf(stderr, "%s: %s\n", cylfuse_status_string(status), cylfuse_fitter_last_error(fitter));
     }

@@ -20,16 +20,6 @@ static const char *verdict(double radius, double deviation, double lowest, doubl
     return radius + reach < lowest || radius - reach > highest ? "fail" : "undecided";
 }
 
-static const char *name(cylfuse::EndState state)
-{
-    switch (state) {
-    case cylfuse::EndState::Seen: return "seen";
-    case cylfuse::EndState::Cut: return "cut";
-    case cylfuse::EndState::Hidden: return "hidden";
-    default: return "unknown";
-    }
-}
-
 int main(int argc, char **argv)
 {
     if (argc < 4) {
@@ -53,8 +43,9 @@ int main(int argc, char **argv)
             // A warning that the sources contradict each other leaves the radius undecided, whatever its deviation.
             const bool trusted = !fit.result.has(cylfuse::ResultFlags::PointsAndLimbsDisagree);
             const char *said = verdict(radius, trusted ? deviation : NAN, lowest, highest);
-            std::printf("%s,%.3f,%.3f,%.2f,%s,%s,%s,%u\n", argv[k], radius, deviation, 1e3 * extent.length,
-                        name(extent.start_state()), name(extent.end_state()), said, static_cast<unsigned>(fit.result.flags));
+            std::printf("%s,%.3f,%.3f,%.2f,%s,%s,%s,\"%s\"\n", argv[k], radius, deviation, 1e3 * extent.length,
+                        to_string(extent.start_state()).c_str(), to_string(extent.end_state()).c_str(), said,
+                        fit.result.warning_names().c_str());
             ++counts[said];
         } catch (const std::exception &error) {
             std::printf("%s,,,,,,not measured,\n", argv[k]);

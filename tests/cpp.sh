@@ -44,8 +44,8 @@ listing=$(cd "$prefix" && find . \( -type f -o -type l \) | sort | tr '\n' ' ')
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
 check "what was installed" test "$listing" = "./include/cylfuse/batch.hpp ./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
-./include/cylfuse/cylfuse.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
-./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/cylfuse.hpp ./include/cylfuse/cylinder.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
+./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/names.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
 ./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
@@ -60,7 +60,7 @@ prefix=$work/moved
 printf '\n-- headers\n'
 read -ra opencv <<< "$(pkg-config --cflags opencv4 eigen3 | sed 's/-I/-isystem /g')"
 pcl=(-isystem "$(find /usr/include -maxdepth 1 -name 'pcl-*' | sort | tail -n 1)")
-warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fsyntax-only)
+warnings=(-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Werror -fsyntax-only)
 compiles() { # compiles COMPILER STANDARD FILE: twice the headers in one unit, with every warning.
     "$1" "-std=$2" "${warnings[@]}" -I "$prefix/include" "${opencv[@]}" "${pcl[@]}" "$3"
 }
@@ -73,7 +73,7 @@ every_constant() { # every_constant: enums.hpp has all constants of the C interf
     [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
 }
 check "enumerations" every_constant
-for header in callbacks cylfuse detector eigen enums error frame opencv pcl pcl_detection pcl_segmentation types views; do
+for header in callbacks cylfuse cylinder detector eigen enums error frame names opencv pcl pcl_detection pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done
@@ -82,6 +82,13 @@ for compiler in g++ clang++; do
         check "all headers, $compiler, $standard" compiles $compiler $standard tests/cpp/second_unit.cpp
         check "without exceptions, $compiler, $standard" compiles $compiler $standard tests/cpp/test_no_exceptions.cpp
     done
+done
+printf '#include <cylfuse/cylfuse.hpp>\nvoid push(cylfuse::Fitter &f) { std::vector<std::array<int, 3>> p(9); f.push_points(p); }\n' > "$work/integers.cpp"
+says_why() { # says_why COMPILER: coordinates that are no float and no double are refused in words
+    ! compiles "$1" c++14 "$work/integers.cpp" > "$work/why" 2>&1 && grep -q 'coordinates must be float or double' "$work/why"
+}
+for compiler in g++ clang++; do
+    check "points of integers, $compiler" says_why $compiler
 done
 printf '#include <cylfuse/cylfuse.h>\n#include <cylfuse/cylfuse.h>\n' > "$work/header.c"
 for compiler in gcc clang; do
@@ -191,6 +198,8 @@ done
 printf '\n-- reference and documents\n'
 check "doxygen" env OUTPUT="$work/doxygen" doxygen docs/Doxyfile
 check "the reference is there" test -s "$work/doxygen/html/index.html"
+block docs/start/cpp.md cpp 1 > "$work/start.cpp"
+check "the page to start in C++" compiles g++ c++14 "$work/start.cpp"
 block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
 block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
 block docs/from-pcl.md cpp 3 > "$work/with_image.cpp"

@@ -27,12 +27,7 @@ namespace detail {
 inline std::int32_t on_fit(std::size_t index, cylfuse_status status, void *user_data) noexcept
 {
 #ifndef CYLFUSE_NO_EXCEPTIONS
-    try {
-        return (*static_cast<FitAllCallback *>(user_data))(index, Status(status)) ? 0 : 1;
-    } catch (...) {
-        thrown() = std::current_exception();
-        return 1;
-    }
+    return keep_thrown([&] { return (*static_cast<FitAllCallback *>(user_data))(index, Status(status)); }) ? 0 : 1;
 #else
     return (*static_cast<FitAllCallback *>(user_data))(index, Status(status)) ? 0 : 1;
 #endif
@@ -44,10 +39,11 @@ inline std::int32_t on_fit(std::size_t index, cylfuse_status status, void *user_
 /**
  * Fits many fitters, several at once, each as Fitter::fit() does, and gives their statuses in order: of a fit that failed
  * its own, while the others go on. Fitter::last_fit() and all else that can be asked of a fit follow; why one failed says
- * `cylfuse_fitter_last_error(fitter.handle())`.
+ * Fitter::last_error().
  *
- * The callbacks of the fitters are not called. Where the callback stops the rest this fails with Status::Cancelled; what
- * it throws leaves this function.
+ * The callbacks of the fitters are not called. Where the callback stops the rest this is no failure, as the fits that ended
+ * count: the statuses are returned, and Status::Cancelled is that of each fit that had not ended. What the callback throws
+ * leaves this function.
  *
  * @param fitters a container of fitters, such as `std::vector<cylfuse::Fitter>`
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; the results have the
@@ -62,6 +58,7 @@ Returned<std::vector<Status>> fit_all(Fitters &fitters, std::uint32_t threads = 
         handles.push_back(fitter.handle());
     }
     std::vector<cylfuse_status> statuses(handles.size());
+    detail::forget();
     const cylfuse_status status = cylfuse_fit_all(handles.data(), handles.size(), threads,
                                                   callback ? detail::on_fit : nullptr, &callback, statuses.data());
     detail::rethrow();
@@ -69,7 +66,7 @@ Returned<std::vector<Status>> fit_all(Fitters &fitters, std::uint32_t threads = 
     for (const cylfuse_status of_fit : statuses) {
         all.push_back(Status(of_fit));
     }
-    return detail::finish_call(status, std::move(all));
+    return detail::finish_call(status == CYLFUSE_STATUS_CANCELLED ? CYLFUSE_STATUS_OK : status, std::move(all));
 }
 
 } // inline namespace

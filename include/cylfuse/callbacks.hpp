@@ -41,6 +41,7 @@ inline void on_log(cylfuse_log_level level, const char *message, void *user_data
     (*static_cast<LogCallback *>(user_data))(LogLevel(level), message);
 }
 
+inline void forget() noexcept {}
 inline void rethrow() noexcept {}
 
 } // namespace detail
@@ -50,32 +51,46 @@ inline namespace with_exceptions {
 namespace detail {
 
 // No exception may run through the library: it waits here until the call is back. Callbacks are called on the thread
-// that made the call.
+// that made the call. A call that was made of the C interface leaves its exception here: every call of this wrapper begins
+// with forget().
 inline std::exception_ptr &thrown() noexcept
 {
     static thread_local std::exception_ptr exception;
     return exception;
 }
 
+// Runs a callback, and keeps what it throws; whether it returned true. Calls that it makes itself are other calls: they
+// neither see nor lose what an earlier callback of this one threw.
+template <class Run>
+bool keep_thrown(Run run) noexcept
+{
+    std::exception_ptr earlier = std::exchange(thrown(), nullptr);
+    bool go_on = false;
+    try {
+        go_on = run();
+    } catch (...) {
+        earlier = std::current_exception();
+    }
+    thrown() = std::move(earlier);
+    return go_on;
+}
+
 template <class Callback, class State>
 std::int32_t on_progress(const State *progress, void *user_data) noexcept
 {
-    try {
-        return (*static_cast<Callback *>(user_data))(*progress) ? 0 : 1;
-    } catch (...) {
-        thrown() = std::current_exception();
-        return 1;
-    }
+    return keep_thrown([&] { return (*static_cast<Callback *>(user_data))(*progress); }) ? 0 : 1;
 }
 
 inline void on_log(cylfuse_log_level level, const char *message, void *user_data) noexcept
 {
-    try {
+    keep_thrown([&] {
         (*static_cast<LogCallback *>(user_data))(LogLevel(level), message);
-    } catch (...) {
-        thrown() = std::current_exception();
-    }
+        return true;
+    });
 }
+
+// What no call is waiting for.
+inline void forget() noexcept { thrown() = nullptr; }
 
 inline void rethrow()
 {

@@ -3347,6 +3347,54 @@ cylfuse_status cylfuse_intrinsics_unproject(const struct cylfuse_intrinsics *int
                                             double *out_rays)
 CYLFUSE_NOEXCEPT;
 
+/**
+ * A warning as text: its name without its prefix, a colon, and what it means in a few words. Static; a text for unknown bits
+ * and for none or several of them, too. Of several, ask for each bit that is set.
+ */
+CYLFUSE_API
+const char *cylfuse_flag_string(cylfuse_result_flags flag)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Why an iteration ended, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
+ * a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_termination_string(cylfuse_termination termination)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
+ * a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_end_state_string(cylfuse_end_state state)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * What the position of an end was taken from, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
+ * a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_end_source_string(cylfuse_end_source source)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Whether a limb was located in the image, or why not, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
+ * a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_limb_status_string(cylfuse_limb_status status)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * What a point in the mask belongs to, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
+ * a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_part_string(cylfuse_part part)
+CYLFUSE_NOEXCEPT;
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

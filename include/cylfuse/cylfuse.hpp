@@ -66,6 +66,11 @@ public:
     /** The fitter for functions of the C interface; stays owned. */
     cylfuse_fitter *handle() const noexcept { return handle_.get(); }
     /**
+     * The text of the failure of the last call, empty after one that succeeded; see cylfuse_fitter_last_error(). It stays
+     * until the next call of this thread.
+     */
+    const char *last_error() const noexcept { return cylfuse_fitter_last_error(handle()); }
+    /**
      * Gives the fitter away, without callbacks: cylfuse_fitter_destroy() is up to the caller then. NULL while a call on
      * it is running; it stays here then.
      */
@@ -85,14 +90,14 @@ public:
     /** Makes room, so that pushing that many more points and segments into the selected view needs no memory. */
     Returned<void> reserve(std::size_t points, std::size_t segments)
     {
-        return finish(cylfuse_fitter_reserve(handle(), points, segments));
+        return finish(cylfuse_fitter_reserve(begin(), points, segments));
     }
     /** Forgets data, result, all views but the first, and its pose; keeps what else was set, and memory. */
-    Returned<void> clear() { return finish(cylfuse_fitter_clear(handle())); }
+    Returned<void> clear() { return finish(cylfuse_fitter_clear(begin())); }
     /** Forgets some of the data of the selected view: `clear_input(Input::Depth | Input::Image)`. */
     Returned<void> clear_input(Input inputs)
     {
-        return finish(cylfuse_fitter_clear_input(handle(), static_cast<cylfuse_input>(inputs)));
+        return finish(cylfuse_fitter_clear_input(begin(), static_cast<cylfuse_input>(inputs)));
     }
     /** Asks the calls that are running to stop; from any thread, and from callbacks. */
     Returned<void> cancel() { return detail::finish_call(cylfuse_fitter_cancel(handle())); }
@@ -100,49 +105,49 @@ public:
     /** Replaces the options. */
     Returned<void> set_options(const cylfuse_options &options)
     {
-        return finish(cylfuse_fitter_set_options(handle(), &options));
+        return finish(cylfuse_fitter_set_options(begin(), &options));
     }
     /** The options. */
     Returned<Options> options() const
     {
         Options options;
-        const cylfuse_status status = cylfuse_fitter_get_options(handle(), &options);
+        const cylfuse_status status = cylfuse_fitter_get_options(begin(), &options);
         return finish(status, options);
     }
     /** Selects a view for the calls that set or push something; the number of views adds one. */
-    Returned<void> select_view(std::size_t index) { return finish(cylfuse_fitter_select_view(handle(), index)); }
+    Returned<void> select_view(std::size_t index) { return finish(cylfuse_fitter_select_view(begin(), index)); }
     /** How many views there are, at least 1. */
     Returned<std::size_t> view_count() const
     {
         std::size_t count = 0;
-        const cylfuse_status status = cylfuse_fitter_view_count(handle(), &count);
+        const cylfuse_status status = cylfuse_fitter_view_count(begin(), &count);
         return finish(status, count);
     }
     /** Sets the pose of the selected view: from its camera frame to the reference frame. */
     Returned<void> set_pose(const RigidMotion &pose)
     {
-        return finish(cylfuse_fitter_set_pose(handle(), pose.rotation.data(), pose.translation.data()));
+        return finish(cylfuse_fitter_set_pose(begin(), pose.rotation.data(), pose.translation.data()));
     }
     /** Sets the colour camera of the selected view, which depth images, images and edges need. */
     Returned<void> set_intrinsics(const cylfuse_intrinsics &intrinsics)
     {
-        return finish(cylfuse_fitter_set_intrinsics(handle(), &intrinsics));
+        return finish(cylfuse_fitter_set_intrinsics(begin(), &intrinsics));
     }
     /** Gives the depth of the selected view a camera of its own; `to_colour` leads from it to the colour camera. */
     Returned<void> set_depth_camera(const cylfuse_intrinsics &intrinsics, const RigidMotion &to_colour)
     {
-        return finish(cylfuse_fitter_set_depth_camera(handle(), &intrinsics, to_colour.rotation.data(),
+        return finish(cylfuse_fitter_set_depth_camera(begin(), &intrinsics, to_colour.rotation.data(),
                                                       to_colour.translation.data()));
     }
     /** Takes the depth camera of the selected view away. */
     Returned<void> clear_depth_camera()
     {
-        return finish(cylfuse_fitter_set_depth_camera(handle(), nullptr, nullptr, nullptr));
+        return finish(cylfuse_fitter_set_depth_camera(begin(), nullptr, nullptr, nullptr));
     }
     /** Sets a model to start from; without one takes it away. */
     Returned<void> set_start_model(Optional<Cylinder> model)
     {
-        return finish(cylfuse_fitter_set_start_model(handle(), model.get()));
+        return finish(cylfuse_fitter_set_start_model(begin(), model.get()));
     }
     /**
      * Sets the progress callback; an empty one takes it away. While a call is running, in another thread or around this
@@ -155,7 +160,7 @@ public:
             made.reset(new ProgressCallback(std::move(callback)));
         }
         const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
-        const cylfuse_status status = cylfuse_fitter_set_progress(handle(), function, made.get());
+        const cylfuse_status status = cylfuse_fitter_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made); // The earlier one goes after the library knows the new one.
         }
@@ -170,7 +175,7 @@ public:
         }
         const cylfuse_log_fn function = made ? detail::on_log : nullptr;
         const cylfuse_status status =
-            cylfuse_fitter_set_log(handle(), static_cast<cylfuse_log_level>(max_level), function, made.get());
+            cylfuse_fitter_set_log(begin(), static_cast<cylfuse_log_level>(max_level), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().log = std::move(made);
         }
@@ -180,30 +185,42 @@ public:
     /** Adds points to the selected view; `mask` selects pixels of an organised cloud. */
     Returned<void> push_points(const PointsView &points, Optional<MaskView> mask = {})
     {
-        return finish(cylfuse_fitter_push_points(handle(), &points, mask.get()));
+        return finish(cylfuse_fitter_push_points(begin(), &points, mask.get()));
+    }
+    /** The same of points that vanish after the call: they are copied. */
+    template <class Container, class = internal::IfTemporary<PointsView, Container>>
+    Returned<void> push_points(Container &&points, Optional<MaskView> mask = {})
+    {
+        return push_points(PointsView(points), mask);
     }
     /** Adds the points of a depth image of the selected view; `mask` is in the pixels of the colour image. */
     Returned<void> push_depth(const DepthView &depth, Optional<MaskView> mask = {})
     {
-        return finish(cylfuse_fitter_push_depth(handle(), &depth, mask.get()));
+        return finish(cylfuse_fitter_push_depth(begin(), &depth, mask.get()));
     }
     /** Adds edge segments to the selected view: pieces of the two limb lines in the (distorted) image. */
     Returned<void> push_edges(const SegmentsView &segments)
     {
-        return finish(cylfuse_fitter_push_edges(handle(), &segments));
+        return finish(cylfuse_fitter_push_edges(begin(), &segments));
+    }
+    /** The same of segments that vanish after the call: they are copied. */
+    template <class Container, class = internal::IfTemporary<SegmentsView, Container>>
+    Returned<void> push_edges(Container &&segments)
+    {
+        return push_edges(SegmentsView(segments));
     }
     /** Takes the image of the selected view, grey or in colour, in which limbs and ends are located. */
-    Returned<void> push_image(const ImageView &image) { return finish(cylfuse_fitter_push_image(handle(), &image)); }
+    Returned<void> push_image(const ImageView &image) { return finish(cylfuse_fitter_push_image(begin(), &image)); }
     /** Lets the selected view take cameras, pose and images from a frame, and the points of its depth inside a mask. */
     Returned<void> use_frame(const Frame &frame, Optional<MaskView> mask = {})
     {
-        return finish(cylfuse_fitter_use_frame(handle(), frame.handle(), mask.get()));
+        return finish(cylfuse_fitter_use_frame(begin(), frame.handle(), mask.get()));
     }
     /** What was pushed into the selected view, and what was left out by reason. */
     Returned<Counts> counts() const
     {
         Counts counts;
-        const cylfuse_status status = cylfuse_fitter_counts(handle(), &counts);
+        const cylfuse_status status = cylfuse_fitter_counts(begin(), &counts);
         return finish(status, counts);
     }
 
@@ -211,21 +228,21 @@ public:
     Returned<CylinderFit> fit()
     {
         CylinderFit fit;
-        const cylfuse_status status = cylfuse_fitter_fit(handle(), &fit.result, &fit.cylinder);
+        const cylfuse_status status = cylfuse_fitter_fit(begin(), &fit.result, &fit.cylinder);
         return finish(status, fit);
     }
     /** What a fit would report for a given model, without iterating. */
     Returned<CylinderFit> evaluate(const Cylinder &model) const
     {
         CylinderFit fit;
-        const cylfuse_status status = cylfuse_fitter_evaluate(handle(), &model, &fit.result, &fit.cylinder);
+        const cylfuse_status status = cylfuse_fitter_evaluate(begin(), &model, &fit.result, &fit.cylinder);
         return finish(status, fit);
     }
     /** The outcome of the last fit that succeeded. */
     Returned<CylinderFit> last_fit() const
     {
         CylinderFit fit;
-        cylfuse_status status = cylfuse_fitter_get_result(handle(), &fit.result);
+        cylfuse_status status = cylfuse_fitter_get_result(begin(), &fit.result);
         if (status == CYLFUSE_STATUS_OK) {
             status = cylfuse_fitter_get_cylinder(handle(), &fit.cylinder);
         }
@@ -235,7 +252,7 @@ public:
     Returned<Diagnosis> diagnose(Optional<Cylinder> model = {}) const
     {
         Diagnosis diagnosis;
-        const cylfuse_status status = cylfuse_fitter_diagnose(handle(), model.get(), &diagnosis);
+        const cylfuse_status status = cylfuse_fitter_diagnose(begin(), model.get(), &diagnosis);
         return finish(status, diagnosis);
     }
 
@@ -252,7 +269,7 @@ public:
     {
         std::size_t count = 0;
         const cylfuse_status status = cylfuse_fitter_residuals(
-            handle(), model.get(), static_cast<cylfuse_residual_kind>(kind), out.data(), out.size(), &count);
+            begin(), model.get(), static_cast<cylfuse_residual_kind>(kind), out.data(), out.size(), &count);
         return finish(status, count, count);
     }
     /** How much each point of the selected view counts at the cylinder of the last fit, in the order of residuals(). */
@@ -260,6 +277,7 @@ public:
     {
         PointWeights all;
         std::size_t count = 0;
+        detail::forget();
         cylfuse_status status = CYLFUSE_STATUS_BUFFER_TOO_SMALL;
         for (bool sized = false; status == CYLFUSE_STATUS_BUFFER_TOO_SMALL; sized = true) {
             all.weights.resize(count);
@@ -296,7 +314,7 @@ public:
     {
         std::size_t count = 0;
         const cylfuse_status status =
-            cylfuse_fitter_limb_samples(handle(), out.data(), sizeof(LimbSample), out.size(), &count);
+            cylfuse_fitter_limb_samples(begin(), out.data(), sizeof(LimbSample), out.size(), &count);
         return finish(status, count, count);
     }
     /** The samples on the arcs of both ends that extent() finds in the images, view after view. */
@@ -313,7 +331,7 @@ public:
     {
         std::size_t bound = 0;
         const cylfuse_status status =
-            cylfuse_fitter_complete_bound(handle(), mask.get(), static_cast<cylfuse_layout>(layout), &bound);
+            cylfuse_fitter_complete_bound(begin(), mask.get(), static_cast<cylfuse_layout>(layout), &bound);
         return finish(status, bound);
     }
     /** Completes the cloud of the selected view over a mask, in the reference frame. */
@@ -322,24 +340,24 @@ public:
     {
         Completion completion;
         const cylfuse_status status = cylfuse_fitter_complete(
-            handle(), model.get(), mask.get(), static_cast<cylfuse_layout>(layout), &out, &completion);
+            begin(), model.get(), mask.get(), static_cast<cylfuse_layout>(layout), &out, &completion);
         return finish(status, completion, static_cast<std::size_t>(completion.count));
     }
-    /** Completes the cloud into a vector, which gets the size of what there is. */
+    /** Completes the cloud into a vector, which gets the size of what there is; its points stay where that fails. */
     template <class T, class Allocator>
     Returned<Completion> complete(std::vector<std::array<T, 3>, Allocator> &points, Optional<Cylinder> model = {},
                                   Optional<MaskView> mask = {}) const
     {
         std::size_t bound = 0;
-        cylfuse_status status =
-            cylfuse_fitter_complete_bound(handle(), mask.get(), CYLFUSE_LAYOUT_PACKED, &bound);
+        cylfuse_status status = cylfuse_fitter_complete_bound(begin(), mask.get(), CYLFUSE_LAYOUT_PACKED, &bound);
         Completion completion;
         if (status == CYLFUSE_STATUS_OK) {
-            points.resize(bound);
-            const PointsOut out(reinterpret_cast<T *>(points.data()), points.size());
+            const std::size_t before = points.size();
+            points.resize(std::max(before, bound)); // A call that fails writes nothing: those before are still there.
+            const PointsOut out(reinterpret_cast<T *>(points.data()), bound);
             status = cylfuse_fitter_complete(handle(), model.get(), mask.get(), CYLFUSE_LAYOUT_PACKED, &out,
                                              &completion);
-            points.resize(static_cast<std::size_t>(completion.count));
+            points.resize(status == CYLFUSE_STATUS_OK ? static_cast<std::size_t>(completion.count) : before);
         }
         return finish(status, completion);
     }
@@ -349,26 +367,34 @@ public:
     {
         Completion completion;
         const cylfuse_status status =
-            cylfuse_fitter_complete_depth(handle(), model.get(), mask.get(), &out, &completion);
+            cylfuse_fitter_complete_depth(begin(), model.get(), mask.get(), &out, &completion);
         return finish(status, completion);
     }
     /** The visible piece of the cylinder. */
     Returned<Extent> extent(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
     {
         Extent extent;
-        const cylfuse_status status = cylfuse_fitter_extent(handle(), model.get(), mask.get(), &extent);
+        const cylfuse_status status = cylfuse_fitter_extent(begin(), model.get(), mask.get(), &extent);
         return finish(status, extent);
     }
     /**
      * Selects, of straight edges that a line detector found, those on the two limbs of a rough cylinder beside the
-     * points that were pushed: writes 1 or 2 for the limb that a segment lies on, 0 for none. `reach` in pixels, 0 =
-     * 15 % of the distance of the limbs, at least 4.
+     * points that were pushed: writes 1 or 2 for the limb that a segment lies on, 0 for none; Error::needed() when there
+     * is not room enough. `reach` in pixels, 0 = 15 % of the distance of the limbs, at least 4.
      */
     Returned<void> select_edges(const SegmentsView &segments, Span<std::uint8_t> out, double reach = 0.0,
                                 Optional<Cylinder> model = {}) const
     {
-        return finish(
-            cylfuse_fitter_select_edges(handle(), model.get(), &segments, reach, out.data(), out.size()));
+        const cylfuse_status status =
+            cylfuse_fitter_select_edges(begin(), model.get(), &segments, reach, out.data(), out.size());
+        return finish_sized(status, segments.count);
+    }
+    /** The same of segments that vanish after the call. */
+    template <class Container, class = internal::IfTemporary<SegmentsView, Container>>
+    Returned<void> select_edges(Container &&segments, Span<std::uint8_t> out, double reach = 0.0,
+                                Optional<Cylinder> model = {}) const
+    {
+        return select_edges(SegmentsView(segments), out, reach, model);
     }
 
 private:
@@ -387,11 +413,18 @@ private:
         }
     };
 
+    // The fitter for a call that ends with one of the functions below.
+    cylfuse_fitter *begin() const noexcept
+    {
+        detail::forget();
+        return handle();
+    }
     // What a function of the C interface lists, however much it is.
     template <class T, class Call>
     Returned<std::vector<T>> list(Call call) const
     {
         std::vector<T> all;
+        detail::forget();
         const cylfuse_status status = internal::list(all, call);
         return finish(status, std::move(all));
     }
@@ -400,10 +433,13 @@ private:
     {
         return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle());
     }
-    Returned<void> finish(cylfuse_status status) const
+    Returned<void> finish(cylfuse_status status) const { return finish_sized(status, 0); }
+    // Ends a call that writes into a buffer that must hold that many elements.
+    Returned<void> finish_sized(cylfuse_status status, std::size_t needed) const
     {
         detail::rethrow();
-        return detail::finish(Status(status), message(status));
+        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+        return detail::finish(Status(status), message(status), too_small ? needed : 0);
     }
     template <class T>
     Returned<T> finish(cylfuse_status status, T value, std::size_t needed = 0) const
@@ -416,73 +452,11 @@ private:
     std::unique_ptr<cylfuse_fitter, Destroy> handle_;
 };
 
-/** Writes signed distances of points from the surface, negative inside, NaN for points that are not finite. */
-inline Returned<void> distances(const Cylinder &model, const PointsView &points, Span<double> out)
-{
-    return detail::finish_call(cylfuse_cylinder_distances(&model, &points, out.data(), out.size()));
-}
-
-/** The two limb lines of a cylinder in the camera frame, in the image. */
-inline Returned<LimbLines> project(const Cylinder &model, const cylfuse_intrinsics &intrinsics)
-{
-    LimbLines lines{};
-    const cylfuse_status status = cylfuse_cylinder_project(&model, &intrinsics, lines[0].data());
-    return detail::finish_call(status, lines);
-}
-
-/** The pixels of the (distorted) image at which a camera sees points of its frame; NaN where it sees none. */
-inline Returned<std::vector<std::array<double, 2>>> project(const cylfuse_intrinsics &intrinsics,
-                                                            const PointsView &points)
-{
-    std::vector<std::array<double, 2>> pixels(points.width * points.height);
-    const cylfuse_status status = cylfuse_intrinsics_project(
-        &intrinsics, &points, reinterpret_cast<double *>(pixels.data()), pixels.size());
-    return detail::finish_call(status, std::move(pixels));
-}
-
-/** The rays, points at z = 1, along which a camera sees pixels of the (distorted) image; NaN where there is none. */
-inline Returned<std::vector<std::array<double, 3>>> unproject(const cylfuse_intrinsics &intrinsics,
-                                                              Span<const std::array<double, 2>> pixels)
-{
-    std::vector<std::array<double, 3>> rays(pixels.size());
-    const cylfuse_status status =
-        cylfuse_intrinsics_unproject(&intrinsics, reinterpret_cast<const double *>(pixels.data()), pixels.size(),
-                                     reinterpret_cast<double *>(rays.data()));
-    return detail::finish_call(status, std::move(rays));
-}
-
-/** What to expect of measurements of a cylinder with a camera; see cylfuse_plan for the numbers of cylinder and noise. */
-inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder)
-{
-    Expectation expected{};
-    const cylfuse_status status =
-        cylfuse_plan(&intrinsics, cylinder.data(), nullptr, expected.scatter.data(), expected.total.data());
-    return detail::finish_call(status, expected);
-}
-
-/** The same with what is known of the noise. */
-inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const std::array<double, 5> &cylinder,
-                                  const std::array<double, 6> &noise)
-{
-    Expectation expected{};
-    const cylfuse_status status =
-        cylfuse_plan(&intrinsics, cylinder.data(), noise.data(), expected.scatter.data(), expected.total.data());
-    return detail::finish_call(status, expected);
-}
-
-/** How the second cylinder differs from the first. */
-inline Returned<Difference> compare(const Cylinder &first, const Cylinder &second)
-{
-    Difference difference{};
-    const cylfuse_status status = cylfuse_cylinder_compare(&first, &second, &difference.angle,
-                                                           &difference.axis_distance, &difference.radius_relative);
-    return detail::finish_call(status, difference);
-}
-
 } // inline namespace
 } // namespace cylfuse
 
 #include <cylfuse/batch.hpp>
+#include <cylfuse/cylinder.hpp>
 #include <cylfuse/detector.hpp>
 
 #endif

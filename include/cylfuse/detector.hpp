@@ -42,6 +42,8 @@ public:
 
     /** The detector for functions of the C interface; stays owned. */
     cylfuse_detector *handle() const noexcept { return handle_.get(); }
+    /** The text of the failure of the last call, as Fitter::last_error(). */
+    const char *last_error() const noexcept { return cylfuse_detector_last_error(handle()); }
     /**
      * Gives the detector away, without its callback: cylfuse_detector_destroy() is up to the caller then. NULL while a
      * call on it is running; it stays here then.
@@ -61,7 +63,7 @@ public:
     /** Replaces the options. */
     Returned<void> set_options(const cylfuse_detector_options &options)
     {
-        return finish(cylfuse_detector_set_options(handle(), &options));
+        return finish(cylfuse_detector_set_options(begin(), &options));
     }
     /** The options. */
     Returned<DetectorOptions> options() const
@@ -73,7 +75,7 @@ public:
     /** Replaces the options of the fits; limits, threads and start stay at their defaults there. */
     Returned<void> set_fit_options(const cylfuse_options &options)
     {
-        return finish(cylfuse_detector_set_fit_options(handle(), &options));
+        return finish(cylfuse_detector_set_fit_options(begin(), &options));
     }
     /** The options of the fits. */
     Returned<Options> fit_options() const
@@ -91,7 +93,7 @@ public:
         }
         const cylfuse_detection_progress_fn function =
             made ? detail::on_progress<DetectionCallback, DetectionProgress> : nullptr;
-        const cylfuse_status status = cylfuse_detector_set_progress(handle(), function, made.get());
+        const cylfuse_status status = cylfuse_detector_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made);
         }
@@ -99,11 +101,18 @@ public:
     }
 
     /** Finds and fits all cylinders of a frame. */
-    Returned<void> detect(const Frame &frame) { return finish(cylfuse_detector_detect(handle(), frame.handle())); }
+    Returned<void> detect(const Frame &frame) { return finish(cylfuse_detector_detect(begin(), frame.handle())); }
     /** Finds and fits all cylinders of a cloud, organised or not. */
     Returned<void> detect_points(const PointsView &points)
     {
-        return finish(cylfuse_detector_detect_points(handle(), &points));
+        return finish(cylfuse_detector_detect_points(begin(), &points));
+    }
+
+    /** The same of points that vanish after the call: they are copied. */
+    template <class Container, class = internal::IfTemporary<PointsView, Container>>
+    Returned<void> detect_points(Container &&points)
+    {
+        return detect_points(PointsView(points));
     }
 
     /** How many cylinders were found. */
@@ -190,6 +199,12 @@ private:
         }
     };
 
+    // The detector for a call that ends with finish(status), the only ones that call back.
+    cylfuse_detector *begin() const noexcept
+    {
+        detail::forget();
+        return handle();
+    }
     // What a function of the C interface lists, however much it is.
     template <class T, class Call>
     Returned<std::vector<T>> list(Call call) const

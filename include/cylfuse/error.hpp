@@ -120,9 +120,9 @@ namespace detail {
 
 #ifdef CYLFUSE_NO_EXCEPTIONS
 
-inline Outcome<void> finish(Status status, const char *message = "")
+inline Outcome<void> finish(Status status, const char *message = "", std::size_t needed = 0)
 {
-    return Outcome<void>(Error(status, message));
+    return Outcome<void>(Error(status, message, needed));
 }
 
 template <class T>
@@ -133,10 +133,10 @@ Outcome<T> finish(Status status, T value, const char *message = "", std::size_t 
 
 #else
 
-inline void finish(Status status, const char *message = "")
+inline void finish(Status status, const char *message = "", std::size_t needed = 0)
 {
     if (status != Status::Ok) {
-        throw Error(status, message);
+        throw Error(status, message, needed);
     }
 }
 
@@ -152,9 +152,11 @@ T finish(Status status, T value, const char *message = "", std::size_t needed = 
 #endif
 
 // Ends a call on nothing that keeps a text: that of this thread is taken.
-inline Returned<void> finish_call(cylfuse_status status)
+inline Returned<void> finish_call(cylfuse_status status, std::size_t needed = 0)
 {
-    return finish(Status(status), status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(nullptr));
+    const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
+    return finish(Status(status), status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(nullptr),
+                  too_small ? needed : 0);
 }
 
 template <class T>

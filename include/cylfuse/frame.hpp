@@ -46,6 +46,8 @@ public:
 
     /** The frame for functions of the C interface; stays owned. */
     cylfuse_frame *handle() const noexcept { return handle_.get(); }
+    /** The text of the failure of the last call, as Fitter::last_error(). */
+    const char *last_error() const noexcept { return cylfuse_frame_last_error(handle()); }
     /** Gives the frame away: cylfuse_frame_destroy() is up to the caller then. */
     cylfuse_frame *release() noexcept { return handle_.release(); }
 

@@ -23,6 +23,7 @@
 #include <pcl/point_types.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace cylfuse {
 inline namespace with_exceptions {
@@ -148,20 +149,24 @@ inline Cylinder to_cylinder(const pcl::ModelCoefficients &coefficients)
 
 /**
  * Completes the cloud over a mask into a cloud of points that all exist, which is not organised. Model and mask may be
- * left out, as for Fitter::complete().
+ * left out, as for Fitter::complete(). The cloud stays as it was where that fails.
  */
 template <class PointT>
 Completion complete(const Fitter &fitter, pcl::PointCloud<PointT> &cloud, Optional<Cylinder> model = {},
                     Optional<MaskView> mask = {})
 {
-    cloud.clear();
-    cloud.resize(fitter.complete_bound(Layout::Packed, mask));
-    detail::check_cloud(cloud);
-    float *first = const_cast<float *>(detail::coordinates(cloud.front()));
-    const PointsOut out(first, cloud.size(), sizeof(PointT));
+    pcl::PointCloud<PointT> completed;
+    completed.resize(fitter.complete_bound(Layout::Packed, mask));
+    detail::check_cloud(completed);
+    float *first = const_cast<float *>(detail::coordinates(completed.front()));
+    const PointsOut out(first, completed.size(), sizeof(PointT));
     const Completion completion = fitter.complete(out, Layout::Packed, model, mask);
-    cloud.resize(static_cast<std::size_t>(completion.count));
-    cloud.is_dense = true;
+    completed.resize(static_cast<std::size_t>(completion.count));
+    completed.is_dense = true;
+    completed.header = cloud.header;
+    completed.sensor_origin_ = cloud.sensor_origin_;
+    completed.sensor_orientation_ = cloud.sensor_orientation_;
+    cloud = std::move(completed);
     return completion;
 }
 

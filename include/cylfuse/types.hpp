@@ -12,10 +12,12 @@
 #define CYLFUSE_TYPES_HPP
 
 #include <cylfuse/enums.hpp>
+#include <cylfuse/names.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 #if __cplusplus >= 201703L
 #include <optional>
@@ -152,11 +154,11 @@ struct Intrinsics : cylfuse_intrinsics {
 struct Result : cylfuse_result {
     Result() noexcept { cylfuse_result_init(this, sizeof(cylfuse_result)); }
     /** Whether a warning is there, any of several. */
-    bool has(ResultFlags warnings) const noexcept
-    {
-        return (flags & static_cast<cylfuse_result_flags>(warnings)) != 0;
-    }
-    /** Why the iteration ended. */
+    bool has(ResultFlags any) const noexcept { return (flags & static_cast<cylfuse_result_flags>(any)) != 0; }
+    /** The warnings that are set as text: of each its name, a colon, and what it means. Empty for none. */
+    std::vector<std::string> warnings() const { return cylfuse::warnings(ResultFlags(flags)); }
+    /** The names of the warnings that are set, separated by ", ". Empty for none. */
+    std::string warning_names() const { return to_string(ResultFlags(flags)); }
     Termination termination() const noexcept { return Termination(cylfuse_result::termination); }
 };
 

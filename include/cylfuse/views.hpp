@@ -4,7 +4,8 @@
  * @file views.hpp
  * Data in the caller's memory: what cylfuse.hpp reads and fills without a copy. Include cylfuse.hpp.
  *
- * A view is as good as the memory that it points to. Containers that are about to vanish are refused.
+ * A view is as good as the memory that it points to. Containers that are about to vanish are refused, but for calls such as
+ * Fitter::push_points(), which are done with the data when they return.
  */
 
 #ifndef CYLFUSE_VIEWS_HPP
@@ -25,7 +26,10 @@ namespace cylfuse {
 namespace internal {
 
 template <class T>
-struct ScalarOf; // Coordinates are float or double.
+struct ScalarOf {
+    static_assert(sizeof(T) == 0, "coordinates must be float or double; convert the others to one of these first");
+    static constexpr cylfuse_scalar value = 0;
+};
 template <>
 struct ScalarOf<float> {
     static constexpr cylfuse_scalar value = CYLFUSE_SCALAR_F32;
@@ -48,6 +52,12 @@ cylfuse_status list(std::vector<T> &all, Call call)
     all.resize(status == CYLFUSE_STATUS_OK ? count : 0);
     return status;
 }
+
+// Void for a container about to vanish of which there is a view while it stays.
+template <class View, class Container>
+using IfTemporary = typename std::enable_if<!std::is_lvalue_reference<Container>::value &&
+                                            !std::is_base_of<View, Container>::value &&
+                                            std::is_constructible<View, const Container &>::value>::type;
 
 } // namespace internal
 /** @endcond */

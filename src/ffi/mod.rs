@@ -48,6 +48,7 @@ mod setup;
 mod sized;
 mod solve;
 mod status;
+mod strings;
 mod structs;
 mod texts;
 #[cfg(test)]
@@ -79,4 +80,5 @@ pub use results::*;
 pub use setup::*;
 pub use solve::*;
 pub use status::{STATUSES, cylfuse_status};
+pub use strings::*;
 pub use structs::*;

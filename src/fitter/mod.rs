@@ -32,6 +32,7 @@ mod start;
 mod taper;
 mod uncertainty;
 mod view;
+mod words;
 
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
 pub use crate::parts::Part;

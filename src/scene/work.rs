@@ -77,7 +77,9 @@ impl Share<'_> {
     /// Sets the pixels of the region, and the length of its limbs in an image in pixels, and counts what its ends take.
     pub fn set_region(&self, pixels: usize, limb: f64) {
         let (pixels, limb) = (pixels as u64, limb as u64);
-        self.of_fit.set((VISITS_OF_FIT + VISITS_OF_PIXEL * pixels).saturating_add(VISITS_OF_LIMB.saturating_mul(limb)));
+        self.of_fit.set(
+            (VISITS_OF_FIT + VISITS_OF_PIXEL * pixels).saturating_add(VISITS_OF_LIMB.saturating_mul(limb)),
+        );
         self.of_question.set(VISITS_OF_QUESTION + 2 * pixels / PIXELS_OF_TWO_VISITS);
         self.begin();
     }

@@ -48,6 +48,15 @@ int main()
         *detector->count() > 1 || detector->detect(*frame)) {
         return 1;
     }
+    std::vector<double> distances(3);
+    const auto small = cylfuse::distances(result->cylinder.model, points, distances);
+    std::vector<cylfuse::Fitter> several;
+    several.push_back(std::move(fitter));
+    const auto statuses = cylfuse::fit_all(several, 1, [](std::size_t, cylfuse::Status) { return false; });
+    if (small || small.error().needed() != 200 || !statuses || (*statuses)[0] != cylfuse::Status::Ok) {
+        std::printf("%zu needed, %s\n", small.error().needed(), statuses.error().what());
+        return 1;
+    }
     std::printf("without exceptions: all checks hold\n");
     return 0;
 }

@@ -79,6 +79,11 @@ static void any_type_of_points_passes()
     const Scene scene;
     fitter.set_intrinsics(scene.camera);
     pcl::PointCloud<PointT> completed;
+    completed.resize(2);
+    cylfuse::Cylinder flat = PIPE;
+    flat.radius = 0.0;
+    CHECK_ERROR(cylfuse::complete(fitter, completed, flat, scene.mask_view()), INVALID_ARGUMENT, "radius");
+    CHECK(completed.size() == 2); // A call that fails changes nothing.
     const cylfuse::Completion completion = cylfuse::complete(fitter, completed, PIPE, scene.mask_view());
     CHECK(completed.size() == completion.count && completed.width == completion.count && completed.is_dense);
     CHECK_NEAR(std::hypot(completed[0].x, completed[0].z - 0.8), 0.05, 1e-6);

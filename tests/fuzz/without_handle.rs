@@ -123,7 +123,18 @@ impl Case<'_> {
             cylfuse_extent_init cylfuse_extent,
         );
         let status = cylfuse_status(self.source.dice.below(200) as i32 - 120);
-        // SAFETY: a static text.
-        assert!(!unsafe { CStr::from_ptr(cylfuse_status_string(status)) }.is_empty());
+        let number = status.0;
+        for text in [
+            cylfuse_status_string(status),
+            cylfuse_flag_string(cylfuse_result_flags(number as u32)),
+            cylfuse_termination_string(cylfuse_termination(number)),
+            cylfuse_end_state_string(cylfuse_end_state(number)),
+            cylfuse_end_source_string(cylfuse_end_source(number)),
+            cylfuse_limb_status_string(cylfuse_limb_status(number)),
+            cylfuse_part_string(cylfuse_part(number as u8)),
+        ] {
+            // SAFETY: a static text.
+            assert!(!unsafe { CStr::from_ptr(text) }.is_empty());
+        }
     }
 }

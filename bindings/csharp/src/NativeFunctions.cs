@@ -15,7 +15,7 @@ namespace Cylfuse
 
         [UnmanagedFunctionPointer(C)] internal delegate uint NumberFunction();
         [UnmanagedFunctionPointer(C)] internal delegate IntPtr TextFunction();
-        [UnmanagedFunctionPointer(C)] internal delegate IntPtr StatusTextFunction(int status);
+        [UnmanagedFunctionPointer(C)] internal delegate IntPtr ConstantTextFunction(int constant);
         [UnmanagedFunctionPointer(C)] internal delegate int InitFunction(void* target, UIntPtr structSize);
         [UnmanagedFunctionPointer(C)] internal delegate int CreateFunction(uint abiVersion, out IntPtr handle);
         [UnmanagedFunctionPointer(C)] internal delegate IntPtr HandleTextFunction(IntPtr handle);
@@ -81,7 +81,13 @@ namespace Cylfuse
         internal readonly NumberFunction VersionNumber = Find<NumberFunction>("cylfuse_version_number");
         internal readonly TextFunction VersionString = Find<TextFunction>("cylfuse_version_string");
         internal readonly TextFunction BuildInfo = Find<TextFunction>("cylfuse_build_info");
-        internal readonly StatusTextFunction StatusString = Find<StatusTextFunction>("cylfuse_status_string");
+        internal readonly ConstantTextFunction StatusString = Find<ConstantTextFunction>("cylfuse_status_string");
+        internal readonly ConstantTextFunction FlagString = Find<ConstantTextFunction>("cylfuse_flag_string");
+        internal readonly ConstantTextFunction TerminationString = Find<ConstantTextFunction>("cylfuse_termination_string");
+        internal readonly ConstantTextFunction EndStateString = Find<ConstantTextFunction>("cylfuse_end_state_string");
+        internal readonly ConstantTextFunction EndSourceString = Find<ConstantTextFunction>("cylfuse_end_source_string");
+        internal readonly ConstantTextFunction LimbStatusString = Find<ConstantTextFunction>("cylfuse_limb_status_string");
+        internal readonly ConstantTextFunction PartString = Find<ConstantTextFunction>("cylfuse_part_string");
 
         internal readonly InitFunction OptionsInit = Find<InitFunction>("cylfuse_options_init");
         internal readonly InitFunction DetectorOptionsInit = Find<InitFunction>("cylfuse_detector_options_init");

@@ -6,7 +6,7 @@ import ctypes
 import os
 import pathlib
 import sys
-from ctypes import POINTER, byref, c_char_p, c_double, c_int32, c_size_t, c_uint32, c_void_p, sizeof
+from ctypes import POINTER, byref, c_char_p, c_double, c_int32, c_size_t, c_uint8, c_uint32, c_void_p, sizeof
 from typing import Any, Type, TypeVar
 
 from . import _structs as structs
@@ -70,6 +70,12 @@ def _load() -> Any:
         "cylfuse_version_string": (c_char_p, []),
         "cylfuse_build_info": (c_char_p, []),
         "cylfuse_status_string": (c_char_p, [status]),
+        "cylfuse_flag_string": (c_char_p, [c_uint32]),
+        "cylfuse_termination_string": (c_char_p, [c_int32]),
+        "cylfuse_end_state_string": (c_char_p, [c_int32]),
+        "cylfuse_end_source_string": (c_char_p, [c_int32]),
+        "cylfuse_limb_status_string": (c_char_p, [c_int32]),
+        "cylfuse_part_string": (c_char_p, [c_uint8]),
         "cylfuse_options_init": (status, [options, size]),
         "cylfuse_detector_options_init": (status, [detector_options, size]),
         "cylfuse_intrinsics_init": (status, [intrinsics, size]),

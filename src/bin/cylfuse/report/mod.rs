@@ -207,73 +207,33 @@ const UNDECIDED_BY: Flags = Flags::POOR_FIT
     .union(Flags::RESOLUTION_LOST)
     .union(Flags::UNCERTAINTY_UNKNOWN);
 
-/// A flag in words.
+/// A flag in words, with its numbers where the result has some.
 fn explain(flag: Flags, result: &FitResult) -> String {
-    let text = match flag {
-        Flags::EDGES_IGNORED => "none of the edge segments was used",
-        Flags::SEGMENTS_UNUSABLE => {
-            "some edge segments have no length or lie outside the field of the camera"
+    let numbers = match flag {
+        Flags::POINTS_NOT_FINITE => Some(result.dropped.not_finite.to_string()),
+        Flags::POINTS_AND_LIMBS_DISAGREE => result.radii.as_ref().map(disagreement),
+        Flags::DEPTH_SHIFTED => {
+            result.shift.map(|shift| format!("{:.2} ± {:.2} px", shift.pixels, shift.deviation))
         }
-        Flags::EDGES_CROSS => "the two edge segments cross each other, so they are not the two limbs",
-        Flags::EDGES_COINCIDE => "the two edge segments lie on the same limb",
-        Flags::EDGES_BEHIND => "the edge segments do not meet the cylinder in front of the camera",
-        Flags::SCALE_HELD => "edges alone do not determine the scale; that of the start was kept",
-        Flags::WEAK_RADIUS => "the data hardly determine the radius",
-        Flags::RESOLUTION_LOST => {
-            "the coordinates are coarser than 0.01 % of the radius; store them as doubles"
+        Flags::POOR_FIT => {
+            let (scale, radius) = (result.point_scale, result.cylinder.radius);
+            Some(format!("they scatter by {scale:.3} about a radius of {radius:.3}"))
         }
-        Flags::NOT_CONVERGED => "not converged; allow more iterations",
-        Flags::HIDDEN_WALL => "most points lie on the wall that the camera cannot see",
-        Flags::CAMERA_INSIDE => "the camera is inside the cylinder, which has no limbs then",
-        Flags::RADIUS_AT_LIMIT => "the radius is at its limit; the data fit better beyond it",
-        Flags::AXIS_AT_LIMIT => "the axis is on the border of its cone; the data fit better beyond it",
-        Flags::UNCERTAINTY_UNKNOWN => "the data do not determine the uncertainty of the result",
-        Flags::POINTS_NOT_FINITE => {
-            return format!("{} points are not finite and were left out", result.dropped.not_finite);
-        }
-        Flags::POINTS_AND_LIMBS_DISAGREE => return disagreement(result),
-        Flags::DEPTH_SHIFTED => return shifted(result),
-        Flags::MASK_ENDS_WITH_DEPTH => {
-            "the mask ends where the depth does; its sides are no hint where the limbs are"
-        }
-        Flags::POOR_FIT => return poor(result),
-        Flags::BODY_TAPERS => return tapers(result),
-        _ => return format!("flag {:#x}", flag.bits()),
+        Flags::BODY_TAPERS => result.taper.map(|taper| {
+            format!("by {:.1} ± {:.1} % of the length", 100.0 * taper.slope, 100.0 * taper.deviation)
+        }),
+        _ => None,
     };
-    text.into()
-}
-
-/// The scatter of the points in words.
-fn poor(result: &FitResult) -> String {
-    let (scale, radius) = (result.point_scale, result.cylinder.radius);
-    format!("the points do not lie on the cylinder: they scatter by {scale:.3} about a radius of {radius:.3}")
-}
-
-/// The shift in words.
-fn shifted(result: &FitResult) -> String {
-    let numbers = result
-        .shift
-        .map_or_else(String::new, |shift| format!(": {:.2} ± {:.2} px", shift.pixels, shift.deviation));
-    format!("depth and image are shifted against each other across the axis{numbers}")
-}
-
-/// The taper in words.
-fn tapers(result: &FitResult) -> String {
-    let numbers = result.taper.map_or_else(String::new, |taper| {
-        format!(": by {:.1} ± {:.1} % of the length", 100.0 * taper.slope, 100.0 * taper.deviation)
-    });
-    format!("the radius changes along the axis{numbers}; the body tapers, or one limb is something else")
+    let meaning = flag.meaning();
+    numbers.map_or_else(|| meaning.into(), |numbers| format!("{meaning}: {numbers}"))
 }
 
 /// The two radii in words.
-fn disagreement(result: &FitResult) -> String {
-    let numbers = result.radii.map_or_else(String::new, |radii| {
-        let RadiusComparison { from_points, from_points_deviation, from_limbs, from_limbs_deviation } = radii;
-        format!(
-            ": {from_points:.5} ± {from_points_deviation:.5} against {from_limbs:.5} ± {from_limbs_deviation:.5}"
-        )
-    });
-    format!("the points and the limbs disagree about the radius{numbers}")
+fn disagreement(radii: &RadiusComparison) -> String {
+    let RadiusComparison { from_points, from_points_deviation, from_limbs, from_limbs_deviation } = radii;
+    format!(
+        "{from_points:.5} ± {from_points_deviation:.5} against {from_limbs:.5} ± {from_limbs_deviation:.5}"
+    )
 }
 
 #[cfg(test)]
@@ -285,7 +245,7 @@ mod tests {
     fn every_flag_has_words() {
         let result = cylfuse_result();
         for flag in Flags::all().iter() {
-            assert!(!explain(flag, &result).starts_with("flag"), "{flag:?}");
+            assert!(explain(flag, &result).starts_with(flag.meaning()), "{flag:?}");
         }
     }
 

@@ -98,6 +98,18 @@ final class NativeFunctions {
 
     static native String cylfuse_status_string(int status);
 
+    static native String cylfuse_flag_string(int flag);
+
+    static native String cylfuse_termination_string(int termination);
+
+    static native String cylfuse_end_state_string(int state);
+
+    static native String cylfuse_end_source_string(int source);
+
+    static native String cylfuse_limb_status_string(int status);
+
+    static native String cylfuse_part_string(byte part);
+
     static native int cylfuse_options_init(NativeStructs.Options options, long structSize);
 
     static native int cylfuse_detector_options_init(NativeStructs.DetectorOptions options, long structSize);
