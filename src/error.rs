@@ -76,21 +76,23 @@ pub enum Error {
         bytes: usize,
     },
     /// Fewer usable points than a cylinder has degrees of freedom.
-    #[error("{usable} of {given} points are usable but a cylinder needs at least {needed}; {remedy}")]
+    #[error(
+        "{usable} of {given} points are usable{left_out} but a cylinder needs at least {needed}; {remedy}"
+    )]
     TooFewPoints {
         /// Points that can be used.
         usable: usize,
         /// Points that were given.
         given: usize,
+        /// Why the others were left out, in parentheses; empty where none was.
+        left_out: String,
         /// The least number.
         needed: usize,
         /// What to check.
         remedy: &'static str,
     },
     /// The points are as flat as a plane: the radius runs away.
-    #[error(
-        "the points lie on a plane: the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis; check the mask, or give points that cover more of the circumference"
-    )]
+    #[error("{}", planar(*radius, *spread, *limit, *axis_limited))]
     PlanarPoints {
         /// The radius at which the fit was given up.
         radius: f64,
@@ -98,6 +100,8 @@ pub enum Error {
         spread: f64,
         /// The largest ratio of the two that counts as a cylinder.
         limit: f64,
+        /// Whether the axis was limited to a cone, which may be why.
+        axis_limited: bool,
     },
     /// The points lie on one straight line, such as a single generator of the cylinder.
     #[error(
@@ -110,9 +114,7 @@ pub enum Error {
         across: f64,
     },
     /// No pixel of the mask is set.
-    #[error(
-        "all {width} x {height} pixels of the mask are zero; set the pixels of the cylinder to a non-zero value"
-    )]
+    #[error("{}", empty_mask(*width, *height))]
     EmptyMask {
         /// Width of the mask in pixels.
         width: usize,
@@ -120,16 +122,16 @@ pub enum Error {
         height: usize,
     },
     /// No pixel in the region has a usable depth.
-    #[error(
-        "none of the {pixels} pixels in the region has a usable depth: {missing} without a measurement, {out_of_range} out of range or hidden; check the depth scale and the mask"
-    )]
+    #[error("{}", no_depth(*pixels, *missing, *out_of_range, *range))]
     NoDepth {
         /// Pixels in the region.
         pixels: usize,
         /// Pixels with a depth of zero, below zero or not finite.
         missing: usize,
-        /// Pixels outside the range of depths or of the camera model, or hidden from the image by something nearer.
+        /// Pixels outside the range of depths.
         out_of_range: usize,
+        /// The range, from the nearest to the farthest depth that counts.
+        range: (f64, f64),
     },
     /// No start could be found for the iteration.
     #[error("no start was found: {reason}; give a start model")]
@@ -152,7 +154,7 @@ pub enum Error {
         what: &'static str,
     },
     /// The caller asked to stop.
-    #[error("cancelled by the caller after {iterations} iterations")]
+    #[error("{}", cancelled(*iterations))]
     Cancelled {
         /// Iterations done by then.
         iterations: usize,
@@ -218,6 +220,57 @@ impl Error {
     }
 }
 
+fn planar(radius: f64, spread: f64, limit: f64, axis_limited: bool) -> String {
+    let grew = format!(
+        "the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis"
+    );
+    match axis_limited {
+        true => format!(
+            "no cylinder with its axis within the limit fits the points: {grew}; check axis and axis_max_angle, and the mask"
+        ),
+        false => format!(
+            "the points lie on a plane: {grew}; check the mask, or give points that cover more of the circumference"
+        ),
+    }
+}
+
+fn empty_mask(width: usize, height: usize) -> String {
+    match width * height {
+        0 => {
+            format!("the mask has the size {width} x {height}; set its width and height, those of the image")
+        }
+        _ => format!(
+            "all {width} x {height} pixels of the mask are zero; set the pixels of the cylinder to a non-zero value"
+        ),
+    }
+}
+
+fn no_depth(pixels: usize, missing: usize, out_of_range: usize, range: (f64, f64)) -> String {
+    let mut reasons = format!("{missing} without a measurement");
+    if out_of_range > 0 {
+        let limits = match range {
+            (min, max) if max == f64::INFINITY => format!("nearer than min_depth {min:?}"),
+            (min, max) if min <= 0.0 => format!("farther than max_depth {max:?}"),
+            (min, max) => format!("outside min_depth {min:?} to max_depth {max:?}"),
+        };
+        reasons += &readable(&format!(", {out_of_range} {limits}"));
+    }
+    let hidden = pixels.saturating_sub(missing + out_of_range);
+    if hidden > 0 {
+        reasons += &format!(", {hidden} hidden by something nearer or outside the field of the camera");
+    }
+    format!(
+        "none of the {pixels} pixels in the region has a usable depth: {reasons}; check the depth scale and the mask"
+    )
+}
+
+fn cancelled(iterations: usize) -> String {
+    match iterations {
+        0 => "cancelled by the caller".into(),
+        _ => format!("cancelled by the caller after {iterations} iterations"),
+    }
+}
+
 /// The longest number that is written digit by digit: any `u64`.
 const MOST_DIGITS: usize = 20;
 
@@ -243,6 +296,41 @@ fn readable(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_leave_out_what_does_not_apply() {
+        assert_eq!(Error::Cancelled { iterations: 0 }.to_string(), "cancelled by the caller");
+        assert_eq!(
+            Error::Cancelled { iterations: 3 }.to_string(),
+            "cancelled by the caller after 3 iterations"
+        );
+        let error = Error::EmptyMask { width: 0, height: 0 };
+        assert_eq!(
+            error.to_string(),
+            "the mask has the size 0 x 0; set its width and height, those of the image"
+        );
+        let range = (0.0, f64::INFINITY);
+        let error = Error::NoDepth { pixels: 5, missing: 5, out_of_range: 0, range };
+        assert_eq!(
+            error.to_string(),
+            "none of the 5 pixels in the region has a usable depth: 5 without a measurement; check the depth scale and the mask"
+        );
+        let inf = f64::INFINITY;
+        for (range, limits) in [
+            ((1.5, inf), "nearer than min_depth 1.5"),
+            ((0.0, 0.25), "farther than max_depth 0.25"),
+            ((1.5, 2.0), "outside min_depth 1.5 to max_depth 2.0"),
+        ] {
+            let error = Error::NoDepth { pixels: 9, missing: 2, out_of_range: 4, range };
+            assert_eq!(
+                error.to_string(),
+                format!(
+                    "none of the 9 pixels in the region has a usable depth: 2 without a measurement, 4 {limits}, 3 hidden by \
+                     something nearer or outside the field of the camera; check the depth scale and the mask"
+                )
+            );
+        }
+    }
 
     #[test]
     fn long_numbers_leave_room_for_limit_and_remedy() {

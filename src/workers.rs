@@ -11,6 +11,9 @@ const PARTS_OF_A_THREAD: usize = 4;
 /// From so many items a thread on they share memory: what the first of them asks for is little beside the work on all.
 const ITEMS_THAT_SHARE: usize = 4;
 
+/// No more threads than these work on something, whatever was asked for: of more, none finds a processor, and each takes memory.
+const MOST_THREADS: usize = 256;
+
 /// How many threads work on something: that of the caller alone unless more are asked for.
 ///
 /// They start and end within the call. A library inside someone's process leaves no thread behind that a fork, an
@@ -25,11 +28,11 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// So many threads, or as many as the machine has for 0.
+    /// So many threads, 256 at most, or as many as the machine has for 0.
     #[must_use]
     pub fn asked(threads: usize) -> Self {
         let machine = || thread::available_parallelism().map_or(1, usize::from);
-        Self { threads: if threads == 0 { machine() } else { threads } }
+        Self { threads: if threads == 0 { machine() } else { threads }.min(MOST_THREADS) }
     }
 
     /// Computes every slot from its index.
@@ -133,6 +136,25 @@ mod tests {
                 assert!(slots.iter().enumerate().all(|(index, slot)| *slot == index * index));
             }
         }
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "hundreds of threads")]
+    fn no_more_threads_are_started_than_can_be_of_use() {
+        let count = 2 * MOST_THREADS;
+        let (ids, here) = (Mutex::new(HashSet::new()), std::sync::Condvar::new());
+        let mut items = vec![(); count];
+        // Each thread waits for the others, as long as there may be more.
+        let compute = |_, (): &mut ()| {
+            let mut ids = ids.lock().unwrap();
+            ids.insert(thread::current().id());
+            here.notify_all();
+            let patience = std::time::Duration::from_millis(100);
+            drop(here.wait_timeout_while(ids, patience, |ids| ids.len() < MOST_THREADS).unwrap());
+        };
+        Workers::asked(4_000_000_000).change_and_tell(&mut items, compute, |_, ()| {});
+        let started = ids.into_inner().unwrap().len();
+        assert!(started <= MOST_THREADS, "{started} threads");
     }
 
     #[test]

@@ -268,3 +268,26 @@ fn a_plane_fits_the_largest_radius_that_is_allowed() {
         assert!(result.flags.contains(Flags::RADIUS_AT_LIMIT));
     }
 }
+
+/// A clean half tube along another direction than the limit allows: the error names the limit.
+#[test]
+fn points_that_no_axis_within_the_limit_fits_are_not_called_flat() {
+    let point = |k: u32| {
+        let angle = std::f64::consts::PI * f64::from(k % 40) / 39.0;
+        [0.05 * angle.cos(), 0.01 * f64::from(k / 40), 0.8 - 0.05 * angle.sin()]
+    };
+    let points: Vec<[f64; 3]> = (0..800).map(point).collect();
+    let mut fitter = fitter_with(&points);
+    let cylinder_limits = cone(Vector3::x(), 0.0);
+    fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
+    let text = fitter.fit().unwrap_err().to_string();
+    assert!(text.starts_with("no cylinder with its axis within the limit fits the points: "), "{text}");
+    assert!(text.contains("check axis and axis_max_angle"), "{text}");
+}
+
+#[test]
+fn an_axis_without_a_length_is_named_with_its_default() {
+    let limits = cone(Vector3::repeat(f64::NAN), 0.1);
+    let text = limits.check().unwrap_err().to_string();
+    assert!(text.contains("leave it at its default for any direction"), "{text}");
+}

@@ -302,7 +302,7 @@ fn options_of_the_fits_are_kept_apart() {
     let error = detector.set_options(DetectorOptions { fit, ..DetectorOptions::default() }).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "limits of the fits is radius 0 to 1, axis free; it must be none: the limits of the detector hold for the fits"
+        "radius_max of the fits is 1; it must be left at its default: set radius_max of the detector, which holds for the fits"
     );
     assert_eq!(*detector.options(), DetectorOptions::default());
     // An objective that needs segments says so, and no region is lost in silence.

@@ -232,10 +232,12 @@ fn empty_masks_empty_depth_and_wrong_sizes_are_errors_of_their_own() {
     let error = fitter.push_depth(&whole, Some(&no_mask), &range).unwrap_err();
     assert_eq!(error.name(), "EMPTY_MASK");
     let error = fitter.push_depth(&empty, None, &range).unwrap_err();
-    assert_eq!(error, Error::NoDepth { pixels: width * height, missing: width * height, out_of_range: 0 });
+    let (pixels, all) = (width * height, (0.0, f64::INFINITY));
+    assert_eq!(error, Error::NoDepth { pixels, missing: pixels, out_of_range: 0, range: all });
     let far = DepthRange { min: 1.0, max: 2.0 };
     let error = fitter.push_depth(&whole, None, &far).unwrap_err();
-    assert_eq!(error, Error::NoDepth { pixels: width * height, missing: 0, out_of_range: width * height });
+    assert_eq!(error, Error::NoDepth { pixels, missing: 0, out_of_range: pixels, range: (1.0, 2.0) });
+    assert!(error.to_string().contains("outside min_depth 1.0 to max_depth 2.0"), "{error}");
 
     let small_mask = MaskView::from_u8(&mask[..320 * 240], (320, 240)).unwrap();
     let error = fitter.push_depth(&whole, Some(&small_mask), &range).unwrap_err();

@@ -72,7 +72,7 @@
  * struct_size. Elements of arrays have no struct_size: the call is given their size in element_size, and the rest of
  * an element that the library does not know becomes zero. Structs without either never change.
  *
- * Units and frames. Lengths are in one unit, which is the caller's. Angles are in radians. A camera frame is
+ * Units and frames. Lengths are in one unit, which is the caller's, but for cylfuse_plan(), which takes metres. Angles are in radians. A camera frame is
  * x to the right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the
  * reference frame; with one view at the identity, as at first, the two are the same. Models, results and extents are in
  * the reference frame, data of a view in the frame of its camera. Pixel centres are at integer coordinates, as in
@@ -80,7 +80,8 @@
  *
  * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels
  * outside the mask are left out and counted. Anything else that is not finite is an error. All deviations are standard
- * deviations, of the noise of the data.
+ * deviations, of the noise of the data; those of a robust fit also have the errors that all points of a view share, as far
+ * as depth_shared of the options states them.
  *
  * Threads. Any number of calls that take a const handle may run on it at once; a call that takes a handle that is not
  * const runs alone. What would disturb another call returns BUSY at once instead of waiting. Only
@@ -1344,7 +1345,9 @@ typedef struct cylfuse_cylinder {
  * The cylinder that a fit found, how certain it is, and where the iteration started.
  *
  * Deviations and covariance are those of the noise of the data, with the weights that were used and the correlation
- * of neighbouring depths; errors that all data share (calibration, a scale of the depth) are not in them. All
+ * of neighbouring depths. With the method FUSED and the objective ROBUST they also have the errors that all points of a
+ * view share and `depth_shared` of the options states: by default 0.2 % of the depth, as a bend of the profile, an offset
+ * and a tilt. Errors of the calibration, the registration and a scale of the depth are not in them. All
  * deviations of the interface are standard deviations: for an expanded uncertainty with the coverage factor k = 2,
  * as calibration certificates state it, multiply by 2. NaN for RANSAC and EBERLY, for an edge weight of 1, and where
  * the data do not determine the number.
@@ -2197,8 +2200,10 @@ cylfuse_status cylfuse_extent_init(struct cylfuse_extent *extent,
 CYLFUSE_NOEXCEPT;
 
 /**
- * Makes a fitter with default options, one view at the identity, and no data. It keeps the memory of its calls for the
- * next ones, about as much as its data take, so that a repeated call asks for none: use it again.
+ * Makes a fitter with default options, one view at the identity, and no data.
+ *
+ * Use one fitter for many fits. The memory that a call needs is not freed after it but kept in the fitter, so that a later
+ * call with as many data allocates none. It is about as much memory as the data themselves take.
  *
  * @param abi_version `CYLFUSE_ABI_VERSION`
  * @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call
@@ -2259,9 +2264,9 @@ CYLFUSE_NOEXCEPT;
  * Why the last call on a fitter failed: what was wrong, the value, the limit and the remedy, one line of ASCII. Empty
  * when the call succeeded.
  *
- * The last call is that of the calling thread; where this thread has made calls on something else since, it is the
- * last one on the fitter that finished on any thread. So a thread always reads about its own call when it asks right
- * after it, and programs whose tasks move between threads still find the text with the fitter.
+ * Ask right after the call, on the same thread: the text is then about that call, even where other threads use the
+ * fitter too. Where the last call of this thread was not on this fitter, the text is about the call on the fitter that
+ * finished last, on any thread. So it is found, too, by a program whose tasks move between threads.
  *
  * @param fitter the fitter, which may be busy; NULL asks for the last call of this thread, whatever it was on, which
  *   is where calls without a fitter leave their text
@@ -2981,7 +2986,7 @@ CYLFUSE_NOEXCEPT;
  * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
  * @param count how many there are
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
- *   The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
+ *   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
  *   the default, 1, is right here.
  * @param callback hears of each fit that ended, and may stop the rest; NULL for none
  * @param user_data handed to the callback; may be NULL
@@ -3287,7 +3292,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * What to expect of measurements of a cylinder with a camera: standard deviations by the covariance at the exact view. The
- * middle of the axis lies on the optical axis. Lengths are in metres, angles in radians.
+ * middle of the axis lies on the optical axis. Unlike elsewhere in the interface lengths are in metres, as the noise of the
+ * structured light is known in them; angles are in radians.
  *
  * @param intrinsics the camera of the image, on whose pixels the depth is
  * @param cylinder 5 doubles: the distance from the camera to the middle of the axis; radius; length; the tilt of the axis

@@ -115,7 +115,8 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
 }
 
 /// What to expect of measurements of a cylinder with a camera: standard deviations by the covariance at the exact view. The
-/// middle of the axis lies on the optical axis. Lengths are in metres, angles in radians.
+/// middle of the axis lies on the optical axis. Unlike elsewhere in the interface lengths are in metres, as the noise of the
+/// structured light is known in them; angles are in radians.
 ///
 /// @param intrinsics the camera of the image, on whose pixels the depth is
 /// @param cylinder 5 doubles: the distance from the camera to the middle of the axis; radius; length; the tilt of the axis

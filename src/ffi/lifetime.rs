@@ -7,8 +7,10 @@ use super::status::cylfuse_status;
 use super::texts;
 use std::ffi::c_char;
 
-/// Makes a fitter with default options, one view at the identity, and no data. It keeps the memory of its calls for the
-/// next ones, about as much as its data take, so that a repeated call asks for none: use it again.
+/// Makes a fitter with default options, one view at the identity, and no data.
+///
+/// Use one fitter for many fits. The memory that a call needs is not freed after it but kept in the fitter, so that a later
+/// call with as many data allocates none. It is about as much memory as the data themselves take.
 ///
 /// @param abi_version `CYLFUSE_ABI_VERSION`
 /// @param out_fitter where the fitter goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call
@@ -87,9 +89,9 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
 /// Why the last call on a fitter failed: what was wrong, the value, the limit and the remedy, one line of ASCII. Empty
 /// when the call succeeded.
 ///
-/// The last call is that of the calling thread; where this thread has made calls on something else since, it is the
-/// last one on the fitter that finished on any thread. So a thread always reads about its own call when it asks right
-/// after it, and programs whose tasks move between threads still find the text with the fitter.
+/// Ask right after the call, on the same thread: the text is then about that call, even where other threads use the
+/// fitter too. Where the last call of this thread was not on this fitter, the text is about the call on the fitter that
+/// finished last, on any thread. So it is found, too, by a program whose tasks move between threads.
 ///
 /// @param fitter the fitter, which may be busy; NULL asks for the last call of this thread, whatever it was on, which
 ///   is where calls without a fitter leave their text

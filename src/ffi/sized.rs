@@ -26,12 +26,17 @@ pub(super) trait Growing: Copy {
 }
 
 /// A growing struct whose first field is `struct_size: u32`.
-pub(super) trait SizeTagged: Growing {}
+pub(super) trait SizeTagged: Growing {
+    /// The function that comes before everything else.
+    const INIT: &'static str;
+}
 
 macro_rules! size_tagged {
     ($($name:ident),* $(,)?) => {
         $(impl Growing for $name {}
-        impl SizeTagged for $name {})*
+        impl SizeTagged for $name {
+            const INIT: &'static str = concat!(stringify!($name), "_init");
+        })*
     };
 }
 
@@ -45,7 +50,9 @@ size_tagged! {
 impl Growing for cylfuse_options {
     const FIRST_SIZE: usize = offset_of!(cylfuse_options, depth_shared);
 }
-impl SizeTagged for cylfuse_options {}
+impl SizeTagged for cylfuse_options {
+    const INIT: &'static str = "cylfuse_options_init";
+}
 
 // Elements of arrays, whose size is an argument of the call.
 impl Growing for cylfuse_limb {}
@@ -53,11 +60,12 @@ impl Growing for cylfuse_limb_sample {}
 impl Growing for cylfuse_end_sample {}
 impl Growing for cylfuse_detection {}
 
-fn check_size<T: Growing>(name: &'static str, given: usize) -> Result<(), Failure> {
+fn check_size<T: Growing>(name: &'static str, given: usize, init: Option<&str>) -> Result<(), Failure> {
     if (T::FIRST_SIZE..=LARGEST).contains(&given) {
         return Ok(());
     }
-    let requirement = format!("be sizeof of the struct, {} to {LARGEST}", T::FIRST_SIZE);
+    let remedy = init.map_or_else(String::new, |init| format!(": call {init} before everything else"));
+    let requirement = format!("be sizeof of the struct, {} to {LARGEST}{remedy}", T::FIRST_SIZE);
     Err(Failure::StructSize { name, given, requirement })
 }
 
@@ -71,7 +79,7 @@ unsafe fn given_size<T: SizeTagged>(pointer: *const T, name: &'static str) -> Re
     }
     // SAFETY: not NULL, so the first field can be read; no alignment is assumed.
     let given = unsafe { pointer.cast::<u32>().read_unaligned() } as usize;
-    check_size::<T>(name, given).map(|()| given)
+    check_size::<T>(name, given, Some(T::INIT)).map(|()| given)
 }
 
 /// Reads a struct of any version: fields that an older program does not have are 0, fields of a newer one must
@@ -229,7 +237,7 @@ pub(super) unsafe fn init<T: SizeTagged>(
     if pointer.is_null() {
         return Err(Failure::NullPointer { name });
     }
-    check_size::<T>(name, given)?;
+    check_size::<T>(name, given, None)?;
     let bytes = pointer.cast::<u8>();
     let known = given.min(size_of::<T>());
     // SAFETY: the caller's obligation: `given` bytes are writable; the defaults have no padding.
@@ -269,11 +277,15 @@ mod tests {
     }
 
     impl Growing for First {}
-    impl SizeTagged for First {}
+    impl SizeTagged for First {
+        const INIT: &'static str = "first_init";
+    }
     impl Growing for Second {
         const FIRST_SIZE: usize = size_of::<First>();
     }
-    impl SizeTagged for Second {}
+    impl SizeTagged for Second {
+        const INIT: &'static str = "second_init";
+    }
 
     fn second(struct_size: usize) -> Second {
         Second { first: First { struct_size: struct_size as u32, number: 7, value: 0.5 }, added: 0 }
@@ -299,6 +311,7 @@ mod tests {
             // SAFETY: the size is refused before anything else is read.
             let failure = unsafe { read(&raw const given, "options") }.unwrap_err();
             assert!(matches!(failure, Failure::StructSize { .. }), "{size}");
+            assert!(failure.to_string().ends_with(": call second_init before everything else"), "{failure}");
         }
         // SAFETY: NULL is allowed.
         let failure = unsafe { read(std::ptr::null::<Second>(), "options") }.unwrap_err();

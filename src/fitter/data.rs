@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, RigidMotion, Walls};
 use crate::memory::{ByView, List};
 use crate::noise::ImageNoise;
-use crate::observations::EdgeSegment;
+use crate::observations::{Dropped, EdgeSegment};
 use crate::residuals::PointTerm;
 use crate::workers::Workers;
 use nalgebra::{Matrix3, Vector3};
@@ -180,11 +180,17 @@ impl<'a> Data<'a> {
         given: usize,
     ) -> Result<Self> {
         let usable: usize = views.iter().map(|view| view.points.count()).sum();
+        let dropped = || {
+            let mut all = Dropped::default();
+            views.iter().for_each(|view| all.add(view.view.cloud.dropped()));
+            all
+        };
         let edges_alone = edge_weight == 1.0 && start.is_some();
         if usable < LEAST_POINTS && !edges_alone {
             return Err(Error::TooFewPoints {
                 usable,
                 given,
+                left_out: dropped().in_words(),
                 needed: LEAST_POINTS,
                 remedy: "push more points, or check mask, depth scale and depth range",
             });
@@ -272,7 +278,8 @@ impl<'a> Data<'a> {
         }
         if spreads[2] <= COPLANAR * spreads[0] {
             let limit = LARGEST_RADIUS;
-            return Err(Error::PlanarPoints { radius: f64::INFINITY, spread: spreads[1], limit });
+            let (radius, spread, axis_limited) = (f64::INFINITY, spreads[1], false);
+            return Err(Error::PlanarPoints { radius, spread, limit, axis_limited });
         }
         Ok((origin + mean, covariance))
     }
@@ -372,7 +379,9 @@ impl<'a> Data<'a> {
         let along = cylinder.axis.direction;
         let spread = (self.covariance.trace() - along.dot(&(self.covariance * along))).max(0.0).sqrt();
         if cylinder.radius > LARGEST_RADIUS * spread {
-            return Err(Error::PlanarPoints { radius: cylinder.radius, spread, limit: LARGEST_RADIUS });
+            let axis_limited = self.options.cylinder_limits.cone().is_some();
+            let (radius, limit) = (cylinder.radius, LARGEST_RADIUS);
+            return Err(Error::PlanarPoints { radius, spread, limit, axis_limited });
         }
         Ok(())
     }

@@ -113,7 +113,9 @@ impl CylinderLimits {
         let norm = direction.norm();
         if !(norm > 0.0 && norm.is_finite()) {
             let given = format!("{:?}", direction.as_slice());
-            return Err(Error::argument("axis", given, "be finite and not zero"));
+            let what = if norm == 0.0 { "not be zero" } else { "have a finite length" };
+            let requirement = format!("{what}; leave it at its default for any direction");
+            return Err(Error::argument("axis", given, requirement));
         }
         if !(0.0..=FRAC_PI_2).contains(&max_angle) {
             let requirement = "lie in [0, pi/2]: give radians";

@@ -1,6 +1,7 @@
 //! Depth images: from pixels to points.
 
 use super::batch::Batch;
+use super::dropped::Dropped;
 use super::frame::Frame;
 use super::mask::Mask;
 use super::points::PointCloud;
@@ -335,9 +336,9 @@ impl PointCloud {
             }
         }
         if batch.len() == 0 {
-            let missing = batch.dropped.no_depth;
-            let pixels = batch.given - batch.dropped.outside_mask;
-            return Err(Error::NoDepth { pixels, missing, out_of_range: pixels - missing });
+            let Dropped { no_depth: missing, out_of_range, outside_mask, .. } = batch.dropped;
+            let (pixels, range) = (batch.given - outside_mask, (range.min, range.max));
+            return Err(Error::NoDepth { pixels, missing, out_of_range, range });
         }
         self.append(batch, Scalar::F32)
     }

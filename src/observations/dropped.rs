@@ -32,6 +32,22 @@ impl Dropped {
             + self.hidden
     }
 
+    /// Why points were left out, with numbers, in parentheses; empty where none was.
+    pub(crate) fn in_words(&self) -> String {
+        let reasons = [
+            (self.not_finite, "not finite"),
+            (self.zero_weight, "of weight 0"),
+            (self.outside_mask, "outside the mask"),
+            (self.no_depth, "without a depth"),
+            (self.out_of_range, "out of the range of depths"),
+            (self.outside_camera, "outside the field of the camera"),
+            (self.hidden, "hidden by something nearer"),
+        ];
+        let words = reasons.iter().filter(|(count, _)| *count > 0);
+        let words: Vec<String> = words.map(|(count, reason)| format!("{count} {reason}")).collect();
+        if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) }
+    }
+
     pub(crate) fn add(&mut self, other: &Dropped) {
         self.not_finite += other.not_finite;
         self.zero_weight += other.zero_weight;

@@ -100,6 +100,7 @@ impl Plan {
             return Err(Error::TooFewPoints {
                 usable: independent_points as usize,
                 given: seen.len(),
+                left_out: String::new(),
                 needed: LEAST_INDEPENDENT,
                 remedy: "plan a shorter distance or a camera of more pixels; pixels whose noise is alike count once",
             });

@@ -58,11 +58,18 @@ impl DetectorOptions {
         let refuse = |name: &str, value: String, requirement: &str| {
             Err(Error::argument(format!("{name} of the fits"), value, requirement))
         };
-        if self.fit.cylinder_limits != CylinderLimits::default() {
-            let CylinderLimits { radius_min, radius_max, axis } = self.fit.cylinder_limits;
-            let limits =
-                format!("radius {radius_min} to {radius_max}, axis {}", axis.map_or("free", |_| "in a cone"));
-            return refuse("limits", limits, "be none: the limits of the detector hold for the fits");
+        let CylinderLimits { radius_min, radius_max, axis } = self.fit.cylinder_limits;
+        let default = CylinderLimits::default();
+        let given = [
+            ("radius_min", (radius_min != default.radius_min).then(|| radius_min.to_string())),
+            ("radius_max", (radius_max != default.radius_max).then(|| radius_max.to_string())),
+            ("axis", axis.map(|cone| format!("{:?}", cone.direction.as_slice()))),
+        ];
+        for (name, value) in given {
+            let Some(value) = value else { continue };
+            let requirement =
+                format!("be left at its default: set {name} of the detector, which holds for the fits");
+            return refuse(name, value, &requirement);
         }
         if self.fit.start != StartKind::Auto {
             let start = format!("{:?}", self.fit.start);

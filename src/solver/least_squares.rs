@@ -38,6 +38,7 @@ impl LeastSquares {
             return Err(Error::TooFewPoints {
                 usable: rows.len(),
                 given: rows.len(),
+                left_out: String::new(),
                 needed: 5,
                 remedy: "give more points",
             });

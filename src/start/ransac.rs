@@ -446,6 +446,10 @@ fn choose(points: &[Vector3<f64>], check: Check<'_>) -> Result<List<usize>> {
         return Err(Error::TooFewPoints {
             usable,
             given: points.len(),
+            left_out: match points.len() - usable {
+                0 => String::new(),
+                bad => format!(" ({bad} not finite)"),
+            },
             needed: FEWEST_POINTS,
             remedy: "give more points with finite coordinates",
         });

@@ -29,7 +29,7 @@ static void bad_options_are_named(void)
     CHECK_OK(cylfuse_options_init(&fits, sizeof fits));
     CHECK_OK(cylfuse_options_init(&read, sizeof read));
     fits.radius_max = 0.5;
-    CHECK_ERROR(NULL, cylfuse_detector_set_fit_options(detector, &fits), INVALID_ARGUMENT, "limits of the fits");
+    CHECK_ERROR(NULL, cylfuse_detector_set_fit_options(detector, &fits), INVALID_ARGUMENT, "of the fits is");
     CHECK_OK(cylfuse_options_init(&fits, sizeof fits));
     fits.start = CYLFUSE_START_RANSAC;
     CHECK_ERROR(NULL, cylfuse_detector_set_fit_options(detector, &fits), INVALID_ARGUMENT, "start of the fits is Ransac");

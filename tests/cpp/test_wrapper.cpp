@@ -356,7 +356,7 @@ static void bad_input_is_named()
     CHECK_ERROR(fitter.fit(), TOO_FEW_POINTS, "0 of 0 points");
     std::vector<std::array<double, 3>> points(10, {NAN, 0.0, 1.0});
     fitter.push_points(points);
-    CHECK_ERROR(fitter.fit(), TOO_FEW_POINTS, "0 of 10 points");
+    CHECK_ERROR(fitter.fit(), TOO_FEW_POINTS, "0 of 10 points are usable (10 not finite)");
     CHECK_ERROR(fitter.push_depth(Scene().depth_view()), BAD_STATE, "set the intrinsics first");
     cylfuse::Options options;
     options.edge_weight = 1.4;

@@ -147,7 +147,11 @@ fn limits_out_of_range_are_named() {
         (limits(1.0, 1e200, None), "radius_max is 1e200; it must be at most 1e100"),
         (
             limits(0.0, 1.0, Some(AxisCone { direction: Vector3::zeros(), max_angle: 0.1 })),
-            "axis is [0.0, 0.0, 0.0]; it must be finite and not zero",
+            "axis is [0.0, 0.0, 0.0]; it must not be zero; leave it at its default for any direction",
+        ),
+        (
+            limits(0.0, 1.0, Some(AxisCone { direction: Vector3::new(f64::NAN, 0.0, 1.0), max_angle: 0.1 })),
+            "axis is [NaN, 0.0, 1.0]; it must have a finite length; leave it at its default for any direction",
         ),
         (limits(0.0, 1.0, Some(cone(0.0, 1.6))), "axis_max_angle is 1.6; it must lie in [0, pi/2]"),
         (limits(0.0, 1.0, Some(cone(0.0, -0.1))), "axis_max_angle is -0.1"),
