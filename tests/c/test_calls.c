@@ -85,7 +85,7 @@ static void progress_is_told(void)
     for (int stop = 1; stop <= 3; stop += 2) {
         seen.calls = 0;
         seen.stop_at = stop;
-        CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &kept, NULL), CANCELLED, "cancelled by the caller after");
+        CHECK_ERROR(fitter, cylfuse_fitter_fit(fitter, &kept, NULL), CANCELLED, "cancelled by the caller");
         CHECK(seen.calls == stop);
     }
     CHECK_OK(cylfuse_fitter_get_result(fitter, &kept));

@@ -276,7 +276,7 @@ static void progress_is_told_and_stops(void)
             now.calls = 0;
             now.stop_at = cancel ? 0 : stop;
             now.cancel_at = cancel ? stop : 0;
-            CHECK_ERROR(NULL, cylfuse_detector_detect(detector, frame), CANCELLED, "cancelled by the caller after");
+            CHECK_ERROR(NULL, cylfuse_detector_detect(detector, frame), CANCELLED, "cancelled by the caller");
             CHECK(now.calls >= stop);
             /* The last scene is still there. */
             CHECK(count_of(detector) == CYLINDERS);

@@ -47,7 +47,7 @@ fn values_out_of_range_are_named_with_their_limit() {
         "radius_max is 1; it must be greater than 0 and at least",
     );
     refused(&["--radius", "0"], "--radius is 0; it must be finite and greater than 0");
-    refused(&["--axis", "0,0,0"], "axis is [0.0, 0.0, 0.0]; it must be finite and not zero");
+    refused(&["--axis", "0,0,0"], "axis is [0.0, 0.0, 0.0]; it must not be zero");
     refused(&["--axis", "0,1"], "2 numbers were given, but 3 are needed");
     refused(
         &["--axis", "0,1,0", "--axis-max-angle", "91"],
