@@ -159,6 +159,7 @@ struct Result : cylfuse_result {
     std::vector<std::string> warnings() const { return cylfuse::warnings(ResultFlags(flags)); }
     /** The names of the warnings that are set, separated by ", ". Empty for none. */
     std::string warning_names() const { return to_string(ResultFlags(flags)); }
+    /** Why the iteration ended. */
     Termination termination() const noexcept { return Termination(cylfuse_result::termination); }
 };
 
