@@ -52,6 +52,23 @@ fn depth_that_is_shifted_is_noticed_and_keeps_the_radius() {
 }
 
 #[test]
+fn depth_that_is_shifted_contradicts_no_limb() {
+    let fit = |columns: usize| {
+        let mut inputs = frames::Inputs::read(&sample());
+        inputs.depth.rotate_left(columns);
+        let mut fitter = inputs.fitter();
+        inputs.push_image(&mut fitter);
+        fitter.fit().unwrap()
+    };
+    let (right, shifted) = (fit(0), fit(4));
+    assert_eq!(shifted.limbs_located, 2);
+    assert!(shifted.flags.contains(Flags::DEPTH_SHIFTED));
+    let moved = shifted.shift.unwrap().pixels - right.shift.unwrap().pixels;
+    assert!((moved.abs() - 3.9).abs() < 0.3, "{moved}");
+    assert!((shifted.cylinder.radius / right.cylinder.radius - 1.0).abs() < 0.003);
+}
+
+#[test]
 fn a_mask_of_the_pixels_that_have_depth_is_noticed_and_keeps_the_radius() {
     let fit = |of_depth: bool| {
         let mut inputs = frames::Inputs::read(&sample());

@@ -15,6 +15,7 @@ use crate::geometry::Cylinder;
 use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, locate_limbs};
 use crate::memory::List;
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
+use crate::statistics::DEVIATION_OF_MEDIAN;
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
 const REACH_DEVIATIONS: f64 = 4.0;
@@ -22,6 +23,14 @@ const REACH_DEVIATIONS: f64 = 4.0;
 /// What a bend of the profile by two standard deviations leaves of one in the residuals: points up to 70 degrees from the
 /// middle of a profile keep a quarter of it when the axis moves with the radius.
 const BENT: f64 = 0.5;
+
+/// Depth and image that are shifted against each other by up to so many pixels across the axis contradict no limb: as many are
+/// seen between the cameras of recorded frames. One line that is not the limb would turn against the other.
+const MOST_SHIFTED: f64 = 3.0;
+
+/// What a shift of one leaves in the scale of the residuals, where both limbs hold the axis: points that are even across have a
+/// median sine of a half.
+const LEFT_OF_SHIFT: f64 = 0.5 * DEVIATION_OF_MEDIAN;
 
 /// A minimum and what it is held to.
 pub(super) struct Located {
@@ -43,7 +52,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     let mut fit = None;
     let one_limb = |lines: &Lines| lines[0].is_some() != lines[1].is_some();
     if lines.iter().any(one_limb) {
-        fit = fit_to(data, guided, &lines, run)?;
+        fit = fit_to(data, guided, &lines, 0.0, run)?;
         if let Some(fit) = &fit {
             // One limb tells where to look for the other.
             let by_hand = |view: usize| data.views[view].noise.limb_of_segments();
@@ -58,13 +67,17 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         }
     }
     if lines.iter().any(|lines| lines[0].is_some() && lines[1].is_some()) {
-        fit = fit_to(data, guided, &lines, run)?;
+        fit = fit_to(data, guided, &lines, 0.0, run)?;
+        let shift = left_of_shift(data, guided.minimum.cylinder());
+        if fit.is_none() && shift > 0.0 && !data.lines_turn(&observations, &guided.minimum) {
+            fit = fit_to(data, guided, &lines, shift, run)?;
+        }
         if fit.is_none() {
             // One of them is something else: the one without which the points are contradicted least.
             for (view, limb) in (0..lines.len()).flat_map(|view| [(view, 1), (view, 0)]) {
                 let mut without = lines.clone();
                 if without[view][limb].take().is_some()
-                    && let Some(found) = fit_to(data, guided, &without, run)?
+                    && let Some(found) = fit_to(data, guided, &without, 0.0, run)?
                     && fit.as_ref().is_none_or(|best| found.minimum.scale() < best.minimum.scale())
                 {
                     fit = Some(found);
@@ -163,13 +176,30 @@ fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Li
     })
 }
 
-/// The fit to located limbs; `None` where they contradict the points.
-fn fit_to(data: &Data<'_>, guided: &Guided, lines: &[Lines], run: &mut Run<'_>) -> Result<Option<Located>> {
+/// What a shift between the depth and the image of a single view may leave in the scale of the residuals.
+fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
+    let [view] = &data.views[..] else { return 0.0 };
+    let Some(camera) = view.camera().filter(|_| view.observed) else { return 0.0 };
+    let intrinsics = camera.intrinsics();
+    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let distance = view.into_view.point(&cylinder.axis.nearest_to(&data.center)).z;
+    LEFT_OF_SHIFT * MOST_SHIFTED * view.noise.pixel * pixel * distance.max(0.0)
+}
+
+/// The fit to located limbs; `None` where they contradict the points, in whose scale a shift may leave so much.
+fn fit_to(
+    data: &Data<'_>,
+    guided: &Guided,
+    lines: &[Lines],
+    shift: f64,
+    run: &mut Run<'_>,
+) -> Result<Option<Located>> {
     let held = held(data, &guided.views, guided.flags, lines);
     match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
         Ok(minimum) => {
             let bent = BENT * data.largest_bend(&guided.minimum);
-            let agrees = minimum.scale() <= CONTRADICTION * guided.minimum.scale().hypot(bent);
+            let usual = guided.minimum.scale().hypot(bent).hypot(shift);
+            let agrees = minimum.scale() <= CONTRADICTION * usual;
             Ok(agrees.then_some(Located { minimum, held }))
         }
         Err(error @ Error::Cancelled { .. }) => Err(error),

@@ -3,6 +3,7 @@
 
 use super::data::Data;
 use super::located::{Lines, Observations};
+use super::objective::Minimum;
 use super::scales::Scales;
 use crate::detection::slope_by_points;
 use crate::geometry::Cylinder;
@@ -71,6 +72,12 @@ impl Data<'_> {
         let ends = ends.into_iter().flatten();
         let [slope, deviation] = slope_by_points(&cylinder, sample, (weight, REACH * scale), ends)?;
         Some(Taper { slope, deviation })
+    }
+
+    /// Whether the lines of a single view turn against each other by more than noise and what is usual.
+    pub fn lines_turn(&self, observations: &Observations, minimum: &Minimum) -> bool {
+        let [Some(seen)] = &observations[..] else { return false };
+        self.taper(&seen.limbs, minimum.cylinder(), &minimum.scales).is_some_and(Taper::is_wrong)
     }
 
     /// Weighs the lines of a single view less where they turn against each other by more than their stated deviations: either
