@@ -30,6 +30,7 @@ impl UsableEdges {
                         endpoints: [a, b],
                         weight: segment.weight,
                         limb: None,
+                        growth: 0.0,
                     });
                     usable.rays.push([ray_a, ray_b]);
                 }

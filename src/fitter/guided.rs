@@ -76,18 +76,21 @@ pub(super) struct GuidedView {
 impl Guided {
     /// What the first fit was held to.
     pub fn held(&self, data: &Data<'_>) -> Held {
-        let mut held = hold(data, self.views.iter().map(|view| &view.guides), self.flags);
+        let views = self.views.iter().zip(&data.views);
+        let lines = views.map(|(view, of_data)| view.guides.all_growing(&of_data.noise));
+        let mut held = hold(data, lines, self.flags);
         held.settle(&self.minimum.scales);
         held
     }
 }
 
-/// Guides as what a cylinder is held to.
-fn hold<'a>(data: &Data<'_>, guides: impl Iterator<Item = &'a Guides>, flags: Flags) -> Held {
-    let view =
-        |(view, guides): (&ViewData<'_>, &Guides)| HeldView::new(view, &guides.all(), guides.given.len(), 0);
+/// The lines of each view, of which the first ones are given segments, as what a cylinder is held to.
+fn hold(data: &Data<'_>, lines: impl Iterator<Item = (usize, List<PixelSegment>)>, flags: Flags) -> Held {
+    let view = |(view, (given, lines)): (&ViewData<'_>, (usize, List<PixelSegment>))| {
+        HeldView::new(view, &lines, given, 0)
+    };
     Held {
-        views: data.views.iter().zip(guides).map(view).collect(),
+        views: data.views.iter().zip(lines).map(view).collect(),
         flags,
         edge_weight: data.edge_weight,
         settled: false,
@@ -141,7 +144,7 @@ fn join(
             None => Guides::given(&view.edges.segments),
         })
         .collect();
-    let held = hold(data, guides.iter(), flags);
+    let held = hold(data, guides.iter().map(Guides::all), flags);
     // Every view starts from its own best; the lowest of the minima is that of all.
     let mut best: Option<(Candidate, Minimum)> = None;
     let mut failure = None;
@@ -386,7 +389,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// Holds the limbs to guides and minimises from the first good candidate. The outer error is a cancelled fit.
     fn attempt(&mut self, guides: Guides, candidates: &[Candidate]) -> Result<Result<Attempt>> {
-        let held = hold(self.data, std::iter::once(&guides), Flags::empty());
+        let held = hold(self.data, std::iter::once(guides.all()), Flags::empty());
         match self.data.best_minimum(&held, candidates, Precision::Rough, self.run) {
             Ok((start, minimum)) => Ok(Ok(Attempt { start, minimum, guides })),
             Err(error @ Error::Cancelled { .. }) => Err(error),
@@ -459,7 +462,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         if a.max(b) <= RADIUS_CONTRADICTION * a.min(b) {
             return Ok(false);
         }
-        let held = hold(self.data, std::iter::once(&alone.guides), Flags::empty());
+        let held = hold(self.data, std::iter::once(alone.guides.all()), Flags::empty());
         let (cylinder, scales) = (alone.cylinder(), &alone.minimum.scales);
         let objective = self.data.objective(&held, cylinder, scales);
         let (uncertainty, ..) = self.data.uncertainty(

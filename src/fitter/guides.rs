@@ -12,6 +12,12 @@ use nalgebra::{Vector2, Vector3};
 /// in ten is the edge of something else, and beyond two deviations these are the more likely.
 pub(super) const BESIDE: f64 = 2.0;
 
+constants! {
+    /// Standard deviation of what all sides of a mask are off outwards besides, as a part of that of one side: how masks are drawn,
+    /// large or small all round. See docs/measurements-masks.md.
+    GROWTH = 0.25, "side";
+}
+
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Guides {
@@ -31,9 +37,15 @@ impl Guides {
         Self { given: List::from(segments), ..Self::default() }
     }
 
-    /// All lines.
-    pub fn all(&self) -> List<PixelSegment> {
-        self.given.iter().chain(&self.sides).copied().collect()
+    /// All lines, and how many of them, the first ones, are given segments.
+    pub fn all(&self) -> (usize, List<PixelSegment>) {
+        (self.given.len(), self.given.iter().chain(&self.sides).copied().collect())
+    }
+
+    /// The same where no limb was located.
+    pub fn all_growing(&self, noise: &ImageNoise) -> (usize, List<PixelSegment>) {
+        let sides = self.sides.iter().map(|side| growing(side, noise));
+        (self.given.len(), self.given.iter().copied().chain(sides).collect())
     }
 
     /// Numbers the lines by the limb of a cylinder that they lie on.
@@ -110,7 +122,7 @@ impl Guides {
                 let growth = f64::midpoint(growth[0], growth[1]).clamp(-noise.growth, noise.growth);
                 moved(own, &beside.middle(), growth, noise)
             }
-            _ => *own,
+            _ => growing(own, noise),
         });
         lines
     }
@@ -147,6 +159,11 @@ pub(super) fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector
     let along = (line[1] - line[0]).normalize();
     let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
     -across(inner).signum() * across(q)
+}
+
+/// A side of a mask all of which may be too large or too small.
+fn growing(side: &PixelSegment, noise: &ImageNoise) -> PixelSegment {
+    PixelSegment { growth: GROWTH.get() * noise.side, ..*side }
 }
 
 /// A side of a mask of known growth, moved away from `inner`.
@@ -209,7 +226,7 @@ impl Sides {
 
     fn segment(&self, side: usize, endpoints: [Vector2<f64>; 2]) -> PixelSegment {
         let weight = (self.noise.endpoint / self.noise.side).powi(2);
-        PixelSegment { endpoints, weight, limb: Some(side) }
+        PixelSegment { endpoints, weight, limb: Some(side), growth: 0.0 }
     }
 
     /// No lines but what is known of the limbs where something in front hides them.
@@ -296,7 +313,12 @@ mod tests {
     fn lines_far_from_their_sides_are_others_unless_the_mask_is_too_large_all_round() {
         let noise = NoiseModel::default().in_image((640, 480));
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
-        let side = |x: f64, limb: usize| PixelSegment { endpoints: line(x), weight: 1.0, limb: Some(limb) };
+        let side = |x: f64, limb: usize| PixelSegment {
+            endpoints: line(x),
+            weight: 1.0,
+            limb: Some(limb),
+            growth: 0.0,
+        };
         let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
         let beside =
             |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
@@ -313,7 +335,7 @@ mod tests {
     fn a_side_that_is_cut_confirms_no_segment() {
         let noise = NoiseModel::default().in_image((640, 480));
         let line = |x: f64| [Vector2::new(x, 100.0), Vector2::new(x, 200.0)];
-        let segment = |x: f64| PixelSegment { endpoints: line(x), weight: 1.0, limb: None };
+        let segment = |x: f64| PixelSegment { endpoints: line(x), weight: 1.0, limb: None, growth: 0.0 };
         let holds = |cut: bool, x: f64| {
             let sides =
                 [(300.0, false), (340.0, cut)].map(|(x, cut)| Side { ends: line(x), seen: None, cut });

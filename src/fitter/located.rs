@@ -172,7 +172,7 @@ fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Li
     [0, 1].map(|limb| {
         let line = observations[limb].line.ok()?;
         let weight = (view.noise.endpoint / line.sigma).powi(2);
-        Some(PixelSegment { endpoints: line.ends, weight, limb: Some(limb) })
+        Some(PixelSegment { endpoints: line.ends, weight, limb: Some(limb), growth: 0.0 })
     })
 }
 

@@ -168,8 +168,12 @@ mod tests {
     /// What is left of two limbs between sides of a mask at 300 and 340.
     fn weighed(mut limbs: [LimbObservation; 2]) -> [Result<LimbLine, NotVisible>; 2] {
         let noise = NoiseModel::default().in_image((640, 480));
-        let side =
-            |x: f64, limb: usize| PixelSegment { endpoints: upright(x), weight: 1.0, limb: Some(limb) };
+        let side = |x: f64, limb: usize| PixelSegment {
+            endpoints: upright(x),
+            weight: 1.0,
+            limb: Some(limb),
+            growth: 0.0,
+        };
         let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
         let before = limbs.clone();
         assert_eq!(weigh(&mut limbs, &guides, &noise), before != limbs);
@@ -221,8 +225,12 @@ mod tests {
     #[test]
     fn a_line_beside_a_mask_that_is_known_exactly_is_no_limb() {
         let model = NoiseModel { mask_side: 0.1, mask_unevenness: 0.06, ..NoiseModel::default() };
-        let side =
-            |x: f64, limb: usize| PixelSegment { endpoints: upright(x), weight: 1.0, limb: Some(limb) };
+        let side = |x: f64, limb: usize| PixelSegment {
+            endpoints: upright(x),
+            weight: 1.0,
+            limb: Some(limb),
+            growth: 0.0,
+        };
         let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
         let mut limbs = [seen(300.0, false), seen(350.0, false)];
         weigh(&mut limbs, &guides, &model.in_image((640, 480)));
@@ -232,7 +240,12 @@ mod tests {
     #[test]
     fn beside_given_segments_no_mask_is_asked() {
         let noise = NoiseModel::default().in_image((640, 480));
-        let line = |limb: usize| PixelSegment { endpoints: upright(300.0), weight: 1.0, limb: Some(limb) };
+        let line = |limb: usize| PixelSegment {
+            endpoints: upright(300.0),
+            weight: 1.0,
+            limb: Some(limb),
+            growth: 0.0,
+        };
         let guides =
             Guides { given: [line(0)].into(), sides: [line(0), line(1)].into(), ..Guides::default() };
         assert!(!weigh(&mut [seen(303.0, false), seen(343.0, true)], &guides, &noise));

@@ -191,7 +191,12 @@ impl Plan {
             let noise = LIMB_LOSS * 2.0_f64.sqrt() * self.step.place(noise, along.norm());
             let scatter = noise.hypot(LIMB_JITTER);
             let stated = noise.hypot(LIMB_FLOOR);
-            let segment = PixelSegment { endpoints: [middle - half, middle + half], weight: 1.0, limb: None };
+            let segment = PixelSegment {
+                endpoints: [middle - half, middle + half],
+                weight: 1.0,
+                limb: None,
+                growth: 0.0,
+            };
             let term = PixelTerm::new([segment], self.camera.line_projection());
             for row in term.pixel_rows(frame).ok_or_else(undetermined)? {
                 information.add(&six(&row.jacobian, 0.0), stated, scatter, stated);

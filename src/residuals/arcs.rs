@@ -57,6 +57,7 @@ impl PixelResiduals for ArcTerm {
                     weight: *weight,
                     residual: (position - mean / square) * across,
                     jacobian: (jacobian - mean_jacobian / square) * *across,
+                    shared: 0.0,
                 }));
             }
         }

@@ -14,6 +14,8 @@ pub struct PixelRow {
     pub residual: f64,
     /// Its Jacobian.
     pub jacobian: Tangent,
+    /// By how much one standard deviation of the error that all rows share moves it, in pixels.
+    pub shared: f64,
 }
 
 /// Residuals that the image tells.
@@ -44,11 +46,34 @@ impl InPixels<'_> {
     fn scaled(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let factor = self.scale.length / (self.scale.deviation * frame.unit);
         let mut rows = self.residuals.pixel_rows(frame)?;
+        if rows.iter().any(|row| row.shared != 0.0) {
+            whiten(&mut rows, self.scale.deviation);
+        }
         for row in &mut rows {
             row.residual *= factor;
             row.jacobian *= factor;
         }
         Some(rows)
+    }
+}
+
+/// Makes rows independent that share an error, with weights of 1. With u, what one standard deviation of that error makes of
+/// the weighed residuals, their covariance is I + u uᵀ, whose inverse has the root I − (1 − 1 / √(1 + uᵀu)) u uᵀ / uᵀu.
+fn whiten(rows: &mut [PixelRow], deviation: f64) {
+    for row in rows.iter_mut() {
+        let root = row.weight.sqrt();
+        row.residual *= root;
+        row.jacobian *= root;
+        row.shared *= root / deviation;
+        row.weight = 1.0;
+    }
+    let square: f64 = rows.iter().map(|row| row.shared * row.shared).sum();
+    let part = (1.0 - 1.0 / (1.0 + square).sqrt()) / square;
+    let residual: f64 = rows.iter().map(|row| row.shared * row.residual).sum();
+    let jacobian: Tangent = rows.iter().map(|row| row.jacobian * row.shared).sum();
+    for row in rows {
+        row.residual -= part * residual * row.shared;
+        row.jacobian -= jacobian * (part * row.shared);
     }
 }
 
@@ -63,7 +88,7 @@ impl Term for InPixels<'_> {
 
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
         let mut equations = NormalEquations::zero();
-        for PixelRow { weight, residual, jacobian } in &self.scaled(frame)? {
+        for PixelRow { weight, residual, jacobian, .. } in &self.scaled(frame)? {
             equations.add_residual(*weight, *residual, jacobian);
         }
         Some(equations)
@@ -80,5 +105,38 @@ impl Term for InPixels<'_> {
         let NormalEquations { gradient, hessian, .. } = self.linearise(frame)?;
         let covariance = hessian * (self.scale.length / frame.unit).powi(2);
         Some(SandwichPart { gradient, derivative: hessian, covariance })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    #[test]
+    fn rows_that_share_an_error_cost_what_their_covariance_says() {
+        let row = |k: usize| PixelRow {
+            weight: 0.3 + 0.2 * k as f64,
+            residual: 1.7 - 0.9 * k as f64,
+            jacobian: Tangent::from_fn(|i, _| ((3 * k + 2 * i) as f64).sin()),
+            shared: [0.4, -0.4, 0.0, 0.9][k % 4],
+        };
+        let before: Vec<PixelRow> = (0..6).map(row).collect();
+        let deviation = 0.5;
+        // What one standard deviation of a row is in pixels is deviation / √w.
+        let covariance = DMatrix::from_fn(6, 6, |i, j| {
+            let own = if i == j { deviation * deviation / before[i].weight } else { 0.0 };
+            own + before[i].shared * before[j].shared
+        });
+        let inverse = covariance.try_inverse().unwrap() * (deviation * deviation);
+        let residuals = DVector::from_iterator(6, before.iter().map(|row| row.residual));
+        let jacobian = DMatrix::from_fn(6, 5, |i, j| before[i].jacobian[j]);
+        let mut after = before;
+        whiten(&mut after, deviation);
+        let cost: f64 = after.iter().map(|row| row.residual * row.residual).sum();
+        let gradient: Tangent = after.iter().map(|row| row.jacobian * row.residual).sum();
+        assert!((cost - residuals.dot(&(&inverse * &residuals))).abs() < 1e-12 * cost);
+        let expected = jacobian.transpose() * inverse * residuals;
+        assert!(after.iter().all(|row| row.weight == 1.0) && (gradient - expected).norm() < 1e-12 * cost);
     }
 }

@@ -19,6 +19,9 @@ pub struct PixelSegment {
     /// Segments with the same number, 0 or 1, lie on the same limb, those with different numbers on different
     /// limbs; `None`: on either.
     pub limb: Option<usize>,
+    /// The standard deviation of an error outwards that it shares with all others that have one, in pixels: the growth of
+    /// a mask.
+    pub growth: f64,
 }
 
 impl PixelSegment {
@@ -61,8 +64,14 @@ impl PixelResiduals for PixelTerm {
     fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let rows = self.rows(frame)?;
         let weighted = |(segment, rows): (&PixelSegment, &[LimbRow; 2])| {
-            let weight = segment.weight;
-            rows.map(|(residual, jacobian)| PixelRow { weight, residual, jacobian })
+            let PixelSegment { weight, growth, .. } = *segment;
+            // A limb moves outwards as the radius grows, and an endpoint that does has the other sign.
+            rows.map(|(residual, jacobian)| PixelRow {
+                weight,
+                residual,
+                jacobian,
+                shared: -growth * jacobian[4].signum(),
+            })
         };
         Some(self.segments.iter().zip(&rows).flat_map(weighted).collect())
     }
@@ -145,6 +154,7 @@ mod tests {
             endpoints: [Vector2::from(a), Vector2::from(b)],
             weight: 1.0,
             limb: None,
+            growth: 0.0,
         };
         let segments = vec![
             segment([287.5, 212.5], [303.9, 287.9]),
