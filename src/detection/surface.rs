@@ -251,9 +251,12 @@ pub(super) fn fit(
             parameters = 6;
         }
         let radius = surface.radius();
-        // Nearly undetermined combinations stay: a ten-thousandth of what the best determined one is.
-        let of_radius = if matches!(surface, Surface::Sphere(..)) { 3 } else { 4 };
-        let scale = matrix[(of_radius, of_radius)].max(matrix[(0, 0)]) * 1e-4;
+        // Nearly undetermined combinations stay: a ten-thousandth of what the best determined one is. Of a sphere, whose radius
+        // and depth are nearly one combination, of what its shift across is.
+        let scale = match surface {
+            Surface::Sphere(..) => matrix[(0, 0)],
+            _ => matrix[(4, 4)].max(matrix[(0, 0)]),
+        } * 1e-4;
         for i in 0..6 {
             for j in 0..i {
                 matrix[(j, i)] = matrix[(i, j)];

@@ -77,7 +77,7 @@ impl Guided {
     /// What the first fit was held to.
     pub fn held(&self, data: &Data<'_>) -> Held {
         let views = self.views.iter().zip(&data.views);
-        let lines = views.map(|(view, of_data)| view.guides.all_growing(&of_data.noise));
+        let lines = views.map(|(view, of_data)| view.guides.all_growing(of_data.growth_of_mask()));
         let mut held = hold(data, lines, self.flags);
         held.settle(&self.minimum.scales);
         held

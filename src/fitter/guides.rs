@@ -1,5 +1,6 @@
 //! The lines that guide the limbs of the first fit: given segments, sides of the mask, or some of both.
 
+use super::data::ViewData;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::limb_location::{Outline, Side, axial_range};
@@ -43,8 +44,8 @@ impl Guides {
     }
 
     /// The same where no limb was located.
-    pub fn all_growing(&self, noise: &ImageNoise) -> (usize, List<PixelSegment>) {
-        let sides = self.sides.iter().map(|side| growing(side, noise));
+    pub fn all_growing(&self, growth: f64) -> (usize, List<PixelSegment>) {
+        let sides = self.sides.iter().map(|side| PixelSegment { growth, ..*side });
         (self.given.len(), self.given.iter().copied().chain(sides).collect())
     }
 
@@ -110,6 +111,7 @@ impl Guides {
         limb: usize,
         other: Option<&PixelSegment>,
         noise: &ImageNoise,
+        growth: f64,
     ) -> List<PixelSegment> {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let given = self.given.iter().filter(|guide| guide.limb == Some(limb));
@@ -122,9 +124,17 @@ impl Guides {
                 let growth = f64::midpoint(growth[0], growth[1]).clamp(-noise.growth, noise.growth);
                 moved(own, &beside.middle(), growth, noise)
             }
-            _ => growing(own, noise),
+            _ => PixelSegment { growth, ..*own },
         });
         lines
+    }
+}
+
+impl ViewData<'_> {
+    /// Standard deviation of what all sides of the mask are off outwards besides, in pixels. The region of a detection ends where
+    /// depth leaves the surface, on either side by itself.
+    pub fn growth_of_mask(&self) -> f64 {
+        if self.view.mask_is_body { 0.0 } else { GROWTH.get() * self.noise.side }
     }
 }
 
@@ -159,11 +169,6 @@ pub(super) fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector
     let along = (line[1] - line[0]).normalize();
     let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
     -across(inner).signum() * across(q)
-}
-
-/// A side of a mask all of which may be too large or too small.
-fn growing(side: &PixelSegment, noise: &ImageNoise) -> PixelSegment {
-    PixelSegment { growth: GROWTH.get() * noise.side, ..*side }
 }
 
 /// A side of a mask of known growth, moved away from `inner`.

@@ -176,10 +176,11 @@ fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Li
     })
 }
 
-/// What a shift between the depth and the image of a single view may leave in the scale of the residuals.
+/// What a shift between the depth and the image of a single view may leave in the scale of the residuals. About what a detector
+/// found, which may be too wide, other edges contradict the points as much.
 fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
     let [view] = &data.views[..] else { return 0.0 };
-    let Some(camera) = view.camera().filter(|_| view.observed) else { return 0.0 };
+    let Some(camera) = view.camera().filter(|_| view.observed && !view.view.mask_is_body) else { return 0.0 };
     let intrinsics = camera.intrinsics();
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
     let distance = view.into_view.point(&cylinder.axis.nearest_to(&data.center)).z;
@@ -227,7 +228,12 @@ pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: 
                 }
                 None => {
                     given += own().count();
-                    all.extend(guides.of_limb(limb, lines[1 - limb].as_ref(), &view.noise));
+                    all.extend(guides.of_limb(
+                        limb,
+                        lines[1 - limb].as_ref(),
+                        &view.noise,
+                        view.growth_of_mask(),
+                    ));
                 }
             }
         }
