@@ -224,8 +224,10 @@ fn what_is_likely_a_mistake_is_a_note() {
     assert!(
         swapped.contains("(239.5, 319.5), far from the middle of 640 x 480 pixels; are cx and cy swapped?")
     );
-    let of_another = notes(&[("/camera/cx", json!(639.5)), ("/camera/cy", json!(359.5))]);
-    assert!(of_another.contains("are cx and cy those of another resolution?"));
+    for (cx, cy) in [(639.5, 359.5), (159.5, 119.5), (165.0, 112.0)] {
+        let of_another = notes(&[("/camera/cx", json!(cx)), ("/camera/cy", json!(cy))]);
+        assert!(of_another.contains("are cx and cy those of another resolution?"), "{cx}: {of_another}");
+    }
     // A distance of 0.7 m in units of 0.1 mm.
     assert!(notes(&[("/depth_scale", json!(1))]).contains("depth_scale is 1, by which the middle distance"));
     assert!(notes(&[("/depth_scale", json!(1e-7))]).contains("0.001 where it is in millimetres"));

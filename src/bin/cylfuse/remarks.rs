@@ -12,8 +12,8 @@ const DISTANCES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 const CENTRED: f64 = 0.1;
 
 /// The same for a piece cut out of an image, which may be meant; beyond, the size of the image is rather that of another
-/// resolution.
-const CROPPED: f64 = 0.25;
+/// resolution. That of half of it is off by a quarter, give or take what lenses are.
+const CROPPED: f64 = 0.2;
 
 /// The least number of different depths in an image of a scene that is not rounded to nothing.
 const LEAST_VALUES: usize = 8;

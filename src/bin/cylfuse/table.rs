@@ -41,6 +41,7 @@ const FRAME_COLUMNS: &[Column] = &[
     DIRECTION,
     POINTS,
     Column::number("noise mm", |m| format!("{:.2}", m.result.point_scale * MILLIMETRES)),
+    Column::number("limbs", |m| m.result.limbs_located.to_string()),
     Column::number("edges px", |m| optional(m.result.edge_rms_pixels, 2)),
     ITERATIONS,
     TIME,
