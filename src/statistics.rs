@@ -63,12 +63,12 @@ pub(crate) fn median_size_of_blocks(
     Some(f64::from_bits(nth(&mut found, place)))
 }
 
-/// The absolute value that a quarter of those of numbers lie below, 0 for none.
+/// The lower quartile of the absolute values of numbers, 0 for none.
 pub(crate) fn lower_quartile_size(numbers: impl Iterator<Item = f64>) -> f64 {
     size_at(numbers, 4)
 }
 
-/// The absolute value that one part in `parts` of those of numbers lie below, 0 for none.
+/// The 1/`parts` quantile of the absolute values of numbers, 0 for none.
 fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     // Numbers without sign are ordered as their bits are, which are quicker to compare.
     let mut sizes: List<u64> = numbers.map(|number| number.abs().to_bits()).collect();

@@ -263,13 +263,13 @@ const (
 	LimbNotSearched LimbStatus = C.CYLFUSE_LIMB_STATUS_NOT_SEARCHED
 	// LimbNoLimbs: the camera is inside the cylinder, or it lies behind.
 	LimbNoLimbs LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_LIMBS
-	// LimbTooShort: less than 24 rows or columns of the image show the limb.
+	// LimbTooShort: fewer than 24 rows or columns of the image show the limb, or something in front covers it.
 	LimbTooShort LimbStatus = C.CYLFUSE_LIMB_STATUS_TOO_SHORT
 	// LimbNoEdge: no line near the expected place has more of an edge than noise gives.
 	LimbNoEdge LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_EDGE
-	// LimbOutOfReach: the line left the expected place while it was refined.
+	// LimbOutOfReach: the line left the expected place while it was refined, or lies beside the mask.
 	LimbOutOfReach LimbStatus = C.CYLFUSE_LIMB_STATUS_OUT_OF_REACH
-	// LimbUncertain: the line would be less certain than one set by hand.
+	// LimbUncertain: the line would be less certain than one set by hand, or what is there is softer than any limb.
 	LimbUncertain LimbStatus = C.CYLFUSE_LIMB_STATUS_UNCERTAIN
 	// LimbPatchy: a small part of the line carries it all.
 	LimbPatchy LimbStatus = C.CYLFUSE_LIMB_STATUS_PATCHY

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-/// Visits between two questions whether to go on: less than a millisecond.
+/// Visits between two cancellation checks: less than a millisecond.
 const BETWEEN_QUESTIONS: u64 = 10_000;
 
 /// The work of a search, in visits: one is a surface compared with one cell, or an edge with one limb. A limit on the number

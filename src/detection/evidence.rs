@@ -9,7 +9,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use nalgebra::Vector3;
 
-/// What the depth says about one candidate.
+/// What depth and image say about one candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Evidence {
     /// Logarithm of the likelihood ratio of the cylinder and nothing at all, less the penalty for its five numbers.

@@ -77,7 +77,7 @@ pub(super) fn outline(
     // The outermost cell of each line on each side, and how far out it is.
     let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
     for ((&k, &across), along) in cells.iter().zip(across).zip(along) {
-        // None that is not a number is farther out.
+        // Comparisons with NaN are false, so NaN is never outermost.
         let line = &mut outermost[(((along - first) * per_width) as usize).min(count - 1)];
         if -across > line[0].0 {
             line[0] = (-across, k);

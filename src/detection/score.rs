@@ -25,7 +25,7 @@ const BOTH_LIMBS: f64 = 1.2;
 /// A cone is a rarer body than a cylinder, and what depth does next to outlines looks like one: logarithm of the odds.
 const CONE_PRIOR: f64 = 3.0;
 
-/// Evidence that is left where nothing lies beyond the limbs, and where three pixels do is none.
+/// Evidence where nothing lies beyond the limbs. It falls to zero where about three pixels do.
 const OVERHANG: f64 = 10.0;
 
 /// More evidence than this tells nothing more: what is left is what no model here knows.

@@ -122,7 +122,7 @@ pub struct LastArc {
 }
 
 constants! {
-    /// Rows and columns of the mask from one to the next that bound the search for the ends.
+    /// Stride over the rows and columns of the mask when bounding the search for the ends.
     BOUNDS_STRIDE = 2.0, "px";
 
     /// About how many points tell the noise of the depth.

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, SVector, Vector3};
 const GENERATORS: usize = 9;
 const WIDTH_PART: f64 = 0.7;
 
-/// The uncertainty of an extent: covariances in the camera frame, in the unit of length squared.
+/// The uncertainty of an extent: covariances in the reference frame, in the unit of length squared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtentUncertainty {
     /// Covariance of the start.

@@ -107,13 +107,13 @@ impl cylfuse_limb_status {
     pub const NOT_SEARCHED: cylfuse_limb_status = cylfuse_limb_status(1);
     /// The cylinder has no limbs in front of the camera: the camera is inside it, or it lies behind.
     pub const NO_LIMBS: cylfuse_limb_status = cylfuse_limb_status(2);
-    /// Less than 24 rows or columns of the image show the limb.
+    /// Fewer than 24 rows or columns of the image show the limb, or something in front covers it.
     pub const TOO_SHORT: cylfuse_limb_status = cylfuse_limb_status(3);
     /// No line near the expected position has more of an edge than noise gives.
     pub const NO_EDGE: cylfuse_limb_status = cylfuse_limb_status(4);
-    /// The line left the expected position while it was refined.
+    /// The line left the expected position while it was refined, or lies beside the mask.
     pub const OUT_OF_REACH: cylfuse_limb_status = cylfuse_limb_status(5);
-    /// The line would be less certain than one set by hand.
+    /// The line would be less certain than one set by hand, or what is there is softer than any limb.
     pub const UNCERTAIN: cylfuse_limb_status = cylfuse_limb_status(6);
     /// A small part of the line carries it all.
     pub const PATCHY: cylfuse_limb_status = cylfuse_limb_status(7);

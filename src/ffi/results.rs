@@ -161,13 +161,13 @@ pub struct cylfuse_cylinder_diagnosis {
     pub singular_values: [f64; 5],
     /// Largest over smallest singular value; may be infinite.
     pub condition: f64,
-    /// The step along which the residuals change least: how it moves the axis at the middle of the points, in
-    /// the unit of length,
+    /// How the step along which the residuals change least moves the axis at the middle of the points, in the unit of
+    /// length.
     pub weakest_shift: [f64; 3],
-    /// how it tilts the axis, in radians towards this vector,
+    /// How that step tilts the axis, in radians towards this vector.
     pub weakest_tilt: [f64; 3],
-    /// and how it changes the radius, in the unit of length. Shift and radius over the size of the data and the
-    /// tilt have a joint norm of 1.
+    /// How that step changes the radius, in the unit of length. Shift and radius over the size of the data and the tilt
+    /// have a joint norm of 1.
     pub weakest_radius: f64,
 }
 

@@ -35,16 +35,22 @@ const LIMB_STATUSES: &[(cylfuse_limb_status, &CStr)] = &[
     (cylfuse_limb_status::LOCATED, c"LOCATED: the limb was located in the image"),
     (cylfuse_limb_status::NOT_SEARCHED, c"NOT_SEARCHED: the image was not searched"),
     (cylfuse_limb_status::NO_LIMBS, c"NO_LIMBS: the cylinder has no limbs in front of the camera"),
-    (cylfuse_limb_status::TOO_SHORT, c"TOO_SHORT: too few rows or columns of the image show the limb"),
+    (
+        cylfuse_limb_status::TOO_SHORT,
+        c"TOO_SHORT: too few rows or columns of the image show the limb, or something covers it",
+    ),
     (
         cylfuse_limb_status::NO_EDGE,
         c"NO_EDGE: no line near the expected position has more of an edge than noise gives",
     ),
     (
         cylfuse_limb_status::OUT_OF_REACH,
-        c"OUT_OF_REACH: the line left the expected position while it was refined",
+        c"OUT_OF_REACH: the line left the expected position while it was refined, or lies beside the mask",
     ),
-    (cylfuse_limb_status::UNCERTAIN, c"UNCERTAIN: the line would be less certain than one set by hand"),
+    (
+        cylfuse_limb_status::UNCERTAIN,
+        c"UNCERTAIN: the line would be less certain than one set by hand, or is softer than any limb",
+    ),
     (cylfuse_limb_status::PATCHY, c"PATCHY: a small part of the line carries it all"),
     (
         cylfuse_limb_status::SAME_LINE,
@@ -68,43 +74,43 @@ fn text<T: Copy + PartialEq>(list: &[(T, &'static CStr)], value: T) -> *const c_
 
 // The functions return constants: there is nothing in them that could panic.
 
-/// A warning as text: its name without its prefix, a colon, and what it means in a few words. Static; a text for unknown bits
-/// and for none or several of them, too. Of several, ask for each bit that is set.
+/// A warning as text: its name without its prefix, a colon, and what it means in a few words. Static; a text for
+/// unknown bits and for none or several of them, too. Of several, ask for each bit that is set.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_flag_string(flag: cylfuse_result_flags) -> *const c_char {
     Flags::from_bits_retain(flag.0).describe().as_ptr()
 }
 
-/// Why an iteration ended, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
-/// a text for unknown numbers too.
+/// Why an iteration ended, as text: the name of the constant without its prefix, a colon, and what it means in a few
+/// words. Static; a text for unknown numbers too.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_termination_string(termination: cylfuse_termination) -> *const c_char {
     text(TERMINATIONS, termination)
 }
 
-/// What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
-/// a text for unknown numbers too.
+/// What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it
+/// means in a few words. Static; a text for unknown numbers too.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_end_state_string(state: cylfuse_end_state) -> *const c_char {
     text(END_STATES, state)
 }
 
-/// What the position of an end was taken from, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
-/// a text for unknown numbers too.
+/// What the position of an end was taken from, as text: the name of the constant without its prefix, a colon, and what
+/// it means in a few words. Static; a text for unknown numbers too.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_end_source_string(source: cylfuse_end_source) -> *const c_char {
     text(END_SOURCES, source)
 }
 
-/// Whether a limb was located in the image, or why not, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
-/// a text for unknown numbers too.
+/// Whether a limb was located in the image, or why not, as text: the name of the constant without its prefix, a colon,
+/// and what it means in a few words. Static; a text for unknown numbers too.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_limb_status_string(status: cylfuse_limb_status) -> *const c_char {
     text(LIMB_STATUSES, status)
 }
 
-/// What a point in the mask belongs to, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
-/// a text for unknown numbers too.
+/// What a point in the mask belongs to, as text: the name of the constant without its prefix, a colon, and what it
+/// means in a few words. Static; a text for unknown numbers too.
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_part_string(part: cylfuse_part) -> *const c_char {
     text(PARTS, part)

@@ -234,12 +234,12 @@ impl<'a> Data<'a> {
         self.views.iter().map(|view| view.points.count()).sum()
     }
 
-    /// At most `count` points, evenly spread over those of each view: in the frames of the views,
+    /// At most `count` points, evenly spread over those of each view, in the frames of the views.
     pub fn samples(&self, count: usize) -> List<List<Vector3<f64>>> {
         self.views.iter().map(|view| view.view.cloud.sampled(count / self.views.len()).collect()).collect()
     }
 
-    /// and in the reference frame.
+    /// The same points in the reference frame.
     pub fn sample(&self, count: usize) -> List<Vector3<f64>> {
         self.in_reference(&self.samples(count))
     }

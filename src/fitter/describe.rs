@@ -43,12 +43,12 @@ pub enum ResidualKind {
 pub struct Diagnosis {
     /// Rank, condition and singular values of the Jacobian, in units of the size of the data.
     pub rank: Rank,
-    /// The step along which the residuals change least: how it moves the axis at the middle of the points, in
-    /// the unit of length,
+    /// How the step along which the residuals change least moves the axis at the middle of the points, in the unit of
+    /// length.
     pub weakest_shift: Vector3<f64>,
-    /// how it tilts the axis, in radians towards this vector,
+    /// How that step tilts the axis, in radians towards this vector.
     pub weakest_tilt: Vector3<f64>,
-    /// and how it changes the radius, in the unit of length.
+    /// How that step changes the radius, in the unit of length.
     pub weakest_radius: f64,
 }
 

@@ -19,7 +19,7 @@ pub(super) struct Held {
     pub flags: Flags,
     /// w_L: 0 where no edges count.
     pub edge_weight: f64,
-    /// Whether nothing else is looked for from here: on the way the points are taken as they are.
+    /// Whether the lines are final. Only then do the errors that points share count.
     pub settled: bool,
 }
 
@@ -30,9 +30,9 @@ pub(super) struct HeldView {
     pub index: usize,
     /// The lines that the limbs are held to.
     pub lines: Option<PixelTerm>,
-    /// How many of them are given segments,
+    /// How many of them are given segments.
     pub given: usize,
-    /// and how many were located in the image.
+    /// How many of them were located in the image.
     pub located: usize,
     /// Scale of the point residuals where lines did not contest what the points say; `None` where it is not known. What
     /// points share is bounded by it.

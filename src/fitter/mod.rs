@@ -187,8 +187,9 @@ impl Fitter {
     /// Estimates the cylinder.
     ///
     /// # Errors
-    /// The data do not determine a cylinder (`TooFewPoints`, `PlanarPoints`, `CollinearPoints`, `NoStart`), or
-    /// do not go with the options (`Unsupported`, `BadState`, `EdgeGeometry`).
+    /// The data do not determine a cylinder (`TooFewPoints`, `PlanarPoints`, `CollinearPoints`, `NoStart`), or do not go
+    /// with the options (`Unsupported`, `BadState`, `EdgeGeometry`, and `InvalidArgument` where the least radius is far
+    /// larger than the points reach). `Numerical` where numbers overflow, `OutOfMemory`.
     pub fn fit(&mut self) -> Result<FitResult> {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
@@ -262,7 +263,8 @@ impl Fitter {
     /// of the last fit, or with the given segments where data or options have changed since.
     ///
     /// # Errors
-    /// `TooFewPoints` and the like as in [`Fitter::fit`]; `EdgeGeometry` where the cost is infinite.
+    /// Those of data and options as in [`Fitter::fit`], such as `TooFewPoints`; `EdgeGeometry` where the cost is infinite;
+    /// `Numerical` where the gradient overflows; `OutOfMemory`.
     pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
         self.check_memory(BYTES_OF_FIT)?;
         self.memory.lend(|| {
@@ -286,7 +288,7 @@ impl Fitter {
     ///
     /// # Errors
     /// `BadState` without a model and a result; `EdgeGeometry` for edges when there are no limbs; `Numerical` where no number
-    /// holds a residual.
+    /// holds a residual; `OutOfMemory`.
     pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
         let view = self.view();
         let seen = view.pose().inverse().cylinder(&self.model_or_result("listing residuals", cylinder)?);
@@ -314,7 +316,8 @@ impl Fitter {
     /// points count alike all the same; this says which it should not trust.
     ///
     /// # Errors
-    /// `BadState` without a model and a result, `TooFewPoints` and the like as in [`Fitter::fit`].
+    /// `BadState` without a model and a result; those of data and options as in [`Fitter::fit`], such as `TooFewPoints`;
+    /// `OutOfMemory`.
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
         let cloud = &self.view().cloud;
@@ -353,7 +356,9 @@ impl Fitter {
     /// orthogonal factorisation.
     ///
     /// # Errors
-    /// `BadState` without a model and a result, `EdgeGeometry` where the cost is infinite, `Numerical`.
+    /// `BadState` without a model and a result; those of data and options as in [`Fitter::fit`], such as `TooFewPoints`;
+    /// `EdgeGeometry` where the cost is infinite; `Numerical` where numbers overflow or the factorisation does not
+    /// converge; `OutOfMemory`.
     pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Diagnosis> {
         let cylinder = self.model_or_result("diagnosing", cylinder)?;
         self.check_memory(BYTES_OF_DIAGNOSIS)?;

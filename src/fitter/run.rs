@@ -18,7 +18,7 @@ const ORDINARY_SOLVES: usize = 30;
 const MANY_VISITS: usize = 30_000_000;
 const ALWAYS_ALLOWED: usize = 100;
 
-/// Solves that a rough minimum gets after twice as many: enough to tell it from a better one.
+/// Most solves of a rough minimum once twice as many are spent: enough to tell it from a better one.
 const FEW_SOLVES: usize = 5;
 
 /// First fits whose axes and radii differ by less than this part of the radius are the same.

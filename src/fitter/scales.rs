@@ -60,7 +60,7 @@ impl Data<'_> {
         self.rounding() < limit && 2 * self.views.iter().map(of_view).sum::<usize>() > self.count()
     }
 
-    /// By the median absolute deviation. Exact data have no scale: what rounding leaves keeps the loss away from 0 / 0.
+    /// By the median absolute deviation. Exact data have no scale: the rounding floor avoids 0 / 0 in the loss.
     fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
         (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
     }

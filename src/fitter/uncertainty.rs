@@ -146,7 +146,7 @@ impl Uncertainty {
         self.frame.unit * larger_deviation(&self.tangent.fixed_view::<2, 2>(0, 0).into())
     }
 
-    /// The covariance of (axis point, unit direction, radius) of the result: 7 × 7, in the camera frame and the unit of
+    /// The covariance of (axis point, unit direction, radius) of the result: 7 × 7, in the reference frame and the unit of
     /// length. The axis point is the one nearest to the middle of the points. The rank is 5: the direction keeps its
     /// length, and along the axis the point only moves as the tilt moves it.
     #[must_use]

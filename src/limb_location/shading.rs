@@ -31,7 +31,7 @@ constants! {
     /// 8 bits.
     FLOOR = 0.005, "";
 
-    /// How many times as far from the medians as most blocks a block may be.
+    /// Largest deviation of a block from the medians, relative to that of the median block.
     MOST_ODDNESS = 3.0, "";
 
     /// Standard deviation of d and of b and c, relative to the brightness. One lamp and light from everywhere explain

@@ -239,10 +239,10 @@ impl Strip {
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(grid.least_noise);
         let own =
             DEVIATION_OF_MEDIAN * median_size(self.second_differences(1).iter().copied()) / 6.0_f64.sqrt();
-        // An image that is more blurred than its grid asks for.
         if grid.image.factor() == 1 {
             return own.max(floor);
         }
+        // On a reduced grid neighbours are correlated.
         let [near, far] =
             [1, 2].map(|step| lower_quartile_size(self.second_differences(step).iter().copied()));
         let alike = (far / near).max(1.0);

@@ -107,7 +107,7 @@ impl Mask {
         })
     }
 
-    /// The set pixels beside which one that is not set or outside the image is, row by row.
+    /// The set pixels with a neighbour that is unset or outside the image, row by row.
     pub fn outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let columns = self.columns.clone().step_by(EIGHT);
         self.rows.clone().flat_map(move |row| {

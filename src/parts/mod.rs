@@ -24,10 +24,11 @@ constants! {
     /// The part of the half width that they cover: beside the limbs depth is worst.
     WIDTH_PART = 0.85, "";
 
-    /// A depth is on the surface within this many standard deviations,
+    /// A depth is on the surface within this many standard deviations.
     REACH = 3.0, "σ";
 
-    /// and within this part of the radius: the cylinder is a rough one, and rims are a few per cent wider.
+    /// A depth is also on the surface within this part of the radius: the cylinder is a rough one, and rims are a few per
+    /// cent wider.
     LEAST_REACH = 0.05, "radius";
 
     /// The part of the radius within which points are looked at for the plane of a cap: beside its rim depth is rounded.
@@ -37,7 +38,7 @@ constants! {
     /// spread over the radius.
     CAP_SPREAD = 0.06, "radius";
 
-    /// So many standard deviations of its boundary may a mask of the body reach beyond it.
+    /// A mask of the body may reach beyond it by this many standard deviations of its boundary.
     BOUNDARIES = 2.5, "σ";
 
     /// The part of the error of a depth that all points of a cap share.

@@ -464,7 +464,7 @@ struct Distances<'a, T, F> {
     kernel: &'a Kernel,
     axes: [&'a [T]; 3],
     wall: Wall,
-    /// Who gets them.
+    /// Receives each block.
     block: F,
 }
 

@@ -87,7 +87,7 @@ impl DetectorOptions {
     }
 }
 
-/// How far a search is.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// It begins to look for cylinders.
@@ -101,7 +101,7 @@ pub enum Progress {
     },
 }
 
-/// Who hears how far a search is, and may stop it.
+/// Receives the progress of a search, and may cancel it.
 pub struct Observer<'a> {
     /// Called on the thread that searches; `Break` stops.
     pub progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,

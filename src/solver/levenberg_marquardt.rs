@@ -162,7 +162,8 @@ pub fn minimise(
         objective.linearise(&frame).map(|equations| (frame, equations))
     };
     let Some((mut frame, mut equations)) = linearise(start) else {
-        let reason = "the camera sees no limbs of the start model, which is around or behind it; check the intrinsics";
+        let reason =
+            "the camera sees no limbs of the start model, which is around or behind it; check the intrinsics";
         return Err(Error::NoStart { reason: reason.into() });
     };
     let initial_cost = equations.cost * squared;

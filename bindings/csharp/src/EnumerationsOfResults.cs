@@ -170,13 +170,15 @@ namespace Cylfuse
         /// <summary>The cylinder has no limbs in front of the camera: the camera is inside it, or it lies
         /// behind.</summary>
         NoLimbs = 2,
-        /// <summary>Less than 24 rows or columns of the image show the limb.</summary>
+        /// <summary>Fewer than 24 rows or columns of the image show the limb, or something in front covers
+        /// it.</summary>
         TooShort = 3,
         /// <summary>No line near the expected place has more of an edge than noise gives.</summary>
         NoEdge = 4,
-        /// <summary>The line left the expected place while it was refined.</summary>
+        /// <summary>The line left the expected place while it was refined, or lies beside the mask.</summary>
         OutOfReach = 5,
-        /// <summary>The line would be less certain than one set by hand.</summary>
+        /// <summary>The line would be less certain than one set by hand, or what is there is softer than any
+        /// limb.</summary>
         Uncertain = 6,
         /// <summary>A small part of the line carries it all.</summary>
         Patchy = 7,

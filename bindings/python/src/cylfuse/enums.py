@@ -217,13 +217,13 @@ class LimbStatus(_Choice):
     NOT_SEARCHED = 1
     #: The cylinder has no limbs in front of the camera.
     NO_LIMBS = 2
-    #: Less than 24 rows or columns of the image show the limb.
+    #: Fewer than 24 rows or columns of the image show the limb, or something in front covers it.
     TOO_SHORT = 3
     #: No line near the expected place has more of an edge than noise gives.
     NO_EDGE = 4
-    #: The line left the expected place while it was refined.
+    #: The line left the expected place while it was refined, or lies beside the mask.
     OUT_OF_REACH = 5
-    #: The line would be less certain than one set by hand.
+    #: The line would be less certain than one set by hand, or what is there is softer than any limb.
     UNCERTAIN = 6
     #: A small part of the line carries it all.
     PATCHY = 7
