@@ -109,7 +109,7 @@ impl Scene<'_> {
 
     /// How far inside of each limb the outline of cells is, less what sensors do, in standard deviations; 0 where it is
     /// hidden.
-    pub fn insets(&self, cylinder: &Cylinder, sides: &[Side]) -> [f64; 2] {
+    fn insets(&self, cylinder: &Cylinder, sides: &[Side]) -> [f64; 2] {
         [-1.0, 1.0].map(|sign| {
             let mut insets: List<f64> = sides
                 .iter()

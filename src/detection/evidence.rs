@@ -24,8 +24,6 @@ pub struct Evidence {
     pub over_cone: f64,
     /// The part of the lines along the axis at whose side the surface goes on smoothly instead of ending at the limb.
     pub open_sides: f64,
-    /// The part of the lines at whose side something farther away is seen next to the limb.
-    pub closed_sides: f64,
     /// The part of the cells within the outline that lie off the surface, but not far in front of it.
     pub seen_through: f64,
     /// Independent samples of the sides.
@@ -42,8 +40,6 @@ pub struct Evidence {
     pub limbs: Option<[f64; 2]>,
     /// The part of the lines at whose either side nothing hides the limb.
     pub visible: [f64; 2],
-    /// How far inside of either limb the outline of the cells is, less what sensors do, in standard deviations.
-    pub insets: [f64; 2],
     /// Standard deviation of the radius by a fit, as a part of it: infinite where the data do not tell; `None` before a
     /// fit.
     pub radius_deviation: Option<f64>,
@@ -110,13 +106,9 @@ impl Scene<'_> {
         let pixels = cylinder.radius / (depth * self.optics.pixel);
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
         evidence.radius_pixels = pixels;
-        let part = |beyond: Beyond| {
-            sides.iter().filter(|side| side.beyond == beyond).count() as f64 / sides.len().max(1) as f64
-        };
         evidence.side_samples = sides.len() as f64 / self.noise.cells_per_sample.sqrt();
-        evidence.open_sides = part(Beyond::Smooth);
-        evidence.closed_sides = part(Beyond::Farther);
-        evidence.insets = self.insets(&cylinder, sides);
+        let open = sides.iter().filter(|side| side.beyond == Beyond::Smooth).count();
+        evidence.open_sides = open as f64 / sides.len().max(1) as f64;
         evidence.visible = [-1.0, 1.0].map(|sign| {
             let lines = sides.iter().filter(|side| side.sign == sign);
             let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), side| {

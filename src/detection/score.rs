@@ -172,7 +172,6 @@ mod tests {
             over_edge: odds,
             over_sphere: odds,
             over_cone: odds,
-            closed_sides: 1.0,
             side_samples: 20.0,
             across: [-1.0, 1.0],
             length: 4.0,
@@ -191,7 +190,7 @@ mod tests {
             let good = Evidence { limbs, radius_deviation, ..good() };
             assert!(good.score() > 0.9, "{}", good.score());
             let worse = [
-                Evidence { open_sides: 1.0, closed_sides: 0.0, ..good },
+                Evidence { open_sides: 1.0, ..good },
                 Evidence { rms: 2.0, ..good },
                 Evidence { length: 0.5, ..good },
                 Evidence { seen_through: 0.5, ..good },
