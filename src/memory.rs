@@ -33,6 +33,16 @@ thread_local! {
     static LENT: RefCell<Option<Shelves>> = const { RefCell::new(None) };
 }
 
+/// Whether there is memory of so many bytes. It is asked for and given back at once, so that a call that could not have it
+/// fails before it begins, and does not end the process in the middle.
+pub(crate) fn is_there(bytes: usize) -> bool {
+    let mut memory: Vec<u8> = Vec::new();
+    let asked = memory.try_reserve_exact(bytes);
+    // What nobody looks at need not be allocated.
+    std::hint::black_box(&memory);
+    asked.is_ok()
+}
+
 /// A list with an element for each view, of what borrows, so that no [`List`] can be made of it: a single one has its place
 /// within.
 #[derive(Debug, Clone)]

@@ -6,6 +6,9 @@ use pulp::Arch;
 /// The standard deviation of normal errors over the median of their absolute values.
 pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 
+/// The lower quartile of the absolute values of normal errors, in standard deviations.
+pub(crate) const LOWER_QUARTILE: f64 = 0.3186;
+
 /// The upper median, 0 for no values; they come out in another order.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

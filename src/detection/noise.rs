@@ -2,16 +2,13 @@
 
 use super::grid::Grid;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, median};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
 /// nearer cells share their error. 4 cells of 3 pixels do not.
 const LAG: usize = 4;
-
-/// The lower quartile of absolute normal errors in standard deviations: 0.3186.
-const QUARTILE: f64 = 0.3186;
 
 /// Fewest second differences that tell something.
 const FEWEST: usize = 50;
@@ -93,7 +90,7 @@ impl Noise {
         if far.len() < FEWEST {
             return None;
         }
-        let deviation = lower_quartile(&mut far) / QUARTILE;
+        let deviation = lower_quartile(&mut far) / LOWER_QUARTILE;
         let mut near = differences(grid, &w, 1);
         w.retain(|w| *w > 0.0);
         let nearest = median(&mut near) * DEVIATION_OF_MEDIAN;

@@ -44,6 +44,7 @@ pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
 pub use result::{FitResult, Flags, Seconds};
 pub use taper::Taper;
+pub(crate) use uncertainty::larger_deviation;
 pub use uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 pub(crate) use view::View;
 
@@ -58,7 +59,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
-use crate::memory::{List, Memory};
+use crate::memory::{List, Memory, is_there};
 use crate::observations::Mask;
 use crate::parts::Parts;
 use crate::residuals::{Loss, LossInFrame, PointRows, Robust, RobustScales};
@@ -376,19 +377,14 @@ impl Fitter {
         cylinder.copied().or(self.result.map(|result| result.cylinder)).ok_or(missing)
     }
 
-    /// Asks for the memory of lists over all points, and gives it back at once: so that a call that could not have it
-    /// fails before it begins, and does not end the process in the middle.
+    /// Refuses a call for which there is no memory for lists over all points.
     fn check_memory(&self, bytes_of_point: usize) -> Result<()> {
         let points = self.views.iter().map(|view| view.cloud.len()).sum::<usize>();
         let bytes = points.saturating_mul(bytes_of_point);
-        if bytes <= ALWAYS_THERE {
+        if bytes <= ALWAYS_THERE || is_there(bytes) {
             return Ok(());
         }
-        let mut memory: Vec<u8> = Vec::new();
-        let asked = memory.try_reserve_exact(bytes);
-        // What nobody looks at need not be allocated.
-        std::hint::black_box(&memory);
-        asked.map_err(|_| Error::OutOfMemory { what: "the lists over the points", bytes })
+        Err(Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
     /// A fit of the views, of which some are `drawn` again.

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::limb_location::edges_on_limbs;
 use crate::observations::{EdgeSegment, check_segments};
+use crate::statistics::at_both_ends;
 
 /// The part of the points at either end of the axis that does not tell how far the surface reaches: stray points.
 const STRAY: f64 = 0.01;
@@ -34,18 +35,16 @@ impl Fitter {
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;
         let axis = &cylinder.axis;
-        let mut positions: Vec<f64> =
+        let positions: Vec<f64> =
             self.cloud().points().map(|p| (p - axis.point).dot(&axis.direction)).collect();
         if positions.is_empty() {
             return Err(missing("points", "push points or a depth image first"));
         }
-        let last = positions.len() - 1;
-        let stray = (STRAY * last as f64) as usize;
-        let low = *positions.select_nth_unstable_by(stray, f64::total_cmp).1;
-        let high = *positions.select_nth_unstable_by(last - stray, f64::total_cmp).1;
+        let stray = (STRAY * (positions.len() - 1) as f64) as usize;
+        let range = at_both_ends(&positions, stray);
         let reach = (reach > 0.0).then_some(reach);
         let noise = self.options().noise.in_image(camera.size());
-        edges_on_limbs(segments, camera, &cylinder, &[low, high], reach, &noise).ok_or_else(|| {
+        edges_on_limbs(segments, camera, &cylinder, &range, reach, &noise).ok_or_else(|| {
             Error::EdgeGeometry {
                 reason: "the camera is inside the cylinder or a limb cannot be seen".into(),
                 remedy: "give a cylinder in front of the camera",

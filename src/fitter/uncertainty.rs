@@ -229,8 +229,8 @@ fn moved_across(frame: &LocalFrame, across: &Vector3<f64>, step: f64) -> Cylinde
     cylinder
 }
 
-/// The root of the larger eigenvalue.
-fn larger_deviation(covariance: &Matrix2<f64>) -> f64 {
+/// The root of the larger eigenvalue of a covariance.
+pub(crate) fn larger_deviation(covariance: &Matrix2<f64>) -> f64 {
     covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
 }
 

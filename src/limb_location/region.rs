@@ -6,7 +6,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::median;
+use crate::statistics::{at_both_ends, median};
 use nalgebra::Vector2;
 
 constants! {
@@ -52,15 +52,12 @@ pub fn axial_range(
         });
         Some((hit - axis.point).dot(&axis.direction)).filter(|position| position.is_finite())
     };
-    let mut positions: List<f64> = pixels.filter_map(position).collect();
+    let positions: List<f64> = pixels.filter_map(position).collect();
     if positions.is_empty() {
         return None;
     }
-    let last = positions.len() - 1;
-    let out = ((trim * positions.len() as f64) as usize).min(last / 2);
-    let low = *positions.select_nth_unstable_by(out, f64::total_cmp).1;
-    let high = *positions.select_nth_unstable_by(last - out, f64::total_cmp).1;
-    Some([low, high])
+    let out = ((trim * positions.len() as f64) as usize).min((positions.len() - 1) / 2);
+    Some(at_both_ends(&positions, out))
 }
 
 /// The outline of a region in ideal pixels, from which its sides are drawn.

@@ -12,7 +12,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median, ordered};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median, ordered};
 use nalgebra::Vector3;
 pub(crate) use sight::extremes;
 use sight::sights;
@@ -66,9 +66,6 @@ constants! {
 pub fn constants() -> Vec<crate::constant::Constant> {
     [CONSTANTS, outline::CONSTANTS].concat()
 }
-
-/// The lower quartile of absolute normal errors in standard deviations: 0.3186.
-const QUARTILE: f64 = 0.3186;
 
 /// What a point or pixel of a mask belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -291,7 +288,7 @@ fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f
 
 /// How far points of the surface may be from it, by their distances and those of others.
 fn reach(cylinder: &Cylinder, distances: impl Iterator<Item = f64>) -> f64 {
-    let sigma = lower_quartile_size(distances) / QUARTILE;
+    let sigma = lower_quartile_size(distances) / LOWER_QUARTILE;
     (REACH.get() * sigma).max(LEAST_REACH.get() * cylinder.radius)
 }
 

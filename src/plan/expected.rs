@@ -7,13 +7,14 @@
 use super::view::SeenPoint;
 use super::{Deviations, Plan};
 use crate::error::{Error, Result};
+use crate::fitter::larger_deviation;
 use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
 use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::residuals::{
     ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, near_wall,
 };
-use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 /// What a located limb scatters by in units of the Cramér–Rao bound: blur, levels and shading are found from the same pixels.
 /// By captures of the twin with steps of 10 and 25 times the noise.
@@ -229,11 +230,6 @@ fn end_variance(arc: &[ArcRay], place: f64, floor: f64) -> f64 {
     let information: f64 = arc.iter().map(|at| (at.across / place).powi(2)).sum();
     let across = arc.iter().map(|at| at.across).sum::<f64>() / arc.len() as f64;
     information.recip() + (floor / across).powi(2)
-}
-
-/// The root of the larger eigenvalue.
-fn larger_deviation(covariance: &Matrix2<f64>) -> f64 {
-    covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
 }
 
 fn undetermined() -> Error {

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
-use crate::memory::{Memory, apart};
+use crate::memory::{Memory, apart, is_there};
 use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
 use crate::workers::Workers;
 use fits::Fits;
@@ -488,12 +488,8 @@ fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
     labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
 }
 
-/// Asks for the memory of a call and gives it back at once, so that a call that could not have it fails before it begins.
+/// Refuses a call for which there is no memory.
 fn check_memory(what: &'static str, pixels: usize) -> Result<()> {
     let bytes = pixels.saturating_mul(BYTES_OF_SEARCH);
-    let mut memory: Vec<u8> = Vec::new();
-    let asked = memory.try_reserve_exact(bytes);
-    // What nobody looks at need not be allocated.
-    std::hint::black_box(&memory);
-    asked.map_err(|_| Error::OutOfMemory { what, bytes })
+    if is_there(bytes) { Ok(()) } else { Err(Error::OutOfMemory { what, bytes }) }
 }
