@@ -50,25 +50,10 @@ pub(crate) fn detect_in_mask(
     limits: &CylinderLimits,
     stopped: &dyn Fn() -> bool,
 ) -> Result<Option<Cylinder>> {
-    let size = camera.size();
     let intrinsics = camera.intrinsics();
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
-    let side = side_of_cells(size, pixel);
-    let margin = MARGIN * side;
-    let (columns, rows) = mask.bounds();
-    // Whole cells of the grid of the image.
-    let start = |first: usize| first.saturating_sub(margin) / side * side;
-    let (left, top) = (start(columns.start), start(rows.start));
-    let (right, bottom) = ((columns.end + margin).min(size.0), (rows.end + margin).min(size.1));
-    let read_points = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
-        let y = row + top;
-        row::write(columns, points, |column| {
-            let x = column + left;
-            let point = depth.depth(x, y).and_then(|z| Some(camera.ray_of_pixel(x, y)? * z));
-            point.unwrap_or_default().into()
-        });
-    };
-    let mut grid = Grid::new((right - left, bottom - top), pixel, side, &read_points);
+    let side = side_of_cells(camera.size(), pixel);
+    let (mut grid, [left, top]) = cells_around(camera, depth, mask, pixel, side);
     let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };
     let effort = Effort::new(stopped);
     let planes = planes::find_planes(&grid, &noise, &effort);
@@ -119,6 +104,32 @@ pub(crate) fn detect_in_mask(
         Some(Surface::Cylinder(cylinder, _)) => Some(cylinder),
         _ => caps::most_covered(&scene, &bodies, &open),
     })
+}
+
+/// The cells around a mask, and the column and row of the image at which they begin.
+fn cells_around(
+    camera: &Camera,
+    depth: &DepthImage,
+    mask: &Mask,
+    pixel: f64,
+    side: usize,
+) -> (Grid, [usize; 2]) {
+    let size = camera.size();
+    let margin = MARGIN * side;
+    let (columns, rows) = mask.bounds();
+    // Whole cells of the grid of the image.
+    let start = |first: usize| first.saturating_sub(margin) / side * side;
+    let (left, top) = (start(columns.start), start(rows.start));
+    let (right, bottom) = ((columns.end + margin).min(size.0), (rows.end + margin).min(size.1));
+    let read_points = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
+        let y = row + top;
+        row::write(columns, points, |column| {
+            let x = column + left;
+            let point = depth.depth(x, y).and_then(|z| Some(camera.ray_of_pixel(x, y)? * z));
+            point.unwrap_or_default().into()
+        });
+    };
+    (Grid::new((right - left, bottom - top), pixel, side, &read_points), [left, top])
 }
 
 /// Limits within which a rough cylinder is looked for.

@@ -211,6 +211,7 @@ pub(super) fn fit(
     steps: usize,
 ) -> Option<Surface> {
     let center = middle(cells, which);
+    let as_length = |pixels: f64| pixels * optics.pixel * center.z;
     let mut surface = start.at(&center);
     let cells = Cells::new(cells, which, optics);
     for _ in 0..steps {
@@ -218,45 +219,71 @@ pub(super) fn fit(
             return None;
         }
         let (u, v) = surface.across();
-        let NormalEquations { mut matrix, mut vector, count } =
-            cells.normal_equations(&surface, (&u, &v), reach);
-        if count < 8 {
+        let mut equations = cells.normal_equations(&surface, (&u, &v), reach);
+        if equations.count < 8 {
             return None;
         }
         let mut parameters = surface.parameters() as usize;
         if let Surface::Cylinder(cylinder, bias) = surface {
-            for Tangent { ray, inset, deviation, weight } in tangents {
-                let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
-                let distance = place.distance + inset * optics.pixel * center.z;
-                let sigma = deviation * optics.pixel * center.z;
-                let ratio = distance / sigma;
-                if ratio.abs() > reach {
-                    continue;
-                }
-                let part = 1.0 - (ratio / reach).powi(2);
-                let weight = weight * part * part / (sigma * sigma);
-                let (nu, nv) = (place.normal.dot(&u), place.normal.dot(&v));
-                let row =
-                    SVector::<f64, 6>::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, 0.0]);
-                for i in 0..6 {
-                    for j in 0..=i {
-                        matrix[(i, j)] += weight * row[i] * row[j];
-                    }
-                }
-                vector += row * (weight * distance);
-            }
-            let sigma = BIAS_PIXELS * optics.pixel * center.z;
-            matrix[(5, 5)] += 1.0 / (sigma * sigma);
-            vector[5] += bias / (sigma * sigma);
+            equations.add_tangents((&surface, &cylinder), (&u, &v), tangents, as_length, reach);
+            equations.expect_bias(bias, as_length(BIAS_PIXELS));
             parameters = 6;
         }
-        let radius = surface.radius();
-        // Nearly undetermined combinations stay: a ten-thousandth of what the best determined one is. Of a sphere, whose radius
-        // and depth are nearly one combination, of what its shift across is.
-        let scale = match surface {
-            Surface::Sphere(..) => matrix[(0, 0)],
-            _ => matrix[(4, 4)].max(matrix[(0, 0)]),
-        } * 1e-4;
+        equations.complete(parameters);
+        equations.damp(&surface, parameters);
+        let delta = equations.matrix.cholesky()?.solve(&-equations.vector);
+        let moved = surface.step(&delta)?;
+        let change = (moved.radius() - surface.radius()).abs() / surface.radius();
+        surface = moved;
+        let settled = reach <= REACH && change < 1e-4;
+        reach = (0.5 * reach).max(REACH);
+        if settled {
+            break;
+        }
+    }
+    surface.radius().is_finite().then_some(surface)
+}
+
+impl NormalEquations {
+    /// Adds the rays that touch a cylinder beside its limbs. Those beyond `reach` standard deviations do not count.
+    fn add_tangents(
+        &mut self,
+        (surface, cylinder): (&Surface, &Cylinder),
+        (u, v): (&Vector3<f64>, &Vector3<f64>),
+        tangents: &[Tangent],
+        as_length: impl Fn(f64) -> f64,
+        reach: f64,
+    ) {
+        for Tangent { ray, inset, deviation, weight } in tangents {
+            let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
+            let distance = place.distance + as_length(*inset);
+            let sigma = as_length(*deviation);
+            let ratio = distance / sigma;
+            if ratio.abs() > reach {
+                continue;
+            }
+            let part = 1.0 - (ratio / reach).powi(2);
+            let weight = weight * part * part / (sigma * sigma);
+            let (nu, nv) = (place.normal.dot(u), place.normal.dot(v));
+            let row = SVector::<f64, 6>::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, 0.0]);
+            for i in 0..6 {
+                for j in 0..=i {
+                    self.matrix[(i, j)] += weight * row[i] * row[j];
+                }
+            }
+            self.vector += row * (weight * distance);
+        }
+    }
+
+    /// Adds what is expected of the bias at the limbs: 0, with a standard deviation.
+    fn expect_bias(&mut self, bias: f64, deviation: f64) {
+        self.matrix[(5, 5)] += 1.0 / (deviation * deviation);
+        self.vector[5] += bias / (deviation * deviation);
+    }
+
+    /// Fills the upper half of the matrix, and holds what is beyond the parameters at 0.
+    fn complete(&mut self, parameters: usize) {
+        let Self { matrix, vector, .. } = self;
         for i in 0..6 {
             for j in 0..i {
                 matrix[(j, i)] = matrix[(i, j)];
@@ -268,25 +295,25 @@ pub(super) fn fit(
                 matrix[(i, i)] = 1.0;
             }
         }
+    }
+
+    /// Damps the step, so that nearly undetermined combinations stay: by a ten-thousandth of what the best determined one is. Of
+    /// a sphere, whose radius and depth are nearly one combination, by that of its shift across.
+    fn damp(&mut self, surface: &Surface, parameters: usize) {
+        let matrix = &mut self.matrix;
+        let scale = match surface {
+            Surface::Sphere(..) => matrix[(0, 0)],
+            _ => matrix[(4, 4)].max(matrix[(0, 0)]),
+        } * 1e-4;
+        let radius = surface.radius();
         for i in 0..parameters {
-            let lever = if matches!(surface, Surface::Sphere(..))
-                || !(matches!(i, 2 | 3) || i == 5 && matches!(surface, Surface::Cone(..)))
-            {
-                1.0
-            } else {
-                radius * radius
+            let lever = match (surface, i) {
+                (Surface::Cylinder(..) | Surface::Cone(..), 2 | 3) | (Surface::Cone(..), 5) => {
+                    radius * radius
+                }
+                _ => 1.0,
             };
             matrix[(i, i)] += scale * lever;
         }
-        let delta = matrix.cholesky()?.solve(&-vector);
-        let moved = surface.step(&delta)?;
-        let change = (moved.radius() - surface.radius()).abs() / radius;
-        surface = moved;
-        let settled = reach <= REACH && change < 1e-4;
-        reach = (0.5 * reach).max(REACH);
-        if settled {
-            break;
-        }
     }
-    surface.radius().is_finite().then_some(surface)
 }

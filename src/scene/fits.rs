@@ -153,11 +153,7 @@ impl<'a> Fits<'a> {
         let mut plain = None;
         let mut known = Vec::new();
         for factor in radii.iter().take(attempts) {
-            let radius = factor * found.radius;
-            // The wall that is seen stays where it is.
-            let away = seen.axis.nearest_to_origin().normalize() * (radius - found.radius);
-            let axis = Line { point: seen.axis.point + away, ..seen.axis };
-            let start = pose.cylinder(&Cylinder { axis, radius });
+            let start = pose.cylinder(&with_radius(seen, factor * seen.radius));
             let result = match fit_from(fitter, &start, share, &mut known) {
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => continue,
@@ -193,12 +189,23 @@ impl<'a> Fits<'a> {
             *fitter = of_best;
             return Ok(result);
         }
+        self.kept(fitter, &found, plain, share)
+    }
+
+    /// The detected cylinder where no fit has better covered limbs, or else the `plain` fit from it.
+    fn kept(
+        &self,
+        fitter: &mut Fitter,
+        found: &Cylinder,
+        plain: Option<Box<(Fitter, FitResult)>>,
+        share: &Share<'_>,
+    ) -> Result<FitResult> {
         // The search allows for errors at the limits; what is returned keeps them.
-        if !fitter.options().cylinder_limits.contain(&found) {
-            return fit_from(fitter, &found, share, &mut Vec::new());
+        if !fitter.options().cylinder_limits.contain(found) {
+            return fit_from(fitter, found, share, &mut Vec::new());
         }
-        fitter.set_start(Some(found));
-        let kept = fitter.keep(&found)?;
+        fitter.set_start(Some(*found));
+        let kept = fitter.keep(found)?;
         match plain {
             // Limbs that are located at the cylinder itself draw it away.
             Some(plain) if kept.limbs_located > 0 => {
@@ -221,6 +228,12 @@ impl<'a> Fits<'a> {
         fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
         Ok(fitter)
     }
+}
+
+/// A cylinder with another radius. The wall that is seen stays where it is.
+fn with_radius(seen: &Cylinder, radius: f64) -> Cylinder {
+    let away = seen.axis.nearest_to_origin().normalize() * (radius - seen.radius);
+    Cylinder { axis: Line { point: seen.axis.point + away, ..seen.axis }, radius }
 }
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.

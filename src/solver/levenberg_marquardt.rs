@@ -208,18 +208,8 @@ pub fn minimise(
         }
         let hessian = second_derivative.unwrap_or(equations.curvature);
         let step = match chart {
-            Chart::Local => cylinder_limits
-                .step(&frame, &damped(&hessian, lambda), &equations.gradient)
-                .map(|(step, cylinder)| Step::new(step, cylinder, &hessian, &equations.gradient)),
-            Chart::Orthonormal => {
-                let map = frame.orthonormal_tangent_map();
-                let hessian = map.transpose() * hessian * map;
-                let gradient = map.transpose() * equations.gradient;
-                damped(&hessian, lambda).cholesky().map(|factors| {
-                    let step = -factors.solve(&gradient);
-                    Step::new(step, frame.retract_orthonormal(&step), &hessian, &gradient)
-                })
-            }
+            Chart::Local => Step::local(&frame, &hessian, &equations.gradient, lambda, cylinder_limits),
+            Chart::Orthonormal => Step::orthonormal(&frame, &hessian, &equations.gradient, lambda),
         };
         let step = step.filter(|step| step.tangent.iter().all(|x| x.is_finite()));
         let promises = |part: f64| step.is_none_or(|step| !(step.decrease <= part * equations.cost));
@@ -238,14 +228,8 @@ pub fn minimise(
         });
         let trial = step.and_then(|step| {
             let trial_frame = LocalFrame::new(&step.cylinder, &data_center, unit);
-            let lower = |cost: &f64| *cost < equations.cost;
-            // The first step from a place is nearly always taken, so it is linearised at once; after a rejection the
-            // cost alone comes first.
-            if disappointed {
-                objective.cost(&trial_frame).filter(lower)?;
-            }
-            let trial_equations = objective.linearise(&trial_frame)?;
-            lower(&trial_equations.cost).then_some((step, trial_frame, trial_equations))
+            let trial_equations = lower(objective, &trial_frame, equations.cost, disappointed)?;
+            Some((step, trial_frame, trial_equations))
         });
         if let Some((step, trial_frame, trial_equations)) = trial {
             let decrease = equations.cost - trial_equations.cost;
@@ -306,6 +290,46 @@ impl Step {
         let decrease = -(gradient * 2.0 + hessian * tangent).dot(&tangent);
         Self { tangent, cylinder, decrease }
     }
+
+    /// In the local chart, within limits; `None` where the matrix is singular.
+    fn local(
+        frame: &LocalFrame,
+        hessian: &TangentMap,
+        gradient: &Tangent,
+        lambda: f64,
+        limits: &CylinderLimits,
+    ) -> Option<Self> {
+        let (step, cylinder) = limits.step(frame, &damped(hessian, lambda), gradient)?;
+        Some(Self::new(step, cylinder, hessian, gradient))
+    }
+
+    /// In the orthonormal chart; `None` where the matrix is singular.
+    fn orthonormal(
+        frame: &LocalFrame,
+        hessian: &TangentMap,
+        gradient: &Tangent,
+        lambda: f64,
+    ) -> Option<Self> {
+        let map = frame.orthonormal_tangent_map();
+        let hessian = map.transpose() * hessian * map;
+        let gradient = map.transpose() * gradient;
+        let step = -damped(&hessian, lambda).cholesky()?.solve(&gradient);
+        Some(Self::new(step, frame.retract_orthonormal(&step), &hessian, &gradient))
+    }
+}
+
+/// The normal equations of a frame where the cost is lower than `cost`. The first step from a place is nearly always taken, so
+/// it is linearised at once; after a rejection the cost alone comes first.
+fn lower(
+    objective: &(impl Objective + ?Sized),
+    frame: &LocalFrame,
+    cost: f64,
+    rejected: bool,
+) -> Option<NormalEquations> {
+    if rejected {
+        objective.cost(frame).filter(|trial| *trial < cost)?;
+    }
+    objective.linearise(frame).filter(|equations| equations.cost < cost)
 }
 
 /// How far a step moves the surface near the data, as a length.
