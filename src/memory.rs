@@ -33,8 +33,8 @@ thread_local! {
     static LENT: RefCell<Option<Shelves>> = const { RefCell::new(None) };
 }
 
-/// Whether there is memory of so many bytes. It is asked for and given back at once, so that a call that could not have it
-/// fails before it begins, and does not end the process in the middle.
+/// Whether there is memory of so many bytes. It is asked for and given back at once, so that a call that could not have
+/// it fails before it begins, and does not end the process in the middle.
 pub(crate) fn is_there(bytes: usize) -> bool {
     let mut memory: Vec<u8> = Vec::new();
     let asked = memory.try_reserve_exact(bytes);

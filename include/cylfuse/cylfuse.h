@@ -1433,17 +1433,17 @@ typedef struct cylfuse_cylinder_diagnosis {
      */
     double condition;
     /**
-     * The step along which the residuals change least: how it moves the axis at the middle of the points, in
-     * the unit of length,
+     * How the step along which the residuals change least moves the axis at the middle of the points, in the unit of
+     * length.
      */
     double weakest_shift[3];
     /**
-     * how it tilts the axis, in radians towards this vector,
+     * How that step tilts the axis, in radians towards this vector.
      */
     double weakest_tilt[3];
     /**
-     * and how it changes the radius, in the unit of length. Shift and radius over the size of the data and the
-     * tilt have a joint norm of 1.
+     * How that step changes the radius, in the unit of length. Shift and radius over the size of the data and the tilt
+     * have a joint norm of 1.
      */
     double weakest_radius;
 } cylfuse_cylinder_diagnosis;
@@ -1861,7 +1861,7 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_NO_LIMBS 2
 /**
- * Less than 24 rows or columns of the image show the limb.
+ * Fewer than 24 rows or columns of the image show the limb, or something in front covers it.
  */
 #define CYLFUSE_LIMB_STATUS_TOO_SHORT 3
 /**
@@ -1869,11 +1869,11 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_NO_EDGE 4
 /**
- * The line left the expected position while it was refined.
+ * The line left the expected position while it was refined, or lies beside the mask.
  */
 #define CYLFUSE_LIMB_STATUS_OUT_OF_REACH 5
 /**
- * The line would be less certain than one set by hand.
+ * The line would be less certain than one set by hand, or what is there is softer than any limb.
  */
 #define CYLFUSE_LIMB_STATUS_UNCERTAIN 6
 /**
@@ -3354,48 +3354,48 @@ cylfuse_status cylfuse_intrinsics_unproject(const struct cylfuse_intrinsics *int
 CYLFUSE_NOEXCEPT;
 
 /**
- * A warning as text: its name without its prefix, a colon, and what it means in a few words. Static; a text for unknown bits
- * and for none or several of them, too. Of several, ask for each bit that is set.
+ * A warning as text: its name without its prefix, a colon, and what it means in a few words. Static; a text for
+ * unknown bits and for none or several of them, too. Of several, ask for each bit that is set.
  */
 CYLFUSE_API
 const char *cylfuse_flag_string(cylfuse_result_flags flag)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Why an iteration ended, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
- * a text for unknown numbers too.
+ * Why an iteration ended, as text: the name of the constant without its prefix, a colon, and what it means in a few
+ * words. Static; a text for unknown numbers too.
  */
 CYLFUSE_API
 const char *cylfuse_termination_string(cylfuse_termination termination)
 CYLFUSE_NOEXCEPT;
 
 /**
- * What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
- * a text for unknown numbers too.
+ * What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it
+ * means in a few words. Static; a text for unknown numbers too.
  */
 CYLFUSE_API
 const char *cylfuse_end_state_string(cylfuse_end_state state)
 CYLFUSE_NOEXCEPT;
 
 /**
- * What the position of an end was taken from, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
- * a text for unknown numbers too.
+ * What the position of an end was taken from, as text: the name of the constant without its prefix, a colon, and what
+ * it means in a few words. Static; a text for unknown numbers too.
  */
 CYLFUSE_API
 const char *cylfuse_end_source_string(cylfuse_end_source source)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Whether a limb was located in the image, or why not, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
- * a text for unknown numbers too.
+ * Whether a limb was located in the image, or why not, as text: the name of the constant without its prefix, a colon,
+ * and what it means in a few words. Static; a text for unknown numbers too.
  */
 CYLFUSE_API
 const char *cylfuse_limb_status_string(cylfuse_limb_status status)
 CYLFUSE_NOEXCEPT;
 
 /**
- * What a point in the mask belongs to, as text: the name of the constant without its prefix, a colon, and what it means in a few words. Static;
- * a text for unknown numbers too.
+ * What a point in the mask belongs to, as text: the name of the constant without its prefix, a colon, and what it
+ * means in a few words. Static; a text for unknown numbers too.
  */
 CYLFUSE_API
 const char *cylfuse_part_string(cylfuse_part part)

@@ -29,8 +29,8 @@ const NARROWEST: f64 = 8.0;
 /// Two edges must stand side by side over this part of their distance.
 const SIDE_BY_SIDE: f64 = 0.35;
 
-/// Allowed ratio of the measured curvature of the depth between two limbs to that of a cylinder. Matching windows flatten
-/// the depth up to threefold.
+/// Allowed ratio of the measured curvature of the depth between two limbs to that of a cylinder. Matching windows
+/// flatten the depth up to threefold.
 const CURVATURES: [f64; 2] = [0.3, 2.0];
 
 /// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.

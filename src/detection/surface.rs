@@ -297,8 +297,8 @@ impl NormalEquations {
         }
     }
 
-    /// Damps the step, so that nearly undetermined combinations stay: by a ten-thousandth of what the best determined one is. Of
-    /// a sphere, whose radius and depth are nearly one combination, by that of its shift across.
+    /// Damps the step, so that nearly undetermined combinations stay: by a ten-thousandth of what the best determined
+    /// one is. Of a sphere, whose radius and depth are nearly one combination, by that of its shift across.
     fn damp(&mut self, surface: &Surface, parameters: usize) {
         let matrix = &mut self.matrix;
         let scale = match surface {

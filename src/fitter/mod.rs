@@ -264,8 +264,8 @@ impl Fitter {
     /// of the last fit, or with the given segments where data or options have changed since.
     ///
     /// # Errors
-    /// Those of data and options as in [`Fitter::fit`], such as `TooFewPoints`; `EdgeGeometry` where the cost is infinite;
-    /// `Numerical` where the gradient overflows; `OutOfMemory`.
+    /// Those of data and options as in [`Fitter::fit`], such as `TooFewPoints`; `EdgeGeometry` where the cost is
+    /// infinite; `Numerical` where the gradient overflows; `OutOfMemory`.
     pub fn evaluate(&self, cylinder: &Cylinder) -> Result<FitResult> {
         self.check_memory(BYTES_OF_FIT)?;
         self.memory.lend(|| {

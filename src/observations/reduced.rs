@@ -70,8 +70,8 @@ impl<'a> ReducedImage<'a> {
         (self.value(column, row), self.is_saturated(column, row))
     }
 
-    /// The values of 2 × 2 pixels by rows, this one at the upper left, and whether the light of any of them may be any from
-    /// there on.
+    /// The values of 2 × 2 pixels by rows, this one at the upper left, and whether the light of any of them may be any
+    /// from there on.
     #[inline(always)]
     pub(crate) fn square(&self, column: usize, row: usize) -> ([[f32; 2]; 2], bool) {
         if self.factor == 1 {

@@ -27,8 +27,8 @@ constants! {
     /// A depth is on the surface within this many standard deviations.
     REACH = 3.0, "σ";
 
-    /// A depth is also on the surface within this part of the radius: the cylinder is a rough one, and rims are a few per
-    /// cent wider.
+    /// A depth is also on the surface within this part of the radius: the cylinder is a rough one, and rims are a few
+    /// per cent wider.
     LEAST_REACH = 0.05, "radius";
 
     /// The part of the radius within which points are looked at for the plane of a cap: beside its rim depth is rounded.

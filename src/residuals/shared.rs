@@ -74,8 +74,8 @@ pub struct SharingPoints<'a, L> {
 /// What is known of a bend before it is asked for.
 #[derive(Debug, Clone, Copy)]
 pub enum Known<'a> {
-    /// State passed between the successive linearisations of an iteration, which come nearer with every step. Their cost is
-    /// that at the b that is expected.
+    /// State passed between the successive linearisations of an iteration, which come nearer with every step. Their
+    /// cost is that at the b that is expected.
     Iteration(&'a Cell<Option<Bend>>),
     /// Nothing: what is said about a cylinder must not depend on the way to it. The cost is that at the best b.
     Nothing,

@@ -189,32 +189,7 @@ impl<'a> Fits<'a> {
             *fitter = of_best;
             return Ok(result);
         }
-        self.kept(fitter, &found, plain, share)
-    }
-
-    /// The detected cylinder where no fit has better covered limbs, or else the `plain` fit from it.
-    fn kept(
-        &self,
-        fitter: &mut Fitter,
-        found: &Cylinder,
-        plain: Option<Box<(Fitter, FitResult)>>,
-        share: &Share<'_>,
-    ) -> Result<FitResult> {
-        // The search allows for errors at the limits; what is returned keeps them.
-        if !fitter.options().cylinder_limits.contain(found) {
-            return fit_from(fitter, found, share, &mut Vec::new());
-        }
-        fitter.set_start(Some(*found));
-        let kept = fitter.keep(found)?;
-        match plain {
-            // Limbs that are located at the cylinder itself draw it away.
-            Some(plain) if kept.limbs_located > 0 => {
-                let (of_plain, result) = *plain;
-                *fitter = of_plain;
-                Ok(result)
-            }
-            _ => Ok(kept),
-        }
+        kept(fitter, &found, plain, share)
     }
 
     /// How many fits a cylinder may take.
@@ -284,6 +259,31 @@ const RADIUS_PIXELS: f64 = 3.0;
 #[inline(never)]
 fn copied(fitter: &Fitter, result: FitResult) -> Box<(Fitter, FitResult)> {
     Box::new((fitter.clone(), result))
+}
+
+/// What is returned where no fit covers the limbs better: the detected cylinder, or the `plain` fit from it where limbs are
+/// located at the detected one.
+fn kept(
+    fitter: &mut Fitter,
+    found: &Cylinder,
+    plain: Option<Box<(Fitter, FitResult)>>,
+    share: &Share<'_>,
+) -> Result<FitResult> {
+    // The search allows for errors at the limits; what is returned keeps them.
+    if !fitter.options().cylinder_limits.contain(found) {
+        return fit_from(fitter, found, share, &mut Vec::new());
+    }
+    fitter.set_start(Some(*found));
+    let kept = fitter.keep(found)?;
+    match plain {
+        // Limbs that are located at the cylinder itself draw it away.
+        Some(plain) if kept.limbs_located > 0 => {
+            let (of_plain, result) = *plain;
+            *fitter = of_plain;
+            Ok(result)
+        }
+        _ => Ok(kept),
+    }
 }
 
 fn fit_from(

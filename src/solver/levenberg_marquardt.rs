@@ -318,8 +318,8 @@ impl Step {
     }
 }
 
-/// The normal equations of a frame where the cost is lower than `cost`. The first step from a place is nearly always taken, so
-/// it is linearised at once; after a rejection the cost alone comes first.
+/// The normal equations of a frame where the cost is lower than `cost`. The first step from a place is nearly always
+/// taken, so it is linearised at once; after a rejection the cost alone comes first.
 fn lower(
     objective: &(impl Objective + ?Sized),
     frame: &LocalFrame,
