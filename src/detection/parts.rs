@@ -14,6 +14,9 @@ const SECOND: f64 = 4.0;
 /// errors of depth in common, which a cylinder of its own takes up.
 const SHARED_PART: f64 = 0.2;
 
+/// Scores that differ by less, as a part of the larger, say the same.
+const ALIKE: f64 = 0.9;
+
 /// Where a cylinder is cut in two, in eighths of its cells: some first, and those between them.
 const CUTS: [usize; 5] = [2, 4, 6, 3, 5];
 const COARSE: usize = 3;
@@ -94,11 +97,15 @@ fn joined(
     let (look, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
     let [less, more] = ends([a.candidate.gain, b.candidate.gain].into_iter());
-    if look.worth < more + less * (1.0 - SHARED_PART) - 3.0 {
+    let short = less + more - 3.0 - look.worth;
+    if short > SHARED_PART * less {
         return None;
     }
+    // One that explains less must be a cylinder as surely as the less sure of both, but for a little.
+    let least = if short > 0.0 { ALIKE * f64::min(a.score, b.score) } else { 0.0 };
     let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };
-    Judged::new(scene, (candidate, look), options, marks).filter(|judged| judged.evidence.seen_through < 0.3)
+    Judged::new(scene, (candidate, look), options, marks)
+        .filter(|judged| judged.evidence.seen_through < 0.3 && judged.score >= least)
 }
 
 /// A surface and its cells.
