@@ -37,6 +37,10 @@ constants! {
     /// The default of [`NoiseModel::mask_growth`].
     MASK_GROWTH = 3.0, "drawn px";
 
+    /// Standard deviation of what all sides of a mask are off outwards besides, as a part of that of one side: how masks are
+    /// drawn, large or small all round. See docs/measurements-masks.md.
+    pub(crate) MASK_COMMON = 0.25, "side";
+
     /// The default of [`NoiseModel::mask_boundary`].
     MASK_BOUNDARY = 0.8, "drawn px";
 

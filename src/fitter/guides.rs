@@ -5,19 +5,13 @@ use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::limb_location::{Outline, Side, axial_range};
 use crate::memory::List;
-use crate::noise::ImageNoise;
+use crate::noise::{ImageNoise, MASK_COMMON};
 use crate::residuals::PixelSegment;
 use nalgebra::{Vector2, Vector3};
 
 /// A line is another one than the limb when it is so many standard deviations off: of the lines in reach of the search one
 /// in ten is the edge of something else, and beyond two deviations these are the more likely.
 pub(super) const BESIDE: f64 = 2.0;
-
-constants! {
-    /// Standard deviation of what all sides of a mask are off outwards besides, as a part of that of one side: how masks are drawn,
-    /// large or small all round. See docs/measurements-masks.md.
-    GROWTH = 0.25, "side";
-}
 
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
 #[derive(Debug, Clone, Default)]
@@ -134,7 +128,7 @@ impl ViewData<'_> {
     /// Standard deviation of what all sides of the mask are off outwards besides, in pixels. The region of a detection ends where
     /// depth leaves the surface, on either side by itself.
     pub fn growth_of_mask(&self) -> f64 {
-        if self.view.mask_is_body { 0.0 } else { GROWTH.get() * self.noise.side }
+        if self.view.mask_is_body { 0.0 } else { MASK_COMMON.get() * self.noise.side }
     }
 }
 
