@@ -9,8 +9,11 @@
 # DESTDIR stages an installation; LIBDIR may differ from $(PREFIX)/lib; STRIP=: keeps the line tables; PROFILE=release takes
 # the library of `cargo build --release`, which is not optimised as a whole and compiles faster.
 
-prefix ?= /usr/local
-PREFIX ?= $(prefix)
+# `make prefix=...` wins over a PREFIX of the environment.
+ifeq ($(origin prefix),command line)
+PREFIX = $(prefix)
+endif
+PREFIX ?= /usr/local
 DESTDIR ?=
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR = $(PREFIX)/include

@@ -184,7 +184,7 @@ fn locate(
     let noise = if arcs.noise.value > 0.0 { arcs.noise.value } else { noise(&profiles) };
     let tried = Steps::tried();
     let told = if arcs.noise.blur > 0.0 { Some(arcs.noise.blur) } else { blur };
-    let told = told.map(|blur| match tried.iter().find(|steps| steps.blur == blur) {
+    let told = told.map(|blur| match tried.iter().find(|steps| (steps.blur - blur).abs() < 1e-9) {
         Some(steps) => Cow::Borrowed(steps),
         None => Cow::Owned(Steps::new(blur)),
     });

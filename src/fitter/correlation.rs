@@ -122,7 +122,8 @@ impl Lattice {
             let step = step.max((area / MOST_CELLS).sqrt()).max(shortest);
             // Of places at random 37 of 100 cells are empty.
             let taken = occupied(step)?.max(1);
-            if SHARED_PLACES * taken > distinct {
+            // Where smaller cells would part them, it is not that they share places: a strip that lies aslant has few cells.
+            if SHARED_PLACES * taken > distinct || 4 * occupied(0.5 * step)? > 5 * taken {
                 break step;
             }
             distinct = taken;
@@ -190,7 +191,9 @@ impl Lattice {
                 sum += f64::from(counted * counted);
                 points += 1.0;
             }
-            (points / self.taken * variance / (sum / points)).max(1.0)
+            // The variance of the mean of independent residuals is their share of that of one.
+            let share = self.shares.iter().map(|&share| f64::from(share)).sum::<f64>() / self.taken;
+            (variance / (sum / points * share)).max(1.0)
         };
         (residuals.len() as f64 / (range(0) * range(1) * of_place)).max(1.0)
     }
@@ -470,6 +473,38 @@ mod tests {
             assert!((alike / one - 1.0).abs() < 0.25, "{frames} times one frame: {alike} of {one}");
             let other = of(frames, &more[..frames * 3_000]);
             assert!((other / (frames as f64 * 3_000.0) - 1.0).abs() < 0.1, "{frames} frames: {other}");
+        }
+    }
+
+    #[test]
+    fn frames_with_pixels_that_drop_out_count_what_is_left() {
+        let keys = noise(12 * 3_000, 11);
+        let residuals = noise(12 * 3_000, 12);
+        for (frames, part) in [(4, 0.1), (10, 0.0)] {
+            // Of uniform numbers 60 and 50 % are above the limit.
+            let kept: Vec<usize> = (0..frames * 3_000).filter(|&k| keys[k] > -part).collect();
+            let cells = grid(60, 50);
+            let places =
+                [0, 1].map(|axis| kept.iter().map(|k| cells[k % 3_000][axis] as f64 / 570.0).collect());
+            let values: Vec<f64> = kept.iter().map(|&k| residuals[k]).collect();
+            let found = Lattice::of_places(places).unwrap().independent_points(&values, 100.0);
+            assert!((found / kept.len() as f64 - 1.0).abs() < 0.1, "{found} of {}", kept.len());
+        }
+    }
+
+    #[test]
+    fn narrow_strips_that_lie_aslant_share_no_places() {
+        for (width, slope) in [(4.0, 1.0_f64), (8.0, 1.0), (8.0, 0.6), (12.0, 0.2)] {
+            let length = slope.hypot(1.0);
+            let inside = |cell: &[usize; 2]| {
+                let across = (cell[1] as f64 - slope * cell[0] as f64) / length;
+                (0.0..width).contains(&across)
+            };
+            let cells: Vec<[usize; 2]> = grid(280, 280).into_iter().filter(inside).collect();
+            let values = noise(cells.len(), 5);
+            let places = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
+            let found = Lattice::of_places(places).unwrap().independent_points(&values, 100.0);
+            assert!(found > 0.8 * cells.len() as f64, "{width} {slope}: {found} of {}", cells.len());
         }
     }
 

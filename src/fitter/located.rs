@@ -24,9 +24,9 @@ const REACH_DEVIATIONS: f64 = 4.0;
 /// middle of a profile keep a quarter of it when the axis moves with the radius.
 const BENT: f64 = 0.5;
 
-/// Depth and image that are shifted against each other by up to so many pixels across the axis contradict no limb: as many are
-/// seen between the cameras of recorded frames. One line that is not the limb would turn against the other.
-const MOST_SHIFTED: f64 = 3.0;
+/// Depth and image that are shifted against each other by up to so many pixels of the drawing across the axis contradict no
+/// limb: between the cameras of recorded frames up to 3.2 are seen. One line that is not the limb would turn against the other.
+const MOST_SHIFTED: f64 = 4.5;
 
 /// What a shift of one leaves in the scale of the residuals, where both limbs hold the axis: points that are even across have a
 /// median sine of a half.
@@ -52,7 +52,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     let mut fit = None;
     let one_limb = |lines: &Lines| lines[0].is_some() != lines[1].is_some();
     if lines.iter().any(one_limb) {
-        fit = fit_to(data, guided, &lines, 0.0, run)?;
+        fit = fit_to(data, guided, &lines, || 0.0, run)?;
         if let Some(fit) = &fit {
             // One limb tells where to look for the other.
             let by_hand = |view: usize| data.views[view].noise.limb_of_segments();
@@ -67,17 +67,17 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
         }
     }
     if lines.iter().any(|lines| lines[0].is_some() && lines[1].is_some()) {
-        fit = fit_to(data, guided, &lines, 0.0, run)?;
-        let shift = left_of_shift(data, guided.minimum.cylinder());
-        if fit.is_none() && shift > 0.0 && !data.lines_turn(&observations, &guided.minimum) {
-            fit = fit_to(data, guided, &lines, shift, run)?;
-        }
+        let shift = || match data.lines_turn(&observations, &guided.minimum) {
+            true => 0.0,
+            false => left_of_shift(data, guided.minimum.cylinder()),
+        };
+        fit = fit_to(data, guided, &lines, shift, run)?;
         if fit.is_none() {
             // One of them is something else: the one without which the points are contradicted least.
             for (view, limb) in (0..lines.len()).flat_map(|view| [(view, 1), (view, 0)]) {
                 let mut without = lines.clone();
                 if without[view][limb].take().is_some()
-                    && let Some(found) = fit_to(data, guided, &without, 0.0, run)?
+                    && let Some(found) = fit_to(data, guided, &without, || 0.0, run)?
                     && fit.as_ref().is_none_or(|best| found.minimum.scale() < best.minimum.scale())
                 {
                     fit = Some(found);
@@ -192,15 +192,15 @@ fn fit_to(
     data: &Data<'_>,
     guided: &Guided,
     lines: &[Lines],
-    shift: f64,
+    shift: impl FnOnce() -> f64,
     run: &mut Run<'_>,
 ) -> Result<Option<Located>> {
     let held = held(data, &guided.views, guided.flags, lines);
     match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
         Ok(minimum) => {
             let bent = BENT * data.largest_bend(&guided.minimum);
-            let usual = guided.minimum.scale().hypot(bent).hypot(shift);
-            let agrees = minimum.scale() <= CONTRADICTION * usual;
+            let limit = CONTRADICTION * guided.minimum.scale().hypot(bent);
+            let agrees = minimum.scale() <= limit || minimum.scale() <= limit.hypot(shift());
             Ok(agrees.then_some(Located { minimum, held }))
         }
         Err(error @ Error::Cancelled { .. }) => Err(error),

@@ -68,6 +68,9 @@ fn whiten(rows: &mut [PixelRow], deviation: f64) {
         row.weight = 1.0;
     }
     let square: f64 = rows.iter().map(|row| row.shared * row.shared).sum();
+    if !(square > 0.0) {
+        return;
+    }
     let part = (1.0 - 1.0 / (1.0 + square).sqrt()) / square;
     let residual: f64 = rows.iter().map(|row| row.shared * row.residual).sum();
     let jacobian: Tangent = rows.iter().map(|row| row.jacobian * row.shared).sum();
