@@ -39,7 +39,7 @@ constants! {
 
     /// Standard deviation of what all sides of a mask are off outwards besides, as a part of that of one side: how masks are
     /// drawn, large or small all round. See docs/measurements-masks.md.
-    pub(crate) MASK_COMMON = 0.25, "side";
+    pub(crate) MASK_COMMON = 0.2, "side";
 
     /// The default of [`NoiseModel::mask_boundary`].
     MASK_BOUNDARY = 0.8, "drawn px";
