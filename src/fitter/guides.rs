@@ -125,10 +125,10 @@ impl Guides {
 }
 
 impl ViewData<'_> {
-    /// Standard deviation of what all sides of the mask are off outwards besides, in pixels. The region of a detection ends where
-    /// depth leaves the surface, on either side by itself.
+    /// Standard deviation of what all sides of the mask are off outwards besides, in pixels. Regions of a detection and masks that
+    /// end with the depth do so where depth leaves the surface, on either side by itself.
     pub fn growth_of_mask(&self) -> f64 {
-        if self.view.mask_is_body { 0.0 } else { MASK_COMMON.get() * self.noise.side }
+        if self.view.mask_is_drawn() { MASK_COMMON.get() * self.noise.side } else { 0.0 }
     }
 }
 

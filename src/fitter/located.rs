@@ -176,11 +176,13 @@ fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Li
     })
 }
 
-/// What a shift between the depth and the image of a single view may leave in the scale of the residuals. About what a detector
-/// found, which may be too wide, other edges contradict the points as much.
+/// What a shift between the depth and the image of a single view may leave in the scale of the residuals. About masks that
+/// were made of depth, which may be too wide or too narrow, other edges contradict the points as much.
 fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
     let [view] = &data.views[..] else { return 0.0 };
-    let Some(camera) = view.camera().filter(|_| view.observed && !view.view.mask_is_body) else { return 0.0 };
+    let Some(camera) = view.camera().filter(|_| view.observed && view.view.mask_is_drawn()) else {
+        return 0.0;
+    };
     let intrinsics = camera.intrinsics();
     let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
     let distance = view.into_view.point(&cylinder.axis.nearest_to(&data.center)).z;

@@ -55,6 +55,11 @@ impl View {
         !self.sides_drawn && !self.mask_is_body
     }
 
+    /// Whether a mask, if there is one, was drawn in the image, by a person or a network, and not made of the depth.
+    pub fn mask_is_drawn(&self) -> bool {
+        self.sides_tell() && !self.mask_ends_with_depth()
+    }
+
     /// The points are about to change.
     pub fn forget_points(&mut self) {
         (self.neighbours, self.spread) = Default::default();
