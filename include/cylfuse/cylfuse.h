@@ -72,11 +72,12 @@
  * struct_size. Elements of arrays have no struct_size: the call is given their size in element_size, and the rest of
  * an element that the library does not know becomes zero. Structs without either never change.
  *
- * Units and frames. Lengths are in one unit, which is the caller's, but for cylfuse_plan(), which takes metres. Angles are in radians. A camera frame is
- * x to the right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the
- * reference frame; with one view at the identity, as at first, the two are the same. Models, results and extents are in
- * the reference frame, data of a view in the frame of its camera. Pixel centres are at integer coordinates, as in
- * OpenCV. Ideal pixels are those of a pinhole with the same fx, fy, cx and cy: without distortion those of the image.
+ * Units and frames. Lengths are in one unit, which is the caller's, but for cylfuse_plan(), which takes metres. Angles
+ * are in radians. A camera frame is x to the right, y down, z forward, with its origin in the centre of projection.
+ * Poses lead from camera frames to the reference frame; with one view at the identity, as at first, the two are the
+ * same. Models, results and extents are in the reference frame, data of a view in the frame of its camera. Pixel
+ * centres are at integer coordinates, as in OpenCV. Ideal pixels are those of a pinhole with the same fx, fy, cx and
+ * cy: without distortion those of the image.
  *
  * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels
  * outside the mask are left out and counted. Anything else that is not finite is an error. All deviations are standard
@@ -2986,8 +2987,8 @@ CYLFUSE_NOEXCEPT;
  * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
  * @param count how many there are
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
- *   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
- *   the default, 1, is right here.
+ *   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
+ *   for any number. Each fit takes `max_threads` of its options beside that, of which the default, 1, is right here.
  * @param callback hears of each fit that ended, and may stop the rest; NULL for none
  * @param user_data handed to the callback; may be NULL
  * @param out_statuses where the statuses of the `count` fits go, in the order of the fitters

@@ -26,8 +26,8 @@ unsafe impl Send for Shared<'_> {}
 /// @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
 /// @param count how many there are
 /// @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
-///   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits for any number. Each fit takes `max_threads` of its options beside that, of which
-///   the default, 1, is right here.
+///   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
+///   for any number. Each fit takes `max_threads` of its options beside that, of which the default, 1, is right here.
 /// @param callback hears of each fit that ended, and may stop the rest; NULL for none
 /// @param user_data handed to the callback; may be NULL
 /// @param out_statuses where the statuses of the `count` fits go, in the order of the fitters

@@ -104,8 +104,7 @@ impl Guides {
         &self,
         limb: usize,
         other: Option<&PixelSegment>,
-        noise: &ImageNoise,
-        growth: f64,
+        view: &ViewData<'_>,
     ) -> List<PixelSegment> {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let given = self.given.iter().filter(|guide| guide.limb == Some(limb));
@@ -115,10 +114,10 @@ impl Guides {
             (Some(located), Some(beside)) => {
                 let inner = own.middle();
                 let growth = located.endpoints.map(|q| outward(&beside.endpoints, &inner, &q));
-                let growth = f64::midpoint(growth[0], growth[1]).clamp(-noise.growth, noise.growth);
-                moved(own, &beside.middle(), growth, noise)
+                let growth = f64::midpoint(growth[0], growth[1]).clamp(-view.noise.growth, view.noise.growth);
+                moved(own, &beside.middle(), growth, &view.noise)
             }
-            _ => PixelSegment { growth, ..*own },
+            _ => PixelSegment { growth: view.growth_of_mask(), ..*own },
         });
         lines
     }

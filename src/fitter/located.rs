@@ -230,12 +230,7 @@ pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: 
                 }
                 None => {
                     given += own().count();
-                    all.extend(guides.of_limb(
-                        limb,
-                        lines[1 - limb].as_ref(),
-                        &view.noise,
-                        view.growth_of_mask(),
-                    ));
+                    all.extend(guides.of_limb(limb, lines[1 - limb].as_ref(), view));
                 }
             }
         }
