@@ -263,7 +263,7 @@ const (
 	LimbNotSearched LimbStatus = C.CYLFUSE_LIMB_STATUS_NOT_SEARCHED
 	// LimbNoLimbs: the camera is inside the cylinder, or it lies behind.
 	LimbNoLimbs LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_LIMBS
-	// LimbTooShort: fewer than 24 rows or columns of the image show the limb, or something in front covers it.
+	// LimbTooShort: fewer than 12 rows or columns of the image show the limb, or something in front covers it.
 	LimbTooShort LimbStatus = C.CYLFUSE_LIMB_STATUS_TOO_SHORT
 	// LimbNoEdge: no line near the expected place has more of an edge than noise gives.
 	LimbNoEdge LimbStatus = C.CYLFUSE_LIMB_STATUS_NO_EDGE

@@ -107,7 +107,7 @@ impl cylfuse_limb_status {
     pub const NOT_SEARCHED: cylfuse_limb_status = cylfuse_limb_status(1);
     /// The cylinder has no limbs in front of the camera: the camera is inside it, or it lies behind.
     pub const NO_LIMBS: cylfuse_limb_status = cylfuse_limb_status(2);
-    /// Fewer than 24 rows or columns of the image show the limb, or something in front covers it.
+    /// Fewer than 12 rows or columns of the image show the limb, or something in front covers it.
     pub const TOO_SHORT: cylfuse_limb_status = cylfuse_limb_status(3);
     /// No line near the expected position has more of an edge than noise gives.
     pub const NO_EDGE: cylfuse_limb_status = cylfuse_limb_status(4);

@@ -5,7 +5,7 @@
 
 use super::block::{INSIDE, OUTSIDE};
 use super::compression::noise_of_compression;
-use super::consensus::{BLOCK_RUNS, LEAST_BLOCKS, RoughLine};
+use super::consensus::{RoughLine, is_long_enough};
 use super::limb::{Expected, Limb, Look, SHADING};
 use super::refine::refine_again;
 use super::shading::{LimbShading, Shading};
@@ -158,5 +158,5 @@ fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Optio
         baseline = baseline.between(low.max(-half), high.min(half))?;
         strip = Strip::gather(grid, &baseline, half_width);
     }
-    (strip.len() >= LEAST_BLOCKS.count() * BLOCK_RUNS.count()).then_some((baseline, strip))
+    is_long_enough(strip.len()).then_some((baseline, strip))
 }

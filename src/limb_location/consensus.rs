@@ -27,6 +27,9 @@ constants! {
     /// to the next.
     pub(super) BLOCK_RUNS = 8.0, "rows";
 
+    /// How many form one of a strip too short for blocks of that many, at least.
+    pub(super) LEAST_RUNS = 4.0, "rows";
+
     /// A significance in the sum along the whole line that counts as full: beyond it a short strong edge would pass
     /// for a long one.
     FULL_SIGNIFICANCE = 6.0, "σ";
@@ -65,6 +68,16 @@ pub(super) struct RoughLine {
     pub visible: bool,
 }
 
+/// How many runs form a block of a strip of so many.
+pub(super) fn runs_of_block(runs: usize) -> usize {
+    runs.div_ceil(LEAST_BLOCKS.count()).clamp(LEAST_RUNS.count(), BLOCK_RUNS.count())
+}
+
+/// Whether a strip of so many runs has the blocks that a limb is located on.
+pub(super) fn is_long_enough(runs: usize) -> bool {
+    runs >= LEAST_BLOCKS.count() * LEAST_RUNS.count()
+}
+
 /// 2⁵²: a number from here on is a whole one, and ends with what was added.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
@@ -91,10 +104,10 @@ pub(super) fn rough_line(
 ) -> Option<RoughLine> {
     let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
     let responses: List<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
-    if responses.len() < LEAST_BLOCKS.count() * BLOCK_RUNS.count() {
+    if !is_long_enough(responses.len()) {
         return None;
     }
-    let blocks = responses.len().div_ceil(BLOCK_RUNS.count()) as f64;
+    let blocks = responses.len().div_ceil(runs_of_block(responses.len())) as f64;
     let needed = blocks * NOISE_MEAN
         + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
@@ -163,7 +176,7 @@ impl WithSimd for Evidence<'_> {
         let mut products: [Logarithm; LINES] = std::array::from_fn(|_| Logarithm::default());
         // The sum of all blocks along the best way of polarities that ends with either of them.
         let (mut rising, mut falling, mut blocks) = ([0.0_f64; LINES], [0.0_f64; LINES], 0.0);
-        for block in responses.chunks(BLOCK_RUNS.count()) {
+        for block in responses.chunks(runs_of_block(responses.len())) {
             let mut sums = [0.0; LINES];
             for response in block {
                 add_responses(response, &middle, &slope, &mut sums);
@@ -273,7 +286,7 @@ mod tests {
         for ([first, last], found) in ends.into_iter().zip(found) {
             let (middle, slope) = (f64::midpoint(first, last), (last - first) / (2.0 * half_length));
             let (mut sum_of_logarithms, mut blocks) = (0.0, Vec::new());
-            for block in responses.chunks(BLOCK_RUNS.count()) {
+            for block in responses.chunks(runs_of_block(responses.len())) {
                 let sum: f64 = block.iter().map(|response| at(response, middle + slope * response.s)).sum();
                 let t = sum / (block.len() as f64).sqrt();
                 sum_of_logarithms += (1.0 + t * t).ln();

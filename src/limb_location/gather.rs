@@ -1,7 +1,7 @@
 //! The pixels of the blocks of a strip with what a profile says there, and sums over them.
 
 use super::block::{StripLine, Window};
-use super::consensus::BLOCK_RUNS;
+use super::consensus::runs_of_block;
 use super::profile::Table;
 use super::strip::{Strip, StripPixel};
 use crate::memory::List;
@@ -44,8 +44,8 @@ impl<const WIDTH: usize> Gathered<WIDTH> {
 /// The runs of each block.
 fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
     let count = strip.len();
-    (0..count.div_ceil(BLOCK_RUNS.count()))
-        .map(move |k| k * BLOCK_RUNS.count()..((k + 1) * BLOCK_RUNS.count()).min(count))
+    let of_block = runs_of_block(count);
+    (0..count.div_ceil(of_block)).map(move |k| k * of_block..((k + 1) * of_block).min(count))
 }
 
 /// How far a pixel is inside a line.

@@ -189,6 +189,20 @@ fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
     }
 }
 
+#[test]
+fn limbs_of_sixteen_rows_are_located() {
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let search = LimbSearch { ranges: [[-0.012, 0.012]; 2], ..scene.search() };
+    let limbs = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
+    for (k, limb) in limbs.iter().enumerate() {
+        let line = limb.line.unwrap_or_else(|reason| panic!("limb {k}: {reason:?}"));
+        assert_eq!(limb.samples.len(), 3);
+        // The ends of the whole surface are far from what was looked at.
+        let [(first, _), (last, _)] = scene.errors(k, &line);
+        assert!(f64::midpoint(first, last).abs() < 0.1, "limb {k}: {first} {last}");
+    }
+}
+
 /// An image on a grid that is finer by some factor, interpolated bilinearly.
 fn enlarged(image: &GreyImage, factor: usize) -> GreyImage {
     let size = (image.width() * factor, image.height() * factor);

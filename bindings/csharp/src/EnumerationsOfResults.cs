@@ -170,7 +170,7 @@ namespace Cylfuse
         /// <summary>The cylinder has no limbs in front of the camera: the camera is inside it, or it lies
         /// behind.</summary>
         NoLimbs = 2,
-        /// <summary>Fewer than 24 rows or columns of the image show the limb, or something in front covers
+        /// <summary>Fewer than 12 rows or columns of the image show the limb, or something in front covers
         /// it.</summary>
         TooShort = 3,
         /// <summary>No line near the expected place has more of an edge than noise gives.</summary>

@@ -8,7 +8,7 @@ public enum LimbStatus implements NativeNumber {
     NOT_SEARCHED(1),
     /** The cylinder has no limbs in front of the camera: the camera is inside it, or it lies behind. */
     NO_LIMBS(2),
-    /** Fewer than 24 rows or columns of the image show the limb, or something in front covers it. */
+    /** Fewer than 12 rows or columns of the image show the limb, or something in front covers it. */
     TOO_SHORT(3),
     /** No line near the expected place has more of an edge than noise gives. */
     NO_EDGE(4),
