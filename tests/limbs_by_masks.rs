@@ -41,3 +41,25 @@ fn a_limb_that_few_blocks_show_counts_where_the_mask_has_it() {
     let (relative, deviations) = errors(&result, &seen.truth.cylinder);
     assert!(result.limbs_located == 2 && relative < 0.005 && deviations < 2.0, "{relative} {deviations}");
 }
+
+/// What is left of a mask without the pixels that are nearer to its border than so many.
+fn eroded(mask: &[bool], by: usize) -> Vec<u8> {
+    let (width, height) = SIZE;
+    let inside = |k: usize| {
+        let (x, y) = (k % width, k / width);
+        (by..width - by).contains(&x)
+            && (by..height - by).contains(&y)
+            && (y - by..=y + by).all(|y| (x - by..=x + by).all(|x| mask[y * width + x]))
+    };
+    (0..width * height).map(|k| u8::from(inside(k))).collect()
+}
+
+#[test]
+fn a_mask_far_within_the_outline_does_not_hide_the_limbs() {
+    for seed in [83101, 83102, 83103, 83105] {
+        let frame = frame(Kind::Single, seed);
+        let result = fit_within(&frame, FOCAL, eroded(&frame.body, 5));
+        let (relative, deviations) = errors(&result, &frame.cylinders[0].truth.cylinder);
+        assert!(result.limbs_located == 2 && relative < 0.005, "{seed}: {relative} {deviations}");
+    }
+}

@@ -25,6 +25,10 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::solver::Convergence;
 
+/// Points lie on one cylinder as well as on another up to this ratio of the scales of their residuals, which the points of a
+/// region tell to some percent.
+const AS_WELL: f64 = 1.05;
+
 /// What a fit ends with.
 pub(super) struct Fit {
     pub cylinder: Cylinder,
@@ -104,6 +108,7 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
     Ok(match data.locates() {
         true => {
             let (start, located) = locate(data, &guided, run)?;
+            let located = beside_mask(data, &guided, located, run)?;
             (start, arcs::bend(data, located, run)?)
         }
         false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
@@ -128,6 +133,18 @@ fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candid
         }
         _ => Ok((guided.start, located)),
     }
+}
+
+/// A mask that is far too small or too large draws the first fit to its sides, beside which limbs are not believed. Where both
+/// limbs are found about the fit to the points alone, and the points lie on that cylinder as well, these stand.
+fn beside_mask(data: &Data<'_>, guided: &Guided, located: Located, run: &mut Run<'_>) -> Result<Located> {
+    if located.held.limbs_located() == 2 || run.is_long(data) {
+        return Ok(located);
+    }
+    let Some(alone) = guided.without_sides(data, run)? else { return Ok(located) };
+    let beside = located::locate(data, &alone, run)?;
+    let as_well = beside.minimum.scale() <= AS_WELL * located.minimum.scale();
+    Ok(if as_well && beside.held.limbs_located() == 2 { beside } else { located })
 }
 
 /// What is located without the given segments.

@@ -74,6 +74,26 @@ pub(super) struct GuidedView {
 }
 
 impl Guided {
+    /// The fit to the points alone as the first one, with what the sides of the mask of a single view tell but where they are;
+    /// `None` where no sides alone held it.
+    pub fn without_sides(&self, data: &Data<'_>, run: &mut Run<'_>) -> Result<Option<Self>> {
+        let ([view], [of_data]) = (&self.views[..], &data.views[..]) else { return Ok(None) };
+        let (guides, camera) = (&view.guides, of_data.view.camera());
+        let Some(camera) = camera.filter(|_| guides.given.is_empty() && !guides.sides.is_empty()) else {
+            return Ok(None);
+        };
+        let start = Candidate { cylinder: *self.minimum.cylinder(), ..self.start };
+        let Ok(alone) = (View { data, run }).attempt(Guides::default(), &[start])? else { return Ok(None) };
+        let range = of_data.range_of_points(alone.cylinder());
+        let seen = of_data.seen(alone.cylinder());
+        let mut guided = alone.guided(Some(range), of_data.noise.limb_of_points);
+        let hidden = &mut guided.views[0].guides;
+        *hidden = Guides { sides: List::new(), ..guides.clone() };
+        hidden.number(camera, &seen);
+        guided.flags = self.flags;
+        Ok(Some(guided))
+    }
+
     /// What the first fit was held to.
     pub fn held(&self, data: &Data<'_>) -> Held {
         let views = self.views.iter().zip(&data.views);
