@@ -29,6 +29,12 @@ const STRAY: f64 = 0.002;
 /// Fewest points of a cloud.
 const FEWEST: usize = 50;
 
+/// Points that are gone through between two questions whether to go on: some milliseconds.
+const BETWEEN_QUESTIONS: usize = 1 << 18;
+
+/// An error when the search is to stop.
+type Asked<'a> = dyn Fn() -> Result<()> + 'a;
+
 /// The pixel of a point that has none.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -50,17 +56,17 @@ pub(crate) fn detect_points_until(
     stopped: &dyn Fn() -> bool,
 ) -> Result<Detections> {
     options.check()?;
-    let mut points = Cloud::read(view)?;
+    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let mut points = Cloud::read(view, &cancelled)?;
     let count = view.width() * view.height();
     let nothing = || Detections { labels: vec![0; count], ..Detections::default() };
-    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     cancelled()?;
     let Some(viewpoint) = viewpoint(&points) else { return Ok(nothing()) };
     if !viewpoint.of_sensor {
         points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
     }
     cancelled()?;
-    let Some(image) = Image::new(&points) else { return Ok(nothing()) };
+    let Some(image) = Image::new(&points, &cancelled)? else { return Ok(nothing()) };
     let cone = options
         .limits
         .axis
@@ -89,14 +95,18 @@ pub(crate) fn detect_points_until(
     let seen = label(&grid, &found, size, image.spacing, &read_points, &read_rays, &effort);
     let mut labels = vec![0; count];
     let depths = &points.axes[2];
-    for ((label, &pixel), &z) in labels.iter_mut().zip(&image.pixels).zip(depths) {
-        if pixel == OUTSIDE {
-            continue;
-        }
-        // Points behind the one that is seen belong to something else, unless they are as near as a pixel is wide.
-        let depth = depths[image.nearest[pixel as usize] as usize];
-        if z - depth <= 2.0 * image.spacing * depth {
-            *label = seen.labels[pixel as usize];
+    let parts = labels.chunks_mut(BETWEEN_QUESTIONS).zip(image.pixels.chunks(BETWEEN_QUESTIONS));
+    for ((labels, pixels), z) in parts.zip(depths.chunks(BETWEEN_QUESTIONS)) {
+        cancelled()?;
+        for ((label, &pixel), &z) in labels.iter_mut().zip(pixels).zip(z) {
+            if pixel == OUTSIDE {
+                continue;
+            }
+            // Points behind the one that is seen belong to something else, unless they are as near as a pixel is wide.
+            let depth = depths[image.nearest[pixel as usize] as usize];
+            if z - depth <= 2.0 * image.spacing * depth {
+                *label = seen.labels[pixel as usize];
+            }
         }
     }
     let mut cylinders = seen.cylinders;
@@ -117,22 +127,31 @@ struct Cloud {
 }
 
 impl Cloud {
-    fn read(view: &PointsView<'_>) -> Result<Self> {
+    fn read(view: &PointsView<'_>, asked: &Asked<'_>) -> Result<Self> {
         let mut cloud = Self { axes: Default::default(), usable: 0 };
         let count = view.width() * view.height() + 1;
         for axis in &mut cloud.axes {
             let bytes = count * size_of::<Vector3<f64>>();
             axis.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
         }
+        let mut since = 0;
         for row in 0..view.height() {
-            for column in 0..view.width() {
-                let mut point = view.points.at(column, row);
-                if point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0 {
-                    cloud.usable += 1;
-                } else {
-                    point.fill(f64::NAN);
+            for first in (0..view.width()).step_by(BETWEEN_QUESTIONS) {
+                let columns = first..view.width().min(first + BETWEEN_QUESTIONS);
+                since += columns.len();
+                for column in columns {
+                    let mut point = view.points.at(column, row);
+                    if point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0 {
+                        cloud.usable += 1;
+                    } else {
+                        point.fill(f64::NAN);
+                    }
+                    cloud.push(&point);
                 }
-                cloud.push(&point);
+                if since >= BETWEEN_QUESTIONS {
+                    since = 0;
+                    asked()?;
+                }
             }
         }
         cloud.push(&Vector3::zeros());
@@ -215,7 +234,7 @@ fn is_in_front(x: f64, y: f64, z: f64) -> bool {
 }
 
 /// The numbers at two places of the order of many that are spread over some orders of magnitude; what is none comes last.
-fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
+fn in_order(numbers: &[f64], places: [usize; 2], asked: &Asked<'_>) -> Result<[f64; 2]> {
     // They are ordered as their bits are, those below zero the other way round: counted by the upper quarter of these, then
     // looked for among those that share it.
     let upper = |number: f64| {
@@ -225,7 +244,9 @@ fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
     };
     let mut counts = vec![0_u32; 1 << 16];
     numbers.iter().for_each(|number| counts[upper(*number)] += 1);
-    places.map(|mut place| {
+    let mut found = [0.0; 2];
+    for (found, mut place) in found.iter_mut().zip(places) {
+        asked()?;
         let mut own = 0;
         while place >= counts[own] as usize {
             place -= counts[own] as usize;
@@ -233,8 +254,10 @@ fn in_order(numbers: &[f64], places: [usize; 2]) -> [f64; 2] {
         }
         let mut alike = Vec::with_capacity(counts[own] as usize);
         alike.extend(numbers.iter().copied().filter(|number| upper(*number) == own));
-        *alike.select_nth_unstable_by(place, f64::total_cmp).1
-    })
+        *found = *alike.select_nth_unstable_by(place, f64::total_cmp).1;
+    }
+    asked()?;
+    Ok(found)
 }
 
 /// For each pixel on the plane z = 1 the point that is seen there.
@@ -250,17 +273,22 @@ struct Image {
 }
 
 impl Image {
-    fn new(points: &Cloud) -> Option<Self> {
+    fn new(points: &Cloud, asked: &Asked<'_>) -> Result<Option<Self>> {
         let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
         let mut range = [[0.0; 2]; 2];
         let mut slopes = vec![0.0; points.len()];
         for (own, (axis, other)) in range.iter_mut().zip([(x, y), (y, x)]) {
-            let count = Arch::new().dispatch(Slopes { axes: [axis, other, z], slopes: &mut slopes });
+            let mut count = 0;
+            for (part, slopes) in slopes.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
+                asked()?;
+                let axes = [axis, other, z].map(|axis| part_of(axis, part));
+                count += Arch::new().dispatch(Slopes { axes, slopes });
+            }
             if count < FEWEST {
-                return None;
+                return Ok(None);
             }
             let stray = (STRAY * count as f64) as usize;
-            *own = in_order(&slopes, [stray, count - 1 - stray]);
+            *own = in_order(&slopes, [stray, count - 1 - stray], asked)?;
         }
         // Much memory in a large cloud.
         drop(slopes);
@@ -269,7 +297,7 @@ impl Image {
         let pixels = (points.usable as f64).min(MOST_PIXELS);
         let spacing = (width * height / pixels).sqrt();
         if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
-            return None;
+            return Ok(None);
         }
         let mut image = Self {
             width: (width / spacing) as usize + 1,
@@ -280,19 +308,33 @@ impl Image {
             nearest: Vec::new(),
         };
         let mut of_points = vec![OUTSIDE; points.len()];
-        Arch::new().dispatch(PixelsOfPoints { image: &image, axes: [x, y, z], pixels: &mut of_points });
+        for (part, pixels) in of_points.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
+            asked()?;
+            let axes = [x, y, z].map(|axis| part_of(axis, part));
+            Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels });
+        }
         let none = points.len() as u32;
         image.nearest = vec![none; image.width * image.height];
-        for (k, (&pixel, z)) in of_points.iter().zip(z).enumerate() {
-            if let Some(nearest) = image.nearest.get_mut(pixel as usize)
-                && (*nearest == none || *z < points.axes[2][*nearest as usize])
-            {
-                *nearest = k as u32;
+        for (part, pixels) in of_points.chunks(BETWEEN_QUESTIONS).enumerate() {
+            asked()?;
+            let first = part * BETWEEN_QUESTIONS;
+            for (k, (&pixel, z)) in pixels.iter().zip(part_of(z, part)).enumerate() {
+                if let Some(nearest) = image.nearest.get_mut(pixel as usize)
+                    && (*nearest == none || *z < points.axes[2][*nearest as usize])
+                {
+                    *nearest = (first + k) as u32;
+                }
             }
         }
         image.pixels = of_points;
-        Some(image)
+        Ok(Some(image))
     }
+}
+
+/// The coordinates that are gone through from one question whether to go on to the next.
+fn part_of(axis: &[f64], part: usize) -> &[f64] {
+    let first = part * BETWEEN_QUESTIONS;
+    &axis[first..axis.len().min(first + BETWEEN_QUESTIONS)]
 }
 
 /// One pass over points for the slopes of their rays along the first of some axes, no numbers where they are not in front; the last
@@ -353,7 +395,32 @@ mod tests {
         let mut sorted = numbers.clone();
         sorted.sort_by(f64::total_cmp);
         for places in [[0, 999], [2, 997], [499, 501], [505, 505]] {
-            assert_eq!(in_order(&numbers, places), places.map(|place| sorted[place]));
+            assert_eq!(in_order(&numbers, places, &|| Ok(())), Ok(places.map(|place| sorted[place])));
+        }
+    }
+
+    #[test]
+    fn a_large_cloud_asks_all_along_and_ends_at_once() {
+        let count = 2 * BETWEEN_QUESTIONS + 5;
+        let points: Vec<[f32; 3]> =
+            (0..count).map(|k| [(k % 1009) as f32 * 1e-3, (k / 1009) as f32 * 1e-3, 1.0]).collect();
+        let view = PointsView::from_f32(&points);
+        let asked = std::cell::Cell::new(0);
+        let end = std::cell::Cell::new(usize::MAX);
+        let question = || {
+            asked.set(asked.get() + 1);
+            if asked.get() < end.get() { Ok(()) } else { Err(Error::Cancelled { iterations: 0 }) }
+        };
+        let cloud = Cloud::read(&view, &question).unwrap();
+        assert_eq!(asked.replace(0), 2);
+        assert!(Image::new(&cloud, &question).unwrap().is_some());
+        // Of both axes the slopes by parts and two places in their order, then the pixels and what is nearest there by parts.
+        let all = asked.replace(0);
+        assert_eq!(all, 2 * (3 + 3) + 3 + 3);
+        for last in [1, 4, 7, 13, 16, all] {
+            end.set(last);
+            assert!(matches!(Image::new(&cloud, &question), Err(Error::Cancelled { .. })));
+            assert_eq!(asked.replace(0), last);
         }
     }
 

@@ -81,6 +81,10 @@ impl<'a> Fits<'a> {
             chosen = next;
             (fitter, result) = fit(chosen.as_deref().unwrap_or(&region))?;
         }
+        // Of very many points what follows takes as long as several steps of a fit.
+        if share.is_some_and(|share| share.hear().is_break()) {
+            return Err(Error::Cancelled { iterations: result.iterations });
+        }
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
         whole.push_numbered(points, &region)?;
