@@ -63,14 +63,14 @@
  * (writable for outputs).
  *
  * Structs. Those with struct_size grow with later versions, at their end. Each (but cylfuse_progress and
- * cylfuse_detection_progress, which the library makes) has a function named after it that ends in _init, which comes before everything else: it sets struct_size and
- * the defaults. Do not fill such a struct with
- * zeros instead: 0 is no default for some fields. In a struct to be read, struct_size is the size that the program
- * knows: fields that an older program does not have are at their defaults, and fields of a newer one must be 0. In a
- * struct to be written it is the room: the library writes what both sides know, fills the rest of the room with zeros,
- * and sets struct_size to the bytes that it filled; so a field that an older library does not know is 0 and lies beyond
- * struct_size. Elements of arrays have no struct_size: the call is given their size in element_size, and the rest of
- * an element that the library does not know becomes zero. Structs without either never change.
+ * cylfuse_detection_progress, which the library makes) has a function named after it that ends in _init, which comes
+ * before everything else: it sets struct_size and the defaults. Do not fill such a struct with zeros instead: 0 is no
+ * default for some fields. In a struct to be read, struct_size is the size that the program knows: fields that an older
+ * program does not have are at their defaults, and fields of a newer one must be 0. In a struct to be written it is the
+ * room: the library writes what both sides know, fills the rest of the room with zeros, and sets struct_size to the
+ * bytes that it filled; so a field that an older library does not know is 0 and lies beyond struct_size. Elements of
+ * arrays have no struct_size: the call is given their size in element_size, and the rest of an element that the library
+ * does not know becomes zero. Structs without either never change.
  *
  * Units and frames. Lengths are in one unit, which is the caller's, but for cylfuse_plan(), which takes metres. Angles
  * are in radians. A camera frame is x to the right, y down, z forward, with its origin in the centre of projection.
