@@ -6,6 +6,7 @@
 mod arcs;
 mod batch;
 mod body;
+mod conformity;
 mod continued;
 mod correlation;
 mod data;
@@ -39,6 +40,7 @@ pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
 pub(crate) use batch::each;
 pub use batch::fit_all;
+pub use conformity::{Conformity, Tolerance};
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};

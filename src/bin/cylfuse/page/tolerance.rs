@@ -1,11 +1,8 @@
 //! Limits of a measured quantity, and whether a measurement keeps them.
 
+use cylfuse::fitter::{self, Conformity, Flags};
 use serde::Serialize;
 use std::str::FromStr;
-
-/// Standard deviations on either side of a value within which the truth lies in 95 % of the measurements, where the stated
-/// deviations hold and errors are normal.
-const COVERAGE: f64 = 1.96;
 
 /// What can be limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -108,8 +105,8 @@ pub struct Unit {
 
 /// The verdict on radius and length; none without limits.
 ///
-/// Within or outside is what is so with 1.96 standard deviations on either side (ISO 14253-1): between lies what the
-/// measurement does not decide. Nor does it decide anything where there are `warnings`.
+/// Within or outside is what is so by [`fitter::Tolerance::decide`]: between lies what the measurement does not decide. Nor
+/// does it decide anything where there are `warnings`.
 pub fn judge(
     tolerances: &[Tolerance],
     radius: Measured,
@@ -137,9 +134,11 @@ impl Tolerance {
         let Measured { value: Some(value), deviation, at_least } = measured else {
             return undecided("not measured");
         };
-        let Some(reach) = deviation.map(|deviation| COVERAGE * deviation) else {
+        // A deviation of 0 is that of what was not measured but given.
+        let Some(deviation) = deviation.filter(|deviation| *deviation > 0.0) else {
             return undecided("without a known uncertainty");
         };
+        let reach = fitter::Tolerance::COVERAGE * deviation;
         let text = |size: f64| shown(size, reach, unit);
         // How far beyond the nearer limit, or inside of it.
         let beyond = (value - self.high).max(self.low - value);
@@ -154,14 +153,13 @@ impl Tolerance {
         if at_least && !surely_too_long {
             return undecided("of the visible part only: an end is cut off, hidden or not seen");
         }
-        let word = if beyond - reach > 0.0 {
-            Verdict::Fail
-        } else if beyond + reach <= 0.0 {
-            Verdict::Pass
-        } else {
-            return undecided(&format!("{place}, its uncertainty is {} (1.96 deviations)", text(reach)));
-        };
-        (word, format!("{name} {place}"))
+        let decided = fitter::Tolerance::new(self.low, self.high)
+            .and_then(|limits| limits.decide(value, Some(deviation), Flags::empty()));
+        match decided {
+            Ok(Conformity::Conforming) => (Verdict::Pass, format!("{name} {place}")),
+            Ok(Conformity::NotConforming) => (Verdict::Fail, format!("{name} {place}")),
+            _ => undecided(&format!("{place}, its uncertainty is {} (2 deviations)", text(reach))),
+        }
     }
 }
 
@@ -199,24 +197,24 @@ mod tests {
             judge(&tolerances, known(radius, deviation), length, &[], MILLIMETRES).unwrap()
         };
         for (radius, deviation, verdict, reason) in [
-            (0.0202, 0.0004, Verdict::Pass, "radius 0.80 mm within the limit of 21 mm"),
+            (0.0202, 0.00039, Verdict::Pass, "radius 0.80 mm within the limit of 21 mm"),
             (
                 0.0202,
                 0.0006,
                 Verdict::Undecided,
-                "radius 0.8 mm within the limit of 21 mm, its uncertainty is 1.2 mm (1.96 deviations)",
+                "radius 0.8 mm within the limit of 21 mm, its uncertainty is 1.2 mm (2 deviations)",
             ),
             (
                 0.0209,
                 0.0004,
                 Verdict::Undecided,
-                "radius 0.10 mm within the limit of 21 mm, its uncertainty is 0.78 mm (1.96 deviations)",
+                "radius 0.10 mm within the limit of 21 mm, its uncertainty is 0.80 mm (2 deviations)",
             ),
             (
                 0.0215,
                 0.0004,
                 Verdict::Undecided,
-                "radius 0.50 mm above the limit of 21 mm, its uncertainty is 0.78 mm (1.96 deviations)",
+                "radius 0.50 mm above the limit of 21 mm, its uncertainty is 0.80 mm (2 deviations)",
             ),
             (0.022, 0.0004, Verdict::Fail, "radius 1.00 mm above the limit of 21 mm"),
             (0.018, 0.0004, Verdict::Fail, "radius 1.00 mm below the limit of 19 mm"),
@@ -246,6 +244,8 @@ mod tests {
         let vague = judged(Measured { deviation: None, ..known(0.15, 0.0) });
         assert_eq!(vague.verdict, Verdict::Undecided);
         assert_eq!(vague.reasons[0], "length without a known uncertainty");
+        // A length that was given.
+        assert_eq!(judged(known(0.15, 0.0)), vague);
         assert_eq!(judge(&[], radius, radius, &[], MILLIMETRES), None);
     }
 

@@ -149,7 +149,7 @@ impl Measurement {
             view: ViewValues::new(Fitted::Cloud),
             views: None,
             notes: explained(result.flags),
-            undecided_by: explained(result.flags.intersection(UNDECIDED_BY)),
+            undecided_by: explained(result.flags.intersection(Flags::UNDECIDED)),
             out: None,
             illustration: None,
             seconds: SecondsValues {
@@ -193,19 +193,6 @@ impl Measurement {
         self.extent = Some(extent.into());
     }
 }
-
-/// The warnings of which a stated deviation says nothing: no verdict rests on such a result (docs/warnings.md).
-const UNDECIDED_BY: Flags = Flags::POOR_FIT
-    .union(Flags::POINTS_AND_LIMBS_DISAGREE)
-    .union(Flags::BODY_TAPERS)
-    .union(Flags::HIDDEN_WALL)
-    .union(Flags::MASK_ENDS_WITH_DEPTH)
-    .union(Flags::NOT_CONVERGED)
-    .union(Flags::RADIUS_AT_LIMIT)
-    .union(Flags::AXIS_AT_LIMIT)
-    .union(Flags::SCALE_HELD)
-    .union(Flags::RESOLUTION_LOST)
-    .union(Flags::UNCERTAINTY_UNKNOWN);
 
 /// A flag in words, with its numbers where the result has some.
 fn explain(flag: Flags, result: &FitResult) -> String {
