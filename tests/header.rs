@@ -10,7 +10,7 @@ use common::{c_compiler, cpp_compiler, header, root, run, scratch};
 use std::process::Command;
 
 /// The files of src/ffi in the order of the header. `panic_test` is not part of it.
-const SOURCES: [&str; 22] = [
+const SOURCES: [&str; 23] = [
     "status",
     "constants",
     "outcomes",
@@ -32,6 +32,7 @@ const SOURCES: [&str; 22] = [
     "apply",
     "cylinder",
     "camera",
+    "conformity",
     "strings",
 ];
 

@@ -1988,6 +1988,24 @@ typedef int32_t cylfuse_layout;
  */
 #define CYLFUSE_LAYOUT_ORGANISED 1
 
+/**
+ * What a measurement says about a tolerance.
+ */
+typedef int32_t cylfuse_conformity;
+/**
+ * The measurement does not tell: its uncertainty reaches over a limit or is not known, or a warning puts it in
+ * doubt.
+ */
+#define CYLFUSE_CONFORMITY_UNDECIDED 0
+/**
+ * The value is within the limits with all of its uncertainty.
+ */
+#define CYLFUSE_CONFORMITY_CONFORMING 1
+/**
+ * The value is outside the limits with all of its uncertainty.
+ */
+#define CYLFUSE_CONFORMITY_NOT_CONFORMING 2
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -2217,6 +2235,20 @@ cylfuse_status cylfuse_fitter_create(uint32_t abi_version,
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Makes another fitter with all that one holds: options, cameras, poses and data of all views, start model, the last
+ * result and what the start LAST goes on from. Callbacks stay behind. Images are shared and not copied, but points are:
+ * set up one fitter, and clone it for each thread before data are pushed.
+ *
+ * @param fitter the fitter, which stays as it is
+ * @param out_fitter where the new one goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call fails
+ * @return OUT_OF_MEMORY
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_clone(const struct cylfuse_fitter *fitter,
+                                    struct cylfuse_fitter **out_fitter)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Destroys a fitter and frees what it holds. No other call on it may be running or follow.
  *
  * @param fitter the fitter; NULL does nothing
@@ -2384,6 +2416,18 @@ CYLFUSE_NOEXCEPT;
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_set_intrinsics(struct cylfuse_fitter *fitter,
                                              const struct cylfuse_intrinsics *intrinsics)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Reads the intrinsics of the colour camera of the selected view: those that were set, or those of its frame.
+ *
+ * @param fitter the fitter
+ * @param out_intrinsics where they go; `cylfuse_intrinsics_init` comes before
+ * @return BAD_STATE when the view has no colour camera
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_fitter_get_intrinsics(const struct cylfuse_fitter *fitter,
+                                             struct cylfuse_intrinsics *out_intrinsics)
 CYLFUSE_NOEXCEPT;
 
 /**
@@ -3352,6 +3396,39 @@ cylfuse_status cylfuse_intrinsics_unproject(const struct cylfuse_intrinsics *int
                                             const double *pixels,
                                             size_t count,
                                             double *out_rays)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * Decides whether a measured length, such as a radius or a diameter, conforms to a tolerance, by the rule of ISO
+ * 14253-1: the value with `coverage` deviations on either side lies within the limits, or outside, or the measurement
+ * does not tell.
+ *
+ * For the radius of a fit give `model.radius` and `radius_deviation` of its `cylfuse_cylinder_estimate`, for its
+ * diameter twice of both, and `flags` of its `cylfuse_result`. Nothing is decided with a warning of which the deviation
+ * says nothing: POOR_FIT, POINTS_AND_LIMBS_DISAGREE, BODY_TAPERS, HIDDEN_WALL, MASK_ENDS_WITH_DEPTH, NOT_CONVERGED,
+ * RADIUS_AT_LIMIT, AXIS_AT_LIMIT, SCALE_HELD, RESOLUTION_LOST, UNCERTAINTY_UNKNOWN. A deviation covers the noise of the
+ * data and what the options say that all points share, not a wrong scale of the depth nor wrong intrinsics: a decision
+ * is as good as that. The length of an extent with an end that is not SEEN is that of the visible part: of the whole
+ * only NOT_CONFORMING above the upper limit is true.
+ *
+ * @param value in any unit of length, finite
+ * @param deviation its standard deviation, in that unit. NaN, as of a method that states none, and 0, as of a radius
+ *   that the limits of the fit fix, decide nothing.
+ * @param flags the warnings of the result; 0 for none
+ * @param lower the lower limit, which conforms itself, in that unit; -INFINITY for none
+ * @param upper the upper limit likewise, greater than `lower`; INFINITY for none. One of the two must be finite.
+ * @param coverage the coverage factor k, finite; 0 = 2
+ * @param out_conformity where the decision goes
+ * @return INVALID_ARGUMENT, also for an unknown bit of `flags`; nothing is written then
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_decide_conformity(double value,
+                                         double deviation,
+                                         cylfuse_result_flags flags,
+                                         double lower,
+                                         double upper,
+                                         double coverage,
+                                         cylfuse_conformity *out_conformity)
 CYLFUSE_NOEXCEPT;
 
 /**

@@ -1,10 +1,11 @@
 //! From creating a fitter to destroying it.
 
 use super::constants::cylfuse_input;
-use super::handle::{Handle, cylfuse_fitter, enter_to_change, no_handle};
-use super::library::{create, destroy};
+use super::handle::{Content, Handle, cylfuse_fitter, enter_to_change, enter_to_read, no_handle};
+use super::library::{allocate, create, destroy};
 use super::status::cylfuse_status;
 use super::texts;
+use super::views::Slot;
 use std::ffi::c_char;
 
 /// Makes a fitter with default options, one view at the identity, and no data.
@@ -23,6 +24,30 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe { create(abi_version, out_fitter, "out_fitter", || cylfuse_fitter(Handle::default())) }
+}
+
+/// Makes another fitter with all that one holds: options, cameras, poses and data of all views, start model, the last
+/// result and what the start LAST goes on from. Callbacks stay behind. Images are shared and not copied, but points are:
+/// set up one fitter, and clone it for each thread before data are pushed.
+///
+/// @param fitter the fitter, which stays as it is
+/// @param out_fitter where the new one goes, for `cylfuse_fitter_destroy` in the end; set to NULL when the call fails
+/// @return OUT_OF_MEMORY
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_clone(
+    fitter: *const cylfuse_fitter,
+    out_fitter: *mut *mut cylfuse_fitter,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(fitter, |content, _| {
+            let out = Slot::new(out_fitter, "out_fitter")?;
+            out.write(std::ptr::null_mut());
+            let content = Content { fitter: content.fitter.try_clone()?, ..Content::default() };
+            out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
+            Ok(())
+        })
+    }
 }
 
 /// Destroys a fitter and frees what it holds. No other call on it may be running or follow.

@@ -1,7 +1,7 @@
 //! The constants of results: integers, as in `constants`.
 
 use crate::extent::{EndSource, EndState};
-use crate::fitter::Part;
+use crate::fitter::{Conformity, Part};
 use crate::limb_location::NotVisible;
 use crate::solver::Termination;
 
@@ -161,6 +161,31 @@ impl From<Part> for cylfuse_part {
             Part::InnerWall => Self::INNER_WALL,
             Part::Other => Self::OTHER,
             Part::Behind => Self::BEHIND,
+        }
+    }
+}
+
+/// What a measurement says about a tolerance.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct cylfuse_conformity(pub i32);
+
+impl cylfuse_conformity {
+    /// The measurement does not tell: its uncertainty reaches over a limit or is not known, or a warning puts it in
+    /// doubt.
+    pub const UNDECIDED: cylfuse_conformity = cylfuse_conformity(0);
+    /// The value is within the limits with all of its uncertainty.
+    pub const CONFORMING: cylfuse_conformity = cylfuse_conformity(1);
+    /// The value is outside the limits with all of its uncertainty.
+    pub const NOT_CONFORMING: cylfuse_conformity = cylfuse_conformity(2);
+}
+
+impl From<Conformity> for cylfuse_conformity {
+    fn from(conformity: Conformity) -> Self {
+        match conformity {
+            Conformity::Undecided => Self::UNDECIDED,
+            Conformity::Conforming => Self::CONFORMING,
+            Conformity::NotConforming => Self::NOT_CONFORMING,
         }
     }
 }

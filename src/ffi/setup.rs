@@ -8,6 +8,7 @@ use super::sized::{Output, read};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_options};
 use super::views::{self, Slot};
+use crate::error::Error;
 use std::ffi::c_void;
 
 /// Replaces the options.
@@ -155,6 +156,31 @@ pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
         enter_to_change(fitter, |content, _| {
             let intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
             Ok(content.fitter.set_intrinsics(intrinsics)?)
+        })
+    }
+}
+
+/// Reads the intrinsics of the colour camera of the selected view: those that were set, or those of its frame.
+///
+/// @param fitter the fitter
+/// @param out_intrinsics where they go; `cylfuse_intrinsics_init` comes before
+/// @return BAD_STATE when the view has no colour camera
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_fitter_get_intrinsics(
+    fitter: *const cylfuse_fitter,
+    out_intrinsics: *mut cylfuse_intrinsics,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(fitter, |content, _| {
+            let out = Output::new(out_intrinsics, "out_intrinsics")?;
+            let camera = content.fitter.camera().ok_or(Error::BadState {
+                call: "reading the intrinsics",
+                missing: "a colour camera in the selected view",
+                remedy: "set its intrinsics or use a frame first",
+            })?;
+            out.write(&camera.intrinsics().into());
+            Ok(())
         })
     }
 }

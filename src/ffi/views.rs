@@ -327,6 +327,21 @@ pub(super) fn intrinsics(given: &cylfuse_intrinsics) -> Result<Intrinsics, Failu
     Ok(Intrinsics { width, height, fx, fy, cx, cy, distortion })
 }
 
+impl From<&Intrinsics> for cylfuse_intrinsics {
+    fn from(intrinsics: &Intrinsics) -> Self {
+        let &Intrinsics { width, height, fx, fy, cx, cy, distortion: given } = intrinsics;
+        let (distortion_model, coefficients) = match &given {
+            Distortion::None => (cylfuse_distortion::NONE, &[][..]),
+            Distortion::BrownConrady(all) => (cylfuse_distortion::BROWN_CONRADY, &all[..]),
+            Distortion::KannalaBrandt(all) => (cylfuse_distortion::KANNALA_BRANDT, &all[..]),
+        };
+        let struct_size = size_of::<Self>() as u32;
+        let mut distortion = [0.0; 8];
+        distortion[..coefficients.len()].copy_from_slice(coefficients);
+        Self { struct_size, distortion_model, width, height, fx, fy, cx, cy, distortion }
+    }
+}
+
 /// A rotation, row by row, and a translation.
 ///
 /// # Safety

@@ -12,6 +12,10 @@ use crate::observations::{
     PointCloud, PointsView, check_segments,
 };
 
+/// Bytes a point of a copy: the points as they were pushed, and of those in a mask that holds more than the body, with their
+/// neighbours.
+const BYTES_OF_COPY: usize = 160;
+
 bitflags::bitflags! {
     /// Kinds of data of a view.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,6 +32,15 @@ bitflags::bitflags! {
 }
 
 impl Fitter {
+    /// A copy, as by `clone`, where there is memory for it. Images are shared, points are copied.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub fn try_clone(&self) -> Result<Self> {
+        self.check_memory(BYTES_OF_COPY)?;
+        Ok(self.clone())
+    }
+
     /// Selects the view that settings, data and questions of a view are about. An index that is the number of views adds
     /// a view at the identity.
     ///

@@ -103,6 +103,8 @@ void test_batch(void);
 void test_views(void);
 void test_lists(void);
 void test_readers(void);
+void test_conformity(void);
+void test_clone(void);
 void test_detector(void);
 void test_detector_calls(void);
 #ifdef CYLFUSE_PANIC_TEST

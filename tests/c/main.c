@@ -161,6 +161,8 @@ int main(void)
     test_views();
     test_lists();
     test_readers();
+    test_conformity();
+    test_clone();
 #ifdef CYLFUSE_PANIC_TEST
     test_panic();
 #else

@@ -119,7 +119,7 @@ impl Case<'_> {
         self.source.arena.release(false);
     }
 
-    fn check_whole<T: Copy>(room: &Room<T>, check: impl Fn(&T)) {
+    pub fn check_whole<T: Copy>(room: &Room<T>, check: impl Fn(&T)) {
         if let Some(value) = room.is_whole().then(|| room.read()).flatten() {
             check(&value);
         }

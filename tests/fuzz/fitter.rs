@@ -12,7 +12,7 @@ impl Case<'_> {
     pub fn set_up(&mut self) {
         let fitter = self.fitter();
         let t = Teller::Fitter(fitter);
-        match self.source.dice.below(14) {
+        match self.source.dice.below(16) {
             0..2 => {
                 let intrinsics = self.source.intrinsics();
                 call!(self, t, cylfuse_fitter_set_intrinsics(fitter, intrinsics));
@@ -64,6 +64,26 @@ impl Case<'_> {
                 let points = self.source.hostility.count(&mut self.source.dice, 1000);
                 let segments = self.source.hostility.count(&mut self.source.dice, 10);
                 call!(self, t, cylfuse_fitter_reserve(fitter, points, segments));
+            }
+            13 => {
+                let out = self.source.output();
+                if call!(self, t, cylfuse_fitter_get_intrinsics(fitter, out.pointer)) && out.is_whole() {
+                    let again = out.pointer;
+                    // What is held may be set.
+                    assert!(call!(self, t, cylfuse_fitter_set_intrinsics(fitter, again)));
+                }
+            }
+            14 => {
+                let mut clone = null_mut();
+                if call!(self, t, cylfuse_fitter_clone(fitter, &raw mut clone)) {
+                    let (result, estimate) = (self.source.output(), self.source.output());
+                    let own = Teller::Fitter(clone);
+                    if call!(self, own, cylfuse_fitter_fit(clone, result.pointer, estimate.pointer)) {
+                        Self::check_whole(&result, checks::result);
+                        Self::check_whole(&estimate, checks::estimate);
+                    }
+                    call!(self, Teller::None, cylfuse_fitter_destroy(clone));
+                }
             }
             12 => {
                 let inputs = cylfuse_input(self.source.constant(15) as u32);

@@ -9,7 +9,7 @@ use std::ffi::CStr;
 impl Case<'_> {
     pub fn without_handle(&mut self) {
         let t = Teller::None;
-        match self.source.dice.below(6) {
+        match self.source.dice.below(7) {
             0 => {
                 let (model, (points, count)) = (self.source.model(), self.source.points());
                 let capacity = self.source.hostility.count(&mut self.source.dice, count).min(20_000);
@@ -37,6 +37,19 @@ impl Case<'_> {
             3 => {
                 if self.source.dice.one_in(8) {
                     self.plan();
+                }
+            }
+            5 => {
+                let [value, deviation, lower, upper, coverage] =
+                    [20.0, 0.1, 19.5, 20.5, 2.0].map(|x| self.source.number(x));
+                let flags = cylfuse_result_flags(1 << self.source.dice.below(21));
+                let out = self.source.room::<cylfuse_conformity>(1);
+                if call!(
+                    self,
+                    t,
+                    cylfuse_decide_conformity(value, deviation, flags, lower, upper, coverage, out.pointer)
+                ) {
+                    assert!((0..=2).contains(&out.read().unwrap().0));
                 }
             }
             4 => {
