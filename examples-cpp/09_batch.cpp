@@ -1,23 +1,22 @@
 // Inspects a batch of frames and prints a table as CSV: 09_batch LOWEST HIGHEST FOLDER...
 //
 // LOWEST and HIGHEST are the limits of the radius in millimetres. A verdict needs the uncertainty: a part passes or fails
-// where the 95 % interval of its radius lies on one side of each limit, and is undecided otherwise. A page with pictures
-// for the browser is made by `cylfuse fit --report page.html FOLDER...`.
+// where the radius with two standard deviations on either side lies within or outside the limits (ISO 14253-1), and is
+// undecided otherwise, as it is with a warning that puts the deviation in doubt. A page with pictures for the browser is made
+// by `cylfuse fit --report page.html FOLDER...`.
 #include "frame.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
 
-static const char *verdict(double radius, double deviation, double lowest, double highest)
+static const char *verdict(cylfuse::Conformity conformity)
 {
-    // One-sided 95 %, as of ISO 14253-1. NaN, an unknown deviation, decides nothing.
-    const double reach = 1.645 * deviation;
-    if (radius - reach >= lowest && radius + reach <= highest) {
-        return "pass";
+    switch (conformity) {
+    case cylfuse::Conformity::Conforming: return "pass";
+    case cylfuse::Conformity::NotConforming: return "fail";
+    default: return "undecided";
     }
-    return radius + reach < lowest || radius - reach > highest ? "fail" : "undecided";
 }
 
 int main(int argc, char **argv)
@@ -26,7 +25,7 @@ int main(int argc, char **argv)
         std::fprintf(stderr, "usage: %s LOWEST HIGHEST FOLDER...\n", argv[0]);
         return 2;
     }
-    const double lowest = std::atof(argv[1]), highest = std::atof(argv[2]);
+    const cylfuse::Tolerance tolerance(1e-3 * std::atof(argv[1]), 1e-3 * std::atof(argv[2])); // Metres, as the frames.
     std::map<std::string, int> counts{{"pass", 0}, {"fail", 0}, {"undecided", 0}, {"not measured", 0}};
     cylfuse::Fitter fitter;
     std::puts("frame,radius_mm,deviation_mm,length_mm,start,end,verdict,warnings");
@@ -40,9 +39,7 @@ int main(int argc, char **argv)
             const cylfuse::CylinderFit fit = fitter.fit();
             const cylfuse::Extent extent = fitter.extent();
             const double radius = 1e3 * fit.cylinder.model.radius, deviation = 1e3 * fit.cylinder.radius_deviation;
-            // A warning that the sources contradict each other leaves the radius undecided, whatever its deviation.
-            const bool trusted = !fit.result.has(cylfuse::ResultFlags::PointsAndLimbsDisagree);
-            const char *said = verdict(radius, trusted ? deviation : NAN, lowest, highest);
+            const char *said = verdict(cylfuse::radius_conforms(fit, tolerance));
             std::printf("%s,%.3f,%.3f,%.2f,%s,%s,%s,\"%s\"\n", argv[k], radius, deviation, 1e3 * extent.length,
                         to_string(extent.start_state()).c_str(), to_string(extent.end_state()).c_str(), said,
                         fit.result.warning_names().c_str());

@@ -44,8 +44,8 @@ inline namespace with_exceptions {
 /**
  * Estimates one cylinder. Set the camera, push data, fit; for the next frame: clear, push, fit.
  *
- * Moves but does not copy. A fitter that was moved from holds nothing: all its calls fail with Status::NullPointer.
- * Callbacks may throw: the exception leaves the method that they were called from.
+ * Moves but does not copy, unless by clone(). A fitter that was moved from holds nothing: all its calls fail with
+ * Status::NullPointer. Callbacks may throw: the exception leaves the method that they were called from.
  */
 class Fitter {
 public:
@@ -62,6 +62,17 @@ public:
     }
     /** Takes over a fitter of the C interface, which has no callbacks; NULL for one that holds nothing. */
     explicit Fitter(cylfuse_fitter *fitter) noexcept : handle_(fitter) {}
+
+    /**
+     * Another fitter with all that this one holds, settings, data and result, but no callbacks. Images are shared, points are
+     * copied: after clear() it takes next to nothing.
+     */
+    Returned<Fitter> clone() const
+    {
+        cylfuse_fitter *made = nullptr;
+        const cylfuse_status status = cylfuse_fitter_clone(begin(), &made);
+        return finish(status, Fitter(made));
+    }
 
     /** The fitter for functions of the C interface; stays owned. */
     cylfuse_fitter *handle() const noexcept { return handle_.get(); }
@@ -132,6 +143,13 @@ public:
     Returned<void> set_intrinsics(const cylfuse_intrinsics &intrinsics)
     {
         return finish(cylfuse_fitter_set_intrinsics(begin(), &intrinsics));
+    }
+    /** The colour camera of the selected view, which was set or came with a frame; Status::BadState where it has none. */
+    Returned<Intrinsics> intrinsics() const
+    {
+        Intrinsics intrinsics;
+        const cylfuse_status status = cylfuse_fitter_get_intrinsics(begin(), &intrinsics);
+        return finish(status, intrinsics);
     }
     /** Gives the depth of the selected view a camera of its own; `to_colour` leads from it to the colour camera. */
     Returned<void> set_depth_camera(const cylfuse_intrinsics &intrinsics, const RigidMotion &to_colour)
@@ -348,18 +366,17 @@ public:
     Returned<Completion> complete(std::vector<std::array<T, 3>, Allocator> &points, Optional<Cylinder> model = {},
                                   Optional<MaskView> mask = {}) const
     {
-        std::size_t bound = 0;
-        cylfuse_status status = cylfuse_fitter_complete_bound(begin(), mask.get(), CYLFUSE_LAYOUT_PACKED, &bound);
-        Completion completion;
-        if (status == CYLFUSE_STATUS_OK) {
-            const std::size_t before = points.size();
-            points.resize(std::max(before, bound)); // A call that fails writes nothing: those before are still there.
-            const PointsOut out(reinterpret_cast<T *>(points.data()), bound);
-            status = cylfuse_fitter_complete(handle(), model.get(), mask.get(), CYLFUSE_LAYOUT_PACKED, &out,
-                                             &completion);
-            points.resize(status == CYLFUSE_STATUS_OK ? static_cast<std::size_t>(completion.count) : before);
-        }
-        return finish(status, completion);
+        return complete_into(points, CYLFUSE_LAYOUT_PACKED, model, mask);
+    }
+    /**
+     * The same in the order of the image: a point for each pixel, row by row, NaN where there is none. The size of the image
+     * is that of intrinsics().
+     */
+    template <class T, class Allocator>
+    Returned<Completion> complete_organised(std::vector<std::array<T, 3>, Allocator> &points,
+                                            Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
+    {
+        return complete_into(points, CYLFUSE_LAYOUT_ORGANISED, model, mask);
     }
     /** Completes the depth image of the selected view, on the pixels of its colour image. */
     Returned<Completion> complete_depth(const DepthOut &out, Optional<Cylinder> model = {},
@@ -418,6 +435,25 @@ private:
     {
         detail::forget();
         return handle();
+    }
+    // Completes into a vector: as many points as there are when packed, one a pixel when organised.
+    template <class T, class Allocator>
+    Returned<Completion> complete_into(std::vector<std::array<T, 3>, Allocator> &points, cylfuse_layout layout,
+                                       Optional<Cylinder> model, Optional<MaskView> mask) const
+    {
+        std::size_t bound = 0;
+        cylfuse_status status = cylfuse_fitter_complete_bound(begin(), mask.get(), layout, &bound);
+        Completion completion;
+        if (status == CYLFUSE_STATUS_OK) {
+            const std::size_t before = points.size();
+            points.resize(std::max(before, bound)); // A call that fails writes nothing: those before are still there.
+            const PointsOut out(reinterpret_cast<T *>(points.data()), bound);
+            status = cylfuse_fitter_complete(handle(), model.get(), mask.get(), layout, &out, &completion);
+            const std::size_t made =
+                layout == CYLFUSE_LAYOUT_ORGANISED ? bound : static_cast<std::size_t>(completion.count);
+            points.resize(status == CYLFUSE_STATUS_OK ? made : before);
+        }
+        return finish(status, completion);
     }
     // What a function of the C interface lists, however much it is.
     template <class T, class Call>

@@ -2,7 +2,7 @@
 
 /**
  * @file cylinder.hpp
- * What can be asked of cylinders and cameras without a fitter. Include cylfuse.hpp, which says how it is meant.
+ * What can be asked of cylinders, cameras and results without a fitter. Include cylfuse.hpp, which says how it is meant.
  */
 
 #ifndef CYLFUSE_CYLINDER_HPP
@@ -87,6 +87,36 @@ inline Returned<Expectation> plan(const cylfuse_intrinsics &intrinsics, const st
     const cylfuse_status status =
         cylfuse_plan(&intrinsics, cylinder.data(), noise.data(), expected.scatter.data(), expected.total.data());
     return detail::finish_call(status, expected);
+}
+
+/**
+ * Decides by the rule of ISO 14253-1 whether a length conforms to a tolerance: only where the value with `coverage`
+ * deviations on either side lies within the limits, and not only where it lies outside. See cylfuse_decide_conformity() for
+ * the deviations and warnings that decide nothing.
+ */
+inline Returned<Conformity> decide_conformity(double value, double deviation, ResultFlags flags,
+                                              const Tolerance &tolerance)
+{
+    cylfuse_conformity conformity = CYLFUSE_CONFORMITY_UNDECIDED;
+    const cylfuse_status status =
+        cylfuse_decide_conformity(value, deviation, static_cast<cylfuse_result_flags>(flags), tolerance.lower,
+                                  tolerance.upper, tolerance.coverage, &conformity);
+    return detail::finish_call(status, Conformity(conformity));
+}
+
+/** Whether the radius of a fit conforms to a tolerance, by its deviation and its warnings. */
+inline Returned<Conformity> radius_conforms(const CylinderFit &fit, const Tolerance &tolerance)
+{
+    const CylinderEstimate &cylinder = fit.cylinder;
+    return decide_conformity(cylinder.model.radius, cylinder.radius_deviation, ResultFlags(fit.result.flags), tolerance);
+}
+
+/** The same for the diameter, with limits of the diameter. */
+inline Returned<Conformity> diameter_conforms(const CylinderFit &fit, const Tolerance &tolerance)
+{
+    const CylinderEstimate &cylinder = fit.cylinder;
+    return decide_conformity(2.0 * cylinder.model.radius, 2.0 * cylinder.radius_deviation,
+                             ResultFlags(fit.result.flags), tolerance);
 }
 
 /** How the second cylinder differs from the first. */

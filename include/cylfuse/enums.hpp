@@ -240,6 +240,13 @@ enum class Part : cylfuse_part {
     Behind = CYLFUSE_PART_BEHIND,
 };
 
+/** What a measurement says about a tolerance. */
+enum class Conformity : cylfuse_conformity {
+    Undecided = CYLFUSE_CONFORMITY_UNDECIDED,
+    Conforming = CYLFUSE_CONFORMITY_CONFORMING,
+    NotConforming = CYLFUSE_CONFORMITY_NOT_CONFORMING,
+};
+
 /** How the points of an output buffer are arranged. */
 enum class Layout : cylfuse_layout {
     Packed = CYLFUSE_LAYOUT_PACKED,

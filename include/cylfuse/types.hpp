@@ -140,6 +140,20 @@ struct Intrinsics : cylfuse_intrinsics {
         cx = center_x;
         cy = center_y;
     }
+    /**
+     * The same with distortion: coefficients in the order of the model, the missing ones 0. For the coefficients of OpenCV:
+     * `Intrinsics(640, 480, 570, 570, 319.5, 239.5, Distortion::BrownConrady, {{k1, k2, p1, p2, k3}})`, those of its fisheye
+     * model with Distortion::KannalaBrandt.
+     */
+    Intrinsics(std::uint32_t columns, std::uint32_t rows, double focal_x, double focal_y, double center_x,
+               double center_y, Distortion model, const std::array<double, 8> &coefficients) noexcept
+        : Intrinsics(columns, rows, focal_x, focal_y, center_x, center_y)
+    {
+        distortion_model(model);
+        for (std::size_t k = 0; k < coefficients.size(); ++k) {
+            distortion[k] = coefficients[k];
+        }
+    }
     /** What the numbers in `distortion` mean. */
     Distortion distortion_model() const noexcept { return Distortion(cylfuse_intrinsics::distortion_model); }
     /** Sets what the numbers in `distortion` mean. */
@@ -174,6 +188,19 @@ struct CylinderEstimate : cylfuse_cylinder_estimate {
 struct CylinderFit {
     Result result;             ///< The numbers to judge it by.
     CylinderEstimate cylinder; ///< The cylinder with its deviations.
+};
+
+/** The limits of a radius, a diameter or another length, and how sure a decision about them must be. */
+struct Tolerance {
+    /** The limits, which conform themselves, in the unit of length; an infinite one is none. `factor` is the coverage. */
+    constexpr Tolerance(double low, double high, double factor = 2.0) noexcept
+        : lower(low), upper(high), coverage(factor)
+    {
+    }
+
+    double lower;    ///< The lower limit.
+    double upper;    ///< The upper limit, greater than the lower one.
+    double coverage; ///< The coverage factor k of ISO 14253-1: deviations on either side of a value.
 };
 
 /** What was pushed into a view, and what was left out by reason. */
