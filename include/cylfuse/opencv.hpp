@@ -333,6 +333,9 @@ inline void draw_curve(cv::Mat &image, const std::vector<std::array<double, 3>> 
                        const cylfuse_intrinsics &camera, const cv::Scalar &colour)
 {
     const std::vector<std::array<double, 2>> pixels = project(camera, curve);
+    // Of a green line that counts as grey would be left as much as of the first channel: nothing.
+    const cv::Scalar drawn =
+        image.channels() == 1 ? cv::Scalar(std::max({colour[0], colour[1], colour[2]})) : colour;
     constexpr int SHIFT = 4; // cv::line takes sixteenths of a pixel.
     const auto fixed = [](const std::array<double, 2> &p) { return cv::Point(cvRound(p[0] * 16), cvRound(p[1] * 16)); };
     // Far outside its coordinates would not fit an int; not a number is nowhere.
@@ -341,7 +344,7 @@ inline void draw_curve(cv::Mat &image, const std::vector<std::array<double, 3>> 
     };
     for (std::size_t i = 1; i < pixels.size(); ++i) {
         if (drawable(pixels[i - 1]) && drawable(pixels[i])) {
-            cv::line(image, fixed(pixels[i - 1]), fixed(pixels[i]), colour, 1, cv::LINE_AA, SHIFT);
+            cv::line(image, fixed(pixels[i - 1]), fixed(pixels[i]), drawn, 1, cv::LINE_AA, SHIFT);
         }
     }
 }
@@ -349,7 +352,7 @@ inline void draw_curve(cv::Mat &image, const std::vector<std::array<double, 3>> 
 } // namespace detail
 /** @endcond */
 
-/** The colours of draw(), in the order of the channels of the image. */
+/** The colours of draw(), in the order of the channels of the image. A grey image gets the largest channel of each. */
 struct Colours {
     cv::Scalar limbs = cv::Scalar(0, 220, 0); ///< The two limbs.
     cv::Scalar ends = cv::Scalar(0, 160, 255); ///< The visible half of the circle at either end.
@@ -357,14 +360,14 @@ struct Colours {
 };
 
 /**
- * Draws the visible piece of a cylinder over an image CV_8UC3 of the camera: its limbs, its ends and its axis, with the
- * distortion of the lens. From inside a pipe there are no limbs. `pose` is that of the view whose image it is.
+ * Draws the visible piece of a cylinder over an image of the camera, in colour, CV_8UC3, or grey, CV_8UC1: its limbs, its
+ * ends and its axis, with the distortion of the lens. From inside a pipe there are no limbs. `pose` is that of the view whose image it is.
  */
 inline void draw(cv::Mat &image, const Cylinder &model, const cylfuse_extent &extent,
                  const cylfuse_intrinsics &intrinsics, const Colours &colours = Colours(),
                  const RigidMotion &pose = RigidMotion())
 {
-    detail::check_image(image, "the image to draw on", {CV_8UC3}, "CV_8UC3");
+    detail::check_image(image, "the image to draw on", {CV_8UC1, CV_8UC3}, "CV_8UC1 or CV_8UC3");
     detail::check_size(image, "the image to draw on", intrinsics);
     constexpr int PIECES = 64; // Short enough to look like a curve.
     const cv::Matx33d to_camera = cv::Matx33d(pose.rotation.data()).t();

@@ -74,6 +74,20 @@ static void segments_and_cameras()
     CHECK(five.distortion[0] == 0.5 && five.distortion[4] == 0.25);
     cylfuse::intrinsics(MATRIX, std::vector<double>(14, 0.0), {160, 120});
     const auto fisheye = cylfuse::fisheye_intrinsics(MATRIX, cv::Vec4d(0.1, 0.2, 0.3, 0.4), {160, 120});
+    // The pixels are those of OpenCV.
+    const std::vector<std::array<double, 3>> point = {{{0.2, -0.1, 1.0}}};
+    const std::vector<cv::Point3d> of_opencv = {{0.2, -0.1, 1.0}};
+    const std::vector<double> brown = {0.1, -0.2, 0.001, 0.002, 0.05, 0.01, 0.02, -0.01};
+    const cv::Vec3d zero(0, 0, 0);
+    std::vector<cv::Point2d> there;
+    cv::projectPoints(of_opencv, zero, zero, MATRIX, brown, there);
+    const auto here = cylfuse::project(cylfuse::intrinsics(MATRIX, brown, {160, 120}), point)[0];
+    CHECK_NEAR(here[0], there[0].x, 1e-9);
+    CHECK_NEAR(here[1], there[0].y, 1e-9);
+    cv::fisheye::projectPoints(of_opencv, there, zero, zero, MATRIX, cv::Vec4d(0.1, 0.2, 0.3, 0.4));
+    const auto bent = cylfuse::project(fisheye, point)[0];
+    CHECK_NEAR(bent[0], there[0].x, 1e-9);
+    CHECK_NEAR(bent[1], there[0].y, 1e-9);
     CHECK(fisheye.distortion_model() == cylfuse::Distortion::KannalaBrandt && fisheye.distortion[3] == 0.4);
     CHECK_ERROR(cylfuse::intrinsics(MATRIX, std::vector<double>(6, 0.0), {160, 120}), INVALID_INTRINSICS, "6");
     CHECK_ERROR(cylfuse::intrinsics(MATRIX, std::vector<double>(12, 0.1), {160, 120}), UNSUPPORTED, "thin prism");
@@ -120,7 +134,19 @@ static void edges_are_proposed_and_drawn()
     const cv::Vec3b pixel = drawn.at<cv::Vec3b>(50, limb);
     CHECK(pixel[1] > 150 && pixel[0] < 100 && pixel[2] < 100);
     CHECK(cv::norm(drawn, colour) > 0.0 && drawn.at<cv::Vec3b>(5, 5) == colour.at<cv::Vec3b>(5, 5));
-    CHECK_ERROR(cylfuse::draw(images.image, PIPE, fitter.extent(), images.scene.camera), INVALID_ARGUMENT, "CV_8UC3");
+    // On a grey image, dark where the limb is: the largest channel of its colour, 220.
+    cv::Mat grey(120, 160, CV_8UC1, cv::Scalar(60));
+    cylfuse::draw(grey, PIPE, fitter.extent(), images.scene.camera);
+    CHECK(grey.type() == CV_8UC1 && grey.at<std::uint8_t>(5, 5) == 60);
+    CHECK(grey.at<std::uint8_t>(50, limb) > 130 && grey.at<std::uint8_t>(50, limb) <= 220);
+    CHECK(grey.at<std::uint8_t>(60, 79) + grey.at<std::uint8_t>(60, 80) > 250); // The axis, between two pixels.
+    cylfuse::Colours black;
+    black.limbs = black.ends = black.axis = cv::Scalar(0, 0, 0);
+    grey.setTo(200);
+    cylfuse::draw(grey, PIPE, fitter.extent(), images.scene.camera, black);
+    CHECK(cv::countNonZero(grey > 200) == 0 && grey.at<std::uint8_t>(50, limb) < 100);
+    cv::Mat sixteen(120, 160, CV_16UC1);
+    CHECK_ERROR(cylfuse::draw(sixteen, PIPE, fitter.extent(), images.scene.camera), INVALID_ARGUMENT, "CV_8UC1 or CV_8UC3");
 }
 
 // Colours weigh as in the library, whatever the order of the bytes; a label is one of several masks.
