@@ -147,6 +147,29 @@ inline Cylinder to_cylinder(const pcl::ModelCoefficients &coefficients)
     return Cylinder{{values[0], values[1], values[2]}, {values[3], values[4], values[5]}, values[6]};
 }
 
+/** @cond internal */
+namespace detail {
+
+// What took the place of a cloud: it keeps header and sensor.
+template <class PointT>
+void replace(pcl::PointCloud<PointT> &cloud, pcl::PointCloud<PointT> &&completed)
+{
+    completed.header = cloud.header;
+    completed.sensor_origin_ = cloud.sensor_origin_;
+    completed.sensor_orientation_ = cloud.sensor_orientation_;
+    cloud = std::move(completed);
+}
+
+template <class PointT>
+PointsOut points_out(pcl::PointCloud<PointT> &cloud)
+{
+    check_cloud(cloud);
+    return PointsOut(const_cast<float *>(coordinates(cloud.front())), cloud.size(), sizeof(PointT));
+}
+
+} // namespace detail
+/** @endcond */
+
 /**
  * Completes the cloud over a mask into a cloud of points that all exist, which is not organised. Model and mask may be
  * left out, as for Fitter::complete(). The cloud stays as it was where that fails.
@@ -157,16 +180,26 @@ Completion complete(const Fitter &fitter, pcl::PointCloud<PointT> &cloud, Option
 {
     pcl::PointCloud<PointT> completed;
     completed.resize(fitter.complete_bound(Layout::Packed, mask));
-    detail::check_cloud(completed);
-    float *first = const_cast<float *>(detail::coordinates(completed.front()));
-    const PointsOut out(first, completed.size(), sizeof(PointT));
-    const Completion completion = fitter.complete(out, Layout::Packed, model, mask);
+    const Completion completion = fitter.complete(detail::points_out(completed), Layout::Packed, model, mask);
     completed.resize(static_cast<std::size_t>(completion.count));
     completed.is_dense = true;
-    completed.header = cloud.header;
-    completed.sensor_origin_ = cloud.sensor_origin_;
-    completed.sensor_orientation_ = cloud.sensor_orientation_;
-    cloud = std::move(completed);
+    detail::replace(cloud, std::move(completed));
+    return completion;
+}
+
+/**
+ * Completes the cloud over a mask into an organised cloud of the size of the camera, with NaN where there is no point. Model
+ * and mask may be left out, as for Fitter::complete(). The cloud stays as it was where that fails.
+ */
+template <class PointT>
+Completion complete_organised(const Fitter &fitter, pcl::PointCloud<PointT> &cloud, Optional<Cylinder> model = {},
+                              Optional<MaskView> mask = {})
+{
+    const Intrinsics camera = fitter.intrinsics();
+    pcl::PointCloud<PointT> completed(camera.width, camera.height);
+    const Completion completion = fitter.complete(detail::points_out(completed), Layout::Organised, model, mask);
+    completed.is_dense = completion.hits - completion.out_of_range == completed.size();
+    detail::replace(cloud, std::move(completed));
     return completion;
 }
 

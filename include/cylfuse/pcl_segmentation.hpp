@@ -115,8 +115,8 @@ private:
  * - setMaxIterations: most random samples.
  * - setOptimizeCoefficients: true (the default) fits all points robustly, with edges and image where they are given,
  *   from where the random samples led; false ends with them.
- * - setRadiusLimits, setAxis with setEpsAngle: hold in what is returned. The axis is that of the cylinder; an angle of
- *   0, the default, is no limit.
+ * - setRadiusLimits, setAxis with setEpsAngle: hold in what is returned; isAtLimit() tells whether they decided it. The
+ *   axis is that of the cylinder; an angle of 0, the default, is no limit.
  * - setInputNormals, setNormalDistanceWeight, setMethodType, setProbability, setNumberOfThreads, setSamplesMaxDist,
  *   setMinMaxOpeningAngle, setDistanceFromOrigin and the argument `random` have no meaning here: they are kept for
  *   their getters and do nothing. getModel gives a model whose distances are those without normals; getMethod gives
@@ -177,6 +177,11 @@ public:
                                     [&](std::size_t position, double) {
                                         inliers.indices.push_back((*selected_)[position]);
                                     });
+            for (const ResultFlags limit : {ResultFlags::RadiusAtLimit, ResultFlags::AxisAtLimit}) {
+                if (fit_.result.has(limit)) {
+                    PCL_WARN("[cylfuse::%s::segment] %s\n", getClassName().c_str(), describe(limit));
+                }
+            }
         } catch (const Error &error) {
             error_ = error;
             PCL_ERROR("[cylfuse::%s::segment] %s\n", getClassName().c_str(), error.what());
@@ -185,6 +190,11 @@ public:
 
     /** Why the last `segment` gave nothing; its status is Status::Ok when it gave something. */
     const Error &getError() const { return error_; }
+    /**
+     * Whether a limit of setRadiusLimits or setAxis decided the last `segment` that gave something: the radius or the axis is
+     * at its limit, and the points fit better beyond it. Such a cylinder is rarely one that is there, and PCL_WARN says so.
+     */
+    bool isAtLimit() const { return fit_.result.has(ResultFlags::RadiusAtLimit | ResultFlags::AxisAtLimit); }
     /** What the last `segment` that gave something found, with the numbers to judge it. */
     const CylinderFit &getResult() const { return fit_; }
     /** The fitter with the data of the last `segment`: for extent, completion, weights of the points, limbs. */

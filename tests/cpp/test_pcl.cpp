@@ -87,6 +87,16 @@ static void any_type_of_points_passes()
     const cylfuse::Completion completion = cylfuse::complete(fitter, completed, PIPE, scene.mask_view());
     CHECK(completed.size() == completion.count && completed.width == completion.count && completed.is_dense);
     CHECK_NEAR(std::hypot(completed[0].x, completed[0].z - 0.8), 0.05, 1e-6);
+
+    // In the order of the image; what fails changes nothing.
+    CHECK_ERROR(cylfuse::complete_organised(fitter, completed, flat, scene.mask_view()), INVALID_ARGUMENT, "radius");
+    CHECK(completed.height == 1 && completed.size() == completion.count);
+    completed.header.frame_id = "camera";
+    const auto organised = cylfuse::complete_organised(fitter, completed, PIPE, scene.mask_view());
+    CHECK(organised.hits == completion.count && completed.width == 160 && completed.height == 120);
+    CHECK(!completed.is_dense && completed.header.frame_id == "camera" && std::isnan(completed.at(0, 0).z));
+    CHECK_NEAR(completed.at(80, 60).z, scene.depth[60 * 160 + 80], 1e-6);
+    CHECK_ERROR(cylfuse::complete_organised(cylfuse::Fitter(), completed, PIPE, scene.mask_view()), BAD_STATE, "intrinsics");
 }
 
 static void coefficients_go_both_ways()
@@ -394,6 +404,23 @@ static void limits_hold_as_pcl_checks_them()
     segmentation.setRadiusLimits(0.045, 0.045);
     segmentation.segment(inliers, coefficients);
     CHECK(segmentation.getResult().cylinder.model.radius == 0.045);
+    CHECK(!segmentation.isAtLimit()); // A radius that is known is no limit.
+    // The pipe has 0.05: limits that leave it out, on either side, decide, and that shows.
+    for (const bool optimize : {true, false}) {
+        segmentation.setOptimizeCoefficients(optimize);
+        segmentation.setRadiusLimits(0.06, 0.2);
+        segmentation.segment(inliers, coefficients);
+        CHECK_NEAR(coefficients.values[6], 0.06, 0.002);
+        CHECK(segmentation.isAtLimit());
+        segmentation.setRadiusLimits(0.01, 0.04);
+        segmentation.segment(inliers, coefficients);
+        CHECK_NEAR(coefficients.values[6], 0.04, 0.002);
+        CHECK(segmentation.isAtLimit());
+        segmentation.setRadiusLimits(0.01, 0.2);
+        segmentation.segment(inliers, coefficients);
+        CHECK(!segmentation.isAtLimit());
+    }
+    segmentation.setOptimizeCoefficients(true);
     segmentation.setRadiusLimits(0.05, 0.04);
     CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "radius");
     segmentation.setRadiusLimits(-1.0, 0.0);
