@@ -51,6 +51,27 @@ func ownFitter(handle *C.cylfuse_fitter, camera size) *Fitter {
 	return fitter
 }
 
+// Clone makes another fitter with all that this one holds, settings, data and result, but no callbacks. Images are shared,
+// points are copied: clone one that is set up for each goroutine before data are pushed. Close frees it.
+func (fitter *Fitter) Clone() (*Fitter, error) {
+	var made *C.cylfuse_fitter
+	var cameras []size
+	selected := 0
+	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		status := C.cylfuse_fitter_clone(handle, &made)
+		fitter.state.Lock()
+		defer fitter.state.Unlock()
+		cameras, selected = append(cameras, fitter.cameras...), fitter.selected
+		return status
+	})
+	if err != nil {
+		return nil, err
+	}
+	clone := ownFitter(made, size{})
+	clone.cameras, clone.selected = cameras, selected
+	return clone, nil
+}
+
 // Close frees the fitter. A second Close does nothing. StatusBusy when a call on the fitter is running: nothing is
 // freed then.
 func (fitter *Fitter) Close() error { return fitter.close() }
@@ -183,6 +204,20 @@ func (fitter *Fitter) SetIntrinsics(intrinsics Intrinsics) error {
 		}
 		return status
 	})
+}
+
+// Intrinsics reads the colour camera of the selected view, which was set or came with a frame; StatusBadState where it has
+// none.
+func (fitter *Fitter) Intrinsics() (Intrinsics, error) {
+	var c C.cylfuse_intrinsics
+	C.cylfuse_intrinsics_init(&c, C.sizeof_cylfuse_intrinsics)
+	err := fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
+		return C.cylfuse_fitter_get_intrinsics(handle, &c)
+	})
+	if err != nil {
+		return Intrinsics{}, err
+	}
+	return intrinsicsFromC(&c), nil
 }
 
 // SetDepthCamera gives the depth of the selected view a camera of its own, for depth that is not registered to the

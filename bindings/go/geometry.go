@@ -49,6 +49,18 @@ func (intrinsics *Intrinsics) toC() (c C.cylfuse_intrinsics, err error) {
 	return c, nil
 }
 
+func intrinsicsFromC(c *C.cylfuse_intrinsics) Intrinsics {
+	intrinsics := Intrinsics{
+		Width: int(c.width), Height: int(c.height),
+		FX: float64(c.fx), FY: float64(c.fy), CX: float64(c.cx), CY: float64(c.cy),
+		DistortionModel: DistortionModel(c.distortion_model),
+	}
+	for i, coefficient := range c.distortion {
+		intrinsics.Distortion[i] = float64(coefficient)
+	}
+	return intrinsics
+}
+
 // Project gives the pixels of the (distorted) image at which the camera sees points of its frame, row by row of the
 // points; weights and normals are ignored. Pixels may lie beyond the border of the image; NaN for a point that is not
 // finite, not in front of the camera or outside the field of its model.

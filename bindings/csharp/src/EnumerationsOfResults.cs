@@ -143,6 +143,18 @@ namespace Cylfuse
         Border = 3,
     }
 
+    /// <summary>What a measurement says about a tolerance.</summary>
+    public enum Conformity
+    {
+        /// <summary>It does not tell: its uncertainty reaches over a limit or is not known, or a warning puts it in
+        /// doubt.</summary>
+        Undecided = 0,
+        /// <summary>The value is within the limits with all of its uncertainty.</summary>
+        Conforming = 1,
+        /// <summary>The value is outside the limits with all of its uncertainty.</summary>
+        NotConforming = 2,
+    }
+
     /// <summary>What a point in the mask belongs to.</summary>
     public enum Part : byte
     {

@@ -28,6 +28,14 @@ namespace Cylfuse
         /// direction in which it is least certain, unit of length.</summary>
         public double PositionDeviation => estimate.position_deviation;
 
+        /// <summary>Whether the radius conforms to a tolerance, by its deviation and the warnings.</summary>
+        /// <exception cref="CylfuseException">Limits that are none (InvalidArgument).</exception>
+        public Conformity RadiusConforms(Tolerance tolerance)
+        {
+            if (tolerance == null) throw new System.ArgumentNullException(nameof(tolerance));
+            return tolerance.Decide(Model.Radius, RadiusDeviation, Flags);
+        }
+
         /// <summary>Why the iteration ended.</summary>
         public Termination Termination => (Termination)native.termination;
 

@@ -6,7 +6,7 @@ namespace Cylfuse
     // The views and their cameras.
     public sealed partial class Fitter
     {
-        // By view; null where none was set. The library does not give them back.
+        // By view, as they were given; null where none was set.
         private readonly List<Intrinsics> cameras;
         private int selected;
 
@@ -29,6 +29,22 @@ namespace Cylfuse
                     selected = index;
                 }
             }
+        }
+
+        /// <summary>Makes another fitter with all that this one holds, settings, data and result, but no callbacks. Images are
+        /// shared, points are copied: clone one that is set up for each thread before data are pushed.</summary>
+        /// <exception cref="CylfuseException">OutOfMemory.</exception>
+        public Fitter Clone()
+        {
+            Fitter clone;
+            using (Call call = Enter()) clone = new Fitter(new FitterHandle(call), null);
+            clone.cameras.Clear();
+            lock (cameras)
+            {
+                clone.cameras.AddRange(cameras);
+                clone.selected = selected;
+            }
+            return clone;
         }
 
         /// <summary>How many views there are, at least 1.</summary>

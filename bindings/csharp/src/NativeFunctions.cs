@@ -75,6 +75,8 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int ExtentOfFunction(IntPtr detector, UIntPtr index, NativeExtent* extent);
         [UnmanagedFunctionPointer(C)] internal delegate int LabelsFunction(IntPtr detector, ushort* labels, UIntPtr capacity, out UIntPtr count);
         [UnmanagedFunctionPointer(C)] internal delegate int IndicesFunction(IntPtr detector, UIntPtr index, uint* indices, UIntPtr capacity, out UIntPtr count);
+        [UnmanagedFunctionPointer(C)] internal delegate int CloneFunction(IntPtr fitter, out IntPtr clone);
+        [UnmanagedFunctionPointer(C)] internal delegate int DecideConformityFunction(double value, double deviation, uint flags, double lower, double upper, double coverage, out int conformity);
         [UnmanagedFunctionPointer(C)] internal delegate int MakeFitterFunction(IntPtr detector, UIntPtr index, out IntPtr fitter);
 
         internal readonly NumberFunction AbiVersion = Find<NumberFunction>("cylfuse_abi_version");
@@ -118,6 +120,8 @@ namespace Cylfuse
         internal readonly SelectViewFunction FitterSelectView = Find<SelectViewFunction>("cylfuse_fitter_select_view");
         internal readonly ViewCountFunction FitterViewCount = Find<ViewCountFunction>("cylfuse_fitter_view_count");
         internal readonly IntrinsicsFunction FitterSetIntrinsics = Find<IntrinsicsFunction>("cylfuse_fitter_set_intrinsics");
+        internal readonly IntrinsicsFunction FitterGetIntrinsics = Find<IntrinsicsFunction>("cylfuse_fitter_get_intrinsics");
+        internal readonly CloneFunction FitterClone = Find<CloneFunction>("cylfuse_fitter_clone");
         internal readonly PoseFunction FitterSetPose = Find<PoseFunction>("cylfuse_fitter_set_pose");
         internal readonly DepthCameraFunction FitterSetDepthCamera = Find<DepthCameraFunction>("cylfuse_fitter_set_depth_camera");
         internal readonly UseFrameFunction FitterUseFrame = Find<UseFrameFunction>("cylfuse_fitter_use_frame");
@@ -180,6 +184,7 @@ namespace Cylfuse
         internal readonly DistancesFunction CylinderDistances = Find<DistancesFunction>("cylfuse_cylinder_distances");
         internal readonly ProjectFunction CylinderProject = Find<ProjectFunction>("cylfuse_cylinder_project");
         internal readonly PlanFunction Plan = Find<PlanFunction>("cylfuse_plan");
+        internal readonly DecideConformityFunction DecideConformity = Find<DecideConformityFunction>("cylfuse_decide_conformity");
         internal readonly CompareFunction CylinderCompare = Find<CompareFunction>("cylfuse_cylinder_compare");
         internal readonly ProjectPointsFunction IntrinsicsProject = Find<ProjectPointsFunction>("cylfuse_intrinsics_project");
         internal readonly UnprojectFunction IntrinsicsUnproject = Find<UnprojectFunction>("cylfuse_intrinsics_unproject");

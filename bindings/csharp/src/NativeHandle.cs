@@ -40,6 +40,12 @@ namespace Cylfuse
             Native.Check(Native.Functions.FitterCreate(NativeFunctions.AbiVersionOfBinding, out handle));
         }
 
+        /// <summary>Takes the clone that a fitter makes.</summary>
+        internal FitterHandle(Call call) : base(nameof(Fitter))
+        {
+            call.Check(Native.Functions.FitterClone(call.Pointer, out handle));
+        }
+
         /// <summary>Takes the fitter that a detector makes.</summary>
         internal FitterHandle(Call call, int index) : base(nameof(Fitter))
         {

@@ -244,5 +244,47 @@ namespace Cylfuse.Tests
                 fitter.Fit();
             }
         }
+
+        public static void TheIntervalDecidesAboutATolerance()
+        {
+            var tolerance = new Tolerance(19.5, 20.25);
+            Check.Equal(Conformity.Conforming, tolerance.Decide(20.0, 0.12));
+            Check.Equal(Conformity.Undecided, tolerance.Decide(20.0, 0.13));
+            Check.Equal(Conformity.Conforming, new Tolerance(19.5, 20.25, 1.0).Decide(20.0, 0.13));
+            Check.Equal(Conformity.NotConforming, tolerance.Decide(21.0, 0.3));
+            Check.Equal(Conformity.Undecided, tolerance.Decide(20.0, double.NaN));
+            Check.Equal(Conformity.Conforming, tolerance.Decide(20.0, 0.12, ResultFlags.WeakRadius));
+            Check.Equal(Conformity.Undecided, tolerance.Decide(20.0, 0.12, ResultFlags.WeakRadius | ResultFlags.PoorFit));
+            Check.Fails(Status.InvalidArgument, () => new Tolerance(21.0, 19.0).Decide(20.0, 0.1), "21 to 19");
+        }
+
+        public static void AResultIsJudgedAndAFitterCloned()
+        {
+            double[,] points = Scene.Pipe();
+            for (int k = 0; k < 200; k++) points[k, 2] += 0.002 * Math.Sin(7 * k);
+            var camera = new Intrinsics(640, 480, 570, 571, 319.5, 239.5);
+            using (var fitter = new Fitter { Intrinsics = camera })
+            {
+                fitter.PushPoints(PointCloud.From(points));
+                FitResult result = fitter.Fit();
+                double radius = result.Model.Radius, deviation = result.RadiusDeviation;
+                Check.That(deviation > 0 && deviation < 0.1 * radius, "deviation " + deviation);
+                Check.Equal(Conformity.Conforming,
+                    result.RadiusConforms(new Tolerance(radius - 2.1 * deviation, radius + 2.1 * deviation)));
+                Check.Equal(Conformity.Undecided, result.RadiusConforms(new Tolerance(radius - 1.9 * deviation, 9.0)));
+
+                fitter.SetProgress(progress => false);
+                using (Fitter clone = fitter.Clone())
+                {
+                    Check.That(ReferenceEquals(camera, clone.Intrinsics), "camera");
+                    Check.Near(radius, clone.Result().Model.Radius, 0, "result");
+                    Check.Near(radius, clone.Fit().Model.Radius, 0, "fit without the callback");
+                    clone.Clear();
+                    Check.Equal(200L, fitter.Counts().PointsGiven);
+                }
+                fitter.Dispose();
+                Check.Throws<ObjectDisposedException>(() => fitter.Clone(), "Fitter");
+            }
+        }
     }
 }

@@ -176,6 +176,11 @@ function intrinsicsToC(intrinsics) {
   return c;
 }
 
+const intrinsicsFromC = (c) => ({
+  width: c.width, height: c.height, fx: c.fx, fy: c.fy, cx: c.cx, cy: c.cy,
+  distortionModel: nameOf('distortionModel', c.distortion_model), distortion: Array.from(c.distortion),
+});
+
 /** A pose for C: its rotation, row by row, and its translation. */
 function poseToC(what, pose) {
   const given = object(what, pose, ['rotation', 'translation']);
@@ -431,7 +436,8 @@ const endSampleFromC = (c) => ({
 
 module.exports = {
   SCALARS, DEPTH_FORMATS, object, number, size, optionsToC, optionsFromC, detectorOptionsToC, detectorOptionsFromC,
-  intrinsicsToC, poseToC, depthCameraToC, cylinderToC, optionalCylinder, pointsToC, depthToC, imageToC, maskToC, segmentsToC, pixelsToC,
+  intrinsicsToC, intrinsicsFromC, poseToC, depthCameraToC, cylinderToC, optionalCylinder, pointsToC, depthToC, imageToC, maskToC,
+  segmentsToC, pixelsToC,
   resultFromC, countsFromC, diagnosisFromC, completionFromC, extentFromC, progressFromC,
   detectionProgressFromC, limbFromC, limbSampleFromC, endSampleFromC,
 };

@@ -58,6 +58,17 @@ class Fitter {
     this.#calls.close();
   }
 
+  clone() {
+    let fitter;
+    this.#calls.run((handle) => {
+      fitter = made((_, out) => functions.cylfuse_fitter_clone(handle, out), [0, 0]);
+      return 0;
+    });
+    fitter.#cameras = this.#cameras.slice();
+    fitter.#selected = this.#selected;
+    return fitter;
+  }
+
   reserve(points, segments = 0) {
     convert.size('points', points);
     convert.size('segments', segments);
@@ -110,6 +121,10 @@ class Fitter {
     const c = convert.intrinsicsToC(intrinsics);
     this.#calls.run((handle) => functions.cylfuse_fitter_set_intrinsics(handle, c));
     this.#cameras[this.#selected] = [c.width, c.height];
+  }
+
+  getIntrinsics() {
+    return convert.intrinsicsFromC(this.#calls.filled('intrinsics', functions.cylfuse_fitter_get_intrinsics));
   }
 
   setDepthCamera(camera) {

@@ -15,7 +15,7 @@ import type {
   Vector,
 } from './data.js';
 import type {
-  Completion, Counts, Diagnosis, EndSample, Extent, Limb, LimbSample, LogLevel, Part, Progress, Result,
+  Completion, Conformity, Counts, Diagnosis, EndSample, Extent, Flag, Limb, LimbSample, LogLevel, Part, Progress, Result,
 } from './results.js';
 
 export * from './data.js';
@@ -89,6 +89,11 @@ export class Fitter {
    * running it does nothing.
    */
   cancel(): void;
+  /**
+   * Another fitter with all that this one holds, settings, data and result, but no callbacks. Images are shared, points are
+   * copied.
+   */
+  clone(): Fitter;
   /** Replaces the options: what is not given takes its default. */
   setOptions(options: Options): void;
   /** The options as they are. */
@@ -105,6 +110,8 @@ export class Fitter {
   setPose(pose: Pose): void;
   /** Sets the colour camera of the selected view, which depth images, images and edges need. */
   setIntrinsics(intrinsics: Intrinsics): void;
+  /** The colour camera of the selected view, which was set or came with a frame; fails where it has none. */
+  getIntrinsics(): Required<Intrinsics>;
   /**
    * Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image:
    * depth images that are pushed later are in its pixels. null takes it away.
@@ -223,6 +230,20 @@ export function projectPoints(intrinsics: Intrinsics, points: Scalars | Points):
  * The rays along which a camera sees pixels (x and y of each), as x, y and z = 1 of its frame; NaN where there is none.
  */
 export function unprojectPixels(intrinsics: Intrinsics, pixels: Float64Array): Float64Array;
+
+/** Limits, which conform themselves; one that is left out is none. `coverage` is the factor k, 2 where it is left out. */
+export interface Tolerance { lower?: number; upper?: number; coverage?: number }
+
+/**
+ * Decides by the rule of ISO 14253-1 whether a length conforms to a tolerance: only where the value with `coverage` standard
+ * deviations on either side lies within the limits, and not only where it lies outside. A deviation that is NaN, or 0 as of
+ * a radius that the limits of the fit fix, decides nothing, nor do flags with a warning of which a deviation says nothing,
+ * such as 'poor-fit' or 'radius-at-limit'. A wrong scale of the depth and wrong intrinsics are in no deviation.
+ */
+export function decideConformity(value: number, deviation: number, tolerance: Tolerance, flags?: Flag[]): Conformity;
+
+/** Whether the radius of a result conforms to a tolerance, by its deviation and its warnings. */
+export function radiusConforms(result: Result, tolerance: Tolerance): Conformity;
 
 /** How two cylinders differ: angle and distance of the axes, (radius of b - radius of a) / radius of a. */
 export function compare(a: Cylinder, b: Cylinder): { angle: number; axisDistance: number; radiusRelative: number };

@@ -2,7 +2,7 @@
 
 const { functions } = require('./native.js');
 const convert = require('./convert.js');
-const { enumerations } = require('./names.js');
+const { enumerations, numberOf, nameOf } = require('./names.js');
 const { CylfuseError, check } = require('./errors.js');
 const { Detector } = require('./detector.js');
 const { Fitter, fitAll } = require('./fitter.js');
@@ -38,6 +38,22 @@ function compare(a, b) {
   const [first, second] = [convert.cylinderToC('a', a), convert.cylinderToC('b', b)];
   check(functions.cylfuse_cylinder_compare(first, second, angle, axisDistance, radiusRelative));
   return { angle: angle[0], axisDistance: axisDistance[0], radiusRelative: radiusRelative[0] };
+}
+
+function decideConformity(value, deviation, tolerance, flags = []) {
+  const { lower = -Infinity, upper = Infinity, coverage = 2 } =
+    convert.object('tolerance', tolerance, ['lower', 'upper', 'coverage']);
+  const numbers = { value, deviation, lower, upper, coverage };
+  for (const [name, number] of Object.entries(numbers)) convert.number(name, number);
+  if (coverage === 0) throw new RangeError('coverage is 0; it must be finite and greater than 0');
+  const bits = flags.reduce((sum, name) => sum | numberOf('flag', 'flags', name), 0);
+  const out = [0];
+  check(functions.cylfuse_decide_conformity(value, deviation, bits, lower, upper, coverage, out));
+  return nameOf('conformity', out[0]);
+}
+
+function radiusConforms(result, tolerance) {
+  return decideConformity(result.cylinder.radius, result.radiusDeviation, tolerance, result.flags);
 }
 
 function plan(intrinsics, cylinder, noise) {
@@ -76,6 +92,8 @@ exports.fitAll = fitAll;
 exports.distances = distances;
 exports.project = project;
 exports.compare = compare;
+exports.decideConformity = decideConformity;
+exports.radiusConforms = radiusConforms;
 exports.plan = plan;
 exports.projectPoints = projectPoints;
 exports.unprojectPixels = unprojectPixels;

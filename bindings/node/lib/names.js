@@ -33,6 +33,7 @@ const enumerations = {
     located: 0, 'not-searched': 1, 'no-limbs': 2, 'too-short': 3, 'no-edge': 4, 'out-of-reach': 5, uncertain: 6,
     patchy: 7, 'same-line': 8,
   },
+  conformity: { undecided: 0, conforming: 1, 'not-conforming': 2 },
   part: { body: 1, cap: 2, 'inner-wall': 3, other: 4, behind: 5 },
   endSource: { extreme: 0, mask: 1, image: 2, border: 3 },
   endState: { unknown: 0, seen: 1, cut: 2, hidden: 3 },

@@ -186,6 +186,7 @@ const signatures = {
   cylfuse_completion_init: ['int32_t', [output(Completion), 'size_t']],
   cylfuse_extent_init: ['int32_t', [output(Extent), 'size_t']],
   cylfuse_fitter_create: ['int32_t', ['uint32_t', output(Handle)]],
+  cylfuse_fitter_clone: ['int32_t', [Handle, output(Handle)]],
   cylfuse_fitter_destroy: ['int32_t', [Handle]],
   cylfuse_fitter_reserve: ['int32_t', [Handle, 'size_t', 'size_t']],
   cylfuse_fitter_clear: ['int32_t', [Handle]],
@@ -199,6 +200,7 @@ const signatures = {
   cylfuse_fitter_set_pose: ['int32_t', [Handle, 'void *', 'void *']],
   cylfuse_fitter_set_depth_camera: ['int32_t', [Handle, input(Intrinsics), 'void *', 'void *']],
   cylfuse_fitter_set_intrinsics: ['int32_t', [Handle, input(Intrinsics)]],
+  cylfuse_fitter_get_intrinsics: ['int32_t', [Handle, filled(Intrinsics)]],
   cylfuse_fitter_set_start_model: ['int32_t', [Handle, input(Cylinder)]],
   cylfuse_fitter_set_progress: ['int32_t', [Handle, ProgressCallback, 'void *']],
   cylfuse_fitter_set_log: ['int32_t', [Handle, 'int32_t', LogCallback, 'void *']],
@@ -268,6 +270,9 @@ const signatures = {
     'int32_t', [input(Cylinder), input(Cylinder), output('double'), output('double'), output('double')],
   ],
   cylfuse_plan: ['int32_t', [input(Intrinsics), 'void *', 'void *', 'void *', 'void *']],
+  cylfuse_decide_conformity: [
+    'int32_t', ['double', 'double', 'uint32_t', 'double', 'double', 'double', output('int32_t')],
+  ],
   cylfuse_intrinsics_project: ['int32_t', [input(Intrinsics), input(PointsView), 'void *', 'size_t']],
   cylfuse_intrinsics_unproject: ['int32_t', [input(Intrinsics), 'void *', 'size_t', 'void *']],
 };

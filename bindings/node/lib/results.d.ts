@@ -117,6 +117,12 @@ export interface Counts {
 }
 
 /**
+ * What a measurement says about a tolerance. 'undecided': its uncertainty reaches over a limit or is not known, or a warning
+ * puts it in doubt.
+ */
+export type Conformity = 'undecided' | 'conforming' | 'not-conforming';
+
+/**
  * What a point in the mask belongs to: the lateral surface; a cap, in the plane across the axis at an end; the inside, seen
  * through an open end; something nearer, as a wider lid, a handle or what stands in front; the background.
  */

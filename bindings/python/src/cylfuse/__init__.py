@@ -7,6 +7,7 @@ forward; pixel centres are at integer coordinates, as in OpenCV.
 from . import enums, errors
 from ._native import build_info, version, version_number
 from .batch import fit_all
+from .conformity import decide_conformity
 from .detector import Detector
 from .enums import *  # noqa: F403
 from .errors import *  # noqa: F403
@@ -26,7 +27,7 @@ __version__ = version()
 __all__ = [
     "Comparison", "Completion", "Counts", "Cylinder", "CylinderDiagnosis", "Detection", "DetectionProgress", "Detector",
     "DetectorOptions", "Deviations", "EndSamples", "Expectation", "Extent", "Fitter", "Frame", "Intrinsics", "Limb",
-    "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "fit", "fit_all", "fit_many",
+    "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "decide_conformity", "fit", "fit_all", "fit_many",
     "fit_points", "plan", "version", "version_number",
 ]  # fmt: skip
 __all__ += enums.__all__

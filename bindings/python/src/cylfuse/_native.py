@@ -93,6 +93,7 @@ def _load() -> Any:
         "cylfuse_completion_init": (status, [completion, size]),
         "cylfuse_extent_init": (status, [extent, size]),
         "cylfuse_fitter_create": (status, [c_uint32, POINTER(fitter)]),
+        "cylfuse_fitter_clone": (status, [fitter, POINTER(fitter)]),
         "cylfuse_fitter_destroy": (status, [fitter]),
         "cylfuse_fitter_reserve": (status, [fitter, size, size]),
         "cylfuse_fitter_clear": (status, [fitter]),
@@ -106,6 +107,8 @@ def _load() -> Any:
         "cylfuse_fitter_set_pose": (status, [fitter, number, number]),
         "cylfuse_fitter_set_depth_camera": (status, [fitter, intrinsics, number, number]),
         "cylfuse_fitter_set_intrinsics": (status, [fitter, intrinsics]),
+        # For users of `lib`: a fitter knows the object that it was given.
+        "cylfuse_fitter_get_intrinsics": (status, [fitter, intrinsics]),
         "cylfuse_fitter_set_start_model": (status, [fitter, cylinder]),
         "cylfuse_fitter_set_progress": (status, [fitter, structs.ProgressFunction, c_void_p]),
         "cylfuse_fitter_set_log": (status, [fitter, c_int32, structs.LogFunction, c_void_p]),
@@ -167,6 +170,10 @@ def _load() -> Any:
         "cylfuse_cylinder_project": (status, [cylinder, intrinsics, c_void_p]),
         "cylfuse_cylinder_compare": (status, [cylinder, cylinder, number, number, number]),
         "cylfuse_plan": (status, [intrinsics, c_void_p, c_void_p, c_void_p, c_void_p]),
+        "cylfuse_decide_conformity": (
+            status,
+            [c_double, c_double, c_uint32, c_double, c_double, c_double, POINTER(c_int32)],
+        ),
         "cylfuse_intrinsics_project": (status, [intrinsics, points, c_void_p, size]),
         "cylfuse_intrinsics_unproject": (status, [intrinsics, c_void_p, size, c_void_p]),
     }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
 __all__ = [
     "Chart",
+    "Conformity",
     "DetectionPhase",
     "Distortion",
     "EdgeUse",
@@ -229,6 +230,17 @@ class LimbStatus(_Choice):
     PATCHY = 7
     #: The other limb was found at the same place, and more certainly.
     SAME_LINE = 8
+
+
+class Conformity(_Choice):
+    """What a measurement says about a tolerance."""
+
+    #: It does not tell: its uncertainty reaches over a limit or is not known, or a warning puts it in doubt.
+    UNDECIDED = 0
+    #: The value is within the limits with all of its uncertainty.
+    CONFORMING = 1
+    #: The value is outside the limits with all of its uncertainty.
+    NOT_CONFORMING = 2
 
 
 class Part(_Choice):

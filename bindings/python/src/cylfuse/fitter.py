@@ -48,6 +48,18 @@ class Fitter(Questions, Calling):
         fitter._begin(view, masked)
         return fitter
 
+    def clone(self) -> Fitter:
+        """Another fitter with all that this one holds, settings, data and result, but no callbacks. Images are shared, points
+        are copied: clone one that is set up for each thread before data are pushed."""
+
+        def create(_: int, out: Any) -> int:
+            self._call(lib.cylfuse_fitter_clone, out)
+            return 0
+
+        fitter = Fitter._made(create, View(None, Pose()), False)
+        fitter._views, fitter._selected, fitter._masked = list(self._views), self._selected, set(self._masked)
+        return fitter
+
     def _begin(self, view: View, masked: bool) -> None:
         #: Counts what changes the answers about the last result.
         self._revision = 0

@@ -5,13 +5,17 @@ from __future__ import annotations
 import html
 import math
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, Floats, numbers
-from .enums import DetectionPhase, EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination
+from .conformity import decide_conformity
+from .enums import (
+    Conformity, DetectionPhase, EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination,
+)  # fmt: skip
 from .errors import CylfuseError, StateError
 from .geometry import Cylinder, Intrinsics, Pose
 
@@ -324,6 +328,17 @@ class Result(_Record):
         self.views: tuple[View, ...] = ()
         self._extent: Optional[Extent | CylfuseError] = None
         self._diagnostics: Optional[CylinderDiagnosis] = None
+
+    def radius_conforms(self, lower: float = -inf, upper: float = inf, coverage: float = 2.0) -> Conformity:
+        """Whether the radius conforms to a tolerance, by its deviation and the warnings: see :func:`decide_conformity`."""
+        return decide_conformity(
+            self.cylinder.radius, self.radius_deviation, lower=lower, upper=upper, coverage=coverage, flags=self.flags
+        )
+
+    def diameter_conforms(self, lower: float = -inf, upper: float = inf, coverage: float = 2.0) -> Conformity:
+        """The same for the diameter, with limits of the diameter."""
+        value, deviation = 2.0 * self.cylinder.radius, 2.0 * self.radius_deviation
+        return decide_conformity(value, deviation, lower=lower, upper=upper, coverage=coverage, flags=self.flags)
 
     def __getstate__(self) -> dict[str, Any]:
         """Copies and what is pickled are the numbers, the extent, and the diagnostics where they were asked for."""

@@ -99,6 +99,17 @@ public record FitResult(
         double radiusFromLimbsDeviation,
         double radiusZScore,
         double[][] covariance) {
+    /**
+     * Whether the radius conforms to a tolerance, by its deviation and the warnings.
+     *
+     * @param tolerance the limits of the radius
+     * @return what the measurement says
+     * @throws CylfuseException INVALID_ARGUMENT for limits that are none
+     */
+    public Conformity radiusConforms(Tolerance tolerance) {
+        return tolerance.decide(model.radius(), radiusDeviation, flags);
+    }
+
     static FitResult of(NativeStructs.Result n, NativeStructs.CylinderEstimate e) {
         return new FitResult(
                 Cylinder.of(e.model),

@@ -42,6 +42,23 @@ public final class Fitter extends FitterData implements AutoCloseable {
         super(new FitterCalls(create, camera));
     }
 
+    /**
+     * Makes another fitter with all that this one holds, settings, data and result, but no listeners. Images are shared,
+     * points are copied: copy one that is set up for each thread before data are pushed.
+     *
+     * @return the fitter, for the caller to close
+     * @throws CylfuseException OUT_OF_MEMORY
+     */
+    public Fitter copy() {
+        Fitter[] made = new Fitter[1];
+        calls.run(fitter -> {
+            made[0] = new Fitter((abiVersion, out) -> NativeFunctions.cylfuse_fitter_clone(fitter, out), null);
+            return Status.OK.value();
+        });
+        made[0].calls.setCamerasOf(calls);
+        return made[0];
+    }
+
     /** Destroys the fitter and frees what it holds. May be called more than once. */
     @Override
     public void close() {

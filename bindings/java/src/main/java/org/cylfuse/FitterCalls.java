@@ -7,7 +7,7 @@ import java.util.List;
 import java.util.function.ToIntBiFunction;
 import java.util.function.ToIntFunction;
 
-/** The native fitter with its callbacks, and the cameras of its views, which the library does not give back. */
+/** The native fitter with its callbacks, and the cameras of its views. */
 final class FitterCalls {
     final NativeHandle handle;
     // Fields, because the library keeps these functions and the garbage collector does not know that.
@@ -26,6 +26,15 @@ final class FitterCalls {
         handle = new NativeHandle(
                 "fitter", create, NativeFunctions::cylfuse_fitter_destroy, NativeFunctions::cylfuse_fitter_last_error);
         cameras.add(camera);
+    }
+
+    /** Knows the cameras of another fitter. */
+    synchronized void setCamerasOf(FitterCalls other) {
+        synchronized (other) {
+            cameras.clear();
+            cameras.addAll(other.cameras);
+            selected = other.selected;
+        }
     }
 
     /** Runs one call. */

@@ -70,6 +70,19 @@ abstract class FitterData {
     }
 
     /**
+     * Reads the colour camera of the selected view, which was set or came with a frame.
+     *
+     * @return the camera, with all 8 coefficients
+     * @throws CylfuseException BAD_STATE where the view has none
+     */
+    public Intrinsics intrinsics() {
+        NativeStructs.Intrinsics n =
+                NativeFunctions.initialised(new NativeStructs.Intrinsics(), NativeFunctions::cylfuse_intrinsics_init);
+        calls.run(fitter -> NativeFunctions.cylfuse_fitter_get_intrinsics(fitter, n));
+        return Intrinsics.of(n);
+    }
+
+    /**
      * Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image:
      * depth images that are pushed later are then in its pixels; mask, image and edges stay in those of the colour
      * camera.

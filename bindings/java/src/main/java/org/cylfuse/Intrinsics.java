@@ -134,6 +134,18 @@ public record Intrinsics(
         return rays;
     }
 
+    static Intrinsics of(NativeStructs.Intrinsics n) {
+        return new Intrinsics(
+                n.width,
+                n.height,
+                n.fx,
+                n.fy,
+                n.cx,
+                n.cy,
+                NativeNumber.find(DistortionModel.class, n.distortion_model),
+                n.distortion);
+    }
+
     /** NULL where there is no camera. */
     static NativeStructs.Intrinsics toNative(Intrinsics camera) {
         return camera == null ? null : camera.toNative();

@@ -158,6 +158,10 @@ final class NativeFunctions {
 
     static native int cylfuse_fitter_set_options(Pointer fitter, NativeStructs.Options options);
 
+    static native int cylfuse_fitter_clone(Pointer fitter, PointerByReference clone);
+
+    static native int cylfuse_fitter_get_intrinsics(Pointer fitter, NativeStructs.Intrinsics intrinsics);
+
     static native int cylfuse_fitter_get_options(Pointer fitter, NativeStructs.Options options);
 
     static native int cylfuse_fitter_select_view(Pointer fitter, long index);
@@ -331,6 +335,15 @@ final class NativeFunctions {
 
     static native int cylfuse_plan(
             NativeStructs.Intrinsics intrinsics, double[] cylinder, double[] noise, double[] scatter, double[] total);
+
+    static native int cylfuse_decide_conformity(
+            double value,
+            double deviation,
+            int flags,
+            double lower,
+            double upper,
+            double coverage,
+            IntByReference conformity);
 
     static native int cylfuse_cylinder_compare(
             NativeStructs.Cylinder a,

@@ -9,6 +9,7 @@ import static org.junit.Assert.assertTrue;
 
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Set;
 import java.util.concurrent.ExecutionException;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
@@ -267,5 +268,55 @@ public class ViewTest {
             fitter.selectView(0);
             assertEquals(PIXELS, fitter.completeDepth(1, null, null).depth().length);
         }
+    }
+
+    @Test
+    public void theIntervalDecidesAboutATolerance() {
+        Tolerance tolerance = new Tolerance(19.5, 20.25);
+        assertEquals(Conformity.CONFORMING, tolerance.decide(20.0, 0.12, Set.of()));
+        assertEquals(Conformity.UNDECIDED, tolerance.decide(20.0, 0.13, Set.of()));
+        assertEquals(Conformity.CONFORMING, new Tolerance(19.5, 20.25, 1.0).decide(20.0, 0.13, Set.of()));
+        assertEquals(Conformity.NOT_CONFORMING, tolerance.decide(21.0, 0.3, Set.of()));
+        assertEquals(Conformity.UNDECIDED, tolerance.decide(20.0, Double.NaN, Set.of()));
+        assertEquals(Conformity.CONFORMING, tolerance.decide(20.0, 0.12, Set.of(ResultFlag.WEAK_RADIUS)));
+        assertEquals(
+                Conformity.UNDECIDED, tolerance.decide(20.0, 0.12, Set.of(ResultFlag.WEAK_RADIUS, ResultFlag.POOR_FIT)));
+        CylfuseException failure =
+                assertThrows(CylfuseException.class, () -> new Tolerance(21.0, 19.0).decide(20.0, 0.1, Set.of()));
+        assertEquals(Status.INVALID_ARGUMENT, failure.status());
+        assertTrue(failure.getMessage(), failure.getMessage().contains("21 to 19"));
+    }
+
+    @Test
+    public void aResultIsJudgedAndAFitterCopied() {
+        double[] points = Scene.pipe(200);
+        for (int k = 2; k < points.length; k += 3) {
+            points[k] += 0.002 * Math.sin(7 * k);
+        }
+        Intrinsics camera = new Intrinsics(
+                640, 480, 570, 571, 319.5, 239.5, DistortionModel.KANNALA_BRANDT, 0.01, 0, 0, -0.002, 0, 0, 0, 0);
+        Fitter fitter = new Fitter();
+        assertEquals(Status.BAD_STATE, assertThrows(CylfuseException.class, fitter::intrinsics).status());
+        fitter.setIntrinsics(camera);
+        fitter.pushPoints(PointCloud.of(points));
+        FitResult result = fitter.fit();
+        double radius = result.model().radius();
+        double deviation = result.radiusDeviation();
+        assertTrue("deviation " + deviation, deviation > 0 && deviation < 0.1 * radius);
+        assertEquals(
+                Conformity.CONFORMING,
+                result.radiusConforms(new Tolerance(radius - 2.1 * deviation, radius + 2.1 * deviation)));
+        assertEquals(Conformity.UNDECIDED, result.radiusConforms(new Tolerance(radius - 1.9 * deviation, 9.0)));
+
+        fitter.setProgressListener(progress -> false);
+        try (Fitter copy = fitter.copy()) {
+            assertEquals(camera, copy.intrinsics());
+            assertEquals(radius, copy.result().model().radius(), 0);
+            assertEquals(radius, copy.fit().model().radius(), 0); // Without the listener.
+            copy.clear();
+            assertEquals(200, fitter.counts().pointsGiven());
+        }
+        fitter.close();
+        assertThrows(IllegalStateException.class, fitter::copy);
     }
 }

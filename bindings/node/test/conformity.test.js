@@ -1,0 +1,53 @@
+'use strict';
+// Decisions about a tolerance, and fitters that are cloned.
+
+const assert = require('node:assert/strict');
+const { test } = require('node:test');
+const cylfuse = require('..');
+const { pipe } = require('./support.js');
+
+test('the interval decides about a tolerance', () => {
+  const limits = { lower: 19.5, upper: 20.25 };
+  assert.equal(cylfuse.decideConformity(20, 0.12, limits), 'conforming');
+  assert.equal(cylfuse.decideConformity(20, 0.13, limits), 'undecided');
+  assert.equal(cylfuse.decideConformity(20, 0.13, { ...limits, coverage: 1 }), 'conforming');
+  assert.equal(cylfuse.decideConformity(20, 0.13, { upper: 19.5 }), 'not-conforming');
+  assert.equal(cylfuse.decideConformity(20, NaN, limits), 'undecided');
+  assert.equal(cylfuse.decideConformity(20, 0.12, limits, ['weak-radius']), 'conforming');
+  assert.equal(cylfuse.decideConformity(20, 0.12, limits, ['weak-radius', 'poor-fit']), 'undecided');
+  assert.throws(() => cylfuse.decideConformity(20, 0.1, { lower: 21, upper: 19 }), /21 to 19/);
+  assert.throws(() => cylfuse.decideConformity(20, 0.1, { low: 21 }), /tolerance has no low/);
+  assert.throws(() => cylfuse.decideConformity(20, 0.1, { lower: '19' }), /lower must be a number/);
+  assert.throws(() => cylfuse.decideConformity(20, 0.1, { lower: 19, coverage: 0 }), /coverage is 0/);
+  assert.throws(() => cylfuse.decideConformity(20, 0.1, limits, ['bad']), /flags is "bad"/);
+});
+
+test('a result is judged by its deviation, and a clone goes its own way', async () => {
+  const points = pipe();
+  for (let k = 2; k < points.length; k += 3) points[k] += 0.002 * Math.sin(7 * k);
+  const fitter = new cylfuse.Fitter();
+  assert.throws(() => fitter.getIntrinsics(), { code: 'BAD_STATE' });
+  const camera = {
+    width: 640, height: 480, fx: 570, fy: 571, cx: 319.5, cy: 239.5, distortionModel: 'kannala-brandt',
+    distortion: [0.01, 0, 0, -0.002, 0, 0, 0, 0],
+  };
+  fitter.setIntrinsics(camera);
+  fitter.pushPoints(points);
+  const result = await fitter.fit();
+  const { cylinder: { radius }, radiusDeviation: deviation } = result;
+  assert.ok(deviation > 0 && deviation < 0.1 * radius, String(deviation));
+  const about = (width) => ({ lower: radius - width * deviation, upper: radius + width * deviation });
+  assert.equal(cylfuse.radiusConforms(result, about(2.1)), 'conforming');
+  assert.equal(cylfuse.radiusConforms(result, about(1.9)), 'undecided');
+
+  fitter.setProgress(() => false);
+  const clone = fitter.clone();
+  assert.deepEqual(clone.getIntrinsics(), camera);
+  assert.equal(clone.result().cylinder.radius, radius);
+  assert.equal((await clone.fit()).cylinder.radius, radius); // Without the callback.
+  clone.clear();
+  assert.equal(fitter.counts().pointsGiven, 200);
+  fitter.close();
+  assert.throws(() => fitter.clone(), /closed/);
+  clone.close();
+});
