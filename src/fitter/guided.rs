@@ -78,8 +78,10 @@ impl Guided {
     /// `None` where no sides alone held it.
     pub fn without_sides(&self, data: &Data<'_>, run: &mut Run<'_>) -> Result<Option<Self>> {
         let ([view], [of_data]) = (&self.views[..], &data.views[..]) else { return Ok(None) };
-        let (guides, camera) = (&view.guides, of_data.view.camera());
-        let Some(camera) = camera.filter(|_| guides.given.is_empty() && !guides.sides.is_empty()) else {
+        let guides = &view.guides;
+        let by_sides = guides.given.is_empty() && !guides.sides.is_empty();
+        // What detection fits has been looked for in many places.
+        let Some(camera) = of_data.view.camera().filter(|_| by_sides && !of_data.view.mask_is_body) else {
             return Ok(None);
         };
         let start = Candidate { cylinder: *self.minimum.cylinder(), ..self.start };
