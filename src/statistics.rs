@@ -1,7 +1,7 @@
 //! Robust location and scale of numbers.
 
 use crate::memory::List;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// The standard deviation of normal errors over the median of their absolute values.
 pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
@@ -130,43 +130,70 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     [nth(&mut lowest, outer), nth(&mut highest, last)]
 }
 
-/// Numbers between which the one that is wanted lies almost surely: of a sample.
+/// Numbers of a sample, which tells about where another one is.
 const SAMPLE: usize = 256;
-
-/// How far from its own place in the sample they are, at least 3 standard deviations of that.
-const AROUND: usize = 25;
 
 /// The number at some place of the ordered list; few numbers come out in another order.
 fn nth(numbers: &mut [u64], place: usize) -> u64 {
     let count = numbers.len();
-    if count < 8 * SAMPLE {
+    if count < 4 * SAMPLE {
         return *numbers.select_nth_unstable(place).1;
     }
     let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| numbers[k * count / SAMPLE]);
-    let middle = place * SAMPLE / count;
-    let (low, high) = (middle.saturating_sub(AROUND), (middle + AROUND).min(SAMPLE - 1));
-    let (_, low, above) = sample.select_nth_unstable(low);
-    let (low, high) = (*low, *above.select_nth_unstable(high - middle.saturating_sub(AROUND) - 1).1);
-    let is_between = |number: u64| number.wrapping_sub(low) <= high - low;
-    let (below, between) = Arch::new().dispatch(|| {
-        let (mut below, mut between) = (0, 0);
-        for number in numbers.iter() {
-            below += u64::from(*number < low);
-            between += u64::from(is_between(*number));
-        }
-        (below as usize, between as usize)
-    });
-    let Some(place) = place.checked_sub(below).filter(|&place| place < between) else {
-        return *numbers.select_nth_unstable(place).1;
+    let (lower, &mut near, upper) = sample.select_nth_unstable(place * SAMPLE / count);
+    let below = Arch::new().dispatch(|| numbers.iter().map(|number| u64::from(*number < near)).sum::<u64>());
+    let below = below as usize;
+    // As many of the sample as lie between that number and the wanted one, and three standard deviations more.
+    let expected = (place.abs_diff(below) * SAMPLE) as f64 / count as f64;
+    let reach = (expected + 3.0 * expected.sqrt() + 3.0) as usize;
+    let mut found = List::with_capacity(count);
+    let at = if place >= below {
+        let last = if reach < upper.len() { *upper.select_nth_unstable(reach).1 } else { u64::MAX };
+        Arch::new().dispatch(Between { numbers, first: near, last, found: &mut found });
+        Some(place - below)
+    } else {
+        let first = lower.len().checked_sub(reach + 1).map_or(0, |k| *lower.select_nth_unstable(k).1);
+        // Some of the sample may be as large as that number.
+        let last = near - 1;
+        Arch::new().dispatch(Between { numbers, first: first.min(last), last, found: &mut found });
+        found.len().checked_sub(below - place)
     };
-    // Without branches, which nobody could predict: what is not between them is written over.
-    let mut found = List::filled(0, between + 1);
-    let mut at = 0;
-    for number in numbers.iter() {
-        found[at] = *number;
-        at += usize::from(is_between(*number));
+    match at {
+        Some(at) if at < found.len() => *found.select_nth_unstable(at).1,
+        _ => *numbers.select_nth_unstable(place).1,
     }
-    *found[..between].select_nth_unstable(place).1
+}
+
+/// Adds those numbers to a list that are not below a first nor above a last one, of which there are few. No closure: what is not
+/// inlined does without vector instructions.
+struct Between<'a> {
+    numbers: &'a [u64],
+    first: u64,
+    last: u64,
+    found: &'a mut List<u64>,
+}
+
+impl WithSimd for Between<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { numbers, first, last, found } = self;
+        let reach = last - first;
+        let (blocks, rest) = numbers.as_chunks::<32>();
+        for block in blocks {
+            // All of a block are asked at once.
+            let mut bits = 0_u32;
+            for (k, number) in block.iter().enumerate() {
+                bits |= u32::from(number.wrapping_sub(first) <= reach) << k;
+            }
+            while bits != 0 {
+                found.push(block[bits.trailing_zeros() as usize]);
+                bits &= bits - 1;
+            }
+        }
+        found.extend(rest.iter().filter(|number| number.wrapping_sub(first) <= reach));
+    }
 }
 
 #[cfg(test)]
@@ -217,7 +244,11 @@ mod tests {
         // The sample sees one of them alone.
         let periodic: Vec<u64> =
             (0..256 * 16).map(|k| if k % 16 == 0 { 1 << 50 } else { random() }).collect();
-        for numbers in [many, equal, rising, periodic] {
+        // Whole numbers, of which many are the same.
+        let few: Vec<u64> = (0..5000).map(|_| random() % 3).collect();
+        // The sample sees the largest far too often.
+        let largest: Vec<u64> = (0..256 * 16).map(|k| if k % 16 < 3 { 9 } else { k % 5 }).collect();
+        for numbers in [many, equal, rising, periodic, few, largest] {
             let mut ordered = numbers.clone();
             ordered.sort_unstable();
             for place in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
