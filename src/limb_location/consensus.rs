@@ -9,6 +9,7 @@
 use super::strip::Strip;
 use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
+use std::f64::consts::LN_2;
 
 /// Pixels on either side of an edge that the step filter spans.
 pub(super) const FILTER_HALF: usize = 3;
@@ -81,6 +82,9 @@ pub(super) fn is_long_enough(runs: usize) -> bool {
 /// 2⁵²: a number from here on is a whole one, and ends with what was added.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
+/// Far more than sums of evidence are rounded by.
+const ROUNDING: f64 = 1e-6;
+
 /// Lines whose evidence is summed side by side.
 const LINES: usize = 8;
 
@@ -91,6 +95,11 @@ struct Response {
     step: f64,
     /// Each response with the next one; zeros at the end.
     pairs: List<[f64; 2]>,
+}
+
+/// The blocks of a strip.
+fn blocks(responses: &[Response]) -> std::slice::Chunks<'_, Response> {
+    responses.chunks(runs_of_block(responses.len()))
 }
 
 /// The best line within `reach` pixels of u = 0 at both ends, where it is expected with a standard deviation of
@@ -107,29 +116,55 @@ pub(super) fn rough_line(
     if !is_long_enough(responses.len()) {
         return None;
     }
-    let blocks = responses.len().div_ceil(runs_of_block(responses.len())) as f64;
-    let needed = blocks * NOISE_MEAN
-        + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
+    let count = blocks(&responses).len() as f64;
+    let needed = count * NOISE_MEAN
+        + VISIBLE_DEVIATIONS.get() * (count * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
     let count = (reach / LINE_STEP.get()).ceil().max(1.0) as usize;
     let places = 2 * count + 1;
     let place = |k: usize| (k as f64 - count as f64) * reach / count as f64;
-    let mut best: Option<RoughLine> = None;
-    for first in (0..places * places).step_by(LINES) {
-        // Those beyond the last are not looked at.
-        let ends: [_; LINES] =
-            std::array::from_fn(|k| [place((first + k) / places), place((first + k) % places)]);
-        let evidence = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
-        for ((ends, evidence), _) in ends.into_iter().zip(evidence).zip(first..places * places) {
-            let deviations = ends.map(|u| u / deviation);
-            let prior = deviations[0] * deviations[0] + deviations[1] * deviations[1];
-            let score = evidence - prior;
-            if best.is_none_or(|best| score > best.score) {
-                best = Some(RoughLine { ends, score, visible: score >= needed });
+    let most = most_after(&responses);
+    // The first best of some lines, given by the places of their ends; those below a score need not be followed to their end.
+    let best_of = |lines: usize, ends: &dyn Fn(usize) -> [usize; 2], least: f64| {
+        let mut best: Option<RoughLine> = None;
+        for first in (0..lines).step_by(LINES) {
+            // Those beyond the last are not looked at.
+            let ends: [_; LINES] = std::array::from_fn(|k| ends(first + k).map(place));
+            let prior = ends.map(|ends| ends.map(|u| u / deviation)).map(|[a, b]| a * a + b * b);
+            let least = best.map_or(least, |best| least.max(best.score));
+            let least = prior.map(|prior| least + prior - ROUNDING);
+            let asked = Lines { ends: &ends, least: &least };
+            let evidence = Evidence { responses: &responses, most: &most, half_length, lines: asked };
+            let evidence = Arch::new().dispatch(evidence);
+            for (((ends, prior), evidence), _) in ends.into_iter().zip(prior).zip(evidence).zip(first..lines)
+            {
+                let score = evidence - prior;
+                if best.is_none_or(|best| score > best.score) {
+                    best = Some(RoughLine { ends, score, visible: score >= needed });
+                }
             }
         }
+        best
+    };
+    // One of the lines along the expected one is nearly the best, so that others are left early.
+    let along = best_of(places, &|k| [k, k], f64::NEG_INFINITY)?;
+    best_of(places * places, &|k| [k / places, k % places], along.score)
+}
+
+/// What the blocks that follow each block can add to the evidence of a line at most: to the sum of logarithms, and to the sum
+/// along the best way of polarities.
+fn most_after(responses: &[Response]) -> List<[f64; 2]> {
+    let mut most = List::with_capacity(blocks(responses).len());
+    let mut after = [0.0; 2];
+    for block in blocks(responses).rev() {
+        most.push(after);
+        let largest =
+            |response: &Response| response.pairs.iter().fold(0.0, |most, pair| pair[0].abs().max(most));
+        let t = block.iter().map(largest).sum::<f64>() / (block.len() as f64).sqrt();
+        after = [after[0] + (1.0 + t * t).ln(), after[1] + t.min(FULL_SIGNIFICANCE.get())];
     }
-    best
+    most.reverse();
+    most
 }
 
 /// The step filter at every place of a run between two pixels, in units of its noise.
@@ -156,11 +191,19 @@ fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
     Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
 }
 
-/// Twice the log-evidence of an edge along each of some lines, given by u at their ends.
+/// Some lines, given by u at their ends, and the evidence that each of them needs to be of interest.
+struct Lines<'a> {
+    ends: &'a [[f64; 2]; LINES],
+    least: &'a [f64; LINES],
+}
+
+/// Twice the log-evidence of an edge along each of some lines; minus infinity for all where none has as much as it needs.
 struct Evidence<'a> {
     responses: &'a [Response],
+    /// What the blocks after each can add at most: [`most_after`].
+    most: &'a [[f64; 2]],
     half_length: f64,
-    ends: &'a [[f64; 2]; LINES],
+    lines: Lines<'a>,
 }
 
 impl WithSimd for Evidence<'_> {
@@ -170,13 +213,14 @@ impl WithSimd for Evidence<'_> {
     /// that it has alone.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> [f64; LINES] {
-        let Self { responses, half_length, ends } = self;
+        let Self { responses, most, half_length, lines: Lines { ends, least } } = self;
+        let count = most.len() as f64;
         let middle = ends.map(|ends| f64::midpoint(ends[0], ends[1]));
         let slope = ends.map(|ends| (ends[1] - ends[0]) / (2.0 * half_length));
         let mut products: [Logarithm; LINES] = std::array::from_fn(|_| Logarithm::default());
         // The sum of all blocks along the best way of polarities that ends with either of them.
-        let (mut rising, mut falling, mut blocks) = ([0.0_f64; LINES], [0.0_f64; LINES], 0.0);
-        for block in responses.chunks(runs_of_block(responses.len())) {
+        let (mut rising, mut falling) = ([0.0_f64; LINES], [0.0_f64; LINES]);
+        for (block, [most_logarithm, most_significance]) in blocks(responses).zip(most) {
             let mut sums = [0.0; LINES];
             for response in block {
                 add_responses(response, &middle, &slope, &mut sums);
@@ -190,10 +234,19 @@ impl WithSimd for Evidence<'_> {
                 rising[k] = rising[k].max(turned[0]) + t;
                 falling[k] = falling[k].max(turned[1]) - t;
             }
-            blocks += 1.0;
+            let mut open = 0;
+            for k in 0..LINES {
+                let significance = rising[k].max(falling[k]) + most_significance;
+                let most = products[k].most() + most_logarithm + significance * significance / count;
+                // So that what is not a number is followed to its end.
+                open += usize::from(!(most < least[k]));
+            }
+            if open == 0 {
+                return [f64::NEG_INFINITY; LINES];
+            }
         }
         // The blocks tell more together than one by one.
-        std::array::from_fn(|k| products[k].sum() + rising[k].max(falling[k]).powi(2) / blocks)
+        std::array::from_fn(|k| products[k].sum() + rising[k].max(falling[k]).powi(2) / count)
     }
 }
 
@@ -251,6 +304,13 @@ impl Logarithm {
     fn sum(&self) -> f64 {
         self.sum + self.product.ln()
     }
+
+    /// A number that is no less than the sum, by the exponent of the product alone.
+    #[inline(always)]
+    fn most(&self) -> f64 {
+        let exponent = f64::from_bits(self.product.to_bits() >> 52 | WHOLE.to_bits()) - WHOLE;
+        self.sum + (exponent - 1022.0) * LN_2
+    }
 }
 
 #[cfg(test)]
@@ -269,6 +329,16 @@ mod tests {
         if inside { below * (1.0 - part) + above * part } else { 0.0 }
     }
 
+    fn evidence_of(
+        responses: &[Response],
+        half_length: f64,
+        ends: &[[f64; 2]; LINES],
+        least: f64,
+    ) -> [f64; LINES] {
+        let lines = Lines { ends, least: &[least; LINES] };
+        Arch::new().dispatch(Evidence { responses, most: &most_after(responses), half_length, lines })
+    }
+
     #[test]
     fn lines_side_by_side_have_the_evidence_of_each_alone() {
         let responses: Vec<Response> = (0..29)
@@ -282,11 +352,11 @@ mod tests {
         // Some leave the runs at either side.
         let ends: [[f64; 2]; LINES] = std::array::from_fn(|k| [2.0 * k as f64 - 7.0, 5.5 - 1.5 * k as f64]);
         let half_length = 15.0;
-        let found = Arch::new().dispatch(Evidence { responses: &responses, half_length, ends: &ends });
+        let found = evidence_of(&responses, half_length, &ends, f64::NEG_INFINITY);
         for ([first, last], found) in ends.into_iter().zip(found) {
             let (middle, slope) = (f64::midpoint(first, last), (last - first) / (2.0 * half_length));
             let (mut sum_of_logarithms, mut blocks) = (0.0, Vec::new());
-            for block in responses.chunks(runs_of_block(responses.len())) {
+            for block in blocks(&responses) {
                 let sum: f64 = block.iter().map(|response| at(response, middle + slope * response.s)).sum();
                 let t = sum / (block.len() as f64).sqrt();
                 sum_of_logarithms += (1.0 + t * t).ln();
@@ -302,6 +372,9 @@ mod tests {
             let best = (0..1 << blocks.len()).map(sum).fold(f64::NEG_INFINITY, f64::max);
             let plain = sum_of_logarithms + best * best / blocks.len() as f64;
             assert!((found - plain).abs() <= 1e-12 * plain, "{found} {plain}");
+            // A line that has what it needs is followed to its end.
+            let ends = [[first, last]; LINES];
+            assert_eq!(evidence_of(&responses, half_length, &ends, found)[0], found);
         }
     }
 
@@ -330,8 +403,7 @@ mod tests {
     fn evidence(strip: &Strip, u: f64) -> f64 {
         let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt();
         let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
-        let ends = [[u; 2]; LINES];
-        Arch::new().dispatch(Evidence { responses: &responses, half_length: 29.5, ends: &ends })[0]
+        evidence_of(&responses, 29.5, &[[u; 2]; LINES], f64::NEG_INFINITY)[0]
     }
 
     #[test]
