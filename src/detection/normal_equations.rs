@@ -10,8 +10,11 @@ use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// The sums of [`add_products`]: the lower half of a symmetric matrix of six columns, and six numbers of a vector.
-pub(super) const PRODUCTS: usize = 27;
+/// The numbers of the lower half of a symmetric matrix of six columns.
+const MATRIX: usize = 21;
+
+/// The sums of [`add_products`]: these, and six numbers of a vector.
+pub(super) const PRODUCTS: usize = MATRIX + 6;
 
 /// These, and how many cells there are.
 const SUMS: usize = PRODUCTS + 1;
@@ -70,17 +73,18 @@ impl Cells {
     }
 }
 
-/// Adds the products of the numbers of a row with each other, the lower half, and with the distance, all times a weight.
+/// Adds the products of the numbers of a row, six at most, with each other, the lower half, and with the distance, all times a
+/// weight.
 #[inline(always)]
 pub(super) fn add_products<S: Simd>(
     simd: S,
     sums: &mut [S::f64s],
-    row: &[S::f64s; 6],
+    row: &[S::f64s],
     weight: S::f64s,
     distance: S::f64s,
 ) {
     let mut k = 0;
-    for i in 0..6 {
+    for i in 0..row.len() {
         let weighted = simd.mul_f64s(weight, row[i]);
         for other in &row[..=i] {
             sums[k] = simd.add_f64s(sums[k], simd.mul_f64s(weighted, *other));
@@ -88,9 +92,8 @@ pub(super) fn add_products<S: Simd>(
         }
     }
     let weighted = simd.mul_f64s(weight, distance);
-    for part in row {
-        sums[k] = simd.add_f64s(sums[k], simd.mul_f64s(weighted, *part));
-        k += 1;
+    for (sum, part) in sums[MATRIX..].iter_mut().zip(row) {
+        *sum = simd.add_f64s(*sum, simd.mul_f64s(weighted, *part));
     }
 }
 
@@ -120,7 +123,20 @@ impl WithSimd for Pass<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; SUMS] {
-        let Self { cells: Cells { groups, optics }, surface, across, reach } = self;
+        // A loop of its own for each kind of surface: within it nothing asks which one it is.
+        match *self.surface {
+            Surface::Cylinder(cylinder, bias) => self.sums(simd, &Surface::Cylinder(cylinder, bias)),
+            Surface::Cone(cylinder, taper) => self.sums(simd, &Surface::Cone(cylinder, taper)),
+            Surface::Sphere(center, radius) => self.sums(simd, &Surface::Sphere(center, radius)),
+        }
+    }
+}
+
+impl Pass<'_> {
+    /// The sums over the cells.
+    #[inline(always)]
+    fn sums<S: Simd>(&self, simd: S, surface: &Surface) -> [f64; SUMS] {
+        let Self { cells: Cells { groups, optics }, across, reach, .. } = *self;
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (u, v) = (splat(simd, across.0), splat(simd, across.1));
         let part_of_sample = simd.splat_f64s(1.0 / optics.cells_per_sample);
@@ -147,15 +163,18 @@ impl WithSimd for Pass<'_> {
                 let left = simd.sub_f64s(one, simd.mul_f64s(square, per_most));
                 let weight = simd.mul_f64s(simd.mul_f64s(left, left), information);
                 let weight = simd.mul_f64s(simd.mul_f64s(given, part_of_sample), weight);
-                let row = match surface {
-                    Surface::Sphere(..) => [normal[0], normal[1], normal[2], one, zero, zero],
+                match surface {
+                    Surface::Sphere(..) => {
+                        let row = [normal[0], normal[1], normal[2], one];
+                        add_products(simd, &mut own, &row, weight, distance);
+                    }
                     Surface::Cylinder(..) | Surface::Cone(..) => {
                         let (nu, nv) = (dot(simd, normal, u), dot(simd, normal, v));
                         let last = if matches!(surface, Surface::Cone(..)) { along } else { shape };
-                        [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, last]
+                        let row = [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, last];
+                        add_products(simd, &mut own, &row, weight, distance);
                     }
-                };
-                add_products(simd, &mut own, &row, weight, distance);
+                }
                 own[PRODUCTS] = simd.add_f64s(own[PRODUCTS], given);
             }
             for (sum, own) in sums.iter_mut().zip(own) {
