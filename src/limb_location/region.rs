@@ -8,6 +8,7 @@ use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{at_both_ends, median};
 use nalgebra::Vector2;
+use smallvec::SmallVec;
 
 constants! {
     /// The part of the length of the region, at either end, that is left out: rims and ragged ends.
@@ -235,26 +236,21 @@ fn seen_part(
 /// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer
 /// than that inside.
 fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &ImageNoise) -> bool {
-    let at = |from: (usize, usize), dx: f64, dy: f64| {
-        let (x, y) = ((from.0 as f64 + dx).round(), (from.1 as f64 + dy).round());
-        (x >= 0.0 && y >= 0.0).then_some((x as usize, y as usize))
-    };
     let mut outward = Vector2::zeros();
-    for (dx, dy) in
-        [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)]
-    {
-        if !at((x, y), dx, dy).is_some_and(|(x, y)| mask.contains(x, y)) {
-            outward += Vector2::new(dx, dy).normalize();
+    for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1, 1), (1, -1)] {
+        let beside = x.checked_add_signed(dx).zip(y.checked_add_signed(dy));
+        if !beside.is_some_and(|(x, y)| mask.contains(x, y)) {
+            outward += Vector2::new(dx as f64, dy as f64).normalize();
         }
     }
     let Some(outward) = outward.try_normalize(0.0) else { return false };
     let middle = |side: f64| {
         let places = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
             let step = outward * (side * distance);
-            let (x, y) = at((x, y), step.x, step.y)?;
-            depth.depth(x, y)
+            let (x, y) = ((x as f64 + step.x).round(), (y as f64 + step.y).round());
+            if x >= 0.0 && y >= 0.0 { depth.depth(x as usize, y as usize) } else { None }
         });
-        let mut depths: List<f64> = places.collect();
+        let mut depths: SmallVec<[f64; COMPARED]> = places.collect();
         depths.sort_unstable_by(f64::total_cmp);
         depths.get(depths.len() / 2).copied()
     };
