@@ -143,12 +143,12 @@ impl<const WIDTH: usize, const COUNT: usize> WithSimd for Gather<'_, WIDTH, COUN
         let rows = &rows[..count];
         let mut products = [[0.0; WIDTH]; WIDTH];
         if S::F64_LANES > 4 {
-            add_products::<S, WIDTH, 0, WIDTH>(simd, rows, &mut products);
+            add_products::<S, WIDTH, COUNT, 0, WIDTH>(simd, rows, &mut products);
         } else {
-            add_products::<S, WIDTH, 0, 4>(simd, rows, &mut products);
-            add_products::<S, WIDTH, 4, 4>(simd, rows, &mut products);
+            add_products::<S, WIDTH, COUNT, 0, 4>(simd, rows, &mut products);
+            add_products::<S, WIDTH, COUNT, 4, 4>(simd, rows, &mut products);
             if WIDTH > 8 {
-                add_products::<S, WIDTH, 8, 4>(simd, rows, &mut products);
+                add_products::<S, WIDTH, COUNT, 8, 4>(simd, rows, &mut products);
             }
         }
         let (mut right, mut squares) = ([0.0; WIDTH], 0.0);
@@ -189,9 +189,9 @@ fn add_values<S: Simd, const WIDTH: usize>(
 }
 
 /// The products of `FACTORS` numbers of the rows from `FIRST` on with all from there on: as many sums as the processor holds
-/// at once.
+/// at once. What fills the rows up beyond the functions and the value is no factor.
 #[inline(always)]
-fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize, const FACTORS: usize>(
+fn add_products<S: Simd, const WIDTH: usize, const COUNT: usize, const FIRST: usize, const FACTORS: usize>(
     simd: S,
     rows: &[[f64; WIDTH]],
     products: &mut [[f64; WIDTH]; WIDTH],
@@ -201,7 +201,7 @@ fn add_products<S: Simd, const WIDTH: usize, const FIRST: usize, const FACTORS: 
     let mut sums = [[simd.splat_f64s(0.0); WIDTH]; FACTORS];
     for row in rows {
         let numbers = S::as_simd_f64s(&row[FIRST..]).0;
-        for (sums, factor) in sums.iter_mut().zip(&row[FIRST..]) {
+        for (sums, factor) in sums.iter_mut().zip(&row[FIRST..WIDTH.min(COUNT + 1)]) {
             let factor = simd.splat_f64s(*factor);
             for (sum, number) in sums.iter_mut().zip(numbers) {
                 *sum = simd.add_f64s(*sum, simd.mul_f64s(factor, *number));
