@@ -333,7 +333,8 @@ impl Camera {
     /// [`Camera::unproject`] of a whole pixel, faster where the ray is known.
     #[inline]
     pub(crate) fn ray_of_pixel(&self, column: usize, row: usize) -> Option<Vector3<f64>> {
-        let pixel = Vector2::new(column as f64, row as f64);
+        // An image has fewer rows and columns than that, and what has 32 bits is quicker to convert.
+        let pixel = Vector2::new(f64::from(column as u32), f64::from(row as u32));
         match &self.rays {
             None => self.unproject(&pixel),
             Some(rays) => rays.of_pixel(column, row, || self.find_ray(&pixel)),

@@ -165,7 +165,8 @@ impl Strip {
         let first = (center - reach).ceil().max(0.0) as usize;
         let begin = self.pixels.len();
         for cross in first..count {
-            let x = (cross as f64 - center) / reach;
+            // An image has fewer rows and columns than that, and what has 32 bits is quicker to convert.
+            let x = (f64::from(cross as u32) - center) / reach;
             if x > 1.0 {
                 break;
             }
