@@ -60,6 +60,9 @@ constants! {
     LEAST_CAP = 40.0, "px";
 }
 
+/// About how many pixels share a stretch of the axis while they are ordered.
+const PER_STRETCH: usize = 4;
+
 #[cfg(feature = "sensitivity")]
 /// The constants of the parts of a mask.
 #[must_use]
@@ -143,12 +146,7 @@ impl Parts {
             return None;
         }
         let stride = (mask.count() as f64 / PIXELS.get()).sqrt().ceil().max(1.0) as usize;
-        let sights = sights(camera, depth, cylinder, mask.set_pixels_of_grid(stride));
-        // Numbers are moved about in place of whole sights.
-        let key = |(k, sight): (usize, &Sight)| u128::from(ordered(sight.position)) << 64 | k as u128;
-        let mut order: List<u128> = sights.iter().enumerate().map(key).collect();
-        order.sort_unstable();
-        let sights: List<Sight> = order.iter().map(|&key| sights[key as u64 as usize]).collect();
+        let sights = along_the_axis(&sights(camera, depth, cylinder, mask.set_pixels_of_grid(stride)));
         let reach = reach(cylinder, sights.iter().map(|sight| sight.distance));
         let votes: List<f64> = sights.iter().map(|sight| sight.vote(reach)).collect();
         let (first, last) = most(&votes)?;
@@ -259,6 +257,39 @@ impl Parts {
             Part::Behind
         }
     }
+}
+
+/// The sights in the order of their positions; those at one position stay in theirs.
+fn along_the_axis(sights: &[Sight]) -> List<Sight> {
+    // Dealt out to stretches of the axis first: the few of a stretch are quicker to order than all.
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for Sight { position, .. } in sights {
+        (low, high) = (low.min(*position), high.max(*position));
+    }
+    let stretches = sights.len().div_ceil(PER_STRETCH);
+    let per_length = stretches as f64 / (high - low);
+    // Where there is no length all are in the first one.
+    let stretch = |sight: &Sight| (((sight.position - low) * per_length) as u32 as usize).min(stretches - 1);
+    let mut ends = List::filled(0, stretches + 1);
+    for sight in sights {
+        ends[stretch(sight) + 1] += 1;
+    }
+    for k in 0..stretches {
+        ends[k + 1] += ends[k];
+    }
+    // Numbers are moved about in place of whole sights.
+    let mut order = List::filled(0_u128, sights.len());
+    for (k, sight) in sights.iter().enumerate() {
+        let place = &mut ends[stretch(sight)];
+        order[*place] = u128::from(ordered(sight.position)) << 64 | k as u128;
+        *place += 1;
+    }
+    let mut begin = 0;
+    for end in &ends[..stretches] {
+        order[begin..*end].sort_unstable();
+        begin = *end;
+    }
+    order.iter().map(|&key| sights[key as u64 as usize]).collect()
 }
 
 /// The end where the depth leaves the surface: between the last pixel of the body and the first of what is behind.
