@@ -222,14 +222,15 @@ impl Scene<'_> {
     /// The gain of the plane through cells.
     fn plane_gain(&self, cells: &[usize]) -> f64 {
         self.effort.spend(cells.len());
-        let mut matrix = nalgebra::Matrix3::zeros();
+        let (mut x, mut y, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let mut vector = Vector3::zeros();
         for &k in cells {
             let cell = &self.grid.cells[k];
-            let row = Vector3::new(1.0, cell.x, cell.y);
-            matrix += row * row.transpose();
-            vector += row * cell.w;
+            (x, y) = (x + cell.x, y + cell.y);
+            (xx, xy, yy) = (xx + cell.x * cell.x, xy + cell.x * cell.y, yy + cell.y * cell.y);
+            vector += Vector3::new(cell.w, cell.x * cell.w, cell.y * cell.w);
         }
+        let matrix = nalgebra::Matrix3::new(cells.len() as f64, x, y, x, xx, xy, y, xy, yy);
         let Some(cholesky) = matrix.cholesky() else { return 0.0 };
         let plane = cholesky.solve(&vector);
         let sum: f64 = cells

@@ -57,6 +57,7 @@ fn image(p: &Vector3<f64>) -> Option<Vector2<f64>> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct ImageEdges {
     pub edges: Vec<Edge>,
+    lengths: Vec<f64>,
     /// The side of a pixel on the plane z = 1.
     pub pixel: f64,
 }
@@ -83,6 +84,11 @@ pub(super) struct Pair {
 }
 
 impl ImageEdges {
+    pub fn new(edges: Vec<Edge>, pixel: f64) -> Self {
+        let lengths = edges.iter().map(Edge::length).collect();
+        Self { edges, lengths, pixel }
+    }
+
     /// The edges within `reach` pixels of the limbs of a cylinder between two positions along its axis.
     pub fn support(&self, cylinder: &Cylinder, [first, last]: [f64; 2], reach: f64) -> Option<Support> {
         let mut support = Support::default();
@@ -101,8 +107,8 @@ impl ImageEdges {
             let along = (end - start) / length;
             let across = Vector2::new(-along.y, along.x);
             let mut pieces = 0_u32;
-            for edge in &self.edges {
-                let reach = (reach * self.pixel).min(0.2 * edge.length() + 0.3 * self.pixel);
+            for (edge, edge_length) in self.edges.iter().zip(&self.lengths) {
+                let reach = (reach * self.pixel).min(0.2 * edge_length + 0.3 * self.pixel);
                 if edge.ends.iter().any(|p| (p - start).dot(&across).abs() > reach) {
                     continue;
                 }
@@ -113,7 +119,7 @@ impl ImageEdges {
                 }
                 let piece = |t: f64| (t * PIECES as f64).round().clamp(0.0, PIECES as f64) as usize;
                 (piece(range[0])..piece(range[1])).for_each(|k| pieces |= 1 << k);
-                let count = (edge.length() / (PIXELS_PER_TANGENT * self.pixel)).ceil().max(2.0);
+                let count = (edge_length / (PIXELS_PER_TANGENT * self.pixel)).ceil().max(2.0);
                 for k in 0..count as usize {
                     let p = edge.ends[0].lerp(&edge.ends[1], (k as f64 + 0.5) / count);
                     let ray = Vector3::new(p.x, p.y, 1.0);

@@ -211,7 +211,7 @@ pub(crate) fn detect_until(
     cancelled()?;
     let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height), pixel), &read_points);
     cancelled()?;
-    let edges = image.map(|image| ImageEdges { edges: edges::edges(image, camera), pixel });
+    let edges = image.map(|image| ImageEdges::new(edges::edges(image, camera), pixel));
     cancelled()?;
     let pixel_of = |p: &Vector2<f64>| {
         let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);

@@ -26,6 +26,8 @@ type Group = [[f64; LANES]; 7];
 /// The cells that a surface is fitted to.
 pub(super) struct Cells {
     groups: List<Group>,
+    /// How many there are.
+    count: usize,
     optics: Optics,
 }
 
@@ -56,7 +58,29 @@ impl Cells {
             [px, py, pz, x, y, sigma, [1.0; LANES]]
         }));
         groups.extend(rest);
-        Self { groups, optics }
+        Self { groups, count: which.len(), optics }
+    }
+
+    /// The mean of their points.
+    pub fn middle(&self) -> Vector3<f64> {
+        // Four sums side by side: none waits for another.
+        let mut sums = [[0.0; 4]; 3];
+        let (whole, rest) = self.groups.split_at(self.count / LANES);
+        for [x, y, z, ..] in whole {
+            for (sums, axis) in sums.iter_mut().zip([x, y, z]) {
+                for k in 0..LANES {
+                    sums[k % 4] += axis[k];
+                }
+            }
+        }
+        for [x, y, z, ..] in rest {
+            for (sums, axis) in sums.iter_mut().zip([x, y, z]) {
+                for k in 0..self.count % LANES {
+                    sums[k % 4] += axis[k];
+                }
+            }
+        }
+        Vector3::from(sums.map(|sums| sums.iter().sum())) / self.count as f64
     }
 
     /// The normal equations at a surface, with Tukey's weights: cells beyond `reach` standard deviations do not count.
@@ -136,7 +160,7 @@ impl Pass<'_> {
     /// The sums over the cells.
     #[inline(always)]
     fn sums<S: Simd>(&self, simd: S, surface: &Surface) -> [f64; SUMS] {
-        let Self { cells: Cells { groups, optics }, across, reach, .. } = *self;
+        let Self { cells: Cells { groups, optics, .. }, across, reach, .. } = *self;
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (u, v) = (splat(simd, across.0), splat(simd, across.1));
         let part_of_sample = simd.splat_f64s(1.0 / optics.cells_per_sample);

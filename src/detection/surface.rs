@@ -210,10 +210,10 @@ pub(super) fn fit(
     mut reach: f64,
     steps: usize,
 ) -> Option<Surface> {
-    let center = middle(cells, which);
+    let cells = Cells::new(cells, which, optics);
+    let center = cells.middle();
     let as_length = |pixels: f64| pixels * optics.pixel * center.z;
     let mut surface = start.at(&center);
-    let cells = Cells::new(cells, which, optics);
     for _ in 0..steps {
         if !(surface.radius() > 0.0 && surface.radius().is_finite()) {
             return None;
@@ -266,9 +266,11 @@ impl NormalEquations {
             let weight = weight * part * part / (sigma * sigma);
             let (nu, nv) = (place.normal.dot(u), place.normal.dot(v));
             let row = SVector::<f64, 6>::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, 0.0]);
-            for i in 0..6 {
+            // The last one is 0: no bias shows in an edge.
+            for i in 0..5 {
+                let weighted = weight * row[i];
                 for j in 0..=i {
-                    self.matrix[(i, j)] += weight * row[i] * row[j];
+                    self.matrix[(i, j)] += weighted * row[j];
                 }
             }
             self.vector += row * (weight * distance);
