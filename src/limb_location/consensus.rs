@@ -98,7 +98,7 @@ struct Response {
 }
 
 /// The blocks of a strip.
-fn blocks(responses: &[Response]) -> std::slice::Chunks<'_, Response> {
+fn in_blocks(responses: &[Response]) -> std::slice::Chunks<'_, Response> {
     responses.chunks(runs_of_block(responses.len()))
 }
 
@@ -116,7 +116,7 @@ pub(super) fn rough_line(
     if !is_long_enough(responses.len()) {
         return None;
     }
-    let count = blocks(&responses).len() as f64;
+    let count = in_blocks(&responses).len() as f64;
     let needed = count * NOISE_MEAN
         + VISIBLE_DEVIATIONS.get() * (count * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
@@ -154,9 +154,9 @@ pub(super) fn rough_line(
 /// What the blocks that follow each block can add to the evidence of a line at most: to the sum of logarithms, and to the sum
 /// along the best way of polarities.
 fn most_after(responses: &[Response]) -> List<[f64; 2]> {
-    let mut most = List::with_capacity(blocks(responses).len());
+    let mut most = List::with_capacity(in_blocks(responses).len());
     let mut after = [0.0; 2];
-    for block in blocks(responses).rev() {
+    for block in in_blocks(responses).rev() {
         most.push(after);
         let largest =
             |response: &Response| response.pairs.iter().fold(0.0, |most, pair| pair[0].abs().max(most));
@@ -220,7 +220,7 @@ impl WithSimd for Evidence<'_> {
         let mut products: [Logarithm; LINES] = std::array::from_fn(|_| Logarithm::default());
         // The sum of all blocks along the best way of polarities that ends with either of them.
         let (mut rising, mut falling) = ([0.0_f64; LINES], [0.0_f64; LINES]);
-        for (block, [most_logarithm, most_significance]) in blocks(responses).zip(most) {
+        for (block, [most_logarithm, most_significance]) in in_blocks(responses).zip(most) {
             let mut sums = [0.0; LINES];
             for response in block {
                 add_responses(response, &middle, &slope, &mut sums);
@@ -356,7 +356,7 @@ mod tests {
         for ([first, last], found) in ends.into_iter().zip(found) {
             let (middle, slope) = (f64::midpoint(first, last), (last - first) / (2.0 * half_length));
             let (mut sum_of_logarithms, mut blocks) = (0.0, Vec::new());
-            for block in blocks(&responses) {
+            for block in in_blocks(&responses) {
                 let sum: f64 = block.iter().map(|response| at(response, middle + slope * response.s)).sum();
                 let t = sum / (block.len() as f64).sqrt();
                 sum_of_logarithms += (1.0 + t * t).ln();
