@@ -7,10 +7,10 @@ mod random_views;
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::detection::DetectionOptions;
 use cylfuse::error::Error;
-use cylfuse::fitter::{ObjectiveKind, Options};
+use cylfuse::fitter::{Flags, ObjectiveKind, Options};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits, RigidMotion};
 use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView, PointsView};
-use cylfuse::scene::{Detector, DetectorOptions, Observer, Progress, Scene};
+use cylfuse::scene::{Detector, DetectorOptions, Found, Observer, Progress, Scene};
 use image::DynamicImage;
 use nalgebra::{Rotation3, Vector2, Vector3};
 use random_views::{Dice, View};
@@ -292,6 +292,37 @@ fn points_next_to_limbs_do_not_widen_a_cylinder() {
     assert!(found.result.points_used < found.pixels && found.score > 0.8, "{}", found.score);
 }
 
+/// Segments of a cloud: nothing lies beside the cylinder, and of the whole circumference the far wall shines through the near one.
+#[test]
+fn a_cylinder_alone_in_a_cloud_is_found_whatever_its_direction() {
+    let mut dice = Dice::new(11);
+    for whole in [true, false] {
+        for turn in 0..12 {
+            let turn = f64::from(turn) * std::f64::consts::PI / 12.0;
+            let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
+            let truth = Cylinder::new(Vector3::new(0.0, 0.0, 1.0), direction, 0.05).unwrap();
+            let (u, v) = (direction.cross(&Vector3::z()).normalize(), truth.axis.direction);
+            let w = v.cross(&u);
+            let mut points: Vec<[f64; 3]> = Vec::new();
+            for _ in 0..20_000 {
+                let turn = dice.between(0.0, std::f64::consts::TAU);
+                let normal = u * turn.cos() + w * turn.sin();
+                let on_axis = truth.axis.point + v * dice.between(-0.25, 0.25);
+                let point = on_axis + normal * (truth.radius + dice.between(-0.001, 0.001));
+                if whole || normal.dot(&point) < 0.0 {
+                    points.push(point.into());
+                }
+            }
+            let scene = Detector::new().detect_points(&PointsView::from_f64(&points)).unwrap();
+            let [found] = &scene.cylinders[..] else { panic!("{whole} {turn}: {:?}", scene.cylinders) };
+            assert!(
+                is(&found.result.cylinder, &truth, 0.02) && found.score > 0.9,
+                "{whole} {turn}: {found:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn options_of_the_fits_are_kept_apart() {
     let mut detector = Detector::new();
@@ -347,6 +378,9 @@ fn whatever_is_seen_gives_finite_numbers() {
 
 /// Whether everything that is said of a scene goes together.
 fn check(scene: &Scene, seed: u64) {
+    for Found { result, .. } in &scene.cylinders {
+        assert!(result.iterations > 0 || result.flags.contains(Flags::NOT_CONVERGED), "{seed}: {result:?}");
+    }
     assert_eq!(scene.labels.len(), scene.size.0 * scene.size.1);
     let mut last = 1.0;
     for (index, found) in scene.cylinders.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
 use super::effort::Effort;
-use super::grid::{Grid, side_of_cells};
+use super::grid::{Grid, STEEPEST, side_of_cells};
 use super::labels::{count_pixels, label};
 use super::search::search;
 use super::{DetectionOptions, Detections, row};
@@ -25,6 +25,9 @@ const LEAST_SIDE: usize = 3;
 
 /// A part of the points that may lie anywhere: single ones far away must not make the image wide.
 const STRAY: f64 = 0.002;
+
+/// Where less than this part of the points is seen, there is another wall behind, and the image has a pixel to each of those that are.
+const MOSTLY_SEEN: f64 = 0.75;
 
 /// Fewest points of a cloud.
 const FEWEST: usize = 50;
@@ -66,7 +69,7 @@ pub(crate) fn detect_points_until(
         points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
     }
     cancelled()?;
-    let Some(image) = Image::new(&points, &cancelled)? else { return Ok(nothing()) };
+    let Some(image) = Image::of(&points, &cancelled)? else { return Ok(nothing()) };
     let cone = options
         .limits
         .axis
@@ -273,7 +276,23 @@ struct Image {
 }
 
 impl Image {
-    fn new(points: &Cloud, asked: &Asked<'_>) -> Result<Option<Self>> {
+    /// As many pixels as points that are seen, over the part of the image that has any.
+    fn of(points: &Cloud, asked: &Asked<'_>) -> Result<Option<Self>> {
+        let depths = &points.axes[2];
+        let Some(image) = Self::new(points, points.usable, asked)? else { return Ok(None) };
+        let seen = image.seen(depths);
+        if seen as f64 >= MOSTLY_SEEN * points.usable as f64 {
+            return Ok(Some(image));
+        }
+        let mut image = Self::new(points, seen, asked)?;
+        if let Some(image) = &mut image {
+            image.close(depths);
+        }
+        Ok(image)
+    }
+
+    /// With so many pixels.
+    fn new(points: &Cloud, pixels: usize, asked: &Asked<'_>) -> Result<Option<Self>> {
         let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
         let mut range = [[0.0; 2]; 2];
         let mut slopes = vec![0.0; points.len()];
@@ -293,8 +312,7 @@ impl Image {
         // Much memory in a large cloud.
         drop(slopes);
         let [width, height] = range.map(|[low, high]| high - low);
-        // As many pixels as points, over the part of the image that has any.
-        let pixels = (points.usable as f64).min(MOST_PIXELS);
+        let pixels = (pixels as f64).min(MOST_PIXELS);
         let spacing = (width * height / pixels).sqrt();
         if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
             return Ok(None);
@@ -328,6 +346,45 @@ impl Image {
         }
         image.pixels = of_points;
         Ok(Some(image))
+    }
+
+    /// For each pixel the largest depth of a point on the surface that is nearest there or at a pixel beside it: what is farther by more
+    /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none.
+    fn reach(&self, depths: &[f64]) -> Vec<f64> {
+        let of_none = |k: u32| k as usize == depths.len() - 1;
+        let depth = |&k: &u32| if of_none(k) { f64::INFINITY } else { depths[k as usize] };
+        let mut rows: Vec<f64> = Vec::with_capacity(self.nearest.len());
+        for row in self.nearest.chunks_exact(self.width) {
+            rows.extend((0..row.len()).map(|x| {
+                let around = &row[x.saturating_sub(1)..(x + 2).min(row.len())];
+                around.iter().map(depth).fold(f64::INFINITY, f64::min)
+            }));
+        }
+        let factor = 1.0 + STEEPEST * LEAST_SIDE as f64 * self.spacing;
+        let reach = |(k, z): (usize, &f64)| {
+            let above = k.checked_sub(self.width).map_or(f64::INFINITY, |k| rows[k]);
+            let below = rows.get(k + self.width).copied().unwrap_or(f64::INFINITY);
+            factor * z.min(above).min(below)
+        };
+        rows.iter().enumerate().map(reach).collect()
+    }
+
+    /// How many points no others hide.
+    fn seen(&self, depths: &[f64]) -> usize {
+        let reach = self.reach(depths);
+        let seen = |pixel: u32, z: f64| reach.get(pixel as usize).is_some_and(|&reach| z <= reach);
+        self.pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count()
+    }
+
+    /// Empties the pixels that see something hidden: between the points of a near wall those of a far one shine through.
+    fn close(&mut self, depths: &[f64]) {
+        let reach = self.reach(depths);
+        let none = (depths.len() - 1) as u32;
+        for (k, reach) in self.nearest.iter_mut().zip(&reach) {
+            if depths[*k as usize] > *reach {
+                *k = none;
+            }
+        }
     }
 }
 

@@ -23,8 +23,15 @@ pub(super) struct Noise {
     pub cells_per_sample: f64,
 }
 
-/// Sizes of second differences of w over cells without a step between, in every other row and in every other column: zero on planes but
-/// for noise. Curved surfaces add to the larger ones; the lower quartile, which half of the image may contradict, does not see
+/// The directions of second differences where the image bends to one side, in cells: about [`LAG`] long each, and at most 13 degrees
+/// from any other.
+const DIRECTIONS: [[isize; 2]; 8] = [[4, 0], [4, 2], [3, 3], [2, 4], [0, 4], [-2, 4], [-3, 3], [-4, 2]];
+
+/// The part of the second differences of one sign from which on the image bends to one side: of a plane it is half, of a cylinder along
+/// rows or columns three quarters, of one aslant all.
+const BENT: f64 = 0.8;
+
+/// Second differences of w, in every other row and in every other column: zero on planes but for noise. Curved surfaces add to the larger ones; the lower quartile, which half of the image may contradict, does not see
 /// them.
 fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
     let (columns, [x, y]) = (grid.columns, &grid.rays);
@@ -49,8 +56,7 @@ fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
     found
 }
 
-/// One pass over cells by three, side by side: the sizes of their second differences of w, which are none where a cell was not
-/// measured.
+/// One pass over cells by three, side by side: their second differences of w, which are no numbers where a cell was not measured.
 struct Differences<'a> {
     /// Where they lie in the direction in which they follow each other.
     places: [&'a [f64]; 3],
@@ -68,18 +74,57 @@ impl WithSimd for Differences<'_> {
         for ((size, ((pa, pb), pc)), ((a, b), c)) in
             sizes.iter_mut().zip(places).zip(wa.iter().zip(wb).zip(wc))
         {
-            // The cells are not exactly in the middle of each other.
-            let t = (pb - pa) / (pc - pa);
-            let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
             let measured = (*a > 0.0) & (*b > 0.0) & (*c > 0.0);
-            *size = if measured { ((b - a - t * (c - a)) / weights).abs() } else { f64::NAN };
+            *size = if measured { second_difference([*pa, *pb, *pc], [*a, *b, *c]) } else { f64::NAN };
         }
     }
 }
 
+/// The second difference of three values at places, with the variance of one of them.
+#[inline(always)]
+fn second_difference([pa, pb, pc]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
+    // The cells are not exactly in the middle of each other.
+    let t = (pb - pa) / (pc - pa);
+    let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
+    (b - a - t * (c - a)) / weights
+}
+
+/// The lower quartile of the sizes of numbers; they come out in another order and without signs.
 fn lower_quartile(values: &mut [f64]) -> f64 {
+    values.iter_mut().for_each(|value| *value = value.abs());
     let quarter = values.len() / 4;
     *values.select_nth_unstable_by(quarter, f64::total_cmp).1
+}
+
+/// The least of the lower quartiles of the second differences along [`DIRECTIONS`]. Along the axis a cylinder does not bend, and where it
+/// lies aslant neither rows nor columns are along it.
+fn least_along(grid: &Grid, w: &[f64]) -> f64 {
+    let mut least = f64::INFINITY;
+    for [right, down] in DIRECTIONS {
+        let stride = down * grid.columns as isize + right;
+        let mut found = List::new();
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let inside = |steps: isize| {
+                    let (x, y) = (column as isize + steps * right, row as isize + steps * down);
+                    (0..grid.columns as isize).contains(&x) && (0..grid.rows as isize).contains(&y)
+                };
+                if !(inside(-1) && inside(1)) {
+                    continue;
+                }
+                let middle = row * grid.columns + column;
+                let [a, b, c] = [-stride, 0, stride].map(|step| middle.wrapping_add_signed(step));
+                if w[a] > 0.0 && w[b] > 0.0 && w[c] > 0.0 {
+                    let place = |k: usize| grid.rays[0][k] * right as f64 + grid.rays[1][k] * down as f64;
+                    found.push(second_difference([a, b, c].map(place), [a, b, c].map(|k| w[k])));
+                }
+            }
+        }
+        if found.len() >= FEWEST {
+            least = least.min(lower_quartile(&mut found));
+        }
+    }
+    least
 }
 
 impl Noise {
@@ -90,8 +135,12 @@ impl Noise {
         if far.len() < FEWEST {
             return None;
         }
-        let deviation = lower_quartile(&mut far) / LOWER_QUARTILE;
+        let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
+        let bent = positive.max(far.len() as f64 - positive) > BENT * far.len() as f64;
+        let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
+        let deviation = lower_quartile(&mut far).min(along) / LOWER_QUARTILE;
         let mut near = differences(grid, &w, 1);
+        near.iter_mut().for_each(|difference| *difference = difference.abs());
         w.retain(|w| *w > 0.0);
         let nearest = median(&mut near) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
@@ -136,7 +185,7 @@ mod tests {
                     if a > 0.0 && b > 0.0 && c > 0.0 {
                         let t = (places[1] - places[0]) / (places[2] - places[0]);
                         let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
-                        plain.push(((b - a - t * (c - a)) / weights).abs());
+                        plain.push((b - a - t * (c - a)) / weights);
                     }
                 };
                 for row in (0..rows).step_by(2) {
