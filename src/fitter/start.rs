@@ -131,12 +131,11 @@ impl Data<'_> {
                     candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }));
                 }
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
-                Err(error) => failure = Some(error.to_string()),
+                Err(error) => failure = Some(error),
             }
         }
         let smallest = candidates.iter().map(|(median, _)| *median).min_by(f64::total_cmp);
-        let nothing = || "limbs, moments and random samples of the points give no cylinder".into();
-        let smallest = smallest.ok_or_else(|| Error::NoStart { reason: failure.unwrap_or_else(nothing) })?;
+        let smallest = smallest.ok_or_else(|| nothing_found(failure))?;
         // Three standard deviations of the noise around the best candidate.
         let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
         let held = Held::as_given(self);
@@ -183,4 +182,26 @@ fn truncated(ratio: f64) -> f64 {
 /// Median distance of points from a surface, 0 for no points.
 pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
     median_size(points.iter().map(|p| cylinder.distance(p)))
+}
+
+/// Why no start was found: what random samples failed by, which is a failure of its own with its own remedy.
+fn nothing_found(failure: Option<Error>) -> Error {
+    let reason = "limbs, moments and random samples of the points give no cylinder";
+    failure.unwrap_or_else(|| Error::NoStart { reason: reason.into() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_random_samples_failed_by_is_said_once() {
+        let failure = Error::NoStart { reason: "the points lie in one plane or on one line".into() };
+        let text = nothing_found(Some(failure)).to_string();
+        assert_eq!(
+            text,
+            "no start was found: the points lie in one plane or on one line; give a start model"
+        );
+        assert!(nothing_found(None).to_string().starts_with("no start was found: limbs, moments"));
+    }
 }
