@@ -236,6 +236,15 @@ mod tests {
         }
     }
 
+    /// One of the limbs may be the edge of a neighbour.
+    #[test]
+    fn no_verdict_rests_on_limbs_beside_the_points() {
+        let mut result = cylfuse_result();
+        result.flags = Flags::DEPTH_SHIFTED | Flags::CAMERA_INSIDE;
+        let undecided_by = Measurement::new(&Options::default(), &result).undecided_by;
+        assert!(matches!(&undecided_by[..], [only] if only.starts_with(Flags::DEPTH_SHIFTED.meaning())));
+    }
+
     #[test]
     fn what_is_not_finite_is_null() {
         let mut result = cylfuse_result();
