@@ -176,6 +176,23 @@ fn an_f32_cloud_10_km_away_has_lost_its_resolution() {
     assert!((result.cylinder.radius / truth.radius - 1.0).abs() < 0.02);
 }
 
+/// Steps of half a metre and a quarter: what is left of the points are a few places, which a cylinder may go through exactly.
+#[test]
+fn an_f32_cloud_in_coordinates_of_a_map_states_no_deviation() {
+    let mut truth = can();
+    truth.axis.point += Vector3::new(500_000.0, 4_000_000.0, 100.0);
+    let observer = truth.axis.point - Vector3::new(0.0, 0.0, 0.7);
+    let points: Vec<[f32; 3]> =
+        visible_points(&truth, &observer, 3000).iter().map(|p| p.map(|x| x as f32)).collect();
+    let mut fitter = Fitter::new();
+    fitter.push_points(&PointsView::from_f32(&points), None).unwrap();
+    // Nor is it an error to say that this is no cylinder.
+    if let Ok(result) = fitter.fit() {
+        assert!(result.flags.contains(Flags::RESOLUTION_LOST | Flags::UNCERTAINTY_UNKNOWN), "{result:?}");
+        assert_eq!(result.uncertainty, None);
+    }
+}
+
 #[test]
 fn planes_lines_and_handfuls_of_points_are_errors_of_their_own() {
     let mut noise = support::Noise::new(1);

@@ -1111,8 +1111,8 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST 128
 /**
- * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, and it is
- * what the search found; see `cylfuse_detector_is_complete`.
+ * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit (see
+ * `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
  */
 #define CYLFUSE_RESULT_FLAGS_NOT_CONVERGED 256
 /**
@@ -1144,12 +1144,13 @@ typedef uint32_t cylfuse_result_flags;
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**
  * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
- * are independent, or some degree of freedom is not determined.
+ * are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the points.
  */
 #define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
 /**
  * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
- * the points lie beside the middle of the limbs by more than 3 standard deviations.
+ * the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of
+ * something else, such as a neighbour that touches, and the radius is wrong.
  */
 #define CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED 65536
 /**
@@ -1862,7 +1863,7 @@ typedef int32_t cylfuse_limb_status;
  */
 #define CYLFUSE_LIMB_STATUS_NO_LIMBS 2
 /**
- * Fewer than 24 rows or columns of the image show the limb, or something in front covers it.
+ * Fewer than 12 rows or columns of the image show the limb, or something in front covers it.
  */
 #define CYLFUSE_LIMB_STATUS_TOO_SHORT 3
 /**

@@ -236,8 +236,8 @@ impl cylfuse_result_flags {
     pub const WEAK_RADIUS: cylfuse_result_flags = cylfuse_result_flags(64);
     /// The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     pub const RESOLUTION_LOST: cylfuse_result_flags = cylfuse_result_flags(128);
-    /// The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, and it is
-    /// what the search found; see `cylfuse_detector_is_complete`.
+    /// The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit (see
+    /// `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
     pub const NOT_CONVERGED: cylfuse_result_flags = cylfuse_result_flags(256);
     /// Most points lie on the wall that the camera cannot see.
     pub const HIDDEN_WALL: cylfuse_result_flags = cylfuse_result_flags(512);
@@ -255,10 +255,11 @@ impl cylfuse_result_flags {
     /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
-    /// are independent, or some degree of freedom is not determined.
+    /// are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the points.
     pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
     /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
-    /// the points lie beside the middle of the limbs by more than 3 standard deviations.
+    /// the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of
+    /// something else, such as a neighbour that touches, and the radius is wrong.
     pub const DEPTH_SHIFTED: cylfuse_result_flags = cylfuse_result_flags(65536);
     /// A mask holds the pixels that have depth and no others, although depth is missing around it, as it is beside the limbs
     /// of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the

@@ -2,10 +2,12 @@
 
 use super::data::{self, Data};
 use super::held::Held;
+use super::options::StartKind;
 use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
 use super::taper::Taper;
+use super::uncertainty::Uncertainty;
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
@@ -103,13 +105,17 @@ pub(super) fn describe(
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = crate::observations::Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let (uncertainty, radii, shift) = data.uncertainty(held, &frame, scales, &objective);
+    let resolution = clouds().map(crate::observations::PointCloud::resolution).fold(0.0, f64::max);
+    let coarse = resolution > COARSE * cylinder.radius;
+    // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
+    let (uncertainty, radii, shift) = match coarse && resolution > scales.all {
+        true => (None, None, None),
+        false => data.uncertainty(held, &frame, scales, &objective),
+    };
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
-    // The 95 % interval of what is stated reaches down to nothing.
-    let unknown = uncertainty.as_ref().is_some_and(|stated| 2.0 * stated.radius() >= cylinder.radius);
+    let unknown = hides_radius(uncertainty.as_ref(), cylinder);
     flags.set(Flags::WEAK_RADIUS, weak || scale_held || unknown);
-    let coarse = clouds().any(|cloud| cloud.resolution() > COARSE * cylinder.radius);
     flags.set(Flags::RESOLUTION_LOST, coarse);
     flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
     flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
@@ -170,6 +176,31 @@ pub(super) fn describe(
     })
 }
 
+/// The same for a cylinder that takes the place of a minimum and is none.
+pub(super) fn describe_beside_minimum(
+    data: &Data<'_>,
+    held: &Held,
+    cylinder: &Cylinder,
+) -> Result<FitResult> {
+    let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
+    let mut result = describe(data, held, &start, cylinder, None)?;
+    let about = |about| data.uncertainty_beside_minimum(held, cylinder, &about);
+    result.uncertainty = result.uncertainty.and_then(about);
+    result.flags |= Flags::NOT_CONVERGED;
+    result
+        .flags
+        .set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && result.uncertainty.is_none());
+    if hides_radius(result.uncertainty.as_ref(), cylinder) {
+        result.flags |= Flags::WEAK_RADIUS;
+    }
+    Ok(result)
+}
+
+/// Whether the 95 % interval of what is stated reaches down to nothing.
+fn hides_radius(uncertainty: Option<&Uncertainty>, cylinder: &Cylinder) -> bool {
+    uncertainty.is_some_and(|stated| 2.0 * stated.radius() >= cylinder.radius)
+}
+
 /// The largest scale of points that lie on a cylinder: that of the view whose noise may be largest.
 fn largest_scale(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
     let observed = data.views.iter().filter(|view| view.observed);
@@ -226,5 +257,39 @@ impl FitResult {
         self.lambda = convergence.lambda;
         self.step_norm = convergence.step_norm;
         self.flags.set(Flags::NOT_CONVERGED, convergence.termination == Termination::MaxIterations);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fitter::{Fitter, Options};
+    use crate::observations::PointsView;
+
+    #[test]
+    fn a_cylinder_beside_the_minimum_is_no_more_certain_than_it_is_far_from_it() {
+        let point = |k: u32| {
+            let (turn, along) = (f64::from(k % 40) * 0.06 - 1.2, f64::from(k / 40) * 0.005);
+            let radius = 0.05 + 0.0003 * (f64::from(k) * 12.9898).sin();
+            [radius * turn.sin(), along, 0.7 - radius * turn.cos()]
+        };
+        let points: Vec<[f64; 3]> = (0..1600).map(point).collect();
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        // Beside the minimum all residuals are alike.
+        fitter.set_options(Options { independent_points: 400.0, ..Options::default() }).unwrap();
+        let fitted = fitter.fit().unwrap();
+        for part in [0.9, 0.95, 1.05, 1.1] {
+            // The wall stays where it is.
+            let mut beside = fitted.cylinder;
+            beside.axis.point.z += (part - 1.0) * beside.radius;
+            beside.radius *= part;
+            let kept = fitter.keep(&beside).unwrap();
+            assert!(kept.flags.contains(Flags::NOT_CONVERGED));
+            let deviation = kept.uncertainty.unwrap().radius();
+            let off = (beside.radius - fitted.cylinder.radius).abs();
+            assert!(3.0 * deviation > off && deviation < 3.0 * off, "{part}: {deviation} {off}");
+            assert_eq!(fitter.result().unwrap().uncertainty, kept.uncertainty);
+        }
     }
 }

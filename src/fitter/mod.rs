@@ -277,12 +277,17 @@ impl Fitter {
         })
     }
 
-    /// The same, kept as if a fit had given it.
+    /// The same, kept as if a fit had given it: [`Flags::NOT_CONVERGED`] says that it is no minimum, and how far it is from one is
+    /// in its uncertainty.
     ///
     /// # Errors
     /// Those of [`Fitter::evaluate`]. The last result stays then.
     pub(crate) fn keep(&mut self, cylinder: &Cylinder) -> Result<FitResult> {
-        let result = self.evaluate(cylinder)?;
+        self.check_memory(BYTES_OF_FIT)?;
+        let result = self.memory.lend(|| {
+            let data = self.data()?;
+            describe::describe_beside_minimum(&data, &self.held(&data), cylinder)
+        })?;
         self.result = Some(result);
         Ok(result)
     }

@@ -28,8 +28,8 @@ bitflags::bitflags! {
         const WEAK_RADIUS = 1 << 6;
         /// The coordinates are coarser than 0.01 % of the radius: an f32 cloud far from the origin.
         const RESOLUTION_LOST = 1 << 7;
-        /// The limit of iterations came before convergence. Of a cylinder of a scene also: there was no work left for its fit, and it
-        /// is what the search found.
+        /// The limit of iterations came before convergence. Of a cylinder of a scene also: there was no work left for its fit,
+        /// or no fit was as good, and it is what the search found.
         const NOT_CONVERGED = 1 << 8;
         /// Most points lie on the wall that the camera cannot see.
         const HIDDEN_WALL = 1 << 9;
@@ -45,11 +45,11 @@ bitflags::bitflags! {
         const RADIUS_AT_LIMIT = 1 << 13;
         /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
         const AXIS_AT_LIMIT = 1 << 14;
-        /// The data do not tell how uncertain the result is: fewer than eight points are independent, or some degree of
-        /// freedom is not determined.
+        /// The data do not tell how uncertain the result is: fewer than eight points are independent, some degree of
+        /// freedom is not determined, or the coordinates are coarser than the noise of the points.
         const UNCERTAINTY_UNKNOWN = 1 << 15;
         /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
-        /// [`FitResult::shift`].
+        /// [`FitResult::shift`]. Or one of the limbs is the edge of something else, and the radius is wrong.
         const DEPTH_SHIFTED = 1 << 16;
         /// A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
         /// where the limbs are. With an image they were drawn again about the cylinder of a first fit.

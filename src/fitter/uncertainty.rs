@@ -53,16 +53,36 @@ impl Data<'_> {
             return (None, None, None);
         }
         let Some(sandwich) = objective.sandwich(frame) else { return (None, None, None) };
-        let limits = &self.options.cylinder_limits;
-        let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
-        let uncertainty = sandwich
-            .covariance(&[false, false, axis, axis, radius])
-            .map(|tangent| Uncertainty { frame: *frame, tangent, center: self.center });
+        let uncertainty = sandwich.covariance(&self.known()).map(|tangent| Uncertainty {
+            frame: *frame,
+            tangent,
+            center: self.center,
+        });
         let radii = (uncertainty.is_some() && held.has_limbs())
             .then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit))
             .flatten();
         let shift = uncertainty.and_then(|_| self.image_shift(held, &sandwich, frame, scales));
         (uncertainty, radii, shift)
+    }
+
+    /// Which degrees of freedom the limits fix.
+    fn known(&self) -> [bool; 5] {
+        let limits = &self.options.cylinder_limits;
+        let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
+        [false, false, axis, axis, radius]
+    }
+
+    /// The uncertainty of a cylinder that takes the place of a minimum and is none, by what it is `about` it as if it were: how far
+    /// the minimum lies from it, to first order, is an error like others. `None` where nothing tells that.
+    pub fn uncertainty_beside_minimum(
+        &self,
+        held: &Held,
+        cylinder: &Cylinder,
+        about: &Uncertainty,
+    ) -> Option<Uncertainty> {
+        let objective = self.objective(held, cylinder, &self.scales(cylinder));
+        let step = objective.sandwich(&about.frame)?.step(&self.known())?;
+        Some(Uncertainty { tangent: about.tangent + step * step.transpose(), ..*about })
     }
 
     /// The shift between depth and image, where both limbs of a single view were located.

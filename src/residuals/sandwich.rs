@@ -57,21 +57,35 @@ impl Sandwich {
     /// `None` where the data do not determine the others.
     #[must_use]
     pub fn covariance(&self, known: &[bool; 5]) -> Option<TangentMap> {
-        let (mut derivative, mut of_gradient) =
-            (self.derivative(), self.points.covariance + self.image.covariance);
-        for k in (0..5).filter(|&k| known[k]) {
-            for matrix in [&mut derivative, &mut of_gradient] {
-                matrix.fill_row(k, 0.0);
-                matrix.fill_column(k, 0.0);
-            }
+        let inverse = self.inverse(known)?;
+        let of_gradient = self.points.covariance + self.image.covariance;
+        let root = root(&(inverse * of_gradient * inverse))?;
+        Some(root * root.transpose())
+    }
+
+    /// The step to the minimum from where the gradient is not 0, −A⁻¹ g, to first order, over the degrees of freedom that are
+    /// not `known`. `None` where the data do not determine it.
+    #[must_use]
+    pub fn step(&self, known: &[bool; 5]) -> Option<Tangent> {
+        let step = -(self.inverse(known)? * (self.points.gradient + self.image.gradient));
+        step.iter().all(|x| x.is_finite()).then_some(step)
+    }
+
+    /// A⁻¹ over the degrees of freedom that are not `known`, 0 in the rows and columns of the others.
+    fn inverse(&self, known: &[bool; 5]) -> Option<TangentMap> {
+        let mut derivative = self.derivative();
+        let known = || (0..5).filter(|&k| known[k]);
+        for k in known() {
+            derivative.fill_row(k, 0.0);
+            derivative.fill_column(k, 0.0);
             derivative[(k, k)] = 1.0;
         }
         if !is_determined(&derivative) {
             return None;
         }
-        let inverse = derivative.cholesky()?.inverse();
-        let root = root(&(inverse * of_gradient * inverse))?;
-        Some(root * root.transpose())
+        let mut inverse = derivative.cholesky()?.inverse();
+        known().for_each(|k| inverse[(k, k)] = 0.0);
+        Some(inverse)
     }
 }
 
@@ -140,6 +154,16 @@ mod tests {
         assert!(mended[(0, 1)].powi(2) <= (1.0 + 1e-15) * mended[(0, 0)] * mended[(1, 1)]);
         covariance[(2, 2)] = f64::NAN;
         assert!(super::root(&covariance).is_none());
+    }
+
+    #[test]
+    fn the_step_leads_to_the_minimum_and_leaves_what_is_known() {
+        let minimum = Tangent::new(0.3, -2e4, 1e-5, 0.4, -0.5);
+        let mut sandwich = of_points(derivative(1e-3), TangentMap::identity());
+        sandwich.points.gradient = -(derivative(1e-3) * minimum);
+        let step = sandwich.step(&[false; 5]).unwrap();
+        assert!(step.iter().zip(&minimum).all(|(a, b)| (a / b - 1.0).abs() < 1e-6), "{step}");
+        assert_eq!(sandwich.step(&[false, false, false, false, true]).unwrap()[4], 0.0);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::work::Share;
 use super::{DetectorOptions, Found, indices_of, mask_of};
 use crate::detection::{Band, Detection, Detections, Evidence};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
+use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
 use nalgebra::Vector3;
@@ -125,8 +125,7 @@ impl<'a> Fits<'a> {
             return Err(Error::NoStart { reason });
         }
         fitter.set_start(Some(found));
-        let kept = fitter.keep(&found)?;
-        Ok(FitResult { flags: kept.flags | Flags::NOT_CONVERGED, ..kept })
+        fitter.keep(&found)
     }
 
     /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is

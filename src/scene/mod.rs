@@ -149,8 +149,9 @@ pub struct Found {
     pub evidence: Evidence,
     /// Pixels of its region; points for a cloud.
     pub pixels: usize,
-    /// The fit of its region. Where neither depth nor image tell more than the search knew, what a fit would report for the
-    /// cylinder that the search found. Of a cloud that was seen from its origin, the fit takes the points within 0.7 radii of the
+    /// The fit of its region. Where no fit covers the limbs better than the search did, or none is near what that found, it is the
+    /// cylinder of the search, with [`Flags::NOT_CONVERGED`]; how far the minimum of the data lies from it is part of its stated
+    /// uncertainty. Of a cloud that was seen from its origin, the fit takes the points within 0.7 radii of the
     /// axis alone: next to limbs sensors draw them out.
     pub result: FitResult,
     /// Its visible piece. `BadState` for a cloud: ends need a camera.
