@@ -48,7 +48,12 @@ impl<'a> Fits<'a> {
         // Of a cylinder that was kept the limbs are those of a fit that was refused.
         let taper = result.termination.and(result.taper);
         let slope = taper.map(|taper| [taper.slope, taper.deviation]);
-        let evidence = self.seen.evidence_of_fit(detection, &fitted, radius_deviation(&result), slope);
+        // The score asks how well the data determine a radius, not how far they are from one that was kept.
+        let deviation = match result.termination {
+            Some(_) => radius_deviation(&result),
+            None => radius_deviation(&fitter.evaluate(&result.cylinder)?),
+        };
+        let evidence = self.seen.evidence_of_fit(detection, &fitted, deviation, slope);
         Ok(found(fitter, evidence, detection, result))
     }
 
