@@ -1,7 +1,9 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
+mod hidden;
+
 use super::effort::Effort;
-use super::grid::{Grid, STEEPEST, side_of_cells};
+use super::grid::{Grid, side_of_cells};
 use super::labels::{count_pixels, label};
 use super::search::search;
 use super::{DetectionOptions, Detections, row};
@@ -347,45 +349,6 @@ impl Image {
         image.pixels = of_points;
         Ok(Some(image))
     }
-
-    /// For each pixel the largest depth of a point on the surface that is nearest there or at a pixel beside it: what is farther by more
-    /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none.
-    fn reach(&self, depths: &[f64]) -> Vec<f64> {
-        let of_none = |k: u32| k as usize == depths.len() - 1;
-        let depth = |&k: &u32| if of_none(k) { f64::INFINITY } else { depths[k as usize] };
-        let mut rows: Vec<f64> = Vec::with_capacity(self.nearest.len());
-        for row in self.nearest.chunks_exact(self.width) {
-            rows.extend((0..row.len()).map(|x| {
-                let around = &row[x.saturating_sub(1)..(x + 2).min(row.len())];
-                around.iter().map(depth).fold(f64::INFINITY, f64::min)
-            }));
-        }
-        let factor = 1.0 + STEEPEST * LEAST_SIDE as f64 * self.spacing;
-        let reach = |(k, z): (usize, &f64)| {
-            let above = k.checked_sub(self.width).map_or(f64::INFINITY, |k| rows[k]);
-            let below = rows.get(k + self.width).copied().unwrap_or(f64::INFINITY);
-            factor * z.min(above).min(below)
-        };
-        rows.iter().enumerate().map(reach).collect()
-    }
-
-    /// How many points no others hide.
-    fn seen(&self, depths: &[f64]) -> usize {
-        let reach = self.reach(depths);
-        let seen = |pixel: u32, z: f64| reach.get(pixel as usize).is_some_and(|&reach| z <= reach);
-        self.pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count()
-    }
-
-    /// Empties the pixels that see something hidden: between the points of a near wall those of a far one shine through.
-    fn close(&mut self, depths: &[f64]) {
-        let reach = self.reach(depths);
-        let none = (depths.len() - 1) as u32;
-        for (k, reach) in self.nearest.iter_mut().zip(&reach) {
-            if depths[*k as usize] > *reach {
-                *k = none;
-            }
-        }
-    }
 }
 
 /// The coordinates that are gone through from one question whether to go on to the next.
@@ -470,13 +433,13 @@ mod tests {
         };
         let cloud = Cloud::read(&view, &question).unwrap();
         assert_eq!(asked.replace(0), 2);
-        assert!(Image::new(&cloud, &question).unwrap().is_some());
+        assert!(Image::of(&cloud, &question).unwrap().is_some());
         // Of both axes the slopes by parts and two places in their order, then the pixels and what is nearest there by parts.
         let all = asked.replace(0);
         assert_eq!(all, 2 * (3 + 3) + 3 + 3);
         for last in [1, 4, 7, 13, 16, all] {
             end.set(last);
-            assert!(matches!(Image::new(&cloud, &question), Err(Error::Cancelled { .. })));
+            assert!(matches!(Image::of(&cloud, &question), Err(Error::Cancelled { .. })));
             assert_eq!(asked.replace(0), last);
         }
     }

@@ -1,0 +1,46 @@
+//! What other points of a cloud hide: without a camera nothing else tells that a far wall shines through a near one.
+
+use super::{Image, LEAST_SIDE};
+use crate::detection::grid::STEEPEST;
+
+impl Image {
+    /// For each pixel the largest depth of a point on the surface that is nearest there or at a pixel beside it: what is farther by more
+    /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none. In single precision: a large
+    /// cloud has as many pixels as points.
+    fn reach(&self, depths: &[f64]) -> Vec<f32> {
+        let of_none = |k: u32| k as usize == depths.len() - 1;
+        let depth = |&k: &u32| if of_none(k) { f32::INFINITY } else { depths[k as usize] as f32 };
+        let mut rows: Vec<f32> = Vec::with_capacity(self.nearest.len());
+        for row in self.nearest.chunks_exact(self.width) {
+            rows.extend((0..row.len()).map(|x| {
+                let around = &row[x.saturating_sub(1)..(x + 2).min(row.len())];
+                around.iter().map(depth).fold(f32::INFINITY, f32::min)
+            }));
+        }
+        let factor = (1.0 + STEEPEST * LEAST_SIDE as f64 * self.spacing) as f32;
+        let reach = |(k, z): (usize, &f32)| {
+            let above = k.checked_sub(self.width).map_or(f32::INFINITY, |k| rows[k]);
+            let below = rows.get(k + self.width).copied().unwrap_or(f32::INFINITY);
+            factor * z.min(above).min(below)
+        };
+        rows.iter().enumerate().map(reach).collect()
+    }
+
+    /// How many points no others hide.
+    pub fn seen(&self, depths: &[f64]) -> usize {
+        let reach = self.reach(depths);
+        let seen = |pixel: u32, z: f64| reach.get(pixel as usize).is_some_and(|&reach| z <= f64::from(reach));
+        self.pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count()
+    }
+
+    /// Empties the pixels that see something hidden: between the points of a near wall those of a far one shine through.
+    pub fn close(&mut self, depths: &[f64]) {
+        let reach = self.reach(depths);
+        let none = (depths.len() - 1) as u32;
+        for (k, reach) in self.nearest.iter_mut().zip(&reach) {
+            if depths[*k as usize] > f64::from(*reach) {
+                *k = none;
+            }
+        }
+    }
+}
