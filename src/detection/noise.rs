@@ -31,8 +31,8 @@ const DIRECTIONS: [[isize; 2]; 8] = [[4, 0], [4, 2], [3, 3], [2, 4], [0, 4], [-2
 /// rows or columns three quarters, of one aslant all.
 const BENT: f64 = 0.8;
 
-/// Second differences of w, in every other row and in every other column: zero on planes but for noise. Curved surfaces add to the larger ones; the lower quartile, which half of the image may contradict, does not see
-/// them.
+/// Second differences of w, in every other row and in every other column: zero on planes but for noise. Curved surfaces add to
+/// the larger ones; the lower quartile, which half of the image may contradict, does not see them.
 fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
     let (columns, [x, y]) = (grid.columns, &grid.rays);
     let mut found = List::with_capacity(w.len());
