@@ -11,19 +11,22 @@ impl Image {
         let of_none = |k: u32| k as usize == depths.len() - 1;
         let depth = |&k: &u32| if of_none(k) { f32::INFINITY } else { depths[k as usize] as f32 };
         let mut rows: Vec<f32> = Vec::with_capacity(self.nearest.len());
+        let mut padded = vec![f32::INFINITY; self.width + 2];
         for row in self.nearest.chunks_exact(self.width) {
-            rows.extend((0..row.len()).map(|x| {
-                let around = &row[x.saturating_sub(1)..(x + 2).min(row.len())];
-                around.iter().map(depth).fold(f32::INFINITY, f32::min)
-            }));
+            padded[1..].iter_mut().zip(row.iter().map(depth)).for_each(|(padded, depth)| *padded = depth);
+            rows.extend(padded.windows(3).map(|three| three[0].min(three[1]).min(three[2])));
         }
         let factor = (1.0 + STEEPEST * LEAST_SIDE as f64 * self.spacing) as f32;
-        let reach = |(k, z): (usize, &f32)| {
-            let above = k.checked_sub(self.width).map_or(f32::INFINITY, |k| rows[k]);
-            let below = rows.get(k + self.width).copied().unwrap_or(f32::INFINITY);
-            factor * z.min(above).min(below)
-        };
-        rows.iter().enumerate().map(reach).collect()
+        let row = |k: usize| &rows[k * self.width..(k + 1) * self.width];
+        let count = rows.len() / self.width;
+        let mut reach = Vec::with_capacity(rows.len());
+        for k in 0..count {
+            let beside = row(k.saturating_sub(1)).iter().zip(row((k + 1).min(count - 1)));
+            reach.extend(
+                row(k).iter().zip(beside).map(|(z, (above, below))| factor * z.min(*above).min(*below)),
+            );
+        }
+        reach
     }
 
     /// How many points no others hide.
