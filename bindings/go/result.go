@@ -48,7 +48,8 @@ const (
 	FlagWeakRadius Flags = C.CYLFUSE_RESULT_FLAGS_WEAK_RADIUS
 	// FlagResolutionLost: the coordinates are coarser than 0.01 % of the radius.
 	FlagResolutionLost Flags = C.CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST
-	// FlagNotConverged: the limit of iterations came before convergence.
+	// FlagNotConverged: the limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for
+	// its fit, or no fit was as good, and it is what the search found.
 	FlagNotConverged Flags = C.CYLFUSE_RESULT_FLAGS_NOT_CONVERGED
 	// FlagHiddenWall: most points lie on the wall that the camera cannot see.
 	FlagHiddenWall Flags = C.CYLFUSE_RESULT_FLAGS_HIDDEN_WALL
@@ -64,7 +65,8 @@ const (
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
 	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
-	// FlagDepthShifted: depth and image are shifted against each other across the axis.
+	// FlagDepthShifted: depth and image are shifted against each other across the axis. Or one of the limbs is the edge of
+	// something else, and the radius is wrong.
 	FlagDepthShifted Flags = C.CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED
 	// FlagMaskEndsWithDepth: a mask holds the pixels that have depth and no others, so its sides are no hint where the limbs are.
 	FlagMaskEndsWithDepth Flags = C.CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH

@@ -1144,7 +1144,8 @@ typedef uint32_t cylfuse_result_flags;
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**
  * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
- * are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the points.
+ * are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the
+ * points.
  */
 #define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
 /**

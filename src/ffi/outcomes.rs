@@ -255,7 +255,8 @@ impl cylfuse_result_flags {
     /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
-    /// are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the points.
+    /// are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the
+    /// points.
     pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
     /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
     /// the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of

@@ -1,7 +1,6 @@
 //! What one short block of a limb says about its line.
 
-use super::consensus::runs_of_block;
-use super::gather::Gathered;
+use super::gather::{Gathered, blocks};
 use super::profile::{FLAT, FUNCTIONS, Functions, SHADED, ShadedProfile, ShadedRow, Table};
 use super::strip::Strip;
 use crate::memory::List;
@@ -162,7 +161,7 @@ pub(super) fn sums_of_blocks(
     near: &StripLine,
 ) -> List<BlockSums> {
     let sums = Gathered::of_blocks::<FUNCTIONS>(strip, profile, line, near, Window::full());
-    let mut of_blocks = List::with_capacity(strip.len().div_ceil(runs_of_block(strip.len())));
+    let mut of_blocks = List::with_capacity(blocks(strip).len());
     of_blocks.extend(sums.filter_map(|sums| BlockSums::new(&sums?)));
     of_blocks
 }

@@ -116,9 +116,9 @@ pub(super) fn rough_line(
     if !is_long_enough(responses.len()) {
         return None;
     }
-    let count = in_blocks(&responses).len() as f64;
-    let needed = count * NOISE_MEAN
-        + VISIBLE_DEVIATIONS.get() * (count * NOISE_VARIANCE).sqrt()
+    let blocks = in_blocks(&responses).len() as f64;
+    let needed = blocks * NOISE_MEAN
+        + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
     let count = (reach / LINE_STEP.get()).ceil().max(1.0) as usize;
     let places = 2 * count + 1;

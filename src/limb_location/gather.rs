@@ -42,7 +42,7 @@ impl<const WIDTH: usize> Gathered<WIDTH> {
 }
 
 /// The runs of each block.
-fn blocks(strip: &Strip) -> impl Iterator<Item = Range<usize>> + use<> {
+pub(super) fn blocks(strip: &Strip) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
     let count = strip.len();
     let of_block = runs_of_block(count);
     (0..count.div_ceil(of_block)).map(move |k| k * of_block..((k + 1) * of_block).min(count))

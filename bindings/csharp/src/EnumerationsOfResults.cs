@@ -69,7 +69,8 @@ namespace Cylfuse
         WeakRadius = 64,
         /// <summary>The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.</summary>
         ResolutionLost = 128,
-        /// <summary>The limit of iterations came before convergence.</summary>
+        /// <summary>The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its
+        /// fit, or no fit was as good, and it is what the search found.</summary>
         NotConverged = 256,
         /// <summary>Most points lie on the wall that the camera cannot see.</summary>
         HiddenWall = 512,
@@ -93,7 +94,7 @@ namespace Cylfuse
         /// eight points are independent, or some degree of freedom is not determined.</summary>
         UncertaintyUnknown = 32768,
         /// <summary>Depth and image are shifted against each other across the axis, by a wrong registration or wrong
-        /// principal points.</summary>
+        /// principal points. Or one of the limbs is the edge of something else, and the radius is wrong.</summary>
         DepthShifted = 65536,
         /// <summary>A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are
         /// no hint where the limbs are.</summary>

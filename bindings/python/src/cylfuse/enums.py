@@ -334,7 +334,8 @@ class ResultFlags(IntFlag):
     WEAK_RADIUS = 64
     #: The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     RESOLUTION_LOST = 128
-    #: The limit of iterations came before convergence.
+    #: The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, or
+    #: no fit was as good, and it is what the search found.
     NOT_CONVERGED = 256
     #: Most points lie on the wall that the camera cannot see.
     HIDDEN_WALL = 512
@@ -350,7 +351,8 @@ class ResultFlags(IntFlag):
     AXIS_AT_LIMIT = 16384
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768
-    #: Depth and image are shifted against each other across the axis.
+    #: Depth and image are shifted against each other across the axis. Or one of the limbs is the edge of something
+    #: else, and the radius is wrong.
     DEPTH_SHIFTED = 65536
     #: A mask holds the pixels that have depth and no others: its sides are no hint where the limbs are.
     MASK_ENDS_WITH_DEPTH = 131072

@@ -158,7 +158,10 @@ impl Tolerance {
         match decided {
             Ok(Conformity::Conforming) => (Verdict::Pass, format!("{name} {place}")),
             Ok(Conformity::NotConforming) => (Verdict::Fail, format!("{name} {place}")),
-            _ => undecided(&format!("{place}, its uncertainty is {} (2 deviations)", text(reach))),
+            _ => {
+                let coverage = fitter::Tolerance::COVERAGE;
+                undecided(&format!("{place}, its uncertainty is {} ({coverage} deviations)", text(reach)))
+            }
         }
     }
 }

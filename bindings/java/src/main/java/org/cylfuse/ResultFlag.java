@@ -23,7 +23,10 @@ public enum ResultFlag {
     WEAK_RADIUS(64),
     /** The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin. */
     RESOLUTION_LOST(128),
-    /** The limit of iterations came before convergence. */
+    /**
+     * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, or no
+     * fit was as good, and it is what the search found.
+     */
     NOT_CONVERGED(256),
     /** Most points lie on the wall that the camera cannot see. */
     HIDDEN_WALL(512),
@@ -50,6 +53,7 @@ public enum ResultFlag {
     UNCERTAINTY_UNKNOWN(32768),
     /**
      * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points.
+     * Or one of the limbs is the edge of something else, and the radius is wrong.
      */
     DEPTH_SHIFTED(65536),
     /**
