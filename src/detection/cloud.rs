@@ -1,9 +1,10 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
 mod hidden;
+mod looks;
 
 use super::effort::Effort;
-use super::grid::{Grid, side_of_cells};
+use super::grid::Grid;
 use super::labels::{count_pixels, label};
 use super::search::search;
 use super::{DetectionOptions, Detections, row};
@@ -11,8 +12,9 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
-use crate::statistics::median;
-use nalgebra::{Matrix3, Vector3};
+pub(crate) use looks::Look;
+use looks::viewpoint;
+use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -21,9 +23,6 @@ const MOST_PIXELS: f64 = 2e6;
 
 /// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
 const WIDEST: f64 = 3.0;
-
-/// Cells of a cloud take this many pixels to each side at least: with a point to a pixel, one in three is empty.
-const LEAST_SIDE: usize = 3;
 
 /// A part of the points that may lie anywhere: single ones far away must not make the image wide.
 const STRAY: f64 = 0.002;
@@ -43,35 +42,28 @@ type Asked<'a> = dyn Fn() -> Result<()> + 'a;
 /// The pixel of a point that has none.
 const OUTSIDE: u32 = u32::MAX;
 
-/// The camera that a cloud is seen from: x_camera = R (x − origin).
-struct Viewpoint {
-    rotation: Matrix3<f64>,
-    origin: Vector3<f64>,
-    /// Whether it is that of the sensor.
-    of_sensor: bool,
-}
-
-/// Finds all cylinders in a cloud, until `stopped` says so; labels are by point, row by row.
+/// Finds all cylinders in a cloud by one look at it, until `stopped` says so; labels are by point, row by row. `None` where the look
+/// shows nothing that those before it do not.
 ///
 /// # Errors
 /// `InvalidArgument`, `OutOfMemory`, `Cancelled`.
 pub(crate) fn detect_points_until(
     view: &PointsView<'_>,
+    look: Look,
     options: &DetectionOptions,
     stopped: &dyn Fn() -> bool,
-) -> Result<Detections> {
+) -> Result<Option<Detections>> {
     options.check()?;
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let mut points = Cloud::read(view, &cancelled)?;
     let count = view.width() * view.height();
-    let nothing = || Detections { labels: vec![0; count], ..Detections::default() };
     cancelled()?;
-    let Some(viewpoint) = viewpoint(&points) else { return Ok(nothing()) };
+    let Some(viewpoint) = viewpoint(&points, look.direction) else { return Ok(None) };
     if !viewpoint.of_sensor {
         points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
     }
     cancelled()?;
-    let Some(image) = Image::of(&points, &cancelled)? else { return Ok(nothing()) };
+    let Some(image) = Image::of(&points, &cancelled)? else { return Ok(None) };
     let cone = options
         .limits
         .axis
@@ -87,7 +79,7 @@ pub(crate) fn detect_points_until(
             list.extend(nearest.iter().map(|&k| axis[k as usize]));
         }
     };
-    let side = side_of_cells(size, f64::INFINITY).max(LEAST_SIDE);
+    let Some(side) = look.side_of_cells(size) else { return Ok(None) };
     cancelled()?;
     let mut grid = Grid::new(size, image.spacing, side, &read_points);
     cancelled()?;
@@ -122,7 +114,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    Ok(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, ..seen })
+    Ok(Some(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, ..seen }))
 }
 
 /// The coordinates of points, axis by axis: not numbers for those of no use, and at the end a point of zeros, which stands for none.
@@ -188,48 +180,6 @@ impl Cloud {
             self.axes.iter_mut().zip(&point).for_each(|(axis, x)| axis[k] = *x);
         }
     }
-}
-
-/// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points
-/// in the direction in which they spread least.
-fn viewpoint(points: &Cloud) -> Option<Viewpoint> {
-    if points.usable < FEWEST {
-        return None;
-    }
-    let [x, y, z] = &points.axes;
-    let seen = || {
-        let rays = x.iter().zip(y).zip(z);
-        rays.map(|((x, y), z)| u32::from(is_in_front(*x, *y, *z))).sum::<u32>()
-    };
-    if f64::from(Arch::new().dispatch(seen)) >= 0.98 * points.usable as f64 {
-        return Some(Viewpoint { rotation: Matrix3::identity(), origin: Vector3::zeros(), of_sensor: true });
-    }
-    let middle = Vector3::from_fn(|axis, _| {
-        let mut values: Vec<f64> = points.usable().map(|p| p[axis]).collect();
-        median(&mut values)
-    });
-    let mut spread = Matrix3::zeros();
-    let mut distances: Vec<f64> = Vec::with_capacity(points.usable);
-    for point in points.usable() {
-        let offset = point - middle;
-        // Far points count as near ones: directions alone.
-        let norm = offset.norm();
-        distances.push(norm);
-        if norm > 0.0 {
-            spread += offset * offset.transpose() / norm;
-        }
-    }
-    let size = median(&mut distances);
-    let eigen = spread.symmetric_eigen();
-    let least = eigen.eigenvalues.imin();
-    let mut z: Vector3<f64> = eigen.eigenvectors.column(least).into();
-    // Of the two sides that of the origin, where the sensor most likely is.
-    if z.dot(&middle) < 0.0 {
-        z = -z;
-    }
-    let (x, y) = crate::geometry::any_orthogonal(&z);
-    let rotation = Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]);
-    (size > 0.0).then(|| Viewpoint { rotation, origin: middle - z * (10.0 * size), of_sensor: false })
 }
 
 /// Whether a point lies within [`WIDEST`]; one that is no number does not.

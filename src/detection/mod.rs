@@ -25,13 +25,13 @@ mod score;
 mod search;
 mod surface;
 
-pub(crate) use cloud::detect_points_until;
+pub(crate) use cloud::{Look, detect_points_until};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 
 pub(crate) use rays::{Band, meets};
 pub(crate) use region::detect_in_mask;
-pub(crate) use score::least_before_fit;
+pub(crate) use score::{least_before_fit, of_looks};
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};

@@ -79,6 +79,11 @@ pub(crate) fn least_before_fit(score: f64) -> f64 {
     score / (score + (1.0 - score) * MOST_BY_FIT)
 }
 
+/// A score where it is the best of so many looks: each may show something that is none, and the odds of that add up.
+pub(crate) fn of_looks(score: f64, looks: f64) -> f64 {
+    score / (score + (1.0 - score) * looks)
+}
+
 impl Evidence {
     /// The probability that there is a cylinder.
     #[must_use]

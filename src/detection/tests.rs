@@ -230,15 +230,19 @@ fn clouds_are_searched_like_images() {
         let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
         points.push(depth.depth(column, row).map_or([f64::NAN; 3], |z| (ray * z).into()));
     }
-    let found =
-        detect_points_until(&PointsView::from_f64(&points), &DetectionOptions::default(), &|| false).unwrap();
+    let look = Look::all().next().unwrap();
+    let detect = |points: &[[f64; 3]]| {
+        detect_points_until(&PointsView::from_f64(points), look, &DetectionOptions::default(), &|| false)
+            .unwrap()
+    };
+    let found = detect(&points).unwrap();
     assert_eq!(found.cylinders.len(), 1, "{:?}", found.cylinders);
     assert!(matches(&found.cylinders[0].cylinder, &truth), "{:?}", found.cylinders);
     assert_eq!(found.labels.len(), points.len());
     assert_eq!(found.labels.iter().filter(|&&label| label == 1).count(), found.cylinders[0].pixels);
     for bad in [&[][..], &[[f64::NAN; 3]; 100], &[[1.0, 2.0, 3.0]; 100], &[[1e300, -1e300, 1e-300]; 60]] {
-        let found =
-            detect_points_until(&PointsView::from_f64(bad), &DetectionOptions::default(), &|| false).unwrap();
-        assert!(found.cylinders.is_empty() && found.labels.len() == bad.len());
+        assert!(
+            detect(bad).is_none_or(|found| found.cylinders.is_empty() && found.labels.len() == bad.len())
+        );
     }
 }

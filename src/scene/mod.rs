@@ -7,7 +7,8 @@ mod fits;
 mod work;
 
 use crate::detection::{
-    Detection, DetectionOptions, Detections, Evidence, detect_points_until, detect_until, least_before_fit,
+    Detection, DetectionOptions, Detections, Evidence, Look, detect_points_until, detect_until,
+    least_before_fit, of_looks,
 };
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
@@ -90,7 +91,7 @@ impl DetectorOptions {
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// It begins to look for cylinders.
+    /// It begins to look for cylinders; of a sparse cloud in which nothing is found, several times.
     Search,
     /// So many of the cylinders that were found are fitted.
     Fit {
@@ -340,15 +341,30 @@ impl Detector {
         check_memory("the search", count)?;
         check_weights(points)?;
         let search = self.search_options(&RigidMotion::identity());
-        let found = self.search(observer, |stopped| match count {
+        let nothing = || Scene { cylinders: Vec::new(), labels: vec![0; count], size, complete: true };
+        if count == 0 {
             // Rows of no points are as many as the caller likes.
-            0 => Ok(Detections::default()),
-            _ => detect_points_until(points, &search, stopped),
-        })?;
-        let fits = Fits::new(&self.options, found, size);
-        self.fit_all(fits, observer, |fits, index, detection, share| {
-            fits.of_points(points, index, detection, share)
-        })
+            return Ok(nothing());
+        }
+        let (mut scene, mut looks) = (None, 0.0);
+        for look in Look::all() {
+            let seen =
+                self.search(observer, |stopped| detect_points_until(points, look, &search, stopped))?;
+            let Some(seen) = seen else { continue };
+            looks += 1.0;
+            let fits = Fits::new(&self.options, seen, size);
+            let found = self.fit_all(fits, observer, |fits, index, detection, share| {
+                let mut found = fits.of_points(points, index, detection, share)?;
+                found.score = of_looks(found.score, looks);
+                Ok(found)
+            })?;
+            let is_last = !found.cylinders.is_empty() || !found.complete;
+            scene = Some(found);
+            if is_last {
+                break;
+            }
+        }
+        Ok(scene.unwrap_or_else(nothing))
     }
 
     /// The options of the search, for all that may be left when every cylinder is fitted.
@@ -366,11 +382,11 @@ impl Detector {
         inside || !found.result.flags.contains(Flags::RADIUS_AT_LIMIT)
     }
 
-    fn search(
+    fn search<T>(
         &self,
         observer: &mut Observer<'_>,
-        find: impl FnOnce(&dyn Fn() -> bool) -> Result<Detections>,
-    ) -> Result<Detections> {
+        find: impl FnOnce(&dyn Fn() -> bool) -> Result<T>,
+    ) -> Result<T> {
         let stop = |observer: &mut Observer<'_>| {
             (observer.progress)(Progress::Search).is_break() || (observer.stopped)()
         };

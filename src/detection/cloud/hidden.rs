@@ -1,6 +1,7 @@
 //! What other points of a cloud hide: without a camera nothing else tells that a far wall shines through a near one.
 
-use super::{Image, LEAST_SIDE};
+use super::Image;
+use super::looks::LEAST_SIDE;
 use crate::detection::grid::STEEPEST;
 
 impl Image {
