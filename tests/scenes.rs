@@ -292,12 +292,12 @@ fn points_next_to_limbs_do_not_widen_a_cylinder() {
     assert!(found.result.points_used < found.pixels && found.score > 0.8, "{}", found.score);
 }
 
-/// Points on a cylinder through (0, 0, 1) at some turn about z, all around or where the origin sees it, with errors of a millimetre.
+/// Points on a cylinder through (0, 0, 1), all around or where the origin sees it, with errors of up to so much.
 fn alone(
     direction: Vector3<f64>,
     length: f64,
-    count: usize,
-    whole: bool,
+    (count, whole): (usize, bool),
+    error: f64,
     dice: &mut Dice,
 ) -> (Vec<[f64; 3]>, Cylinder) {
     let truth = Cylinder::new(Vector3::new(0.0, 0.0, 1.0), direction, 0.05).unwrap();
@@ -308,7 +308,7 @@ fn alone(
         let turn = dice.between(0.0, std::f64::consts::TAU);
         let normal = u * turn.cos() + w * turn.sin();
         let on_axis = truth.axis.point + v * dice.between(-0.5 * length, 0.5 * length);
-        let point = on_axis + normal * (truth.radius + dice.between(-0.001, 0.001));
+        let point = on_axis + normal * (truth.radius + dice.between(-error, error));
         if whole || normal.dot(&point) < 0.0 {
             points.push(point.into());
         }
@@ -332,9 +332,24 @@ fn a_cylinder_alone_in_a_cloud_is_found_whatever_its_direction() {
         for turn in 0..12 {
             let turn = f64::from(turn) * std::f64::consts::PI / 12.0;
             let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
-            let (points, truth) = alone(direction, 0.5, count, whole, &mut dice);
+            let (points, truth) = alone(direction, 0.5, (count, whole), 0.001, &mut dice);
             assert!(score_of(&points, &truth) > 0.9);
         }
+    }
+}
+
+/// The points that are nearest where one looks are a wall that is too near: the radius was off by 1 to 2 %.
+#[test]
+fn noise_does_not_change_the_radius_of_a_tube_that_was_seen_all_around() {
+    let mut dice = Dice::new(13);
+    for turn in 0..6 {
+        let turn = f64::from(turn) * std::f64::consts::PI / 6.0;
+        let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
+        let (points, truth) = alone(direction, 0.5, (20_000, true), 0.0035, &mut dice);
+        let scene = Detector::new().detect_points(&PointsView::from_f64(&points)).unwrap();
+        let [found] = &scene.cylinders[..] else { panic!("{:?}", scene.cylinders) };
+        let off = found.result.cylinder.radius / truth.radius - 1.0;
+        assert!(off.abs() < 0.003 && found.pixels > 18_000, "{turn}: {off}, {} points", found.pixels);
     }
 }
 
@@ -345,7 +360,7 @@ fn a_tube_as_long_as_wide_is_found_in_a_cloud_from_nowhere() {
     for turn in 0..12 {
         let turn = f64::from(turn) * std::f64::consts::PI / 12.0;
         let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
-        let (mut points, truth) = alone(direction, 0.1, 10_000, true, &mut dice);
+        let (mut points, truth) = alone(direction, 0.1, (10_000, true), 0.001, &mut dice);
         points.iter_mut().for_each(|point| point[2] -= 1.0);
         let axis = Line { point: truth.axis.point - Vector3::z(), ..truth.axis };
         score_of(&points, &Cylinder { axis, ..truth });

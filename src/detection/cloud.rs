@@ -2,6 +2,7 @@
 
 mod hidden;
 mod looks;
+mod members;
 
 use super::effort::Effort;
 use super::grid::Grid;
@@ -56,7 +57,6 @@ pub(crate) fn detect_points_until(
     options.check()?;
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let mut points = Cloud::read(view, &cancelled)?;
-    let count = view.width() * view.height();
     cancelled()?;
     let Some(viewpoint) = viewpoint(&points, look.direction) else { return Ok(None) };
     if !viewpoint.of_sensor {
@@ -90,22 +90,7 @@ pub(crate) fn detect_points_until(
         row::write(columns, list, |column| [place(column, image.low[0]), place(row, image.low[1])]);
     };
     let seen = label(&grid, &found, size, image.spacing, &read_points, &read_rays, &effort);
-    let mut labels = vec![0; count];
-    let depths = &points.axes[2];
-    let parts = labels.chunks_mut(BETWEEN_QUESTIONS).zip(image.pixels.chunks(BETWEEN_QUESTIONS));
-    for ((labels, pixels), z) in parts.zip(depths.chunks(BETWEEN_QUESTIONS)) {
-        cancelled()?;
-        for ((label, &pixel), &z) in labels.iter_mut().zip(pixels).zip(z) {
-            if pixel == OUTSIDE {
-                continue;
-            }
-            // Points behind the one that is seen belong to something else, unless they are as near as a pixel is wide.
-            let depth = depths[image.nearest[pixel as usize] as usize];
-            if z - depth <= 2.0 * image.spacing * depth {
-                *label = seen.labels[pixel as usize];
-            }
-        }
-    }
+    let labels = members::labels(&points, &image, &seen, &cancelled)?;
     let mut cylinders = seen.cylinders;
     for detection in &mut cylinders {
         let Cylinder { axis, radius } = detection.cylinder;
@@ -114,7 +99,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    Ok(Some(Detections { cylinders, labels, from_origin: viewpoint.of_sensor, ..seen }))
+    Ok(Some(Detections { cylinders, labels, from_origin: viewpoint.of_sensor && !image.closed, ..seen }))
 }
 
 /// The coordinates of points, axis by axis: not numbers for those of no use, and at the end a point of zeros, which stands for none.
@@ -164,9 +149,12 @@ impl Cloud {
         self.axes[0].len() - 1
     }
 
+    fn at(&self, k: usize) -> Vector3<f64> {
+        Vector3::from_fn(|axis, _| self.axes[axis][k])
+    }
+
     fn points(&self) -> impl Iterator<Item = Vector3<f64>> {
-        let [x, y, z] = &self.axes;
-        (0..self.len()).map(|k| Vector3::new(x[k], y[k], z[k]))
+        (0..self.len()).map(|k| self.at(k))
     }
 
     /// Those of use.
@@ -176,7 +164,7 @@ impl Cloud {
 
     fn turn(&mut self, turned: impl Fn(Vector3<f64>) -> Vector3<f64>) {
         for k in 0..self.len() {
-            let point = turned(Vector3::from_fn(|axis, _| self.axes[axis][k]));
+            let point = turned(self.at(k));
             self.axes.iter_mut().zip(&point).for_each(|(axis, x)| axis[k] = *x);
         }
     }
@@ -225,6 +213,8 @@ struct Image {
     pixels: Vec<u32>,
     /// The number of the point at each pixel, that of the last where there is none.
     nearest: Vec<u32>,
+    /// Whether there is another wall behind what is seen: no sensor has seen all of it from here.
+    closed: bool,
 }
 
 impl Image {
@@ -276,6 +266,7 @@ impl Image {
             low: [range[0][0], range[1][0]],
             pixels: Vec::new(),
             nearest: Vec::new(),
+            closed: false,
         };
         let mut of_points = vec![OUTSIDE; points.len()];
         for (part, pixels) in of_points.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
@@ -406,7 +397,8 @@ mod tests {
         let mut wide = vec![0.0; points.len()];
         assert_eq!(Arch::new().dispatch(Slopes { axes, slopes: &mut wide }), count);
         let (pixels, nearest) = (Vec::new(), Vec::new());
-        let image = Image { width: 30, height: 20, spacing: 0.1, low: [-1.5, -1.0], pixels, nearest };
+        let low = [-1.5, -1.0];
+        let image = Image { width: 30, height: 20, spacing: 0.1, low, pixels, nearest, closed: false };
         let mut pixels = vec![OUTSIDE; points.len()];
         Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels: &mut pixels });
         let mut within = 0;

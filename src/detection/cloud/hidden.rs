@@ -39,6 +39,7 @@ impl Image {
 
     /// Empties the pixels that see something hidden: between the points of a near wall those of a far one shine through.
     pub fn close(&mut self, depths: &[f64]) {
+        self.closed = true;
         let reach = self.reach(depths);
         let none = (depths.len() - 1) as u32;
         for (k, reach) in self.nearest.iter_mut().zip(&reach) {
