@@ -17,6 +17,7 @@ mod again;
 mod block;
 mod compression;
 mod consensus;
+mod contact;
 mod detected;
 mod gather;
 mod limb;
@@ -38,6 +39,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
         block::CONSTANTS,
         compression::CONSTANTS,
         consensus::CONSTANTS,
+        contact::CONSTANTS,
         detected::CONSTANTS,
         limb::CONSTANTS,
         profile::CONSTANTS,

@@ -1,6 +1,7 @@
 //! Where to search: the range along the axis and the expected limbs, from a region or from segments. Never where
 //! the limbs are.
 
+use super::contact::Boundary;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -19,7 +20,7 @@ constants! {
 
     /// What is nearer than the surface by this part of its depth lies in front of it: several times the noise of depth
     /// cameras.
-    NEARER = 0.005, "";
+    pub(super) NEARER = 0.005, "";
 
     /// A side is drawn again through the positions within this many median distances, so that a piece that an
     /// occluder cuts off does not turn it.
@@ -86,7 +87,8 @@ pub struct Side {
     /// Where something in front hides a part of the limb: the ends of the longest part that is seen, and beyond which of them it
     /// is hidden.
     pub seen: Option<([Vector2<f64>; 2], [bool; 2])>,
-    /// Whether it is the border of the image or of something in front of the cylinder rather than a limb.
+    /// Whether it is the border of the image, that of something in front of the cylinder, or where something touches it, rather
+    /// than a limb.
     pub cut: bool,
 }
 
@@ -171,6 +173,8 @@ impl<'a> Outline<'a> {
                 None => (anyway()?, true),
             };
             let ends = line.range.map(|s| center + along * s + normal * (line.offset + line.slope * s));
+            let outward = normal * [-1.0, 1.0][k];
+            let cut = cut || self.beyond(camera, rough).is_some_and(|beyond| beyond.is_contact(&ends, &outward));
             let seen = limbs.filter(|_| !cut).and_then(|limbs| {
                 let [first, second] = limbs.map(|limb| {
                     move |s: f64| -limb.dot(&(center + along * s).push(1.0)) / limb.xy().dot(&normal)
@@ -190,6 +194,11 @@ impl<'a> Outline<'a> {
             Some(Side { ends, seen, cut })
         };
         Some([side(0)?, side(1)?])
+    }
+
+    /// What the depth shows beyond the region of a body; `None` where there is no depth.
+    fn beyond<'b>(&'b self, camera: &'b Camera, body: &'b Cylinder) -> Option<Boundary<'b>> {
+        Some(Boundary { camera, depth: self.depth?, body, noise: &self.noise })
     }
 
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
