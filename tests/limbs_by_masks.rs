@@ -8,8 +8,11 @@ mod frames;
 mod twin_frames;
 
 use cylfuse::fitter::FitResult;
-use cylfuse::geometry::Cylinder;
-use cylfuse::twin::{Capture, Kind, drawn_mask, random_scene};
+use cylfuse::geometry::{Cylinder, RigidMotion};
+use cylfuse::twin::{
+    Body, Capture, Kind, Material, Scene, Shape, Style, TrueCylinder, drawn_mask, random_scene,
+};
+use nalgebra::{Matrix3, Vector3};
 use twin_frames::{SIZE, captured, fit_within};
 
 const FOCAL: f64 = 569.6;
@@ -61,5 +64,68 @@ fn a_mask_far_within_the_outline_does_not_hide_the_limbs() {
         let result = fit_within(&frame, FOCAL, eroded(&frame.body, 5));
         let (relative, deviations) = errors(&result, &frame.cylinders[0].truth.cylinder);
         assert!(result.limbs_located == 2 && relative < 0.005, "{seed}: {relative} {deviations}");
+    }
+}
+
+const RADIUS: f64 = 0.04;
+
+/// Where the axis of the bar is nearest to the camera.
+const BAR: Vector3<f64> = Vector3::new(0.0, 0.0, 0.7);
+
+fn body(object: u16, shape: Shape, at: Vector3<f64>, axis: Vector3<f64>, albedo: f64) -> Body {
+    let x = axis.cross(&Vector3::new(0.3, 0.2, 0.5)).normalize();
+    let pose = RigidMotion::new(Matrix3::from_columns(&[x, axis.cross(&x), axis]), at).unwrap();
+    let material = Material { albedo, cap_albedo: albedo, ..Material::default() };
+    Body { object, shape, pose, material, measured: object == 1 }
+}
+
+fn round(object: u16, at: Vector3<f64>, radius: f64) -> Body {
+    let shape = Shape::Turned { radii: [radius; 2], length: 0.24, bore: None };
+    body(object, shape, at, Vector3::x(), 0.6)
+}
+
+/// The fit to a bar across the image beside something else, and its errors.
+fn bar_beside(other: Body, seed: u64) -> (FitResult, f64, f64) {
+    let truth = TrueCylinder {
+        object: 1,
+        style: Style::Plain,
+        center: BAR,
+        cylinder: Cylinder::new(BAR, Vector3::x(), RADIUS).unwrap(),
+        length: 0.24,
+    };
+    let wall = body(0, Shape::Plane, Vector3::new(0.0, 0.0, 1.0), -Vector3::z(), 0.3);
+    let scene = Scene {
+        bodies: vec![round(1, BAR, RADIUS), other, wall],
+        cylinders: vec![truth],
+        lamp: Vector3::new(0.3, -1.0, -0.2),
+        ambient: 0.4,
+        ..Scene::default()
+    };
+    let frame = captured(&scene, FOCAL, seed);
+    let result = fit_within(&frame, FOCAL, drawn_mask(&frame.body, SIZE, seed));
+    let (relative, deviations) = errors(&result, &truth.cylinder);
+    (result, relative, deviations)
+}
+
+/// A plane through which the bar is sunk buries one of its limbs, and leaves the other one.
+#[test]
+fn where_a_plane_touches_the_body_is_no_limb() {
+    for (in_front, turned) in [(0.3, 0.3_f64), (0.2, 0.5)] {
+        let normal = Vector3::new(0.0, -turned.sin(), -turned.cos());
+        let plane = body(0, Shape::Plane, BAR + normal * (in_front * RADIUS), normal, 0.35);
+        let (result, relative, deviations) = bar_beside(plane, 83210);
+        assert_eq!(result.limbs_located, 1, "{in_front} {turned}");
+        assert!(relative < 0.02 && deviations < 2.0, "{in_front} {turned}: {relative} {deviations}");
+    }
+}
+
+/// What is as near beside a limb but round touches the body at the limb.
+#[test]
+fn a_limb_that_another_cylinder_touches_is_one() {
+    for (radius, seed) in [(0.04, 83221), (0.07, 83222)] {
+        let beside = round(2, BAR + Vector3::y() * (RADIUS + radius), radius);
+        let (result, relative, deviations) = bar_beside(beside, seed);
+        assert_eq!(result.limbs_located, 2, "{radius}");
+        assert!(relative < 0.02 && deviations < 2.0, "{radius}: {relative} {deviations}");
     }
 }

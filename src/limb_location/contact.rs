@@ -5,11 +5,11 @@
 //! tells: carried on to the line, it is nearer than the limb would be, by up to a radius. What is nearer by more stands in front.
 //!
 //! Another cylinder that touches the limb from beside is as near as that a few pixels beyond it, but bends away towards the limb.
-//! So only what is flat is a contact. Where the depth is not known along most of the line, nothing is told.
+//! So only what is flat, or hollow, is a contact. Where the depth is not known along most of the line, nothing is told.
 
 use super::region::NEARER;
 use crate::camera::Camera;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::DepthImage;
@@ -23,9 +23,12 @@ constants! {
     /// The same at most: one radius, and the error of the points that tell it.
     MOST_FRONT = 1.2, "radius";
 
-    /// What bends by less than this part of the step between the places is flat. Behind the limb of a cylinder of any radius the
-    /// depth bends by 0.7 to 0.9 of it.
+    /// What bends towards the line by less than this part of the step between the places is flat. Behind the limb of a cylinder of
+    /// any radius the depth bends by 0.7 to 0.9 of it, as sensors smooth it by 0.3 and more.
     FLAT = 0.25, "step";
+
+    /// What bends the other way by more begins somewhere beyond.
+    HOLLOW = 1.0, "step";
 
     /// Places along the line.
     POSITIONS = 32.0, "";
@@ -34,53 +37,73 @@ constants! {
 /// How many places beyond each position are compared.
 const PLACES: usize = 4;
 
-/// A part of the boundary of a region, seen from a body.
-pub(super) struct Boundary<'a> {
-    pub camera: &'a Camera,
-    pub depth: &'a DepthImage,
-    /// The body as a rough fit has it.
-    pub body: &'a Cylinder,
-    pub noise: &'a ImageNoise,
+/// What the depth shows beyond the region of a body.
+pub(super) struct Beyond<'a> {
+    camera: &'a Camera,
+    depth: &'a DepthImage,
+    axis: &'a Line,
+    noise: &'a ImageNoise,
+    /// Size of a pixel at the distance 1.
+    pixel: f64,
+    /// The radius as a part of the distance.
+    radius: f64,
+    /// How much farther than the limbs the axis of the rough fit is, as a part of the distance.
+    behind: f64,
 }
 
-impl Boundary<'_> {
+impl<'a> Beyond<'a> {
+    /// Beyond a body of which a rough fit and half of the width of its region in pixels are known. A small part of a surface may
+    /// tell a radius that is far off, but where its front is; the radius is that of a body whose limbs both sides are.
+    pub fn new(
+        camera: &'a Camera,
+        depth: &'a DepthImage,
+        rough: &'a Cylinder,
+        half_width: f64,
+        noise: &'a ImageNoise,
+    ) -> Self {
+        let intrinsics = camera.intrinsics();
+        let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+        let radius = half_width * pixel;
+        let behind = rough.radius / rough.axis.nearest_to_origin().norm() - radius;
+        Self { camera, depth, axis: &rough.axis, noise, pixel, radius, behind }
+    }
+
     /// Whether the body touches what is beyond a line between two points in ideal pixels, towards `outward` (of length 1).
-    pub fn is_contact(&self, ends: &[Vector2<f64>; 2], outward: &Vector2<f64>) -> bool {
+    pub fn touches(&self, ends: &[Vector2<f64>; 2], outward: &Vector2<f64>) -> bool {
         // The first place is past the reach of a boundary that is off, the others are as far from each other.
         let [step, ..] = self.noise.beyond();
+        let slope = step * self.pixel;
         let count = POSITIONS.count();
-        let mut profile: [List<f64>; PLACES] = Default::default();
-        let mut distance = 0.0;
-        for k in 0..count {
+        let at = |k: usize| {
             let q = ends[0].lerp(&ends[1], (k as f64 + 0.5) / count as f64);
-            let limb = self.limb_depth(&self.camera.ideal_ray(&q));
-            if !(limb > 0.0) {
+            (q, self.limb_depth(&self.camera.ideal_ray(&q)))
+        };
+        let positions: List<(Vector2<f64>, f64)> = (0..count).map(at).collect();
+        let mut profile = [0.0; PLACES];
+        for (place, depth) in (1..).zip(&mut profile) {
+            let beyond = outward * (step * f64::from(place));
+            let behind_limb =
+                |(q, limb): &(Vector2<f64>, f64)| Some(self.depth_at(&(q + beyond))? / limb - 1.0);
+            let mut depths: List<f64> = positions.iter().filter_map(behind_limb).collect();
+            *depth = median(&mut depths);
+            // Most lines end here: what is farther away than a surface at 45° to the limb is another one.
+            if 2 * depths.len() < count || *depth > slope * f64::from(place) {
                 return false;
             }
-            distance += limb / count as f64;
-            for (place, depths) in profile.iter_mut().enumerate() {
-                let beyond = q + outward * (step * (place + 1) as f64);
-                depths.extend(self.depth_at(&beyond).map(|depth| depth / limb - 1.0));
-            }
         }
-        if profile.iter().any(|depths| 2 * depths.len() < count) {
-            return false;
-        }
-        let [a, b, c, d] = profile.map(|mut depths| median(&mut depths));
-        // The line through the four places, carried on to where the region ends, and how much they bend.
-        let (away, bend) = (a + 0.5 * (b - d), a - b - c + d);
-        let radius = self.body.radius / distance;
-        let intrinsics = self.camera.intrinsics();
-        let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
-        let least = (LEAST_FRONT.get() * radius).max(NEARER.get());
-        bend.abs() <= FLAT.get() * step * pixel && (least..=MOST_FRONT.get() * radius).contains(&-away)
+        let [a, b, c, d] = profile;
+        // In front of the limb by the line through the four places, carried on to where the region ends; and how much they bend.
+        let (front, bend) = (-(a + 0.5 * (b - d)), a - b - c + d);
+        let least = (LEAST_FRONT.get() * self.radius).max(NEARER.get());
+        let most = MOST_FRONT.get() * self.radius;
+        (-HOLLOW.get() * slope..=FLAT.get() * slope).contains(&bend) && (least..=most).contains(&front)
     }
 
     /// The depth of a limb on a ray: where the ray is nearest to the axis.
     fn limb_depth(&self, ray: &Vector3<f64>) -> f64 {
-        let axis = &self.body.axis;
-        let across = ray - axis.direction * ray.dot(&axis.direction);
-        ray.z * axis.nearest_to_origin().dot(&across) / across.norm_squared()
+        let across = ray - self.axis.direction * ray.dot(&self.axis.direction);
+        let axis = self.axis.nearest_to_origin().dot(&across) / across.norm_squared();
+        ray.z * axis * (1.0 - self.behind)
     }
 
     fn depth_at(&self, ideal: &Vector2<f64>) -> Option<f64> {

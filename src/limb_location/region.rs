@@ -1,7 +1,7 @@
 //! Where to search: the range along the axis and the expected limbs, from a region or from segments. Never where
 //! the limbs are.
 
-use super::contact::Boundary;
+use super::contact::Beyond;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -173,8 +173,6 @@ impl<'a> Outline<'a> {
                 None => (anyway()?, true),
             };
             let ends = line.range.map(|s| center + along * s + normal * (line.offset + line.slope * s));
-            let outward = normal * [-1.0, 1.0][k];
-            let cut = cut || self.beyond(camera, rough).is_some_and(|beyond| beyond.is_contact(&ends, &outward));
             let seen = limbs.filter(|_| !cut).and_then(|limbs| {
                 let [first, second] = limbs.map(|limb| {
                     move |s: f64| -limb.dot(&(center + along * s).push(1.0)) / limb.xy().dot(&normal)
@@ -193,12 +191,18 @@ impl<'a> Outline<'a> {
             });
             Some(Side { ends, seen, cut })
         };
-        Some([side(0)?, side(1)?])
-    }
-
-    /// What the depth shows beyond the region of a body; `None` where there is no depth.
-    fn beyond<'b>(&'b self, camera: &'b Camera, body: &'b Cylinder) -> Option<Boundary<'b>> {
-        Some(Boundary { camera, depth: self.depth?, body, noise: &self.noise })
+        let mut sides = [side(0)?, side(1)?];
+        if let Some(depth) = self.depth {
+            let [first, second] = sides.map(|side| side.ends[0] + side.ends[1]);
+            let half_width = (second - first).dot(&normal) / 4.0;
+            let beyond = Beyond::new(camera, depth, rough, half_width, &self.noise);
+            for (side, outward) in sides.iter_mut().zip([-normal, normal]) {
+                if !side.cut && beyond.touches(&side.ends, &outward) {
+                    (side.cut, side.seen) = (true, None);
+                }
+            }
+        }
+        Some(sides)
     }
 
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
