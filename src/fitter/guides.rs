@@ -20,7 +20,7 @@ pub(super) struct Guides {
     pub given: List<PixelSegment>,
     /// Sides of the mask.
     pub sides: List<PixelSegment>,
-    /// Sides at which something in front ends the mask, or the image ends.
+    /// Sides at which something in front ends the mask, something touches the body, or the image ends.
     pub cut: List<PixelSegment>,
     /// The parts of sides beside which the limb is seen, and beyond which of their ends something in front hides it.
     pub seen: List<(PixelSegment, [bool; 2])>,
@@ -55,7 +55,7 @@ impl Guides {
         }
     }
 
-    /// The limbs of which nothing is seen: something in front ends the mask beside them, or the image.
+    /// The limbs of which nothing is seen: no side of the mask but one that is cut.
     pub fn covered(&self) -> [bool; 2] {
         let on = |lines: &[PixelSegment], limb: usize| lines.iter().any(|line| line.limb == Some(limb));
         [0, 1].map(|limb| on(&self.cut, limb) && !on(&self.sides, limb))

@@ -130,7 +130,7 @@ impl LimbSearch {
 pub enum NotVisible {
     /// The cylinder has no limbs in front of the camera: the camera is inside it, or the range lies behind.
     NoLimbs,
-    /// Fewer than 12 rows or columns of the image show the range, or something in front covers the limb.
+    /// Fewer than 12 rows or columns of the image show the range, or something covers the limb.
     TooShort,
     /// No line in reach has more of an edge than noise gives.
     NoEdge,
