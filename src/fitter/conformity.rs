@@ -9,6 +9,7 @@ impl Flags {
     pub const UNDECIDED: Self = Self::POOR_FIT
         .union(Self::POINTS_AND_LIMBS_DISAGREE)
         .union(Self::BODY_TAPERS)
+        .union(Self::MASK_DISAGREES)
         .union(Self::DEPTH_SHIFTED)
         .union(Self::HIDDEN_WALL)
         .union(Self::MASK_ENDS_WITH_DEPTH)

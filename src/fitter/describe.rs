@@ -127,7 +127,10 @@ pub(super) fn describe(
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
-    flags.set(Flags::POOR_FIT, count > 0 && scales.all > largest_scale(data, cylinder));
+    let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(&frame, scales);
+    flags.set(Flags::POOR_FIT, count > 0 && poor);
+    let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
+    flags.set(Flags::MASK_DISAGREES, uncertainty.as_ref().is_some_and(disagrees));
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
     flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));

@@ -33,6 +33,11 @@ impl Neighbours {
         Self { band, lattice }
     }
 
+    /// The points of a view whose residuals tell it.
+    pub fn cloud<'a>(&'a self, view: &'a ViewData<'_>) -> &'a PointCloud {
+        self.band.as_ref().unwrap_or(&view.view.cloud)
+    }
+
     /// The points of the band, where there is one.
     pub fn band(&self) -> Option<PointTerm<'_>> {
         Some(PointTerm::new(self.band.as_ref()?, None))
@@ -47,7 +52,7 @@ impl Neighbours {
         residuals: &[f64],
         cutoff: f64,
     ) -> f64 {
-        let cloud = self.band.as_ref().unwrap_or(&view.view.cloud);
+        let cloud = self.cloud(view);
         let of_surface = if self.lattice.is_none() { Lattice::on_surface(cloud, frame) } else { None };
         let independent = match self.lattice.as_ref().or(of_surface.as_ref()) {
             Some(lattice) => lattice.independent_points(residuals, cutoff),

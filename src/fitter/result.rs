@@ -56,12 +56,18 @@ bitflags::bitflags! {
         const MASK_ENDS_WITH_DEPTH = 1 << 17;
         /// The points do not lie on the cylinder: they scatter about its surface ([`FitResult::point_scale`]) by more than
         /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
-        /// depth where the caller states it; without a camera, by more than a quarter of the radius.
+        /// depth where the caller states it; without a camera, by more than a quarter of the radius. Or what they leave has a shape
+        /// along the axis that no cylinder has: that of a pipe that is bent, a sphere or a cone, with 2 % of the radius and more
+        /// and more than all that is left beside it.
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one
         /// of the lines is no limb.
         const BODY_TAPERS = 1 << 19;
+        /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
+        /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image
+        /// ends it. Only where fewer than two limbs were located or given.
+        const MASK_DISAGREES = 1 << 20;
     }
 }
 

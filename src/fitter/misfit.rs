@@ -1,0 +1,116 @@
+//! Whether the points lie on a body that is no cylinder: one that is bent, bulges as a sphere does, or widens.
+//!
+//! The scale of the points tells it only where the body is wrong by more than depth cameras scatter. What such a body leaves
+//! is small, but no noise: it changes smoothly along the axis. So distances from the cylinder are explained twice by least
+//! squares, along the position x on the axis and the angle φ about it: by what a cylinder near by leaves, 1, cos φ, sin φ,
+//! x cos φ and x sin φ, and by x, x², x² cos φ and x² sin φ besides, which are a cone, a bulge and a bend.
+
+use super::data::{Data, ViewData};
+use super::scales::Scales;
+use crate::geometry::{Cylinder, LocalFrame};
+use crate::memory::List;
+use crate::observations::PointCloud;
+use crate::residuals::{RobustScales, TUKEY_EFFICIENT};
+use nalgebra::{SMatrix, SVector, Vector3};
+
+/// Points of a view that tell it.
+const SAMPLE: usize = 400;
+
+/// Terms, and how many of them, the first ones, another cylinder explains.
+const TERMS: usize = 9;
+const OF_CYLINDER: usize = 5;
+
+/// What the shape explains must have this part of the variance that is left at least: the waves of time of flight on right
+/// cylinders explain as much now and then.
+const LEAST_GAIN: f64 = 1.0;
+
+/// The root mean square of what the shape explains as a part of the radius. Those waves have 1.9 % of it at most, bent pipes
+/// 2.6 % and more, spheres 3.9 %.
+const LEAST_PART: f64 = 0.02;
+
+/// The statistic of the F-test by independent points beyond which a shape is no chance, and the fewest of these.
+const SIGNIFICANT: f64 = 10.0;
+const LEAST_INDEPENDENT: f64 = 20.0;
+
+/// The part of the weight that every term has beside its points: those of a narrow arc tell some terms apart hardly.
+const RIDGE: f64 = 1e-6;
+
+type Terms = SVector<f64, TERMS>;
+
+/// The distance of a point from the surface, and the terms there. The frame is that of the view.
+fn terms(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Terms) {
+    let Cylinder { axis, radius } = frame.cylinder;
+    let from_axis = point - axis.point;
+    let x = from_axis.dot(&axis.direction) / frame.unit;
+    let (u, v) = (from_axis.dot(&frame.u), from_axis.dot(&frame.v));
+    let from_middle = (u * u + v * v).sqrt();
+    // On the axis every direction is as good.
+    let (cos, sin) = if from_middle > 0.0 { (u / from_middle, v / from_middle) } else { (1.0, 0.0) };
+    let square = x * x;
+    (from_middle - radius, Terms::from([1.0, cos, sin, x * cos, x * sin, x, square, square * cos, square * sin]))
+}
+
+/// A body that explains the distances of points from a cylinder.
+struct Shape {
+    coefficients: Terms,
+    /// The variance that it explains and another cylinder does not, and what is left.
+    explained: f64,
+    left: f64,
+}
+
+impl Shape {
+    /// By the points of a cloud that lie within a cutoff; `None` where they do not determine it.
+    fn new(cloud: &PointCloud, frame: &LocalFrame, cutoff: f64) -> Option<Self> {
+        let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
+        let mut right = Terms::zeros();
+        let (mut square, mut total) = (0.0, 0.0);
+        let count = SAMPLE.min(cloud.len());
+        for index in (0..count).map(|k| k * cloud.len() / count) {
+            let (distance, terms) = terms(frame, &cloud.point(index));
+            let part = distance / cutoff;
+            let root = 1.0 - part * part;
+            if root > 0.0 {
+                let weight = cloud.weight(index) * root * root;
+                let weighted = terms * weight;
+                normal.ger(1.0, &weighted, &terms, 1.0);
+                right += weighted * distance;
+                square += weight * distance * distance;
+                total += weight;
+            }
+        }
+        let lower = (normal + SMatrix::identity() * (RIDGE * total)).cholesky()?.unpack();
+        // The squares of these are what one term after the other explains.
+        let by_terms = lower.solve_lower_triangular(&right)?;
+        let explained: f64 = by_terms.iter().skip(OF_CYLINDER).map(|part| part * part).sum();
+        let left = (square - by_terms.norm_squared()).max(0.0);
+        let coefficients = lower.tr_solve_lower_triangular(&by_terms)?;
+        (total > 0.0).then(|| Self { coefficients, explained: explained / total, left: left / total })
+    }
+}
+
+impl Data<'_> {
+    /// Whether the points of a view lie on a body that is no cylinder.
+    pub fn is_misfit(&self, frame: &LocalFrame, scales: &Scales) -> bool {
+        let mut views = self.views.iter().zip(&scales.views);
+        self.is_robust() && views.any(|(view, scales)| is_misfit(view, &frame.moved(&view.into_view), scales))
+    }
+}
+
+fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
+    let cutoff = TUKEY_EFFICIENT * scales.point;
+    let Some(shape) = Shape::new(&view.view.cloud, frame, cutoff) else { return false };
+    let least = LEAST_PART * frame.cylinder.radius;
+    if !(shape.explained >= LEAST_GAIN * shape.left && shape.explained >= least * least) {
+        return false;
+    }
+    // Where a shape is, its residuals pass for correlated noise: what is left beside it tells how many are independent.
+    let residual = |point: Vector3<f64>| {
+        let (distance, terms) = terms(frame, &point);
+        distance - terms.dot(&shape.coefficients)
+    };
+    let residuals: List<f64> = view.neighbours.cloud(view).points().map(residual).collect();
+    let cutoff = TUKEY_EFFICIENT * shape.left.sqrt();
+    let independent = view.neighbours.independent_points(view, frame, &residuals, cutoff);
+    let [freed, freedom] = [(TERMS - OF_CYLINDER) as f64, independent - TERMS as f64];
+    independent >= LEAST_INDEPENDENT && shape.explained / freed > SIGNIFICANT * shape.left / freedom
+}

@@ -1,0 +1,138 @@
+//! Whether the mask that the caller gave ends beside the limbs of the fitted cylinder.
+//!
+//! A mask is a hint and roughly drawn, but not by many pixels along most of a body. Where it ends far within a limb, or goes on
+//! far beyond one, depth and image are misaligned, the depth is smeared beyond the body, or the mask holds something else.
+//! Lids, handles and what stands in front change the width of a mask, too: along a part of the axis, or the depth shows it.
+
+use super::data::{Data, ViewData};
+use super::held::{Held, HeldView};
+use super::scales::Scales;
+use crate::camera::Camera;
+use crate::geometry::{Cylinder, LimbFrame};
+use crate::memory::List;
+use crate::observations::{DepthImage, Mask};
+use crate::statistics::at_both_ends;
+use nalgebra::{Vector2, Vector3};
+
+/// Places along the axis at which the mask is looked at.
+const PLACES: usize = 16;
+
+/// Points that tell along which part of the axis the body is seen, and the part of them beyond it at either end: caps and rims
+/// have another width.
+const SAMPLE: usize = 64;
+const BEYOND: usize = SAMPLE / 10;
+
+/// Standard deviations by which masks are uneven, and those of the radius that state the error of a limb.
+const UNEVEN: f64 = 2.0;
+const DEVIATIONS: f64 = 3.0;
+
+/// Steps from a limb to the axis in which the end of a mask is looked for.
+const STEPS: usize = 16;
+
+/// What stands in front is nearer than the surface by this many standard deviations of the points.
+const NEARER: f64 = 3.0;
+
+/// How a mask ends beside a limb at one place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Beside {
+    Near,
+    Within,
+    Beyond,
+}
+
+/// A view of a cylinder, in the coordinates of the view.
+struct Silhouette<'a> {
+    camera: &'a Camera,
+    mask: &'a Mask,
+    depth: Option<&'a DepthImage>,
+    cylinder: Cylinder,
+    /// How far nearer something in front is.
+    nearer: f64,
+}
+
+impl Data<'_> {
+    /// Whether the mask of a view ends beside a limb of a cylinder whose radius has a standard deviation, along most of the axis.
+    pub fn mask_disagrees(&self, held: &Held, cylinder: &Cylinder, scales: &Scales, deviation: f64) -> bool {
+        let mut views = self.views.iter().zip(&held.views).zip(&scales.views);
+        self.is_robust()
+            && views.any(|((view, held), scales)| {
+                let nearer = NEARER * scales.point;
+                mask_disagrees(view, held, view.seen(cylinder), nearer, deviation) == Some(true)
+            })
+    }
+}
+
+/// `None` where there is nothing to compare.
+fn mask_disagrees(
+    view: &ViewData<'_>,
+    held: &HeldView,
+    cylinder: Cylinder,
+    nearer: f64,
+    deviation: f64,
+) -> Option<bool> {
+    // Two limbs that are seen confirm each other, whatever the mask is.
+    if held.located + held.given >= 2 || !view.view.sides_tell() {
+        return None;
+    }
+    let (camera, mask) = (view.camera()?, view.view.mask.as_ref()?);
+    let silhouette = Silhouette { camera, mask, depth: view.view.depth(), cylinder, nearer };
+    let Cylinder { axis, radius } = cylinder;
+    let position = |point: Vector3<f64>| (point - axis.point).dot(&axis.direction);
+    let positions: List<f64> = view.view.cloud.sampled(SAMPLE).map(position).collect();
+    let [low, high] = at_both_ends(&positions, BEYOND.min(positions.len().checked_sub(1)? / 2));
+    let usual = view.noise.growth + UNEVEN * view.noise.unevenness;
+    let lines = LimbFrame::new(&cylinder)?.limb_lines();
+    let disagrees = lines.into_iter().any(|line| {
+        let counts = (0..PLACES).fold([0; 3], |mut counts, k| {
+            let along = low + (high - low) * (k as f64 + 0.5) / PLACES as f64;
+            let middle = axis.point + axis.direction * along;
+            let limb = line.point + line.direction * (middle - line.point).dot(&line.direction);
+            let beside = silhouette.beside([&middle, &limb], usual, DEVIATIONS * deviation / radius);
+            counts[beside.map_or(0, |beside| beside as usize)] += usize::from(beside.is_some());
+            counts
+        });
+        let [near, within, beyond] = counts;
+        let most = (near + within + beyond).max(PLACES / 2) / 2;
+        within > most || beyond > most
+    });
+    // The most work comes last: most masks are where the limbs are.
+    Some(disagrees && view.view.mask_is_drawn())
+}
+
+impl Silhouette<'_> {
+    /// How the mask ends at a limb beside a point of the axis: within what is `usual` in pixels and some part of the half width
+    /// `uncertain`. `None` where the image ends, something in front hides the limb, or neither is seen.
+    fn beside(&self, [middle, limb]: [&Vector3<f64>; 2], usual: f64, uncertain: f64) -> Option<Beside> {
+        let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
+        let width = (limb - middle).norm();
+        let outward = (limb - middle) / width;
+        let limit = usual.hypot(uncertain * width);
+        let within = self.pixel(&(limb - outward * limit.min(width)))?;
+        let beyond = self.pixel(&(limb + outward * limit))?;
+        if self.mask.contains(beyond.0, beyond.1) {
+            return Some(Beside::Beyond);
+        }
+        if limit >= width || self.mask.contains(within.0, within.1) {
+            return Some(Beside::Near);
+        }
+        let step = outward * ((width - limit) / STEPS as f64);
+        let inward = (0..STEPS).map_while(|k| self.pixel(&(limb - outward * limit - step * k as f64)));
+        let mut missing = inward.take_while(|&(x, y)| !self.mask.contains(x, y));
+        let hidden = missing.any(|pixel| self.is_hidden(pixel));
+        (!hidden).then_some(Beside::Within)
+    }
+
+    /// The pixel at a place in the image.
+    fn pixel(&self, at: &Vector2<f64>) -> Option<(usize, usize)> {
+        let (x, y) = (at.x.round(), at.y.round());
+        let (width, height) = (self.mask.width() as f64, self.mask.height() as f64);
+        (x >= 0.0 && y >= 0.0 && x < width && y < height).then_some((x as usize, y as usize))
+    }
+
+    /// Whether something is seen there in front of the cylinder.
+    fn is_hidden(&self, (x, y): (usize, usize)) -> bool {
+        let depth = self.depth.and_then(|depth| depth.depth(x, y));
+        let surface = self.camera.ray_of_pixel(x, y).and_then(|ray| self.cylinder.first_hit(&ray));
+        depth.zip(surface).is_some_and(|(depth, surface)| depth < surface.z - self.nearer)
+    }
+}
