@@ -8,10 +8,7 @@ mod frames;
 mod twin_frames;
 
 use cylfuse::fitter::{FitResult, Flags};
-use cylfuse::geometry::RigidMotion;
-use cylfuse::twin::{Body, Material, Scene, Shape};
-use nalgebra::{Matrix3, Vector3};
-use twin_frames::{captured, fit_within};
+use twin_frames::{captured, fit_within, turned_before_wall};
 
 const FOCAL: f64 = 570.0;
 
@@ -22,18 +19,7 @@ const HALF_LENGTH: f64 = 0.06;
 /// along the axis, which lies across the view.
 fn fit(slope: f64) -> FitResult {
     let radii = [-1.0, 1.0].map(|end| 0.04 + slope * HALF_LENGTH * end);
-    let turned = Shape::Turned { radii, length: 2.0 * HALF_LENGTH, bore: None };
-    let rotation = Matrix3::from_columns(&[Vector3::y(), Vector3::z(), Vector3::x()]);
-    let body = |object, shape, rotation, z| Body {
-        object,
-        shape,
-        pose: RigidMotion::new(rotation, Vector3::new(0.0, 0.0, z)).unwrap(),
-        material: Material { albedo: if object == 0 { 0.9 } else { 0.4 }, ..Material::default() },
-        measured: false,
-    };
-    let bodies = vec![body(1, turned, rotation, 0.7), body(0, Shape::Plane, Matrix3::identity(), 1.0)];
-    let scene = Scene { bodies, lamp: Vector3::new(0.2, -0.3, -0.3), ambient: 0.5, ..Scene::default() };
-    let frame = captured(&scene, FOCAL, 1);
+    let frame = captured(&turned_before_wall(radii, 2.0 * HALF_LENGTH), FOCAL, 1);
     fit_within(&frame, FOCAL, frame.labels.iter().map(|label| u8::from(*label == 1)).collect())
 }
 

@@ -90,7 +90,7 @@ func (flags Flags) String() string {
 	return bitNames(uint32(flags), "edges ignored", "segments unusable", "edges cross", "edges coincide", "edges behind",
 		"scale held", "weak radius", "resolution lost", "not converged", "hidden wall", "camera inside", "points not finite",
 		"points and limbs disagree", "radius at limit", "axis at limit", "uncertainty unknown",
-		"depth shifted", "mask ends with depth", "poor fit", "body tapers")
+		"depth shifted", "mask ends with depth", "poor fit", "body tapers", "mask disagrees")
 }
 
 // bitNames are the names of the bits that are set, the lowest of which has the first name.

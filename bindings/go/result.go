@@ -71,11 +71,15 @@ const (
 	// FlagMaskEndsWithDepth: a mask holds the pixels that have depth and no others, so its sides are no hint where the limbs are.
 	FlagMaskEndsWithDepth Flags = C.CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH
 	// FlagPoorFit: the points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
-	// from the camera or, without a camera, by more than a quarter of the radius.
+	// from the camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that no
+	// cylinder has.
 	FlagPoorFit Flags = C.CYLFUSE_RESULT_FLAGS_POOR_FIT
 	// FlagBodyTapers: the lines of both limbs turn against each other, so that the radius changes along the axis: the
 	// body is no cylinder, or one of the lines is no limb.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
+	// FlagMaskDisagrees: the mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and
+	// the deviation of the radius says.
+	FlagMaskDisagrees Flags = C.CYLFUSE_RESULT_FLAGS_MASK_DISAGREES
 )
 
 // Has says whether all of these warnings are there.

@@ -1164,6 +1164,7 @@ typedef uint32_t cylfuse_result_flags;
  * The points do not lie on the cylinder, so its numbers mean nothing: `point_deviation` is more than 1 % of their
  * distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
  * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
+ * Or what they leave has a shape along the axis that no cylinder has, as a bent pipe, a sphere or a cone does.
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 /**
@@ -1172,6 +1173,13 @@ typedef uint32_t cylfuse_result_flags;
  * is no limb.
  */
 #define CYLFUSE_RESULT_FLAGS_BODY_TAPERS 524288
+/**
+ * The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of an
+ * image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
+ * border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
+ * something else. Only where fewer than two limbs of a view were located or given.
+ */
+#define CYLFUSE_RESULT_FLAGS_MASK_DISAGREES 1048576
 
 /**
  * Why an iteration ended.
@@ -3407,11 +3415,11 @@ CYLFUSE_NOEXCEPT;
  *
  * For the radius of a fit give `model.radius` and `radius_deviation` of its `cylfuse_cylinder_estimate`, for its
  * diameter twice of both, and `flags` of its `cylfuse_result`. Nothing is decided with a warning of which the deviation
- * says nothing: POOR_FIT, POINTS_AND_LIMBS_DISAGREE, BODY_TAPERS, DEPTH_SHIFTED, HIDDEN_WALL, MASK_ENDS_WITH_DEPTH,
- * NOT_CONVERGED, RADIUS_AT_LIMIT, AXIS_AT_LIMIT, SCALE_HELD, RESOLUTION_LOST, UNCERTAINTY_UNKNOWN. A deviation covers
- * the noise of the data and what the options say that all points share, not a wrong scale of the depth nor wrong
- * intrinsics: a decision is as good as that. The length of an extent with an end that is not SEEN is that of the visible
- * part: of the whole only NOT_CONFORMING above the upper limit is true.
+ * says nothing: POOR_FIT, POINTS_AND_LIMBS_DISAGREE, BODY_TAPERS, MASK_DISAGREES, DEPTH_SHIFTED, HIDDEN_WALL,
+ * MASK_ENDS_WITH_DEPTH, NOT_CONVERGED, RADIUS_AT_LIMIT, AXIS_AT_LIMIT, SCALE_HELD, RESOLUTION_LOST, UNCERTAINTY_UNKNOWN.
+ * A deviation covers the noise of the data and what the options say that all points share, not a wrong scale of the depth
+ * nor wrong intrinsics: a decision is as good as that. The length of an extent with an end that is not SEEN is that of the
+ * visible part: of the whole only NOT_CONFORMING above the upper limit is true.
  *
  * @param value in any unit of length, finite
  * @param deviation its standard deviation, in that unit. NaN, as of a method that states none, and 0, as of a radius

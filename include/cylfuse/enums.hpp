@@ -142,6 +142,7 @@ enum class ResultFlags : cylfuse_result_flags {
     MaskEndsWithDepth = CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH,
     PoorFit = CYLFUSE_RESULT_FLAGS_POOR_FIT,
     BodyTapers = CYLFUSE_RESULT_FLAGS_BODY_TAPERS,
+    MaskDisagrees = CYLFUSE_RESULT_FLAGS_MASK_DISAGREES,
 };
 
 /** Both. */

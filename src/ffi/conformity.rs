@@ -12,11 +12,11 @@ use crate::fitter::{Flags, Tolerance};
 ///
 /// For the radius of a fit give `model.radius` and `radius_deviation` of its `cylfuse_cylinder_estimate`, for its
 /// diameter twice of both, and `flags` of its `cylfuse_result`. Nothing is decided with a warning of which the deviation
-/// says nothing: POOR_FIT, POINTS_AND_LIMBS_DISAGREE, BODY_TAPERS, DEPTH_SHIFTED, HIDDEN_WALL, MASK_ENDS_WITH_DEPTH,
-/// NOT_CONVERGED, RADIUS_AT_LIMIT, AXIS_AT_LIMIT, SCALE_HELD, RESOLUTION_LOST, UNCERTAINTY_UNKNOWN. A deviation covers
-/// the noise of the data and what the options say that all points share, not a wrong scale of the depth nor wrong
-/// intrinsics: a decision is as good as that. The length of an extent with an end that is not SEEN is that of the visible
-/// part: of the whole only NOT_CONFORMING above the upper limit is true.
+/// says nothing: POOR_FIT, POINTS_AND_LIMBS_DISAGREE, BODY_TAPERS, MASK_DISAGREES, DEPTH_SHIFTED, HIDDEN_WALL,
+/// MASK_ENDS_WITH_DEPTH, NOT_CONVERGED, RADIUS_AT_LIMIT, AXIS_AT_LIMIT, SCALE_HELD, RESOLUTION_LOST, UNCERTAINTY_UNKNOWN.
+/// A deviation covers the noise of the data and what the options say that all points share, not a wrong scale of the depth
+/// nor wrong intrinsics: a decision is as good as that. The length of an extent with an end that is not SEEN is that of the
+/// visible part: of the whole only NOT_CONFORMING above the upper limit is true.
 ///
 /// @param value in any unit of length, finite
 /// @param deviation its standard deviation, in that unit. NaN, as of a method that states none, and 0, as of a radius

@@ -14,7 +14,7 @@ use crate::residuals::{RobustScales, TUKEY_EFFICIENT};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Points of a view that tell it.
-const SAMPLE: usize = 400;
+const SAMPLE: usize = 160;
 
 /// Terms, and how many of them, the first ones, another cylinder explains.
 const TERMS: usize = 9;
@@ -47,7 +47,10 @@ fn terms(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Terms) {
     // On the axis every direction is as good.
     let (cos, sin) = if from_middle > 0.0 { (u / from_middle, v / from_middle) } else { (1.0, 0.0) };
     let square = x * x;
-    (from_middle - radius, Terms::from([1.0, cos, sin, x * cos, x * sin, x, square, square * cos, square * sin]))
+    (
+        from_middle - radius,
+        Terms::from([1.0, cos, sin, x * cos, x * sin, x, square, square * cos, square * sin]),
+    )
 }
 
 /// A body that explains the distances of points from a cylinder.

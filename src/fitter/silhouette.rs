@@ -22,7 +22,8 @@ const PLACES: usize = 16;
 const SAMPLE: usize = 64;
 const BEYOND: usize = SAMPLE / 10;
 
-/// Standard deviations by which masks are uneven, and those of the radius that state the error of a limb.
+/// Standard deviations by which masks are uneven beside their largest growth; and those of a side, where the caller's masks are
+/// rougher than usual, and of the radius.
 const UNEVEN: f64 = 2.0;
 const DEVIATIONS: f64 = 3.0;
 
@@ -80,7 +81,8 @@ fn mask_disagrees(
     let position = |point: Vector3<f64>| (point - axis.point).dot(&axis.direction);
     let positions: List<f64> = view.view.cloud.sampled(SAMPLE).map(position).collect();
     let [low, high] = at_both_ends(&positions, BEYOND.min(positions.len().checked_sub(1)? / 2));
-    let usual = view.noise.growth + UNEVEN * view.noise.unevenness;
+    let noise = &view.noise;
+    let usual = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
     let lines = LimbFrame::new(&cylinder)?.limb_lines();
     let disagrees = lines.into_iter().any(|line| {
         let counts = (0..PLACES).fold([0; 3], |mut counts, k| {

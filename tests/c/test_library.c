@@ -30,6 +30,7 @@ static void results_have_texts(void)
 {
     CHECK(strncmp(cylfuse_flag_string(CYLFUSE_RESULT_FLAGS_WEAK_RADIUS), "WEAK_RADIUS: ", 13) == 0);
     CHECK(strncmp(cylfuse_flag_string(CYLFUSE_RESULT_FLAGS_BODY_TAPERS), "BODY_TAPERS: ", 13) == 0);
+    CHECK(strncmp(cylfuse_flag_string(CYLFUSE_RESULT_FLAGS_MASK_DISAGREES), "MASK_DISAGREES: ", 16) == 0);
     CHECK(strcmp(cylfuse_termination_string(CYLFUSE_TERMINATION_COST), "COST: the cost no longer fell") == 0);
     CHECK(strcmp(cylfuse_end_state_string(CYLFUSE_END_STATE_SEEN), "SEEN: the surface ends there") == 0);
     CHECK(strncmp(cylfuse_end_source_string(CYLFUSE_END_SOURCE_BORDER), "BORDER: ", 8) == 0);

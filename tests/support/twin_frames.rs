@@ -4,9 +4,12 @@
 use super::frames::Inputs;
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::fitter::FitResult;
+use cylfuse::geometry::RigidMotion;
 use cylfuse::twin::{
-    Capture, CaptureOptions, DEPTH_UNIT, DepthSensor, PictureOptions, Scene, StructuredLight, capture,
+    Body, Capture, CaptureOptions, DEPTH_UNIT, DepthSensor, Material, PictureOptions, Scene, Shape,
+    StructuredLight, capture,
 };
+use nalgebra::{Matrix3, Vector3};
 
 pub const SIZE: (usize, usize) = (640, 480);
 
@@ -14,6 +17,21 @@ pub const SIZE: (usize, usize) = (640, 480);
 pub fn intrinsics(focal: f64) -> Intrinsics {
     let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
     Intrinsics { width, height, fx: focal, fy: focal, cx: 319.5, cy: 239.5, distortion: Distortion::None }
+}
+
+/// A turned body, object 1, in front of a wall. Its axis lies across the view, along x.
+pub fn turned_before_wall(radii: [f64; 2], length: f64) -> Scene {
+    let turned = Shape::Turned { radii, length, bore: None };
+    let rotation = Matrix3::from_columns(&[Vector3::y(), Vector3::z(), Vector3::x()]);
+    let body = |object, shape, rotation, z| Body {
+        object,
+        shape,
+        pose: RigidMotion::new(rotation, Vector3::new(0.0, 0.0, z)).unwrap(),
+        material: Material { albedo: if object == 0 { 0.9 } else { 0.4 }, ..Material::default() },
+        measured: false,
+    };
+    let bodies = vec![body(1, turned, rotation, 0.7), body(0, Shape::Plane, Matrix3::identity(), 1.0)];
+    Scene { bodies, lamp: Vector3::new(0.2, -0.3, -0.3), ambient: 0.5, ..Scene::default() }
 }
 
 /// What the twin sees of a scene.

@@ -100,11 +100,15 @@ namespace Cylfuse
         /// no hint where the limbs are.</summary>
         MaskEndsWithDepth = 131072,
         /// <summary>The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
-        /// from the camera or, without a camera, by more than a quarter of the radius.</summary>
+        /// from the camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that
+        /// no cylinder has.</summary>
         PoorFit = 262144,
         /// <summary>The lines of both limbs turn against each other, so that the radius changes along the axis: the body
         /// is no cylinder, or one of the lines is no limb.</summary>
         BodyTapers = 524288,
+        /// <summary>The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the
+        /// deviation of the radius says.</summary>
+        MaskDisagrees = 1048576,
     }
 
     /// <summary>Which residuals to list.</summary>

@@ -22,7 +22,7 @@ const enumerations = {
     'scale-held': 32, 'weak-radius': 64, 'resolution-lost': 128, 'not-converged': 256, 'hidden-wall': 512,
     'camera-inside': 1024, 'points-not-finite': 2048, 'points-and-limbs-disagree': 4096, 'radius-at-limit': 8192,
     'axis-at-limit': 16384, 'uncertainty-unknown': 32768, 'depth-shifted': 65536,
-    'mask-ends-with-depth': 131072, 'poor-fit': 262144, 'body-tapers': 524288,
+    'mask-ends-with-depth': 131072, 'poor-fit': 262144, 'body-tapers': 524288, 'mask-disagrees': 1048576,
   },
   residualKind: { points: 1, edges: 2 },
   layout: { packed: 0, organised: 1 },

@@ -8,7 +8,7 @@ export type Flag =
   | 'weak-radius' | 'resolution-lost' | 'not-converged' | 'hidden-wall' | 'camera-inside' | 'points-not-finite'
   | 'points-and-limbs-disagree' | 'radius-at-limit' | 'axis-at-limit' | 'uncertainty-unknown'
   | 'depth-shifted' | 'mask-ends-with-depth' | 'poor-fit'
-  | 'body-tapers';
+  | 'body-tapers' | 'mask-disagrees';
 
 /** The outcome of a fit: the cylinder, how certain it is, and the numbers to judge it. Deviations are standard ones. */
 export interface Result {

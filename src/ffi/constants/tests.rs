@@ -37,6 +37,7 @@ fn the_flags_are_those_of_the_library() {
         F::MASK_ENDS_WITH_DEPTH,
         F::POOR_FIT,
         F::BODY_TAPERS,
+        F::MASK_DISAGREES,
     ];
     let there: Vec<u32> = Flags::all().iter().map(|flag| flag.bits()).collect();
     assert_eq!(here.map(|flag| flag.0).as_slice(), there);

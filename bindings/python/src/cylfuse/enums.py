@@ -357,11 +357,15 @@ class ResultFlags(IntFlag):
     #: A mask holds the pixels that have depth and no others: its sides are no hint where the limbs are.
     MASK_ENDS_WITH_DEPTH = 131072
     #: The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
-    #: camera or, without a camera, by more than a quarter of the radius.
+    #: camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that no
+    #: cylinder has.
     POOR_FIT = 262144
     #: The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
     #: cylinder, or one of the lines is no limb.
     BODY_TAPERS = 524288
+    #: The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation
+    #: of the radius says.
+    MASK_DISAGREES = 1048576
 
     @property
     def names(self) -> list[str]:

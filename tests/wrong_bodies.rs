@@ -1,0 +1,71 @@
+//! What is no cylinder, and masks that are not where the cylinder is: their results have warnings, however small the stated
+//! deviations are.
+#![cfg(feature = "twin")]
+#![allow(clippy::unwrap_used, reason = "a test program")]
+
+#[path = "support/frames.rs"]
+mod frames;
+#[path = "support/twin_frames.rs"]
+mod twin_frames;
+
+use cylfuse::fitter::{Fitter, Flags};
+use cylfuse::observations::PointsView;
+use nalgebra::Vector3;
+use twin_frames::{SIZE, captured, fit_within, turned_before_wall};
+
+const FOCAL: f64 = 569.6;
+const RADIUS: f64 = 0.04;
+
+/// The warnings of the near half of a body along x, whose axis runs at height `middle(x)` with a radius `radius(x)`; with a
+/// noise of 0.3 mm.
+fn warnings(middle: impl Fn(f64) -> f64, radius: impl Fn(f64) -> f64) -> Flags {
+    let mut state = 1_u64;
+    let mut noise = || {
+        // Of four uniform numbers.
+        let mut sum = 0.0;
+        for _ in 0..4 {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            sum += (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+        }
+        0.0003 * sum / (1.0_f64 / 3.0).sqrt()
+    };
+    let mut point = |k: usize| {
+        let (x, turn) = (0.16 * ((k / 40) as f64 / 59.0 - 0.5), 2.4 * ((k % 40) as f64 / 39.0 - 0.5));
+        let around = Vector3::new(0.0, turn.sin(), -turn.cos()) * (radius(x) + noise());
+        Vector3::new(x, middle(x), 0.8) + around
+    };
+    let points: Vec<[f64; 3]> = (0..2400).map(|k| point(k).into()).collect();
+    let mut fitter = Fitter::new();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.fit().unwrap().flags
+}
+
+#[test]
+fn points_of_a_body_that_is_no_cylinder_are_a_poor_fit() {
+    assert_eq!(warnings(|_| 0.0, |_| RADIUS), Flags::empty());
+    // A tilt is none.
+    assert_eq!(warnings(|x| 0.1 * x, |_| RADIUS), Flags::empty());
+    let bent = warnings(|x| 1.2 * x * x, |_| RADIUS);
+    let barrel = warnings(|_| 0.0, |x| RADIUS - x * x);
+    for (name, flags) in [("bent", bent), ("barrel", barrel)] {
+        assert!(flags.contains(Flags::POOR_FIT), "{name}: {flags:?}");
+    }
+    // By less than noise and tolerances.
+    assert_eq!(warnings(|x| 0.05 * x * x, |_| RADIUS), Flags::empty());
+}
+
+#[test]
+fn a_mask_beside_the_body_disagrees() {
+    let mut frame = captured(&turned_before_wall([RADIUS; 2], 0.15), FOCAL, 1);
+    let mask: Vec<u8> = frame.labels.iter().map(|label| u8::from(*label == 1)).collect();
+    // Nothing to see, so that depth and mask alone tell of the body.
+    frame.image.fill(100);
+    let right = fit_within(&frame, FOCAL, mask.clone());
+    assert_eq!(right.flags, Flags::empty(), "{:?}", right.uncertainty);
+    // Half of the half width across the axis.
+    frame.depth.rotate_right(16 * SIZE.0);
+    let shifted = fit_within(&frame, FOCAL, mask);
+    let (error, deviation) =
+        (shifted.cylinder.radius - RADIUS, shifted.uncertainty.as_ref().unwrap().radius());
+    assert!(shifted.flags.contains(Flags::MASK_DISAGREES), "{:?} {error} {deviation}", shifted.flags);
+}
