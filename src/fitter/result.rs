@@ -57,7 +57,7 @@ bitflags::bitflags! {
         /// The points do not lie on the cylinder: they scatter about its surface ([`FitResult::point_scale`]) by more than
         /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
         /// depth where the caller states it; without a camera, by more than a quarter of the radius. Or what they leave has a shape
-        /// along the axis that no cylinder has: that of a pipe that is bent, a sphere or a cone, with 2 % of the radius and more
+        /// along the axis that no cylinder has: that of a pipe that is bent or a sphere, with 2 % of the radius and more
         /// and more than all that is left beside it.
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
