@@ -15,6 +15,9 @@ const REACH: f64 = 4.0;
 /// are, by some percent.
 const OFF: f64 = 0.15;
 
+/// Points of a cloud that are enough to tell the reach: their distances would take as much memory as the points.
+const SAMPLE: usize = 100_000;
+
 /// A surface that was found, and how far from it its points lie at most.
 struct Surface {
     cylinder: Cylinder,
@@ -54,7 +57,8 @@ fn surfaces(points: &Cloud, image: &Image, seen: &Detections) -> Vec<Surface> {
         let surface = |detection: &Detection| {
             let Detection { cylinder, along, .. } = *detection;
             let about = Surface { cylinder, along, reach: OFF * cylinder.radius };
-            Surface::new(detection, points.usable().filter(|point| about.distance(point).is_some()))
+            let sample = points.usable().step_by(points.usable.div_ceil(SAMPLE).max(1));
+            Surface::new(detection, sample.filter(|point| about.distance(point).is_some()))
         };
         return seen.cylinders.iter().map(surface).collect();
     }
