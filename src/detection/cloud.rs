@@ -43,8 +43,8 @@ type Asked<'a> = dyn Fn() -> Result<()> + 'a;
 /// The pixel of a point that has none.
 const OUTSIDE: u32 = u32::MAX;
 
-/// Finds all cylinders in a cloud by one look at it, until `stopped` says so; labels are by point, row by row. `None` where the look
-/// shows nothing that those before it do not.
+/// Finds all cylinders in a cloud by one look at it, until `stopped` says so, and tells the look after it; labels are by point, row by
+/// row. No detections where there is nothing to look at.
 ///
 /// # Errors
 /// `InvalidArgument`, `OutOfMemory`, `Cancelled`.
@@ -53,17 +53,19 @@ pub(crate) fn detect_points_until(
     look: Look,
     options: &DetectionOptions,
     stopped: &dyn Fn() -> bool,
-) -> Result<Option<Detections>> {
+) -> Result<(Option<Detections>, Option<Look>)> {
     options.check()?;
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
     let mut points = Cloud::read(view, &cancelled)?;
     cancelled()?;
-    let Some(viewpoint) = viewpoint(&points, look.direction) else { return Ok(None) };
+    let Some(viewpoint) = viewpoint(&points, look.direction) else { return Ok((None, None)) };
     if !viewpoint.of_sensor {
         points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
     }
     cancelled()?;
-    let Some(image) = Image::of(&points, &cancelled)? else { return Ok(None) };
+    let Some(image) = Image::of(&points, &cancelled)? else {
+        return Ok((None, look.elsewhere(&viewpoint)));
+    };
     let cone = options
         .limits
         .axis
@@ -79,9 +81,8 @@ pub(crate) fn detect_points_until(
             list.extend(nearest.iter().map(|&k| axis[k as usize]));
         }
     };
-    let Some(side) = look.side_of_cells(size) else { return Ok(None) };
     cancelled()?;
-    let mut grid = Grid::new(size, image.spacing, side, &read_points);
+    let mut grid = Grid::new(size, image.spacing, look.side_of_cells(size), &read_points);
     cancelled()?;
     let effort = Effort::new(stopped);
     let found = search(&mut grid, image.spacing, None, &turned, &effort)?;
@@ -99,7 +100,8 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    Ok(Some(Detections { cylinders, labels, from_origin: viewpoint.of_sensor && !image.closed, ..seen }))
+    let from_origin = viewpoint.of_sensor && !image.closed;
+    Ok((Some(Detections { cylinders, labels, from_origin, ..seen }), look.next(size, &viewpoint)))
 }
 
 /// The coordinates of points, axis by axis: not numbers for those of no use, and at the end a point of zeros, which stands for none.

@@ -31,7 +31,7 @@ pub use evidence::Evidence;
 
 pub(crate) use rays::{Band, meets};
 pub(crate) use region::detect_in_mask;
-pub(crate) use score::{least_before_fit, of_looks};
+pub(crate) use score::{least_before_fit, with_odds_divided};
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};

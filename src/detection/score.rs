@@ -76,12 +76,12 @@ const MOST_BY_FIT: f64 = 13.0;
 
 /// The least score before a fit that the fit may raise to a given one.
 pub(crate) fn least_before_fit(score: f64) -> f64 {
-    score / (score + (1.0 - score) * MOST_BY_FIT)
+    with_odds_divided(score, MOST_BY_FIT)
 }
 
-/// A score where it is the best of so many looks: each may show something that is none, and the odds of that add up.
-pub(crate) fn of_looks(score: f64, looks: f64) -> f64 {
-    score / (score + (1.0 - score) * looks)
+/// The probability whose odds are those of a score divided by a number.
+pub(crate) fn with_odds_divided(score: f64, by: f64) -> f64 {
+    score / (score + (1.0 - score) * by)
 }
 
 impl Evidence {

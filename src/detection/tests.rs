@@ -230,10 +230,12 @@ fn clouds_are_searched_like_images() {
         let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
         points.push(depth.depth(column, row).map_or([f64::NAN; 3], |z| (ray * z).into()));
     }
-    let look = Look::all().next().unwrap();
     let detect = |points: &[[f64; 3]]| {
-        detect_points_until(&PointsView::from_f64(points), look, &DetectionOptions::default(), &|| false)
-            .unwrap()
+        detect_points_until(&PointsView::from_f64(points), Look::FIRST, &DetectionOptions::default(), &|| {
+            false
+        })
+        .unwrap()
+        .0
     };
     let found = detect(&points).unwrap();
     assert_eq!(found.cylinders.len(), 1, "{:?}", found.cylinders);

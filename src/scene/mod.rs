@@ -8,7 +8,7 @@ mod work;
 
 use crate::detection::{
     Detection, DetectionOptions, Detections, Evidence, Look, detect_points_until, detect_until,
-    least_before_fit, of_looks,
+    least_before_fit, with_odds_divided,
 };
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
@@ -346,16 +346,18 @@ impl Detector {
             // Rows of no points are as many as the caller likes.
             return Ok(nothing());
         }
-        let (mut scene, mut looks) = (None, 0.0);
-        for look in Look::all() {
-            let seen =
+        let (mut scene, mut looks, mut next) = (None, 0.0, Some(Look::FIRST));
+        while let Some(look) = next {
+            let (seen, after) =
                 self.search(observer, |stopped| detect_points_until(points, look, &search, stopped))?;
+            next = after;
             let Some(seen) = seen else { continue };
             looks += 1.0;
             let fits = Fits::new(&self.options, seen, size);
             let found = self.fit_all(fits, observer, |fits, index, detection, share| {
                 let mut found = fits.of_points(points, index, detection, share)?;
-                found.score = of_looks(found.score, looks);
+                // Each look may show something that is none, and the odds of that add up.
+                found.score = with_odds_divided(found.score, looks);
                 Ok(found)
             })?;
             let is_last = !found.cylinders.is_empty() || !found.complete;

@@ -17,24 +17,30 @@ const FEW_CELLS: usize = 4_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Look {
     /// The principal direction of the spread of the points along which they are seen, that of the least is 0.
-    pub direction: usize,
-    /// Pixels along the side of a cell.
+    pub(super) direction: usize,
+    /// Pixels along the side of a cell at least.
     side: usize,
 }
 
 impl Look {
-    /// All looks, in their order.
-    pub fn all() -> impl Iterator<Item = Self> {
-        (0..3).flat_map(|direction| (1..=LEAST_SIDE).rev().map(move |side| Self { direction, side }))
+    /// The look that each cloud has.
+    pub const FIRST: Self = Self { direction: 0, side: LEAST_SIDE };
+
+    /// Pixels along the side of a cell of an image of some size.
+    pub(super) fn side_of_cells(self, size: (usize, usize)) -> usize {
+        if self.side < LEAST_SIDE { self.side } else { side_of_cells(size, f64::INFINITY).max(LEAST_SIDE) }
     }
 
-    /// Pixels along the side of a cell of an image of some size; `None` where coarser cells are fine enough.
-    pub fn side_of_cells(self, (width, height): (usize, usize)) -> Option<usize> {
-        if self.side == LEAST_SIDE {
-            return Some(side_of_cells((width, height), f64::INFINITY).max(LEAST_SIDE));
-        }
-        let coarser = self.side + 1;
-        (width * height < FEW_CELLS * coarser * coarser).then_some(self.side)
+    /// The look after this one, which shows an image of some size: at finer cells, where these are few, or from elsewhere.
+    pub(super) fn next(self, (width, height): (usize, usize), viewpoint: &Viewpoint) -> Option<Self> {
+        let finer = self.side > 1 && width * height < FEW_CELLS * self.side * self.side;
+        if finer { Some(Self { side: self.side - 1, ..self }) } else { self.elsewhere(viewpoint) }
+    }
+
+    /// The first look along the next direction; `None` where a sensor has seen the cloud, or there is no other direction.
+    pub(super) fn elsewhere(self, viewpoint: &Viewpoint) -> Option<Self> {
+        let direction = self.direction + 1;
+        (direction < 3 && !viewpoint.of_sensor).then_some(Self { direction, ..Self::FIRST })
     }
 }
 
@@ -47,7 +53,7 @@ pub(super) struct Viewpoint {
 }
 
 /// The origin and the z axis, where nearly all points lie in front of a camera there; else a place far from the points in one of the
-/// principal directions of their spread, that of the least first. `None` for too few points, and where there is no such direction.
+/// principal directions of their spread, that of the least first. `None` for too few points.
 pub(super) fn viewpoint(points: &Cloud, direction: usize) -> Option<Viewpoint> {
     if points.usable < FEWEST {
         return None;
