@@ -23,6 +23,7 @@ use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
 use samples::{Room, Sampled};
 use std::borrow::Cow;
+use std::f64::consts::PI;
 
 constants! {
     /// How far about the rough end the arc is searched, in standard deviations of the rough end.
@@ -132,7 +133,7 @@ pub(super) struct ArcSearch<'a> {
     pub image: ReducedImage<'a>,
     /// The surface on that grid. All lengths in pixels here are in its pixels.
     pub surface: Surface<'a>,
-    /// The mask, on its own grid.
+    /// The mask of the body, on its own grid.
     pub mask: &'a Mask,
     /// What is known of mask and image, in pixels of the image.
     pub noise: ImageNoise,
@@ -140,8 +141,15 @@ pub(super) struct ArcSearch<'a> {
 
 impl ArcSearch<'_> {
     /// Searches the arc about a rough end; first where it was in the last image of a sequence, if that is not farther off
-    /// than the search reaches.
-    pub fn locate(&self, rough: &RoughEnd, outward: f64, last: Option<LastArc>) -> Option<ArcEnd> {
+    /// than the search reaches. `far` is a mask that goes on over the cap or the inner wall beyond the end: then the far rim
+    /// tells where it is as well.
+    pub fn locate(
+        &self,
+        rough: &RoughEnd,
+        outward: f64,
+        far: Option<&Mask>,
+        last: Option<LastArc>,
+    ) -> Option<ArcEnd> {
         let factor = self.image.factor();
         let reduced = RoughEnd { pixel: rough.pixel * factor as f64, ..*rough };
         let search = SEARCH_DEVIATIONS.get() * rough.deviation;
@@ -149,9 +157,9 @@ impl ArcSearch<'_> {
         let near = known.and_then(|last| {
             let rough = RoughEnd { position: last.position, ..reduced };
             let blur = last.blur / factor as f64;
-            locate(self, &rough, outward, LAST_PIXELS.get() * rough.pixel, Some(blur))
+            locate(self, &rough, outward, far, LAST_PIXELS.get() * rough.pixel, Some(blur))
         });
-        let mut end = near.or_else(|| locate(self, &reduced, outward, search, None))?;
+        let mut end = near.or_else(|| locate(self, &reduced, outward, far, search, None))?;
         end.blur *= factor as f64;
         for sample in &mut end.samples {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
@@ -161,10 +169,10 @@ impl ArcSearch<'_> {
         Some(end)
     }
 
-    /// Whether the mask contains what a pixel of the image shows.
-    fn masked(&self, pixel: &Vector2<f64>) -> bool {
+    /// Whether a mask contains what a pixel of the image shows.
+    fn masked(&self, mask: &Mask, pixel: &Vector2<f64>) -> bool {
         let [x, y] = [pixel.x, pixel.y].map(|x| from_reduced(x, self.image.factor()));
-        x >= 0.0 && y >= 0.0 && self.mask.contains(x.round() as usize, y.round() as usize)
+        x >= 0.0 && y >= 0.0 && mask.contains(x.round() as usize, y.round() as usize)
     }
 }
 
@@ -173,11 +181,12 @@ fn locate(
     arcs: &ArcSearch<'_>,
     rough: &RoughEnd,
     outward: f64,
+    far: Option<&Mask>,
     search: f64,
     blur: Option<f64>,
 ) -> Option<ArcEnd> {
     let surface = &arcs.surface;
-    let profiles = sample(arcs, rough, outward, search);
+    let profiles = sample(arcs, rough, outward, far, search);
     if profiles.len() < LEAST_GENERATORS.count() {
         return None;
     }
@@ -205,7 +214,7 @@ fn locate(
         shift += (0.5 * (after - before) / side * variance).clamp(-side, side);
         value = score(shift);
     }
-    let mean = value / profiles.len() as f64;
+    let mean = value / by_rim(&profiles);
     if !(mean >= LEAST_GAIN.get()) {
         return None;
     }
@@ -236,9 +245,15 @@ fn locate(
         position: rough.position + outward * shift,
         deviation: (variance + cut_off * cut_off + error * error).sqrt(),
         model: MODEL_DEVIATION.get() * rough.pixel,
-        samples: steps.iter().filter_map(place).collect(),
+        samples: steps.iter().filter(|step| step.across > 0.0).filter_map(place).collect(),
         blur: template.steps.blur,
     })
+}
+
+/// How many generators make one answer of where the end is: each rim gives one.
+fn by_rim(profiles: &[Profile]) -> f64 {
+    let near = profiles.iter().filter(|profile| profile.across > 0.0).count();
+    near.max(profiles.len() - near) as f64
 }
 
 /// The standard error of the common place of steps by how much they scatter about it, of which neighbours err alike: a shadow, a
@@ -261,7 +276,7 @@ fn coarse_place<'a>(
     tried: &'a [Steps],
     told: Option<&'a Steps>,
 ) -> Option<(f64, Template<'a>)> {
-    let count = profiles.len() as f64;
+    let count = by_rim(profiles);
     let step = COARSE_PIXELS.get() * rough.pixel;
     let steps = (search / step).ceil() as i64;
     let score =
@@ -305,8 +320,22 @@ fn coarse_place<'a>(
     Some(found.map_or(plain, |found| found.1))
 }
 
-/// Samples the image along the generators.
-fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> List<Profile> {
+/// The rims of an end circle: the near one bounds the surface, the far one the cap or the inner wall where these are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rim {
+    Near,
+    Far,
+}
+
+/// Samples the image along the generators: outward across the near rim, and, where the mask goes on over a cap or an inner wall,
+/// inward across the far rim, behind which the same follows in the same order: the edge of a wall, the cap, the other rim.
+fn sample(
+    arcs: &ArcSearch<'_>,
+    rough: &RoughEnd,
+    outward: f64,
+    far: Option<&Mask>,
+    search: f64,
+) -> List<Profile> {
     let surface = &arcs.surface;
     let Some(half_width) = surface.half_width(rough.position) else { return List::new() };
     let part = 1.0 - LIMB_MARGIN_PIXELS.get() / half_width;
@@ -315,58 +344,83 @@ fn sample(arcs: &ArcSearch<'_>, rough: &RoughEnd, outward: f64, search: f64) -> 
     }
     let count = GENERATORS.count().min((2.0 * part * half_width) as usize);
     let inner = WALL_PIXELS.map(|width| inner_circle(surface, rough, outward, width));
-    let mut profiles = List::with_capacity(count);
+    let mut profiles = List::with_capacity(2 * count);
     let mut room = Room::default();
-    for angle in surface.generators(count, part) {
+    let mut sample = |angle: f64, rim: Rim, mask: &Mask| {
         let generator = surface.generator(angle);
-        let Some(crossing) = generator.crossing(rough.position) else { continue };
+        let crossing = generator.crossing(rough.position)?;
         if crossing.across < LEAST_SINE.get() * crossing.along {
-            continue;
+            return None;
         }
-        let before = generator.pixel(rough.position + outward * -WINDOW_PIXELS.get() / crossing.across);
-        // Where the surface before the end is covered there is no end to be seen.
-        if !before.is_some_and(|pixel| arcs.masked(&pixel)) {
-            continue;
+        let width = |circle: f64| cap_width(&generator, rough.position, outward, circle, rim) * crossing.across;
+        let cap = width(1.0);
+        let (inside, sign) = match rim {
+            Rim::Near => (WINDOW_PIXELS.get(), 1.0),
+            Rim::Far => (WINDOW_PIXELS.get().min(0.5 * cap), -1.0),
+        };
+        let before = generator.pixel(rough.position - outward * inside / crossing.across)?;
+        // Where what the rim bounds is covered there is no end to be seen.
+        if !arcs.masked(mask, &before) {
+            return None;
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i32;
         let sampled = Sampled {
             image: &arcs.image,
             generator: &generator,
             position: rough.position,
-            outward,
+            outward: sign * outward,
             across: crossing.across,
             reach,
         };
-        let Some((samples, cut_off)) = sampled.take(&mut room) else { continue };
-        let width = |circle: f64| cap_width(&generator, rough.position, outward, circle) * crossing.across;
-        let cap = width(1.0);
+        let (samples, cut_off) = sampled.take(&mut room)?;
         let walls = inner.map(|circle| if circle < 1.0 { width(circle).min(cap) } else { cap });
-        let profile = Profile::new(angle, crossing.across, cap, walls, samples, f64::from(reach));
-        profiles.push(profile.with_cut_off(cut_off));
+        let profile = Profile::new(angle, sign * crossing.across, cap, walls, samples, f64::from(reach));
+        Some(profile.with_cut_off(cut_off))
+    };
+    let angles = || surface.generators(count, part);
+    profiles.extend(angles().filter_map(|angle| sample(angle, Rim::Near, arcs.mask)));
+    if let Some(mask) = far.filter(|_| faces(surface, rough.position, outward)) {
+        profiles.extend(angles().filter_map(|angle| sample(PI - angle, Rim::Far, mask)));
     }
     profiles
 }
 
-/// The length along the axis by which the generator at an angle must be continued beyond the end until its place on
+/// Whether the camera sees the cap, or the inner wall, of the end at a position.
+fn faces(surface: &Surface<'_>, position: f64, outward: f64) -> bool {
+    let axis = &surface.cylinder.axis;
+    outward * (axis.point.dot(&axis.direction) + position) < 0.0
+}
+
+/// The length along the axis by which the generator at an angle must be continued across a rim until its place on
 /// the cap leaves (`circle` 1) or enters (below 1) a circle about the axis, of this part of the radius; infinite where
 /// the cap is not seen or it never does.
-fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64) -> f64 {
+fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64, rim: Rim) -> f64 {
     let surface = &generator.surface;
+    if !faces(surface, position, outward) {
+        return f64::INFINITY;
+    }
     let direction = surface.cylinder.axis.direction;
     let point = generator.point(position);
     let height = point.dot(&direction);
-    if !(outward * height < 0.0) {
-        return f64::INFINITY;
-    }
-    // The ray of the continued generator meets the plane of the cap at λ times its place a across the axis. On the
-    // circle about c is |λ a − c| = R: with λ = 1 on that of the surface, and, by Vieta, with the other.
+    // The ray of the continued generator meets the plane of the cap at λ times its place a across the axis, beyond the near
+    // rim with λ above, beyond the far one below 1. On the circle about c is |λ a − c| = R: with λ = 1 on that of the
+    // surface, and, by Vieta, with the other.
     let across = point - direction * height;
     let center = surface.frame.toward * surface.frame.distance;
     let radius = circle * surface.cylinder.radius;
     let (a, b) = (across.norm_squared(), across.dot(&center));
     let c = center.norm_squared() - radius * radius;
-    let other = if circle < 1.0 { (b - (b * b - a * c).sqrt()) / a } else { c / a };
-    if other > 1.0 { height.abs() * (1.0 - 1.0 / other) } else { f64::INFINITY }
+    let root = (b * b - a * c).sqrt();
+    let other = match rim {
+        _ if circle >= 1.0 => c / a,
+        Rim::Near => (b - root) / a,
+        Rim::Far => (b + root) / a,
+    };
+    let crosses = match rim {
+        Rim::Near => other > 1.0,
+        Rim::Far => other > 0.0 && other < 1.0,
+    };
+    if crosses { height.abs() * (1.0 - other.recip()).abs() } else { f64::INFINITY }
 }
 
 /// The part of the radius at which the edge of a wall ends that is so many pixels wide in the middle of the arc; 1 where
@@ -388,7 +442,7 @@ fn inner_circle(surface: &Surface<'_>, rough: &RoughEnd, outward: f64, width: f6
 /// hardly share pixels, on the inner half of the profiles. Not below a thousandth of the contrast.
 fn noise(profiles: &[Profile]) -> f64 {
     let mut differences: List<f64> = List::new();
-    for Profile { samples, zero, .. } in profiles {
+    for Profile { samples, zero, .. } in profiles.iter().filter(|profile| profile.across > 0.0) {
         differences
             .extend((4..=*zero as usize).map(|k| (samples[k - 4] - 2.0 * samples[k - 2] + samples[k]).abs()));
     }

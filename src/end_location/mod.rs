@@ -171,7 +171,8 @@ pub fn locate_ends(
     });
     check()?;
     let body = parts.as_ref().and_then(|parts| parts.body(search.camera, search.mask));
-    let search = &EndSearch { mask: body.as_ref().unwrap_or(search.mask), ..*search };
+    let whole = search.mask;
+    let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
     let told = parts.map_or([None, None], |parts| parts.ends);
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
@@ -189,7 +190,9 @@ pub fn locate_ends(
     });
     let mut end = |outward: f64, told: Option<&BodyEnd>, last: Option<LastArc>| {
         check()?;
-        let arc = |rough: &RoughEnd| arcs.as_ref().and_then(|arcs| arcs.locate(rough, outward, last));
+        // What the mask goes on over is bounded by the far rim.
+        let far = told.map(|_| whole);
+        let arc = |rough: &RoughEnd| arcs.as_ref().and_then(|arcs| arcs.locate(rough, outward, far, last));
         ControlFlow::Continue(locate(&silhouette, &surroundings, &arc, told, outward))
     };
     let [first, second] = search.last;
