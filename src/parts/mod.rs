@@ -162,7 +162,8 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
                 Some((position, spread)) => {
-                    let deviation = (SHARED_PART.get() * spread).max(CAP_PIXELS.get() * pixel);
+                    let least = if rims_apart(camera, cylinder, position) < SURPLUS.get() { DEPTH_PIXELS } else { CAP_PIXELS };
+                    let deviation = (SHARED_PART.get() * spread).max(least.get() * pixel);
                     BodyEnd { position, deviation, sign: EndSign::Cap }
                 }
                 None => leaving(inner, votes, beyond, outward, pixel),
@@ -315,6 +316,18 @@ fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f
     let step = 0.01 * cylinder.radius;
     let moved = camera.project(&(point + axis.direction * step))? - camera.project(&point)?;
     Some(step / moved.norm()).filter(|length| length.is_finite())
+}
+
+/// How far the far rim of the end at a position is from the near one in the image, in pixels.
+fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> f64 {
+    let axis = &cylinder.axis;
+    let center = axis.point + axis.direction * position;
+    let across = center - axis.direction * center.dot(&axis.direction);
+    let rims = across.try_normalize(0.0).and_then(|away| {
+        let [near, far] = [-cylinder.radius, cylinder.radius].map(|part| camera.project(&(center + away * part)));
+        Some((far? - near?).norm())
+    });
+    rims.unwrap_or(0.0)
 }
 
 /// How far points of the surface may be from it, by their distances and those of others.
