@@ -8,7 +8,6 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::Mask;
-use crate::statistics::median;
 use nalgebra::{Vector2, Vector3};
 
 constants! {
@@ -21,8 +20,12 @@ constants! {
     /// Fewest places.
     LEAST_PLACES = 6.0, "";
 
-    /// Places farther from the rim than this many standard deviations are something else, all alike.
+    /// Places farther inward from the rim than this many standard deviations are something else, all alike: something covers
+    /// the rim there.
     REACH = 3.0, "σ";
+
+    /// The same outward: masks rarely reach so far beyond what they are of.
+    BEYOND = 6.0, "σ";
 
     /// How much better the far rim must explain the outline than the near one, as the logarithm of odds.
     LEAST_GAIN = 1.0, "";
@@ -34,6 +37,30 @@ constants! {
 struct Place {
     positions: [f64; 2],
     steps: [f64; 2],
+}
+
+impl Place {
+    /// How far it is from a rim at a position, in standard deviations.
+    fn ratio(&self, wall: usize, position: f64, sigma: f64) -> f64 {
+        (self.positions[wall] - position) / (self.steps[wall] * sigma)
+    }
+}
+
+/// Where the search for a rim starts, as parts of the places ordered outward.
+const STARTS: [f64; 2] = [0.5, 0.875];
+
+/// The mean position of the places about a first one.
+fn mean_about(start: f64, places: &[Place], wall: usize, sigma: f64) -> f64 {
+    (0..3).fold(start, |position, _| {
+        let near = places.iter().filter(|place| place.ratio(wall, position, sigma).abs() <= REACH.get());
+        let (mut sum, mut total) = (0.0, 0.0);
+        for place in near {
+            let weight = place.steps[wall].powi(-2);
+            sum += weight * place.positions[wall];
+            total += weight;
+        }
+        if total > 0.0 { sum / total } else { position }
+    })
 }
 
 /// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
@@ -51,25 +78,18 @@ pub(super) fn far_rim(
     // The raster of the mask comes to its boundary.
     let sigma = noise.boundary.hypot(0.3);
     let walls = [0, 1].map(|wall| {
-        let mut positions: List<f64> = places.iter().map(|place| place.positions[wall]).collect();
-        let mut position = median(&mut positions);
-        let ratio =
-            |place: &Place, position: f64| (place.positions[wall] - position) / (place.steps[wall] * sigma);
-        for _ in 0..3 {
-            let near = places.iter().filter(|place| ratio(place, position).abs() <= REACH.get());
-            let (mut sum, mut total) = (0.0, 0.0);
-            for place in near {
-                let weight = place.steps[wall].powi(-2);
-                sum += weight * place.positions[wall];
-                total += weight;
-            }
-            if total > 0.0 {
-                position = sum / total;
-            }
-        }
-        let cost: f64 =
-            places.iter().map(|place| ratio(place, position).powi(2).min(REACH.get().powi(2))).sum();
-        (position, 0.5 * cost)
+        let mut positions: List<f64> = places.iter().map(|place| outward * place.positions[wall]).collect();
+        positions.sort_unstable_by(f64::total_cmp);
+        // Where something stands on a cap, the rim is that of the few outermost.
+        let starts = STARTS.map(|part| outward * positions[(part * positions.len() as f64) as usize]);
+        let fits = starts.map(|start| {
+            let position = mean_about(start, &places, wall, sigma);
+            let ratios = places.iter().map(|place| outward * place.ratio(wall, position, sigma));
+            (position, ratios.map(|ratio| ratio.clamp(-REACH.get(), BEYOND.get()).powi(2)).sum::<f64>())
+        });
+        let [median, outermost] = fits;
+        let (position, squares) = if outermost.1 < median.1 { outermost } else { median };
+        (position, 0.5 * squares)
     });
     let [(_, near), (position, far)] = walls;
     // A cap is seen where it faces the camera.
