@@ -18,6 +18,7 @@ use super::surface::{Generator, Surface};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
+use crate::residuals::Rim;
 use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_size};
 use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
@@ -98,7 +99,8 @@ pub(super) struct ArcEnd {
     pub deviation: f64,
     /// Standard deviation of what the model of the profile leaves out.
     pub model: f64,
-    pub samples: List<ArcSample>,
+    /// Places on the near rim and on the far one.
+    pub samples: [List<ArcSample>; 2],
     pub blur: f64,
 }
 
@@ -161,7 +163,7 @@ impl ArcSearch<'_> {
         });
         let mut end = near.or_else(|| locate(self, &reduced, outward, far, search, None))?;
         end.blur *= factor as f64;
-        for sample in &mut end.samples {
+        for sample in end.samples.iter_mut().flatten() {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
             sample.deviation *= factor as f64;
             sample.across *= factor as f64;
@@ -237,15 +239,18 @@ fn locate(
         let tangent = generator.pixel_beside(rough.position)? - generator.pixel(rough.position)?;
         let normal = Vector2::new(-tangent.y, tangent.x).normalize();
         let (pixel, ahead) = (at(step.edge)?, at(step.edge + 1.0)?);
-        let normal = if normal.dot(&(ahead - pixel)) < 0.0 { -normal } else { normal };
+        // Across the far rim steps are taken inward.
+        let outward = (ahead - pixel) * step.across.signum();
+        let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
         let deviation = step.deviation.hypot(PLACE_DEVIATION.get());
-        Some(ArcSample { pixel, normal, deviation, across: step.across })
+        Some(ArcSample { pixel, normal, deviation, across: step.across.abs() })
     };
+    let on = |near: bool| steps.iter().filter(|step| near == (step.across > 0.0)).filter_map(place).collect();
     Some(ArcEnd {
         position: rough.position + outward * shift,
         deviation: (variance + cut_off * cut_off + error * error).sqrt(),
         model: MODEL_DEVIATION.get() * rough.pixel,
-        samples: steps.iter().filter(|step| step.across > 0.0).filter_map(place).collect(),
+        samples: [on(true), on(false)],
         blur: template.steps.blur,
     })
 }
@@ -318,13 +323,6 @@ fn coarse_place<'a>(
     let walls = (0..WALLS).filter_map(|wall| best(Some(wall), noise)).map(with_evidence);
     let found = walls.filter(|wall| wall.0 > least + WALL_GAIN.get()).max_by(|a, b| a.0.total_cmp(&b.0));
     Some(found.map_or(plain, |found| found.1))
-}
-
-/// The rims of an end circle: the near one bounds the surface, the far one the cap or the inner wall where these are seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Rim {
-    Near,
-    Far,
 }
 
 /// Samples the image along the generators: outward across the near rim, and, where the mask goes on over a cap or an inner wall,

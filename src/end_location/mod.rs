@@ -108,6 +108,8 @@ pub struct End {
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
+    /// Places on the far rim of the end; none but where the mask goes on to it.
+    pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,
 }
@@ -219,6 +221,7 @@ fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End 
         source: EndSource::Extreme,
         rim: false,
         samples: List::new(),
+        far_rim: List::new(),
         arc: None,
     }
 }
@@ -261,19 +264,22 @@ fn locate(
             source: EndSource::Border,
             rim: told.is_some(),
             samples: List::new(),
+            far_rim: List::new(),
             arc: None,
         };
     }
     match (state != EndState::Hidden).then(|| arc(&rough)).flatten() {
         Some(arc) => {
             let Together { position, deviation, part } = together(&rough, &arc);
+            let [samples, far_rim] = arc.samples;
             End {
                 position,
                 deviation: Some(deviation),
                 state,
                 source: if part >= 0.5 { EndSource::Image } else { EndSource::Mask },
                 rim: told.is_some(),
-                samples: arc.samples,
+                samples,
+                far_rim,
                 arc: Some(LastArc { position: arc.position, blur: arc.blur }),
             }
         }
@@ -284,6 +290,7 @@ fn locate(
             source: EndSource::Mask,
             rim: told.is_some(),
             samples: List::new(),
+            far_rim: List::new(),
             arc: None,
         },
     }
@@ -321,7 +328,7 @@ mod tests {
             position: 0.104,
             deviation,
             model: 3e-4,
-            samples: List::new(),
+            samples: [List::new(), List::new()],
             blur: 1.0,
         };
         let Together { position, deviation, part } = together(&rough, &arc(1e-4));

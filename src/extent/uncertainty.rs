@@ -3,7 +3,7 @@
 use crate::end_location::End;
 use crate::fitter::Uncertainty;
 use crate::geometry::{Cylinder, LimbFrame, RigidMotion};
-use crate::residuals::near_wall;
+use crate::residuals::{Rim, on_wall};
 use nalgebra::{Matrix3, SVector, Vector3};
 
 /// The generators at which an arc of an end is held in the image, and the part of the width that they cover: beside the
@@ -80,7 +80,7 @@ fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> [Vector3<f64>;
 
 /// The mean position along the axis at which rays meet a cylinder; `None` when one does not.
 fn position_on(cylinder: &Cylinder, rays: &[Vector3<f64>]) -> Option<f64> {
-    let sum = rays.iter().map(|ray| Some(near_wall(cylinder, ray)?.0)).sum::<Option<f64>>()?;
+    let sum = rays.iter().map(|ray| Some(on_wall(cylinder, ray, Rim::Near)?.0)).sum::<Option<f64>>()?;
     Some(sum / rays.len() as f64)
 }
 
@@ -136,6 +136,7 @@ mod tests {
                 source: EndSource::Image,
                 rim: false,
                 samples: crate::memory::List::new(),
+                far_rim: crate::memory::List::new(),
                 arc: None,
             });
             let at = |end| (end, RigidMotion::identity());

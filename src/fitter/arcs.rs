@@ -7,14 +7,14 @@ use super::located::Located;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
 use crate::camera::Camera;
-use crate::end_location::{ArcSample, EndSearch, LastArc, depth_tolerance, locate_ends};
+use crate::end_location::{ArcSample, End, EndSearch, LastArc, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
 use crate::memory::List;
-use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Scale, near_wall};
+use crate::residuals::{ArcRay, ArcTerm, Progress, Reweighted, Reweighting, Rim, Scale, on_wall};
 use crate::statistics::independent_part;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{SMatrix, SVector, Vector4};
 use std::ops::ControlFlow;
 
 /// Fewest places that tell how an arc is bent.
@@ -57,6 +57,7 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
         let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
+        if std::env::var_os("DBG").is_some() { eprintln!("ROUND scale {scale:.6} after {:.6} turn {:.3} deg lines {:?}", after.scale(), before.axis.angle(&after.cylinder().axis).to_degrees(), data.views.iter().zip(&held.views).map(|(v,h)| h.lines.as_ref().and_then(|l| l.mean_square(&v.seen(after.cylinder())))).collect::<Vec<_>>()); }
         if contradicts(data, &held, &after, scale) {
             held = without;
             break;
@@ -144,64 +145,98 @@ fn arcs(
     let endpoint = view.noise.endpoint;
     // A mask that goes on beyond an end is that of a whole object. A lid or rim may be at either end of it, and the circle
     // of one that is wider by a part of the radius looks like a tilt by that part.
-    if ends.iter().any(|end| end.rim) {
-        return Ok(None);
-    }
+    let whole_object = ends.iter().any(|end| end.rim);
+    let used = |end: &&End| !whole_object || is_of_body(camera, cylinder, end);
     let last = ends.each_ref().map(|end| end.arc);
-    let ends = ends.iter().filter_map(|end| places(camera, cylinder, &end.samples, endpoint));
+    let ends = ends.iter().filter(used).filter_map(|end| places(camera, cylinder, end, endpoint));
     Ok(Some((ArcTerm { ends: ends.collect() }, last)))
 }
 
+/// A place on a rim of an end.
+struct Place {
+    ray: ArcRay,
+    /// Where it says that the end is, along the axis.
+    position: f64,
+    /// How that changes with the end, with a tilt of the axis towards the camera and sideways, and with the radius of the circle.
+    shape: Vector4<f64>,
+}
+
 /// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.
-fn places(
-    camera: &Camera,
-    cylinder: &Cylinder,
-    samples: &[ArcSample],
-    endpoint: f64,
-) -> Option<List<ArcRay>> {
+fn places(camera: &Camera, cylinder: &Cylinder, end: &End, endpoint: f64) -> Option<List<ArcRay>> {
+    let found = on_rims(camera, cylinder, end);
+    let Circle { weights, scale, independent, .. } = Circle::<3>::through(&found)?;
+    // Neighbours share pixels, and what the model of the profile leaves out.
+    let factor = independent * (endpoint / scale).powi(2);
+    let weighted =
+        |(Place { ray, .. }, weight): (Place, f64)| ArcRay { weight: ray.weight * weight * factor, ..ray };
+    Some(found.into_iter().zip(weights).map(weighted).collect())
+}
+
+/// Whether both rims of an end lie on a circle of the radius of the body, and not on that of a wider lid.
+fn is_of_body(camera: &Camera, cylinder: &Cylinder, end: &End) -> bool {
+    let found = on_rims(camera, cylinder, end);
+    let Some(Circle { solution, covariance, scale, independent, .. }) = Circle::<4>::through(&found) else { return false };
+    let widening = solution[3] / cylinder.radius;
+    let deviation = (covariance[(3, 3)] / independent).sqrt() * scale / cylinder.radius;
+    if std::env::var_os("DBG").is_some() { eprintln!("ARC {} {} near {} far {} eps {widening:.4} s {deviation:.4} scale {scale:.2} ind {independent:.2}", end.rim, end.position, end.samples.len(), end.far_rim.len()); }
+    end.rim && !end.far_rim.is_empty() && deviation < 0.01 && widening.abs() < 2.0 * deviation
+}
+
+/// The places on both rims of an end.
+fn on_rims(camera: &Camera, cylinder: &Cylinder, end: &End) -> List<Place> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
-    let found: List<(ArcRay, f64, Vector3<f64>)> = samples
-        .iter()
-        .filter_map(|sample| {
-            let ray = camera.unproject(&sample.pixel)?;
-            let (position, normal) = near_wall(cylinder, &ray)?;
-            let grazing = -normal.dot(&ray) < LEAST_SINE * ray.norm();
-            // An arc seen under a wrong tilt departs like this.
-            let shape = Vector3::new(1.0, normal.dot(&away), normal.dot(&sideways));
-            let place = ArcRay { ray, across: sample.across, weight: sample.deviation.powi(-2) };
-            (!grazing).then_some((place, position, shape))
-        })
-        .collect();
-    if found.len() < LEAST_PLACES {
-        return None;
-    }
-    let deviations: List<f64> = found.iter().map(|(place, ..)| place.weight.sqrt().recip()).collect();
-    // The scale is how much more the places scatter than their deviations explain.
-    let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
-    let mut left = List::filled(0.0, found.len());
-    let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {
-        let (mut square, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for ((place, position, shape), weight) in found.iter().zip(weights) {
-            let w = weight * place.weight * place.across * place.across;
-            square += shape * shape.transpose() * w;
-            right += shape * (w * position);
-        }
-        let solution = square.try_inverse()? * right;
-        for (((place, position, shape), deviation), residual) in
-            found.iter().zip(&deviations).zip(residuals.iter_mut())
-        {
-            *residual = (position - shape.dot(&solution)) * place.across / deviation;
-        }
-        left.copy_from_slice(residuals);
-        Some(Progress::Moved)
-    })?;
-    left.iter_mut().zip(&weights).for_each(|(residual, weight)| *residual *= weight.sqrt());
-    // Neighbours share pixels, and what the model of the profile leaves out.
-    let factor = independent_part(&left) * (endpoint / scale).powi(2);
-    let weighted = |((place, ..), weight): ((ArcRay, f64, Vector3<f64>), f64)| ArcRay {
-        weight: place.weight * weight * factor,
-        ..place
+    let place = |(rim, sample): (Rim, &ArcSample)| {
+        let ray = camera.unproject(&sample.pixel)?;
+        let (position, normal) = on_wall(cylinder, &ray, rim)?;
+        let sine = normal.dot(&ray);
+        let grazing = sine.abs() < LEAST_SINE * ray.norm();
+        let lean = cylinder.axis.direction.dot(&ray) / sine;
+        let shape = Vector4::new(1.0, normal.dot(&away), normal.dot(&sideways), lean);
+        let ray = ArcRay { ray, rim, across: sample.across, weight: sample.deviation.powi(-2) };
+        (!grazing).then_some(Place { ray, position, shape })
     };
-    Some(found.into_iter().zip(weights).map(weighted).collect())
+    let rims = [(Rim::Near, &end.samples), (Rim::Far, &end.far_rim)];
+    rims.into_iter().flat_map(|(rim, samples)| samples.iter().map(move |sample| (rim, sample))).filter_map(place).collect()
+}
+
+/// A circle through the places of an end, by the first N of what moves them.
+struct Circle<const N: usize> {
+    solution: SVector<f64, N>,
+    /// Its covariance, where the deviations of the places are what they say and all are independent.
+    covariance: SMatrix<f64, N, N>,
+    weights: List<f64>,
+    /// How much more the places scatter than their deviations explain.
+    scale: f64,
+    /// The part of them that is independent.
+    independent: f64,
+}
+
+impl<const N: usize> Circle<N> {
+    fn through(found: &[Place]) -> Option<Self> {
+        if found.len() < LEAST_PLACES {
+            return None;
+        }
+        let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
+        let mut left = List::filled(0.0, found.len());
+        let (mut solution, mut covariance) = (SVector::zeros(), SMatrix::zeros());
+        let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {
+            let (mut square, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
+            for (Place { ray, position, shape }, weight) in found.iter().zip(weights) {
+                let (w, shape) = (weight * ray.weight * ray.across * ray.across, shape.fixed_rows::<N>(0));
+                square += shape * shape.transpose() * w;
+                right += shape * (w * position);
+            }
+            covariance = square.try_inverse()?;
+            solution = covariance * right;
+            for (Place { ray, position, shape }, residual) in found.iter().zip(residuals.iter_mut()) {
+                let left = position - shape.fixed_rows::<N>(0).dot(&solution);
+                *residual = left * ray.across * ray.weight.sqrt();
+            }
+            left.copy_from_slice(residuals);
+            Some(Progress::Moved)
+        })?;
+        left.iter_mut().zip(&weights).for_each(|(residual, weight)| *residual *= weight.sqrt());
+        Some(Self { solution, covariance, weights, scale, independent: independent_part(&left) })
+    }
 }

@@ -7,7 +7,7 @@ use crate::end_location::LastArc;
 use crate::geometry::{Cylinder, Line};
 use crate::limb_location::{Appearance, LimbObservation};
 use crate::memory::List;
-use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm};
+use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, Rim};
 use nalgebra::Vector3;
 
 /// What a fit holds the cylinder to beside the points, and what it found out about that. A value: every stage makes a
@@ -135,10 +135,11 @@ impl EndPlace {
 }
 
 impl HeldView {
-    /// Whether the mask holds the body alone: only such a mask gives arcs, and it does so about a cylinder that turned a
-    /// little, too.
+    /// Whether the mask holds the body alone: such a mask gives arcs without far rims, and it does so about a cylinder that
+    /// turned a little, too.
     pub fn is_whole(&self) -> bool {
-        !self.arcs.ends.is_empty()
+        let mut places = self.arcs.ends.iter().flatten();
+        !self.arcs.ends.is_empty() && places.all(|place| place.rim == Rim::Near)
     }
 
     /// Lines, of which some are given segments and some were located in the image.

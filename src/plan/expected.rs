@@ -12,7 +12,7 @@ use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
 use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::residuals::{
-    ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, near_wall,
+    ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, Rim, on_wall,
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -215,7 +215,7 @@ fn of_length(frame: &LocalFrame, start: &[ArcRay], end: &[ArcRay]) -> Option<Tan
             let cylinder = frame.retract(&Tangent::ith(k, size));
             let position = |arc: &[ArcRay]| {
                 let sum: Option<f64> =
-                    arc.iter().map(|place| Some(near_wall(&cylinder, &place.ray)?.0)).sum();
+                    arc.iter().map(|place| Some(on_wall(&cylinder, &place.ray, Rim::Near)?.0)).sum();
                 Some(sum? / arc.len() as f64)
             };
             Some(position(end)? - position(start)?)

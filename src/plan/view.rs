@@ -2,7 +2,7 @@
 
 use super::Plan;
 use crate::geometry::{Cylinder, LimbFrame};
-use crate::residuals::{ArcRay, near_wall};
+use crate::residuals::{ArcRay, Rim, on_wall};
 use nalgebra::{Vector2, Vector3};
 
 /// Rays that meet the surface at a smaller sine bring no depth: windows and pulses see too little of it.
@@ -32,7 +32,7 @@ impl Plan {
         let mut points = Vec::new();
         for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
             let Some(ray) = self.camera.ray_of_pixel(x, y) else { continue };
-            let Some((position, normal)) = near_wall(cylinder, &ray) else { continue };
+            let Some((position, normal)) = on_wall(cylinder, &ray, Rim::Near) else { continue };
             // The ray has the depth 1.
             let across = -normal.dot(&ray);
             if position.abs() <= 0.5 * self.length && across >= LEAST_SINE_OF_DEPTH * ray.norm() {
@@ -99,7 +99,7 @@ impl Plan {
             let step = 1e-4 * self.radius;
             let ahead = self.camera.project(&(ray + cylinder.axis.direction * step))?;
             if -normal.dot(&ray) >= LEAST_SINE * ray.norm() {
-                places.push(ArcRay { ray, across: (ahead - here).norm() / step, weight: 1.0 });
+                places.push(ArcRay { ray, rim: Rim::Near, across: (ahead - here).norm() / step, weight: 1.0 });
             }
         }
         (places.len() >= LEAST_PLACES).then_some(places)

@@ -1,20 +1,31 @@
 //! Arcs of the end circles: places in the image at which the surface ends.
 //!
-//! The ray v of such a place meets the near wall at p = λ v, at the position t = (p − c) · d̂ along the axis. All
-//! places of one end lie at the same position, which is unknown: the residual is the distance of t from the mean
-//! of the end, in pixels across the arc. With the outward unit normal n at p and κ = (d̂ · v) / (n · v),
-//! δt = κ (n · δc + t n · δd + δr) + r n · δd.
+//! The ray v of such a place meets the near wall, or the far one where it is on the far rim, at p = λ v, at the position
+//! t = (p − c) · d̂ along the axis. All places of one end lie at the same position, which is unknown: the residual is the
+//! distance of t from the mean of the end, in pixels across the arc. With the outward unit normal n at p and
+//! κ = (d̂ · v) / (n · v), δt = κ (n · δc + t n · δd + δr) + r n · δd.
 
 use super::pixel_terms::{PixelResiduals, PixelRow};
 use crate::geometry::{Cylinder, LocalFrame, Tangent};
 use crate::memory::List;
 use nalgebra::Vector3;
 
+/// A rim of an end: a half of its circle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rim {
+    /// The one on the near wall, which bounds the surface that is seen from outside.
+    Near,
+    /// The one on the far wall, which is seen over a cap or through an open end.
+    Far,
+}
+
 /// One place of an arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArcRay {
     /// Its ray, of any positive length.
     pub ray: Vector3<f64>,
+    /// Which rim it is on.
+    pub rim: Rim,
     /// Pixels across the arc by length along the axis.
     pub across: f64,
     /// How much it counts, 1 for a standard deviation of an ordinary endpoint.
@@ -28,10 +39,14 @@ pub struct ArcTerm {
     pub ends: List<List<ArcRay>>,
 }
 
-/// Where a ray meets the near wall: position along the axis and outward unit normal; `None` when it misses.
+/// Where a ray meets the wall of a rim: position along the axis and outward unit normal; `None` when it misses.
 #[must_use]
-pub fn near_wall(cylinder: &Cylinder, ray: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-    let from_axis = cylinder.first_hit(ray)? - cylinder.axis.point;
+pub fn on_wall(cylinder: &Cylinder, ray: &Vector3<f64>, rim: Rim) -> Option<(f64, Vector3<f64>)> {
+    let hit = match rim {
+        Rim::Near => cylinder.first_hit(ray)?,
+        Rim::Far => ray * cylinder.intersect_ray(ray)?.1,
+    };
+    let from_axis = hit - cylinder.axis.point;
     let position = from_axis.dot(&cylinder.axis.direction);
     let normal = (from_axis - cylinder.axis.direction * position) / cylinder.radius;
     Some((position, normal))
@@ -69,7 +84,7 @@ impl ArcTerm {
     /// Weight, pixels by length, position and its derivative.
     fn row(frame: &LocalFrame, place: &ArcRay) -> Option<(f64, f64, f64, Tangent)> {
         let LocalFrame { cylinder, u, v, unit } = frame;
-        let (position, normal) = near_wall(cylinder, &place.ray)?;
+        let (position, normal) = on_wall(cylinder, &place.ray, place.rim)?;
         let (a, b) = (normal.dot(u), normal.dot(v));
         let lean = cylinder.axis.direction.dot(&place.ray) / normal.dot(&place.ray);
         let (t, r) = (position / unit, cylinder.radius / unit);
@@ -82,6 +97,7 @@ impl ArcTerm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn scene() -> (LocalFrame, ArcTerm) {
         let cylinder =
@@ -91,14 +107,19 @@ mod tests {
             - cylinder.axis.direction * cylinder.axis.point.dot(&cylinder.axis.direction))
         .normalize();
         let sideways = cylinder.axis.direction.cross(&toward);
-        let place = |position: f64, k: i32| {
-            let angle = 0.2 * f64::from(k);
+        let place = |position: f64, k: i32, rim: Rim| {
+            let angle = 0.2 * f64::from(k) + if rim == Rim::Far { PI } else { 0.0 };
             let normal = toward * angle.cos() + sideways * angle.sin();
             let ray = cylinder.axis.point + cylinder.axis.direction * position + normal * cylinder.radius;
-            ArcRay { ray, across: 800.0 + 5.0 * f64::from(k), weight: 1.0 + 0.1 * f64::from(k) }
+            ArcRay { ray, rim, across: 800.0 + 5.0 * f64::from(k), weight: 1.0 + 0.1 * f64::from(k) }
         };
         let ends = [-0.04, 0.06]
-            .map(|position| (-5..=5).map(|k| place(position, k)).collect())
+            .map(|position| {
+                [Rim::Near, Rim::Far]
+                    .iter()
+                    .flat_map(|rim| (-5..=5).map(move |k| place(position, k, *rim)))
+                    .collect()
+            })
             .into_iter()
             .collect();
         (frame, ArcTerm { ends })

@@ -18,7 +18,7 @@ mod sandwich;
 mod shared;
 mod terms;
 
-pub use arcs::{ArcRay, ArcTerm, near_wall};
+pub use arcs::{ArcRay, ArcTerm, Rim, on_wall};
 pub use limbs::{LimbPair, LimbTerm};
 pub use loss::{
     Loss, Progress, Reweighted, Reweighting, Scale, Squared, TUKEY_EFFICIENT, Truncated, Tukey, Wall,
