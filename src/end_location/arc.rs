@@ -350,7 +350,8 @@ fn sample(
         if crossing.across < LEAST_SINE.get() * crossing.along {
             return None;
         }
-        let width = |circle: f64| cap_width(&generator, rough.position, outward, circle, rim) * crossing.across;
+        let width =
+            |circle: f64| cap_width(&generator, rough.position, outward, circle, rim) * crossing.across;
         let cap = width(1.0);
         let (inside, sign) = match rim {
             Rim::Near => (WINDOW_PIXELS.get(), 1.0),

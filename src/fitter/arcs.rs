@@ -23,6 +23,14 @@ const LEAST_PLACES: usize = 8;
 /// A ray that meets the surface at a sine below this grazes it: its position along the axis hangs on the limb.
 const LEAST_SINE: f64 = 0.25;
 
+/// Standard deviation of the radius of an end circle about that of the body, as a part of it, in a mask of a whole object: lids
+/// are a few per cent wider.
+const WIDTH_DEVIATION: f64 = 0.05;
+
+/// Both rims must tell that radius to this standard deviation, and agree with the body within so many of them.
+const LARGEST_OF_WIDTH: f64 = 0.03;
+const WIDER: f64 = 2.0;
+
 /// Rounds of reweighting.
 const REWEIGHTINGS: usize = 5;
 
@@ -57,7 +65,6 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
         let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if std::env::var_os("DBG").is_some() { eprintln!("ROUND scale {scale:.6} after {:.6} turn {:.3} deg lines {:?}", after.scale(), before.axis.angle(&after.cylinder().axis).to_degrees(), data.views.iter().zip(&held.views).map(|(v,h)| h.lines.as_ref().and_then(|l| l.mean_square(&v.seen(after.cylinder())))).collect::<Vec<_>>()); }
         if contradicts(data, &held, &after, scale) {
             held = without;
             break;
@@ -144,12 +151,16 @@ fn arcs(
     let Some(ends) = ends else { return Ok(None) };
     let endpoint = view.noise.endpoint;
     // A mask that goes on beyond an end is that of a whole object. A lid or rim may be at either end of it, and the circle
-    // of one that is wider by a part of the radius looks like a tilt by that part.
-    let whole_object = ends.iter().any(|end| end.rim);
-    let used = |end: &&End| !whole_object || is_of_body(camera, cylinder, end);
+    // of one that is wider by a part of the radius looks like a tilt by that part. Where both rims are seen, they tell its radius.
+    let widening =
+        if ends.iter().any(|end| end.rim) { WIDTH_DEVIATION * cylinder.radius / endpoint } else { 0.0 };
     let last = ends.each_ref().map(|end| end.arc);
-    let ends = ends.iter().filter(used).filter_map(|end| places(camera, cylinder, end, endpoint));
-    Ok(Some((ArcTerm { ends: ends.collect() }, last)))
+    let of_end = |end: &End| {
+        let found = on_rims(camera, cylinder, end);
+        (widening == 0.0 || end.rim && is_of_body(cylinder, &found))
+            .then(|| places(found, endpoint, widening))?
+    };
+    Ok(Some((ArcTerm { ends: ends.iter().filter_map(of_end).collect() }, last)))
 }
 
 /// A place on a rim of an end.
@@ -161,25 +172,30 @@ struct Place {
     shape: Vector4<f64>,
 }
 
-/// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how the arc is bent.
-fn places(camera: &Camera, cylinder: &Cylinder, end: &End, endpoint: f64) -> Option<List<ArcRay>> {
-    let found = on_rims(camera, cylinder, end);
+/// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how
+/// the arc is bent. `widening` is the standard deviation of the radius of the end circle in the same units.
+fn places(found: List<Place>, endpoint: f64, widening: f64) -> Option<List<ArcRay>> {
     let Circle { weights, scale, independent, .. } = Circle::<3>::through(&found)?;
     // Neighbours share pixels, and what the model of the profile leaves out.
     let factor = independent * (endpoint / scale).powi(2);
-    let weighted =
-        |(Place { ray, .. }, weight): (Place, f64)| ArcRay { weight: ray.weight * weight * factor, ..ray };
+    let weighted = |(Place { ray, shape, .. }, weight): (Place, f64)| ArcRay {
+        weight: ray.weight * weight * factor,
+        widening: widening * shape[3],
+        ..ray
+    };
     Some(found.into_iter().zip(weights).map(weighted).collect())
 }
 
-/// Whether both rims of an end lie on a circle of the radius of the body, and not on that of a wider lid.
-fn is_of_body(camera: &Camera, cylinder: &Cylinder, end: &End) -> bool {
-    let found = on_rims(camera, cylinder, end);
-    let Some(Circle { solution, covariance, scale, independent, .. }) = Circle::<4>::through(&found) else { return false };
-    let widening = solution[3] / cylinder.radius;
+/// Whether both rims of an end are seen, and on a circle of the radius of the body, not on that of a wider lid.
+fn is_of_body(cylinder: &Cylinder, found: &[Place]) -> bool {
+    let Some(Circle { solution, covariance, scale, independent, .. }) = Circle::<4>::through(found) else {
+        return false;
+    };
+    let wider = solution[3] / cylinder.radius;
     let deviation = (covariance[(3, 3)] / independent).sqrt() * scale / cylinder.radius;
-    if std::env::var_os("DBG").is_some() { eprintln!("ARC {} {} near {} far {} eps {widening:.4} s {deviation:.4} scale {scale:.2} ind {independent:.2}", end.rim, end.position, end.samples.len(), end.far_rim.len()); }
-    end.rim && !end.far_rim.is_empty() && deviation < 0.01 && widening.abs() < 2.0 * deviation
+    found.iter().any(|place| place.ray.rim == Rim::Far)
+        && deviation <= LARGEST_OF_WIDTH
+        && wider.abs() <= WIDER * deviation
 }
 
 /// The places on both rims of an end.
@@ -193,11 +209,15 @@ fn on_rims(camera: &Camera, cylinder: &Cylinder, end: &End) -> List<Place> {
         let grazing = sine.abs() < LEAST_SINE * ray.norm();
         let lean = cylinder.axis.direction.dot(&ray) / sine;
         let shape = Vector4::new(1.0, normal.dot(&away), normal.dot(&sideways), lean);
-        let ray = ArcRay { ray, rim, across: sample.across, weight: sample.deviation.powi(-2) };
+        let ray =
+            ArcRay { ray, rim, across: sample.across, weight: sample.deviation.powi(-2), widening: 0.0 };
         (!grazing).then_some(Place { ray, position, shape })
     };
     let rims = [(Rim::Near, &end.samples), (Rim::Far, &end.far_rim)];
-    rims.into_iter().flat_map(|(rim, samples)| samples.iter().map(move |sample| (rim, sample))).filter_map(place).collect()
+    rims.into_iter()
+        .flat_map(|(rim, samples)| samples.iter().map(move |sample| (rim, sample)))
+        .filter_map(place)
+        .collect()
 }
 
 /// A circle through the places of an end, by the first N of what moves them.

@@ -162,7 +162,11 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
                 Some((position, spread)) => {
-                    let least = if rims_apart(camera, cylinder, position) < SURPLUS.get() { DEPTH_PIXELS } else { CAP_PIXELS };
+                    let least = if rims_apart(camera, cylinder, position) < SURPLUS.get() {
+                        DEPTH_PIXELS
+                    } else {
+                        CAP_PIXELS
+                    };
                     let deviation = (SHARED_PART.get() * spread).max(least.get() * pixel);
                     BodyEnd { position, deviation, sign: EndSign::Cap }
                 }
@@ -324,7 +328,8 @@ fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> f64 {
     let center = axis.point + axis.direction * position;
     let across = center - axis.direction * center.dot(&axis.direction);
     let rims = across.try_normalize(0.0).and_then(|away| {
-        let [near, far] = [-cylinder.radius, cylinder.radius].map(|part| camera.project(&(center + away * part)));
+        let [near, far] =
+            [-cylinder.radius, cylinder.radius].map(|part| camera.project(&(center + away * part)));
         Some((far? - near?).norm())
     });
     rims.unwrap_or(0.0)

@@ -12,7 +12,7 @@ use crate::geometry::{LimbFrame, LocalFrame, Tangent, TangentMap};
 use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::residuals::{
-    ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, SharedErrors, Rim, on_wall,
+    ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, Rim, SharedErrors, on_wall,
 };
 use nalgebra::{SMatrix, SVector, Vector3};
 

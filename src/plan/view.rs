@@ -99,7 +99,13 @@ impl Plan {
             let step = 1e-4 * self.radius;
             let ahead = self.camera.project(&(ray + cylinder.axis.direction * step))?;
             if -normal.dot(&ray) >= LEAST_SINE * ray.norm() {
-                places.push(ArcRay { ray, rim: Rim::Near, across: (ahead - here).norm() / step, weight: 1.0 });
+                places.push(ArcRay {
+                    ray,
+                    rim: Rim::Near,
+                    across: (ahead - here).norm() / step,
+                    weight: 1.0,
+                    widening: 0.0,
+                });
             }
         }
         (places.len() >= LEAST_PLACES).then_some(places)

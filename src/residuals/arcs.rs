@@ -30,6 +30,9 @@ pub struct ArcRay {
     pub across: f64,
     /// How much it counts, 1 for a standard deviation of an ordinary endpoint.
     pub weight: f64,
+    /// How far a standard deviation of the radius of its circle moves the position where it says that the end is, by that of an
+    /// ordinary endpoint in pixels; 0 where the circle is that of the body, and not perhaps of a lid.
+    pub widening: f64,
 }
 
 /// The places of any number of ends.
@@ -57,32 +60,56 @@ impl PixelResiduals for ArcTerm {
     fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let mut all = List::new();
         for end in &self.ends {
-            let rows: List<(f64, f64, f64, Tangent)> =
-                end.iter().filter_map(|place| Self::row(frame, place)).collect();
+            let mut rows: List<ArcRow> = end.iter().filter_map(|place| Self::row(frame, place)).collect();
             // The position of the end is eliminated: what is left is orthogonal to it.
-            let (mut square, mut mean, mut mean_jacobian) = (0.0, 0.0, Tangent::zeros());
-            for (weight, across, position, jacobian) in &rows {
-                let w = weight * across * across;
-                square += w;
-                mean += w * position;
-                mean_jacobian += jacobian * w;
-            }
-            if square > 0.0 {
-                all.extend(rows.iter().map(|(weight, across, position, jacobian)| PixelRow {
-                    weight: *weight,
-                    residual: (position - mean / square) * across,
-                    jacobian: (jacobian - mean_jacobian / square) * *across,
-                    shared: 0.0,
-                }));
-            }
+            subtract(&mut rows, |_| 1.0, |_| 1.0);
+            // With u, what one standard deviation of the radius of the circle makes of the weighed residuals, their covariance
+            // is I + u uᵀ, whose inverse has the root I − (1 − 1 / √(1 + uᵀu)) u uᵀ / uᵀu.
+            subtract(&mut rows, |row| row.widening, |square| 1.0 - 1.0 / (1.0 + square).sqrt());
+            all.extend(rows.iter().map(|ArcRow { place, position, jacobian, .. }| PixelRow {
+                weight: place.weight,
+                residual: position * place.across,
+                jacobian: jacobian * place.across,
+                shared: 0.0,
+            }));
         }
         Some(all)
     }
 }
 
+/// A place with where it says that the end is, and how that changes with the cylinder and the radius of the end circle.
+struct ArcRow {
+    place: ArcRay,
+    position: f64,
+    jacobian: Tangent,
+    widening: f64,
+}
+
+/// Takes from all numbers of the rows a part of what lies along a direction, which depends on its square, in pixels.
+fn subtract(rows: &mut [ArcRow], direction: impl Fn(&ArcRow) -> f64, part: impl Fn(f64) -> f64) {
+    let (mut square, mut position, mut jacobian, mut widening) = (0.0, 0.0, Tangent::zeros(), 0.0);
+    for row in &*rows {
+        let along = direction(row);
+        let w = row.place.weight * row.place.across * row.place.across * along;
+        square += w * along;
+        position += w * row.position;
+        jacobian += row.jacobian * w;
+        widening += w * row.widening;
+    }
+    if !(square > 0.0) {
+        return;
+    }
+    let part = part(square) / square;
+    for row in rows {
+        let along = part * direction(row);
+        row.position -= along * position;
+        row.jacobian -= jacobian * along;
+        row.widening -= along * widening;
+    }
+}
+
 impl ArcTerm {
-    /// Weight, pixels by length, position and its derivative.
-    fn row(frame: &LocalFrame, place: &ArcRay) -> Option<(f64, f64, f64, Tangent)> {
+    fn row(frame: &LocalFrame, place: &ArcRay) -> Option<ArcRow> {
         let LocalFrame { cylinder, u, v, unit } = frame;
         let (position, normal) = on_wall(cylinder, &place.ray, place.rim)?;
         let (a, b) = (normal.dot(u), normal.dot(v));
@@ -90,7 +117,8 @@ impl ArcTerm {
         let (t, r) = (position / unit, cylinder.radius / unit);
         let of_tilt = lean * t + r;
         let jacobian = Tangent::new(lean * a, lean * b, of_tilt * a, of_tilt * b, lean) * *unit;
-        jacobian.iter().all(|x| x.is_finite()).then_some((place.weight, place.across, position, jacobian))
+        let row = ArcRow { place: *place, position, jacobian, widening: place.widening };
+        row.jacobian.iter().all(|x| x.is_finite()).then_some(row)
     }
 }
 
@@ -111,7 +139,14 @@ mod tests {
             let angle = 0.2 * f64::from(k) + if rim == Rim::Far { PI } else { 0.0 };
             let normal = toward * angle.cos() + sideways * angle.sin();
             let ray = cylinder.axis.point + cylinder.axis.direction * position + normal * cylinder.radius;
-            ArcRay { ray, rim, across: 800.0 + 5.0 * f64::from(k), weight: 1.0 + 0.1 * f64::from(k) }
+            let widening = if rim == Rim::Far || position > 0.0 { (0.7 * f64::from(k)).sin() } else { 0.0 };
+            ArcRay {
+                ray,
+                rim,
+                across: 800.0 + 5.0 * f64::from(k),
+                weight: 1.0 + 0.1 * f64::from(k),
+                widening,
+            }
         };
         let ends = [-0.04, 0.06]
             .map(|position| {
