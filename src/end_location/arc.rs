@@ -143,13 +143,12 @@ pub(super) struct ArcSearch<'a> {
 
 impl ArcSearch<'_> {
     /// Searches the arc about a rough end; first where it was in the last image of a sequence, if that is not farther off
-    /// than the search reaches. `far` is a mask that goes on over the cap or the inner wall beyond the end: then the far rim
-    /// tells where it is as well.
+    /// than the search reaches. Where the cap or the inner wall is seen `inside` an end, the far rim tells where it is as well.
     pub fn locate(
         &self,
         rough: &RoughEnd,
         outward: f64,
-        far: Option<&Mask>,
+        inside: &Sees<'_>,
         last: Option<LastArc>,
     ) -> Option<ArcEnd> {
         let factor = self.image.factor();
@@ -159,9 +158,9 @@ impl ArcSearch<'_> {
         let near = known.and_then(|last| {
             let rough = RoughEnd { position: last.position, ..reduced };
             let blur = last.blur / factor as f64;
-            locate(self, &rough, outward, far, LAST_PIXELS.get() * rough.pixel, Some(blur))
+            locate(self, &rough, outward, inside, LAST_PIXELS.get() * rough.pixel, Some(blur))
         });
-        let mut end = near.or_else(|| locate(self, &reduced, outward, far, search, None))?;
+        let mut end = near.or_else(|| locate(self, &reduced, outward, inside, search, None))?;
         end.blur *= factor as f64;
         for sample in end.samples.iter_mut().flatten() {
             sample.pixel = sample.pixel.map(|x| from_reduced(x, factor));
@@ -170,12 +169,14 @@ impl ArcSearch<'_> {
         }
         Some(end)
     }
+}
 
-    /// Whether a mask contains what a pixel of the image shows.
-    fn masked(&self, mask: &Mask, pixel: &Vector2<f64>) -> bool {
-        let [x, y] = [pixel.x, pixel.y].map(|x| from_reduced(x, self.image.factor()));
-        x >= 0.0 && y >= 0.0 && mask.contains(x.round() as usize, y.round() as usize)
-    }
+/// Whether something is seen at a pixel of the grid of the mask.
+pub(super) type Sees<'a> = dyn Fn(&Vector2<f64>) -> bool + 'a;
+
+/// Whether a mask holds a pixel.
+pub(super) fn shows(mask: &Mask, pixel: &Vector2<f64>) -> bool {
+    pixel.x >= 0.0 && pixel.y >= 0.0 && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
 }
 
 /// The arc within `search` of a rough end. `blur` is that of the image, where it is known.
@@ -183,12 +184,12 @@ fn locate(
     arcs: &ArcSearch<'_>,
     rough: &RoughEnd,
     outward: f64,
-    far: Option<&Mask>,
+    inside: &Sees<'_>,
     search: f64,
     blur: Option<f64>,
 ) -> Option<ArcEnd> {
     let surface = &arcs.surface;
-    let profiles = sample(arcs, rough, outward, far, search);
+    let profiles = sample(arcs, rough, outward, inside, search);
     if profiles.len() < LEAST_GENERATORS.count() {
         return None;
     }
@@ -331,7 +332,7 @@ fn sample(
     arcs: &ArcSearch<'_>,
     rough: &RoughEnd,
     outward: f64,
-    far: Option<&Mask>,
+    inside: &Sees<'_>,
     search: f64,
 ) -> List<Profile> {
     let surface = &arcs.surface;
@@ -344,7 +345,7 @@ fn sample(
     let inner = WALL_PIXELS.map(|width| inner_circle(surface, rough, outward, width));
     let mut profiles = List::with_capacity(2 * count);
     let mut room = Room::default();
-    let mut sample = |angle: f64, rim: Rim, mask: &Mask| {
+    let mut sample = |angle: f64, rim: Rim, sees: &Sees<'_>| {
         let generator = surface.generator(angle);
         let crossing = generator.crossing(rough.position)?;
         if crossing.across < LEAST_SINE.get() * crossing.along {
@@ -353,13 +354,13 @@ fn sample(
         let width =
             |circle: f64| cap_width(&generator, rough.position, outward, circle, rim) * crossing.across;
         let cap = width(1.0);
-        let (inside, sign) = match rim {
+        let (margin, sign) = match rim {
             Rim::Near => (WINDOW_PIXELS.get(), 1.0),
             Rim::Far => (WINDOW_PIXELS.get().min(0.5 * cap), -1.0),
         };
-        let before = generator.pixel(rough.position - outward * inside / crossing.across)?;
+        let before = generator.pixel(rough.position - outward * margin / crossing.across)?;
         // Where what the rim bounds is covered there is no end to be seen.
-        if !arcs.masked(mask, &before) {
+        if !sees(&before.map(|x| from_reduced(x, arcs.image.factor()))) {
             return None;
         }
         let reach = ((search * crossing.across + WINDOW_PIXELS.get()) / SAMPLE_PIXELS.get()).ceil() as i32;
@@ -377,9 +378,10 @@ fn sample(
         Some(profile.with_cut_off(cut_off))
     };
     let angles = || surface.generators(count, part);
-    profiles.extend(angles().filter_map(|angle| sample(angle, Rim::Near, arcs.mask)));
-    if let Some(mask) = far.filter(|_| faces(surface, rough.position, outward)) {
-        profiles.extend(angles().filter_map(|angle| sample(PI - angle, Rim::Far, mask)));
+    let body = |pixel: &Vector2<f64>| shows(arcs.mask, pixel);
+    profiles.extend(angles().filter_map(|angle| sample(angle, Rim::Near, &body)));
+    if faces(surface, rough.position, outward) {
+        profiles.extend(angles().filter_map(|angle| sample(PI - angle, Rim::Far, inside)));
     }
     profiles
 }

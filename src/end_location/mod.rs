@@ -24,8 +24,8 @@ use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage}
 use crate::parts::{self, BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
-use arc::{ArcEnd, ArcSearch};
-use nalgebra::Vector3;
+use arc::{ArcEnd, ArcSearch, shows};
+use nalgebra::{Vector2, Vector3};
 use silhouette::{RoughEnd, Silhouette};
 use std::ops::ControlFlow;
 use surface::Surface;
@@ -108,7 +108,7 @@ pub struct End {
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
-    /// Places on the far rim of the end; none but where the mask goes on to it.
+    /// Places on the far rim of the end, where the depth shows what it bounds.
     pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,
@@ -192,9 +192,14 @@ pub fn locate_ends(
     });
     let mut end = |outward: f64, told: Option<&BodyEnd>, last: Option<LastArc>| {
         check()?;
-        // What the mask goes on over is bounded by the far rim.
-        let far = told.map(|_| whole);
-        let arc = |rough: &RoughEnd| arcs.as_ref().and_then(|arcs| arcs.locate(rough, outward, far, last));
+        let arc = |rough: &RoughEnd| {
+            // What the mask goes on over beyond the body is the cap or the inner wall.
+            let inside = |pixel: &Vector2<f64>| {
+                told.is_some() && shows(whole, pixel)
+                    || surroundings.shows_inside(pixel, rough.position, outward)
+            };
+            arcs.as_ref()?.locate(rough, outward, &inside, last)
+        };
         ControlFlow::Continue(locate(&silhouette, &surroundings, &arc, told, outward))
     };
     let [first, second] = search.last;

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use smallvec::SmallVec;
 
 constants! {
@@ -66,6 +66,18 @@ impl Surroundings<'_> {
         let mut votes = Votes::default();
         self.look(rim, outward, &mut votes);
         votes.state()
+    }
+
+    /// Whether the depth at a pixel is that of the cap or the inner wall at an end towards `outward`.
+    pub fn shows_inside(&self, pixel: &Vector2<f64>, end: f64, outward: f64) -> bool {
+        let [column, row] = [pixel.x, pixel.y].map(|x| (x + 0.5).max(0.0) as usize);
+        let depth = self.depth.and_then(|depth| depth.depth(column, row));
+        let point = depth.and_then(|z| Some(self.camera.ray_of_pixel(column, row)? * z));
+        point.is_some_and(|point| {
+            let axis = &self.cylinder.axis;
+            let beyond = outward * ((point - axis.point).dot(&axis.direction) - end);
+            self.cylinder.distance(&point) <= self.tolerance && beyond <= self.tolerance
+        })
     }
 
     /// Looks beyond one point of an end circle.

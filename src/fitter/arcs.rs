@@ -152,13 +152,16 @@ fn arcs(
     let endpoint = view.noise.endpoint;
     // A mask that goes on beyond an end is that of a whole object. A lid or rim may be at either end of it, and the circle
     // of one that is wider by a part of the radius looks like a tilt by that part. Where both rims are seen, they tell its radius.
-    let widening =
-        if ends.iter().any(|end| end.rim) { WIDTH_DEVIATION * cylinder.radius / endpoint } else { 0.0 };
+    let whole_object = ends.iter().any(|end| end.rim);
     let last = ends.each_ref().map(|end| end.arc);
+    let widening = if whole_object { WIDTH_DEVIATION * cylinder.radius / endpoint } else { 0.0 };
     let of_end = |end: &End| {
-        let found = on_rims(camera, cylinder, end);
-        (widening == 0.0 || end.rim && is_of_body(cylinder, &found))
-            .then(|| places(found, endpoint, widening))?
+        let mut found = on_rims(camera, cylinder, end);
+        if is_of_body(cylinder, &found) {
+            return places(found, endpoint, widening);
+        }
+        found.retain(|place| place.ray.rim == Rim::Near);
+        (!whole_object).then(|| places(found, endpoint, 0.0))?
     };
     Ok(Some((ArcTerm { ends: ends.iter().filter_map(of_end).collect() }, last)))
 }
