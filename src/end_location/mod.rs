@@ -75,6 +75,8 @@ pub struct EndSearch<'a> {
     pub mask: &'a Mask,
     /// Whether all of it is known to be that surface; otherwise the depth tells.
     pub whole: bool,
+    /// Whether the mask is a region that a search found: these end at lids as well as at caps, whose far rims tell little.
+    pub region: bool,
     /// The depth image, which tells what an end is.
     pub depth: Option<&'a DepthImage>,
     /// The grey image, on the grid of the mask.
@@ -196,7 +198,7 @@ pub fn locate_ends(
             // What the mask goes on over beyond the body is the cap or the inner wall.
             let inside = |pixel: &Vector2<f64>| {
                 told.is_some() && shows(whole, pixel)
-                    || surroundings.shows_inside(pixel, rough.position, outward)
+                    || !search.region && surroundings.shows_inside(pixel, rough.position, outward)
             };
             arcs.as_ref()?.locate(rough, outward, &inside, last)
         };

@@ -178,6 +178,7 @@ impl Fitter {
             camera,
             mask,
             whole,
+            region: whole,
             depth: view.depth(),
             image: view.image(),
             tolerance: depth_tolerance(&view.cloud, &seen),

@@ -5,6 +5,7 @@ use super::*;
 use crate::fitter::{ExtentRule, Method, ObjectiveKind, Options};
 use crate::noise::NoiseModel;
 use crate::observations::ImageView;
+use crate::residuals::{Rim, on_wall};
 use nalgebra::Vector2;
 
 /// The errors of start and end in pixels, outward positive.
@@ -163,8 +164,8 @@ fn blurred(image: &[f32]) -> Vec<f32> {
     places.map(|(x, y)| both(x, y) as f32).collect()
 }
 
-/// How far the places of both arcs lie outside the end circles, in pixels.
-fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
+/// How far the places on the near rims of both ends lie outside the end circles, in pixels, and those on the far rims.
+fn offsets_of_rims(tilt: f64, blur: bool) -> [[Vec<f64>; 2]; 2] {
     let scene = Scene::tilted(tilt);
     let (image, depth, mask) = scene.render(0);
     let image = if blur { blurred(&image) } else { image };
@@ -175,6 +176,7 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
         camera: &camera,
         mask: fitter.mask().unwrap(),
         whole: false,
+        region: false,
         depth: fitter.depth(),
         image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),
@@ -187,23 +189,25 @@ fn offsets_of_arcs(tilt: f64, blur: bool) -> [Vec<f64>; 2] {
     let [start, end] = locate_ends(&search, &scene.cylinder, &mut || ControlFlow::Continue(()))
         .continue_value()
         .flatten()
-        .unwrap()
-        .map(|end| end.samples);
-    [(start, scene.ends.0), (end, scene.ends.1)].map(|(samples, end)| {
-        let offset = |sample: &ArcSample| {
-            let ray = camera.unproject(&sample.pixel).unwrap();
-            let point = scene.cylinder.first_hit(&ray).unwrap();
-            let position = (point - axis.point).dot(&axis.direction);
-            let on_circle = camera.project(&(point + axis.direction * (end - position))).unwrap();
-            (sample.pixel - on_circle).dot(&sample.normal)
-        };
-        samples.iter().map(offset).collect()
+        .unwrap();
+    [Rim::Near, Rim::Far].map(|rim| {
+        [(&start, scene.ends.0), (&end, scene.ends.1)].map(|(found, end)| {
+            let offset = |sample: &ArcSample| {
+                let ray = camera.unproject(&sample.pixel).unwrap();
+                let (position, normal) = on_wall(&scene.cylinder, &ray, rim).unwrap();
+                let point = axis.point + axis.direction * position + normal * scene.cylinder.radius;
+                let on_circle = camera.project(&(point + axis.direction * (end - position))).unwrap();
+                (sample.pixel - on_circle).dot(&sample.normal)
+            };
+            let samples = if rim == Rim::Near { &found.samples } else { &found.far_rim };
+            samples.iter().map(offset).collect()
+        })
     })
 }
 
 #[test]
 fn samples_of_the_arcs_lie_on_the_end_circles() {
-    for offsets in offsets_of_arcs(0.5, false) {
+    for offsets in offsets_of_rims(0.5, false)[0].clone() {
         assert!(offsets.len() > 20);
         let mut sizes: Vec<f64> = offsets.iter().map(|offset| offset.abs()).collect();
         sizes.sort_by(f64::total_cmp);
@@ -216,9 +220,21 @@ fn the_far_rim_of_a_cap_does_not_bend_the_arc() {
     // The cap, 4 to 9 pixels wide in the middle, narrows to nothing at the limbs, and where its far rim lies just
     // outside the window of a profile it still shines in.
     for tilt in [0.15, 0.17, 0.19, 0.21] {
-        let [offsets, _] = offsets_of_arcs(tilt, true);
+        let [[offsets, _], _] = offsets_of_rims(tilt, true);
         assert!(offsets.len() > 40, "tilt {tilt}: {offsets:.2?}");
         assert!(offsets.iter().all(|offset| offset.abs() < 0.3), "tilt {tilt}: {offsets:.2?}");
+    }
+}
+
+#[test]
+fn an_end_that_faces_the_camera_is_told_by_its_far_rim_too() {
+    for tilt in [0.3, 0.5] {
+        let [near, far] = offsets_of_rims(tilt, true);
+        assert!(near.iter().all(|offsets| offsets.len() > 20), "{near:?}");
+        assert!(far[0].len() > 20 && far[1].is_empty(), "{far:?}");
+        let mut sizes: Vec<f64> = far[0].iter().map(|offset| offset.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        assert!(sizes[sizes.len() / 2] < 0.1, "{far:.2?}");
     }
 }
 

@@ -137,6 +137,7 @@ fn arcs(
         camera,
         mask,
         whole: known.whole || view.view.mask_is_body,
+        region: view.view.mask_is_body,
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
