@@ -2,10 +2,11 @@
 
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
 use super::distances::{self, Sight};
+use super::grid::Cell;
 use super::outline::Beyond;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
 use nalgebra::Vector3;
 
@@ -268,13 +269,14 @@ impl Scene<'_> {
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
         self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
+        let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
         let (mut excesses, mut asked, mut sights) = (List::new(), List::new(), List::new());
         for y in rows {
             let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
             let [x, y] = &grid.rays;
             seen.excesses(&x[row.clone()], &y[row.clone()], &mut excesses);
             let within = row.zip(&excesses).filter(|(_, excess)| **excess < 0.0).map(|(k, _)| k);
-            asked.extend(within.filter(|&k| grid.cells[k].measured()));
+            asked.extend(within.filter(|&k| in_view.contains(&grid.cells[k]) && grid.cells[k].measured()));
         }
         let of_cylinder = (&candidate.surface, cylinder);
         distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
@@ -290,5 +292,38 @@ impl Scene<'_> {
             }
         }
         evidence.seen_through = through / f64::max(through + on, 1.0);
+    }
+}
+
+/// Where on the plane z = 1 a piece of a cylinder is seen, at most.
+struct InView {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl InView {
+    /// Of the piece between two positions along the axis.
+    fn of_piece(cylinder: &Cylinder, along: [f64; 2]) -> Self {
+        let Cylinder { axis, radius } = cylinder;
+        let (u, v) = any_orthogonal(&axis.direction);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        // The corners of a box around it: what is seen of it lies between them.
+        for corner in 0..8 {
+            let sign = |bit: u32| if corner >> bit & 1 == 0 { -radius } else { *radius };
+            let point = axis.point + axis.direction * along[corner & 1] + u * sign(1) + v * sign(2);
+            if point.z <= 0.0 {
+                return Self { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
+            }
+            for (k, place) in [point.x / point.z, point.y / point.z].into_iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(place), high[k].max(place));
+            }
+        }
+        Self { low, high }
+    }
+
+    fn contains(&self, cell: &Cell) -> bool {
+        let Self { low, high } = self;
+        // Without branches.
+        (cell.x >= low[0]) & (cell.x <= high[0]) & (cell.y >= low[1]) & (cell.y <= high[1])
     }
 }
