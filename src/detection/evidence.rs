@@ -1,14 +1,16 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
-use super::distances::{self, Sight};
-use super::grid::Cell;
+use super::distances::{self, LANES, Sight};
+use super::grid::Grid;
 use super::outline::Beyond;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
 use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// What depth and image say about one candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -270,14 +272,15 @@ impl Scene<'_> {
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
         self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
         let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
-        let (mut excesses, mut asked, mut sights) = (List::new(), List::new(), List::new());
-        for y in rows {
-            let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
-            let [x, y] = &grid.rays;
-            seen.excesses(&x[row.clone()], &y[row.clone()], &mut excesses);
-            let within = row.zip(&excesses).filter(|(_, excess)| **excess < 0.0).map(|(k, _)| k);
-            asked.extend(within.filter(|&k| in_view.contains(&grid.cells[k]) && grid.cells[k].measured()));
-        }
+        let (mut asked, mut sights) = (List::new(), List::new());
+        Arch::new().dispatch(Within {
+            grid,
+            seen: &seen,
+            in_view: &in_view,
+            rows,
+            columns,
+            found: &mut asked,
+        });
         let of_cylinder = (&candidate.surface, cylinder);
         distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
         for Sight { behind, information, along } in sights.iter().copied() {
@@ -321,9 +324,52 @@ impl InView {
         Self { low, high }
     }
 
-    fn contains(&self, cell: &Cell) -> bool {
+    #[inline(always)]
+    fn contains(&self, x: f64, y: f64) -> bool {
         let Self { low, high } = self;
         // Without branches.
-        (cell.x >= low[0]) & (cell.x <= high[0]) & (cell.y >= low[1]) & (cell.y <= high[1])
+        (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+    }
+}
+
+/// The measured cells of some rows and columns whose rays pass within a band and a view.
+struct Within<'a> {
+    grid: &'a Grid,
+    seen: &'a Band,
+    in_view: &'a InView,
+    rows: Range<usize>,
+    columns: Range<usize>,
+    found: &'a mut List<usize>,
+}
+
+impl WithSimd for Within<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { grid, seen, in_view, rows, columns, found } = self;
+        for y in rows {
+            let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
+            let [x, y] = [&grid.rays[0][row.clone()], &grid.rays[1][row.clone()]];
+            for (some, (x, y)) in x.chunks(LANES).zip(y.chunks(LANES)).enumerate() {
+                let mut within = [false; LANES];
+                let mut any = false;
+                for (within, (x, y)) in within.iter_mut().zip(x.iter().zip(y)) {
+                    *within = (seen.excess(*x, *y, 1.0) < 0.0) & in_view.contains(*x, *y);
+                    any |= *within;
+                }
+                // Most have none.
+                if !any {
+                    continue;
+                }
+                let first = row.start + some * LANES;
+                for k in 0..x.len() {
+                    if within[k] && grid.cells[first + k].measured() {
+                        found.push(first + k);
+                    }
+                }
+            }
+        }
     }
 }
