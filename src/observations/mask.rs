@@ -126,10 +126,11 @@ impl Mask {
     #[must_use]
     pub fn outline(&self) -> &[(usize, usize)] {
         self.outline.0.get_or_init(|| {
-            let mut outline = Vec::new();
+            let mut outline = List::new();
             // A loop over an iterator of iterators is slow to be asked one by one.
             self.find_outline().for_each(|pixel| outline.push(pixel));
-            outline
+            // It outlives the call, whose memory the list has.
+            outline.to_vec()
         })
     }
 
