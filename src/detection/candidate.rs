@@ -15,12 +15,6 @@ use crate::statistics::median;
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
 
-/// Steps of a fit in a round, which the next one goes on from: with four, surfaces are no better.
-const STEPS: usize = 3;
-
-/// Those of the first fit, which begins with cells from farther away.
-const STEPS_FROM_START: usize = 6;
-
 /// Fewest cells that five numbers may be fitted to: twice as many.
 const FEWEST: usize = 10;
 
@@ -283,7 +277,7 @@ impl Scene<'_> {
             Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
             Sides::Outline => List::new(),
         };
-        let mut surface = self.fit(start, seeds, &tangents, 4.0 * REACH, STEPS_FROM_START)?;
+        let mut surface = self.fit(start, seeds, &tangents, 4.0 * REACH, 6)?;
         let mut cells = List::from(seeds);
         let mut before = 0;
         for _ in 0..ROUNDS {
@@ -292,7 +286,7 @@ impl Scene<'_> {
                 return None;
             }
             let tangents = self.tangents(&surface, &cells, sides, mark);
-            surface = self.fit(&surface, &cells, &tangents, REACH, STEPS)?;
+            surface = self.fit(&surface, &cells, &tangents, REACH, 4)?;
             // Two per cent more or fewer cells change nothing.
             if cells.len().abs_diff(before) * 50 <= cells.len() {
                 break;
