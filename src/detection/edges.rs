@@ -279,9 +279,36 @@ fn lower_quartile(numbers: &[f32]) -> Option<f32> {
         place -= if there { 0 } else { count };
         there
     })?;
-    let mut alike: Vec<u32> =
-        numbers.iter().filter(|number| upper(number) == of_quartile).map(|number| number.to_bits()).collect();
+    let mut alike = Arch::new().dispatch(Alike { numbers, upper: of_quartile as u32 });
     Some(f32::from_bits(*alike.select_nth_unstable(place).1))
+}
+
+/// The bits of the numbers whose upper half is a given one.
+struct Alike<'a> {
+    numbers: &'a [f32],
+    upper: u32,
+}
+
+impl WithSimd for Alike<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Vec<u32> {
+        let Self { numbers, upper } = self;
+        let mut found = Vec::new();
+        for some in numbers.chunks(BLOCK) {
+            // Most have none.
+            let mut any = false;
+            for number in some {
+                any |= number.to_bits() >> 16 == upper;
+            }
+            if !any {
+                continue;
+            }
+            found.extend(some.iter().map(|number| number.to_bits()).filter(|bits| bits >> 16 == upper));
+        }
+        found
+    }
 }
 
 /// The pixels around a seed with gradients of one direction.

@@ -1,13 +1,16 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
-use super::distances::{self, Sight};
+use super::distances::{self, LANES, Sight};
+use super::grid::Grid;
 use super::outline::Beyond;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
 use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// What depth and image say about one candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -268,14 +271,16 @@ impl Scene<'_> {
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
         self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
-        let (mut excesses, mut asked, mut sights) = (List::new(), List::new(), List::new());
-        for y in rows {
-            let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
-            let [x, y] = &grid.rays;
-            seen.excesses(&x[row.clone()], &y[row.clone()], &mut excesses);
-            let within = row.zip(&excesses).filter(|(_, excess)| **excess < 0.0).map(|(k, _)| k);
-            asked.extend(within.filter(|&k| grid.cells[k].measured()));
-        }
+        let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
+        let (mut asked, mut sights) = (List::new(), List::new());
+        Arch::new().dispatch(Within {
+            grid,
+            seen: &seen,
+            in_view: &in_view,
+            rows,
+            columns,
+            found: &mut asked,
+        });
         let of_cylinder = (&candidate.surface, cylinder);
         distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
         for Sight { behind, information, along } in sights.iter().copied() {
@@ -290,5 +295,81 @@ impl Scene<'_> {
             }
         }
         evidence.seen_through = through / f64::max(through + on, 1.0);
+    }
+}
+
+/// Where on the plane z = 1 a piece of a cylinder is seen, at most.
+struct InView {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl InView {
+    /// Of the piece between two positions along the axis.
+    fn of_piece(cylinder: &Cylinder, along: [f64; 2]) -> Self {
+        let Cylinder { axis, radius } = cylinder;
+        let (u, v) = any_orthogonal(&axis.direction);
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        // The corners of a box around it: what is seen of it lies between them.
+        for corner in 0..8 {
+            let sign = |bit: u32| if corner >> bit & 1 == 0 { -radius } else { *radius };
+            let point = axis.point + axis.direction * along[corner & 1] + u * sign(1) + v * sign(2);
+            if point.z <= 0.0 {
+                return Self { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
+            }
+            for (k, place) in [point.x / point.z, point.y / point.z].into_iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(place), high[k].max(place));
+            }
+        }
+        Self { low, high }
+    }
+
+    #[inline(always)]
+    fn contains(&self, x: f64, y: f64) -> bool {
+        let Self { low, high } = self;
+        // Without branches.
+        (x >= low[0]) & (x <= high[0]) & (y >= low[1]) & (y <= high[1])
+    }
+}
+
+/// The measured cells of some rows and columns whose rays pass within a band and a view.
+struct Within<'a> {
+    grid: &'a Grid,
+    seen: &'a Band,
+    in_view: &'a InView,
+    rows: Range<usize>,
+    columns: Range<usize>,
+    found: &'a mut List<usize>,
+}
+
+impl WithSimd for Within<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { grid, seen, in_view, rows, columns, found } = self;
+        for y in rows {
+            let row = y * grid.columns + columns.start..y * grid.columns + columns.end;
+            let [x, y] = [&grid.rays[0][row.clone()], &grid.rays[1][row.clone()]];
+            for (some, (x, y)) in x.chunks(LANES).zip(y.chunks(LANES)).enumerate() {
+                let mut within = [false; LANES];
+                let mut any = false;
+                for (within, (x, y)) in within.iter_mut().zip(x.iter().zip(y)) {
+                    *within = (seen.excess(*x, *y, 1.0) < 0.0) & in_view.contains(*x, *y);
+                    any |= *within;
+                }
+                // Most have none.
+                if !any {
+                    continue;
+                }
+                let first = row.start + some * LANES;
+                for k in 0..x.len() {
+                    if within[k] && grid.cells[first + k].measured() {
+                        found.push(first + k);
+                    }
+                }
+            }
+        }
     }
 }

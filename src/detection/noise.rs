@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median_size};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -89,13 +89,6 @@ fn second_difference([pa, pb, pc]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
     (b - a - t * (c - a)) / weights
 }
 
-/// The lower quartile of the sizes of numbers; they come out in another order and without signs.
-fn lower_quartile(values: &mut [f64]) -> f64 {
-    values.iter_mut().for_each(|value| *value = value.abs());
-    let quarter = values.len() / 4;
-    *values.select_nth_unstable_by(quarter, f64::total_cmp).1
-}
-
 /// The least of the lower quartiles of the second differences along [`DIRECTIONS`]. Along the axis a cylinder does not bend, and where it
 /// lies aslant neither rows nor columns are along it.
 fn least_along(grid: &Grid, w: &[f64]) -> f64 {
@@ -121,7 +114,7 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
             }
         }
         if found.len() >= FEWEST {
-            least = least.min(lower_quartile(&mut found));
+            least = least.min(lower_quartile_size(found.iter().copied()));
         }
     }
     least
@@ -130,21 +123,18 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
 impl Noise {
     /// The noise of an image, and that of each cell; `None` where too little was measured.
     pub fn estimate(grid: &mut Grid) -> Option<Self> {
-        let mut w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
-        let mut far = differences(grid, &w, LAG);
+        let w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
+        let far = differences(grid, &w, LAG);
         if far.len() < FEWEST {
             return None;
         }
         let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
         let bent = positive.max(far.len() as f64 - positive) > BENT * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
-        let deviation = lower_quartile(&mut far).min(along) / LOWER_QUARTILE;
-        let mut near = differences(grid, &w, 1);
-        near.iter_mut().for_each(|difference| *difference = difference.abs());
-        w.retain(|w| *w > 0.0);
-        let nearest = median(&mut near) * DEVIATION_OF_MEDIAN;
+        let deviation = lower_quartile_size(far.iter().copied()).min(along) / LOWER_QUARTILE;
+        let nearest = median_size(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
-        let deviation = deviation.max(1e-6 * median(&mut w));
+        let deviation = deviation.max(1e-6 * median_size(w.iter().copied().filter(|w| *w > 0.0)));
         // Variance of a second difference: σ² (1.5 − 2 ρ₁ + 0.5 ρ₂) / 1.5 with ρ₂ = ρ₁² for errors that fade
         // exponentially: = σ² (1 − ρ₁) (3 − ρ₁) / 3.
         let ratio = (nearest / deviation).powi(2).min(1.0);

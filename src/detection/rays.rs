@@ -37,7 +37,7 @@ impl Band {
 
     /// Negative for a ray within.
     #[inline(always)]
-    fn excess(&self, x: f64, y: f64, z: f64) -> f64 {
+    pub(super) fn excess(&self, x: f64, y: f64, z: f64) -> f64 {
         let (d, m) = (&self.direction, &self.moment);
         let along = x * d.x + y * d.y + z * d.z;
         let across = x * m.x + y * m.y + z * m.z;

@@ -50,7 +50,7 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
             let reason = || Error::NoStart { reason: "the moments of the points give no cylinder".into() };
             without_iteration(data, StartKind::Moments, data.moments_start().ok_or_else(reason)?)
         }
-        Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(None, run)?.cylinder),
+        Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(run)?),
         Method::Fused | Method::Points if !data.is_robust() => {
             let candidates = few.candidates(run)?;
             started();

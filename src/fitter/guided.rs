@@ -424,8 +424,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         let mut starts = List::from(candidates);
         if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
             let moments = candidates.iter().find(|candidate| candidate.kind == StartKind::Moments);
-            match self.data.ransac(moments.map(|candidate| candidate.cylinder), self.run) {
-                Ok(fit) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }),
+            let moments = moments.map(|candidate| candidate.cylinder);
+            match self.data.ransac_unless_explained(moments, self.run) {
+                Ok(cylinder) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder }),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(_) => {}
             }

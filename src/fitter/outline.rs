@@ -44,7 +44,7 @@ impl View {
     pub fn with_sides_of(&self, cylinder: &Cylinder, factor: f64) -> Option<View> {
         let (camera, mask, depth) = (self.camera()?, self.mask.as_ref()?, self.depth()?);
         let ray = |(column, row): (usize, usize)| camera.ray_of_pixel(column, row);
-        let outline = mask.outline().map(|(column, row)| Vector2::new(column as f64, row as f64));
+        let outline = mask.outline().iter().map(|&(column, row)| Vector2::new(column as f64, row as f64));
         let [low, high] = axial_range(camera, cylinder, outline, TRIM)?;
         let pixel = cylinder.axis.nearest_to_origin().norm() / (camera.intrinsics().fx * cylinder.radius);
         let band = Band::new(cylinder, factor + MARGIN * pixel);

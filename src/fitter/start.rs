@@ -8,12 +8,15 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::start::moments::Moments;
-use crate::start::ransac::{RansacFit, RansacOptions, ransac};
+use crate::start::ransac::{RansacOptions, explained, ransac};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
 pub(super) const SAMPLE: usize = 500;
+
+/// Points that tell whether a guess leaves random samples anything to find.
+const TELLING: usize = 1000;
 
 /// A start explains the points when their median distance is at most this part of its radius: depth noise on
 /// the smallest cylinders that can be measured is half of it.
@@ -51,10 +54,9 @@ impl Data<'_> {
             StartKind::Moments => found(StartKind::Moments, self.moments_start()).ok_or_else(|| {
                 Error::NoStart { reason: "the moments of the points give no cylinder".into() }
             }),
-            StartKind::Ransac => Ok(List::from([Candidate {
-                kind: StartKind::Ransac,
-                cylinder: self.ransac(None, run)?.cylinder,
-            }])),
+            StartKind::Ransac => {
+                Ok(List::from([Candidate { kind: StartKind::Ransac, cylinder: self.ransac(run)? }]))
+            }
             StartKind::Auto => self.choose(of_model, run),
             StartKind::Last => self.choose(self.last.map(|last| self.start_of(last)).or(of_model), run),
         }
@@ -73,21 +75,38 @@ impl Data<'_> {
         Some(self.within_limits(&fit.cylinder))
     }
 
-    /// The best of random samples, of which none is drawn where a guess explains the points. The points of several views
-    /// have no common observer.
-    pub fn ransac(&self, guess: Option<Cylinder>, run: &mut Run<'_>) -> Result<RansacFit> {
+    /// The best of random samples. The points of several views have no common observer.
+    pub fn ransac(&self, run: &mut Run<'_>) -> Result<Cylinder> {
         let points: List<Vector3<f64>> = self.points().collect();
-        let options = RansacOptions {
+        let normals = self.normals();
+        let (normals, observed) = (normals.as_ref().map(|normals| &normals[..]), self.is_observed());
+        Ok(ransac(&points, normals, observed, &self.ransac_options(), &mut || run.poll())?.cylinder)
+    }
+
+    /// The same, but where a guess explains some of the points the cylinder next to it.
+    pub fn ransac_unless_explained(&self, guess: Option<Cylinder>, run: &mut Run<'_>) -> Result<Cylinder> {
+        let options = self.ransac_options();
+        let sample = self.sample(TELLING);
+        let near = |guess| explained(&sample, self.is_observed(), &options, &guess, &mut || run.poll());
+        match guess.map(near).transpose()?.flatten() {
+            Some(cylinder) => Ok(cylinder),
+            None => self.ransac(run),
+        }
+    }
+
+    fn ransac_options(&self) -> RansacOptions {
+        RansacOptions {
             max_iterations: self.options.ransac_iterations,
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
             limits: self.limits_of_iteration(),
-            guess,
             ..RansacOptions::default()
-        };
-        let normals = self.normals();
-        let observed = self.views.len() == 1 && self.near_wall();
-        ransac(&points, normals.as_ref().map(|normals| &normals[..]), observed, &options, &mut || run.poll())
+        }
+    }
+
+    /// Whether the points are what an observer at the origin sees.
+    fn is_observed(&self) -> bool {
+        self.views.len() == 1 && self.near_wall()
     }
 
     /// The normals of the points in the reference frame, where all have one.
@@ -126,10 +145,8 @@ impl Data<'_> {
         candidates.extend(moments.map(|cylinder| judge(Candidate { kind: StartKind::Moments, cylinder })));
         let mut failure = None;
         if !explained {
-            match self.ransac(moments, run) {
-                Ok(fit) => {
-                    candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder: fit.cylinder }));
-                }
+            match self.ransac_unless_explained(moments, run) {
+                Ok(cylinder) => candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder })),
                 Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = Some(error),
             }

@@ -151,12 +151,11 @@ pub fn locate_limbs_again(
 /// The part of the image around a baseline, and the baseline as far as the image shows it; `None` where that is too short.
 fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
     let mut baseline = near_image(grid.camera, baseline)?;
-    let mut strip = Strip::gather(grid, &baseline, half_width);
     let half = baseline.half_length;
-    let [low, high] = strip.extent()?;
+    let [low, high] = Strip::extent_of(grid, &baseline, half_width)?;
     if low > 1.0 - half || high < half - 1.0 {
         baseline = baseline.between(low.max(-half), high.min(half))?;
-        strip = Strip::gather(grid, &baseline, half_width);
     }
+    let strip = Strip::gather(grid, &baseline, half_width);
     is_long_enough(strip.len()).then_some((baseline, strip))
 }

@@ -6,7 +6,7 @@
 //! block count for much more than another, and by the significance of all blocks together. Labels and a patterned
 //! background turn the polarity of a limb here and there: each turn along the line costs something.
 
-use super::strip::Strip;
+use super::strip::{Strip, StripPixel};
 use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::LN_2;
@@ -112,7 +112,8 @@ pub(super) fn rough_line(
     deviation: f64,
 ) -> Option<RoughLine> {
     let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
-    let responses: List<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
+    let mut room = Room::default();
+    let responses: List<Response> = strip.runs().filter_map(|run| respond(run, norm, &mut room)).collect();
     if !is_long_enough(responses.len()) {
         return None;
     }
@@ -168,27 +169,71 @@ fn most_after(responses: &[Response]) -> List<[f64; 2]> {
 }
 
 /// The step filter at every place of a run between two pixels, in units of its noise.
-fn respond(run: &[super::strip::StripPixel], norm: f64) -> Option<Response> {
+fn respond(run: &[StripPixel], norm: f64, room: &mut Room) -> Option<Response> {
     let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
     let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
-    let mut values: List<f64> = List::with_capacity(count);
-    values.extend((0..count).map(|k| {
-        let sum = |sum: f64, (d, w): (usize, &f64)| {
-            sum + w * (run[k + FILTER_HALF + d].value - run[k + FILTER_HALF - 1 - d].value)
-        };
-        FILTER.iter().enumerate().fold(0.0, sum) / norm
-    }));
-    let is_lobe = |k: usize| {
-        let near = &values[k.saturating_sub(LOBE_DISTANCE)..(k + LOBE_DISTANCE + 1).min(count)];
-        near.iter().any(|other| other * values[k] < 0.0 && other.abs() > LOBE * values[k].abs())
-    };
-    let own = |k: usize| if is_lobe(k) { 0.0 } else { values[k] };
-    let mut pairs = List::with_capacity(count);
-    let mut below = own(0);
-    pairs.extend((1..count).map(|k| [std::mem::replace(&mut below, own(k)), below]));
-    pairs.push([0.0; 2]);
+    let pairs = Arch::new().dispatch(Filter { run, norm, count, room });
     let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
     Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
+}
+
+/// Room for the numbers of one run, which the next one has again.
+#[derive(Default)]
+struct Room {
+    values: List<f64>,
+    /// What the filter responds; zeros on both sides.
+    all: List<f64>,
+    /// The same without lobes.
+    own: List<f64>,
+}
+
+/// The step filter along a run. Plain loops, which the compiler makes the widest instructions of the machine of; they all round
+/// alike.
+struct Filter<'a> {
+    run: &'a [StripPixel],
+    norm: f64,
+    /// How many places there are.
+    count: usize,
+    room: &'a mut Room,
+}
+
+impl WithSimd for Filter<'_> {
+    /// [`Response::pairs`].
+    type Output = List<[f64; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
+        let Self { run, norm, count, room: Room { values, all, own } } = self;
+        values.resize(run.len(), 0.0);
+        for (value, pixel) in values.iter_mut().zip(run) {
+            *value = pixel.value;
+        }
+        all.clear();
+        all.resize(count + 2 * LOBE_DISTANCE, 0.0);
+        for (response, values) in all[LOBE_DISTANCE..].iter_mut().zip(values.windows(2 * FILTER_HALF)) {
+            let mut sum = 0.0;
+            for (d, weight) in FILTER.iter().enumerate() {
+                sum += weight * (values[FILTER_HALF + d] - values[FILTER_HALF - 1 - d]);
+            }
+            *response = sum / norm;
+        }
+        own.resize(count, 0.0);
+        for (own, near) in own.iter_mut().zip(all.windows(2 * LOBE_DISTANCE + 1)) {
+            let response = near[LOBE_DISTANCE];
+            let (mut low, mut high) = (0.0, 0.0);
+            for other in near {
+                low = if *other < low { *other } else { low };
+                high = if *other > high { *other } else { high };
+            }
+            let of_other_sign = if response > 0.0 { -low } else { high };
+            *own = if of_other_sign > LOBE * response.abs() { 0.0 } else { response };
+        }
+        let mut pairs = List::filled([0.0; 2], count);
+        for (pair, own) in pairs.iter_mut().zip(own.windows(2)) {
+            *pair = [own[0], own[1]];
+        }
+        pairs
+    }
 }
 
 /// Some lines, given by u at their ends, and the evidence that each of them needs to be of interest.
@@ -316,7 +361,6 @@ impl Logarithm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limb_location::strip::StripPixel;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -402,7 +446,8 @@ mod tests {
     /// The evidence of an upright line.
     fn evidence(strip: &Strip, u: f64) -> f64 {
         let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt();
-        let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm)).collect();
+        let mut room = Room::default();
+        let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm, &mut room)).collect();
         evidence_of(&responses, 29.5, &[[u; 2]; LINES], f64::NEG_INFINITY)[0]
     }
 

@@ -219,7 +219,7 @@ fn add_products<S: Simd, const WIDTH: usize, const COUNT: usize, const FIRST: us
 mod tests {
     use super::*;
     use crate::limb_location::block::Background;
-    use crate::limb_location::profile::{FLAT, SHADED, ShadedProfile, SharpProfile};
+    use crate::limb_location::profile::{FLAT, Kernel, SHADED, ShadedProfile, SharpProfile};
     use crate::limb_location::shading::LimbShading;
     use nalgebra::Vector2;
 
@@ -270,7 +270,7 @@ mod tests {
             };
             let strip = Strip::of_runs((0..19).map(|run| (0..24).map(|k| pixel(run, k)).collect()));
             for background in [Background::Flat, Background::Sloped] {
-                match sharp.shaded(0.8, &Vector2::new(0.1, -0.2), background) {
+                match sharp.shaded(&Kernel::new(0.8, 0.0), &Vector2::new(0.1, -0.2), background) {
                     ShadedProfile::Flat(table) => compare::<_, { FLAT.len() }>(&strip, &table),
                     ShadedProfile::Sloped(table) => compare::<_, SHADED>(&strip, &table),
                 }

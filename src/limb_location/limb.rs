@@ -3,12 +3,13 @@
 
 use super::block::{Background, Block, BlockSums, LimbState, StripLine, sums_of_blocks};
 use super::consensus::RoughLine;
-use super::profile::SharpProfile;
+use super::profile::{Kernel, SharpProfile};
 use super::shading::LimbShading;
 use super::strip::Strip;
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
+use pulp::{Arch, Simd, WithSimd};
 
 constants! {
     /// Standard deviation of the coefficients of sin θ and 1 − cos θ relative to the brightness near the limb: what
@@ -183,8 +184,8 @@ impl<'a> Limb<'a> {
     }
 
     /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
-    pub fn scan(&mut self, blur: f64) -> List<LimbState> {
-        let profile = &self.sharp.blurred(blur, SCAN_REACH.get());
+    pub fn scan(&mut self, kernel: &Kernel) -> List<LimbState> {
+        let profile = &self.sharp.blurred(kernel);
         let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
         let sums: List<(LimbState, List<BlockSums>)> = (-count..=count)
             .map(|k| {
@@ -337,21 +338,64 @@ impl<'a> Limb<'a> {
 
 /// The line through the shifts of two blocks that most others agree with.
 fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
-    let stride = blocks.len().div_ceil(MOST_HYPOTHESES.count());
-    let mut best = (f64::INFINITY, StripLine::default());
-    for i in (0..blocks.len()).step_by(stride) {
-        for j in (0..i).step_by(stride) {
-            let slope = (blocks[i].shift - blocks[j].shift) / (blocks[i].s - blocks[j].s);
-            let line = StripLine { offset: blocks[i].shift - slope * blocks[i].s, slope };
-            let cost = |block: &Block| {
-                // Beyond three standard deviations all blocks disagree alike.
-                ((block.shift - line.at(block.s)).powi(2) / block.variance()).min(9.0)
-            };
-            let cost: f64 = blocks.iter().map(cost).sum();
-            if cost < best.0 {
-                best = (cost, line);
+    let places: List<Place> = blocks
+        .iter()
+        .map(|block| Place { s: block.s, shift: block.shift, variance: block.variance() })
+        .collect();
+    Arch::new().dispatch(MostBlocks { places: &places })
+}
+
+/// Where a block sees the limb.
+#[derive(Clone, Copy)]
+struct Place {
+    s: f64,
+    shift: f64,
+    variance: f64,
+}
+
+/// Lines that are compared side by side.
+const LINES: usize = 8;
+
+/// The search of [`line_of_most_blocks`]. Plain loops, which the compiler makes the widest instructions of the machine of; they
+/// all round alike.
+struct MostBlocks<'a> {
+    places: &'a [Place],
+}
+
+impl WithSimd for MostBlocks<'_> {
+    type Output = StripLine;
+
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
+    fn with_simd<S: Simd>(self, _simd: S) -> StripLine {
+        let Self { places } = self;
+        let stride = places.len().div_ceil(MOST_HYPOTHESES.count());
+        let (mut best, mut least) = (StripLine::default(), f64::INFINITY);
+        for i in (0..places.len()).step_by(stride) {
+            let one = places[i];
+            for first in (0..i).step_by(stride * LINES) {
+                // The line of a block with itself is none, and costs no number.
+                let (mut offset, mut slope, mut cost) = ([0.0; LINES], [0.0; LINES], [0.0; LINES]);
+                for k in 0..LINES {
+                    let other = places[(first + k * stride).min(i)];
+                    slope[k] = (one.shift - other.shift) / (one.s - other.s);
+                    offset[k] = one.shift - slope[k] * one.s;
+                }
+                for Place { s, shift, variance } in places {
+                    for k in 0..LINES {
+                        let distance = shift - (offset[k] + slope[k] * s);
+                        let square = distance * distance / variance;
+                        // Beyond three standard deviations all blocks disagree alike.
+                        cost[k] += if square < 9.0 { square } else { 9.0 };
+                    }
+                }
+                for k in 0..LINES {
+                    if cost[k] < least {
+                        (least, best) = (cost[k], StripLine { offset: offset[k], slope: slope[k] });
+                    }
+                }
             }
         }
+        best
     }
-    best.1
 }

@@ -387,7 +387,7 @@ fn near_image(camera: &Camera, baseline: &Baseline) -> Option<Baseline> {
 /// The part of the image around a baseline, and the baseline as far as the image shows it.
 fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
     let baseline = near_image(grid.camera, baseline)?;
-    let [low, high] = Strip::gather(grid, &baseline, half_width).extent()?;
+    let [low, high] = Strip::extent_of(grid, &baseline, half_width)?;
     let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;
     Some((baseline, Strip::gather(grid, &baseline, half_width)))
 }

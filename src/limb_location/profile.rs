@@ -11,8 +11,9 @@ use super::block::{Background, INSIDE, OUTSIDE};
 use super::refine::MOST_BLUR;
 use super::shading::LimbShading;
 use crate::memory::List;
-use nalgebra::{Vector2, Vector4};
+use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::RangeInclusive;
 
 constants! {
     /// Spacing of the tables in pixels.
@@ -60,8 +61,10 @@ pub(super) struct Table<Row: Send + 'static> {
 /// outer side they are 0, and the function of the background is 1 less the first one everywhere.
 #[derive(Debug, Clone)]
 pub(super) struct SharpProfile {
-    /// Cell k is about u = k · `STEP`.
-    cells: List<Vector4<f64>>,
+    /// The expected brightness and sin θ; cell k is about u = k · `STEP`.
+    cells: List<[f64; 2]>,
+    /// One over the radius of the cylinder, in pixels.
+    curvature: f64,
 }
 
 impl SharpProfile {
@@ -78,26 +81,29 @@ impl SharpProfile {
             let through = sine_up_to(high, radius);
             let sine = (through - before) / STEP.get();
             before = through;
-            cells.push(sharp((low, high), radius, shading, [sine, mean_sine]));
+            // Less its mean over the window, so that the level inside is the mean brightness there.
+            let inner = (high - low) / STEP.get();
+            cells.push([expected((low, high), radius, shading), sine - mean_sine * inner]);
         }
-        Self { cells }
+        Self { cells, curvature: 1.0 / radius }
     }
 
-    /// The functions over the window widened by `margin` on both sides, for a blur (standard deviation in pixels).
-    pub fn blurred(&self, blur: f64, margin: f64) -> Table<Functions> {
-        let kernel = kernel(blur).into_iter().map(|[g, slope, _]| [[g; 4], [slope; 4]]);
-        let cells = self.cells.iter().map(|cell| [(*cell).into(); 2]);
-        table(cells, &kernel.collect::<List<_>>(), margin, |u, [values, slopes]| {
-            let [outside, distance] = background(u, blur, values[0], slopes[0]);
-            [outside, distance, values[1], values[2], values[3], 0.0, 0.0, 0.0]
+    /// The functions over the window of a kernel.
+    pub fn blurred(&self, kernel: &Kernel) -> Table<Functions> {
+        let weights = kernel.weights.iter().map(|[g, ..]| [*g; 4]);
+        let cells = self.cells.iter().map(|[expected, sine]| [*expected, *sine, 0.0, 0.0]);
+        self.table(cells, (kernel, weights), |[expected, sine, ..], u, inside| {
+            let [outside, distance] = background(u, kernel.blur, inside);
+            let lean = self.curvature * inside.lean;
+            [outside, distance, expected, sine, lean, 0.0, 0.0, 0.0]
         })
     }
 
     /// The profile over the window, for a blur, a shading and a background.
-    pub fn shaded(&self, blur: f64, shading: &Vector2<f64>, background: Background) -> ShadedProfile {
+    pub fn shaded(&self, kernel: &Kernel, shading: &Vector2<f64>, background: Background) -> ShadedProfile {
         match background {
             Background::Flat => ShadedProfile::Flat(self.shaded_table(
-                blur,
+                kernel,
                 shading,
                 |[outside, _, inside],
                  [outside_by_u, _, by_u],
@@ -107,7 +113,7 @@ impl SharpProfile {
                 },
             )),
             Background::Sloped => ShadedProfile::Sloped(self.shaded_table(
-                blur,
+                kernel,
                 shading,
                 |[a, b, c], [d, e, f], [g, h, i], [sine, lean]| [a, b, c, d, e, f, g, h, i, sine, lean, 0.0],
             )),
@@ -117,112 +123,178 @@ impl SharpProfile {
     /// With rows of the levels, their derivatives in u and in the blur, and sin θ and 1 − cos θ.
     fn shaded_table<Row: Send + 'static>(
         &self,
-        blur: f64,
+        kernel: &Kernel,
         shading: &Vector2<f64>,
         row: impl Fn([f64; 3], [f64; 3], [f64; 3], [f64; 2]) -> Row,
     ) -> Table<Row> {
-        let kernel =
-            kernel(blur).into_iter().map(|[g, slope, by_blur]| [[g; 4], [slope, slope, by_blur, by_blur]]);
-        let cells = self.cells.iter().map(|cell| {
-            let (one, sine, lean) = (cell[0], cell[2], cell[3]);
-            let inside = cell[1] + shading[0] * sine + shading[1] * lean;
-            [[one, inside, sine, lean], [one, inside, one, inside]]
+        let weights = kernel.weights.iter().map(|[g, slope, by_blur]| [*g, *slope, *by_blur, *g]);
+        // That of 1 − cos θ is added to what is blurred.
+        let cells = self.cells.iter().map(|[expected, sine]| {
+            let inside = expected + shading[0] * sine;
+            [inside, inside, inside, *sine]
         });
-        table(cells, &kernel.collect::<List<_>>(), 0.0, |u, [values, slopes]| {
-            let [one, inside, sine, lean] = values;
-            let [one_by_u, inside_by_u, one_by_blur, inside_by_blur] = slopes;
-            let [outside, distance] = background(u, blur, one, one_by_u);
-            let levels = [outside, distance, inside];
-            let by_u = [-one_by_u, -outside, inside_by_u];
-            let by_blur = [-one_by_blur, blur * one_by_u, inside_by_blur];
-            row(levels, by_u, by_blur, [sine, lean])
+        let leaning = shading[1] * self.curvature;
+        self.table(cells, (kernel, weights), |[level, by_u, by_blur, sine], u, inside| {
+            let [outside, distance] = background(u, kernel.blur, inside);
+            let levels = [outside, distance, level + leaning * inside.lean];
+            let by_u = [-inside.by_u, -outside, by_u + leaning * inside.lean_by_u];
+            let by_blur = by_blur + leaning * inside.lean_by_blur;
+            let by_blur = [-inside.by_blur, kernel.blur * inside.by_u, by_blur];
+            row(levels, by_u, by_blur, [sine, self.curvature * inside.lean])
         })
+    }
+
+    /// A table over the window of a kernel: `row` of the sums of the cells by some weights, of u, and of what is known without
+    /// them.
+    fn table<Row: Send + 'static>(
+        &self,
+        cells: impl Iterator<Item = Four>,
+        (kernel, weights): (&Kernel, impl Iterator<Item = Four>),
+        row: impl Fn(Four, f64, &Inside) -> Row,
+    ) -> Table<Row> {
+        // Some rows reach beyond the cells there are, and the number of weights is odd.
+        let mut padded = List::with_capacity(self.cells.len() + 2 * ROWS);
+        padded.extend([[0.0; 4]; ROWS - 1]);
+        padded.extend(cells);
+        padded.extend([[0.0; 4]; ROWS]);
+        let mut all_weights = List::with_capacity(kernel.weights.len() + 1);
+        all_weights.extend(weights);
+        all_weights.push([0.0; 4]);
+        let (taps, first_index) = (kernel.taps, kernel.first);
+        let mut rows = List::with_capacity(kernel.inside.len());
+        for (inside, first) in kernel.inside.chunks(ROWS).zip((first_index..).step_by(ROWS)) {
+            // Where the kernel about the last of the rows meets the first cell.
+            let left = first + ROWS as i32 - 1 - taps;
+            let weights = &all_weights[(-left).clamp(0, 2 * taps + 1) as usize..];
+            let sums = Arch::new().dispatch(WeightedSums { weights, cells: &padded[left.max(0) as usize..] });
+            let some = inside.iter().zip(sums).zip(first..);
+            rows.extend(some.map(|((inside, sums), k)| row(sums, f64::from(k) * STEP.get(), inside)));
+        }
+        Table { first: f64::from(first_index) * STEP.get(), rows }
     }
 }
 
-/// Two times four numbers: of a cell, or what they are multiplied by.
-type Pair = [[f64; 4]; 2];
+/// Four numbers: of a cell, or what they are multiplied by.
+type Four = [f64; 4];
 
 /// Rows whose sums run side by side: none waits for another, and what the cells are multiplied by is read once.
 const ROWS: usize = 4;
 
-/// A table over the window widened by `margin`: `row` of u and of the sums of the cells by a kernel.
-fn table<Row: Send + 'static>(
-    cells: impl Iterator<Item = Pair>,
-    kernel: &[Pair],
-    margin: f64,
-    row: impl Fn(f64, Pair) -> Row,
-) -> Table<Row> {
-    // Some rows reach beyond the cells there are.
-    let mut padded = List::filled([[0.0; 4]; 2], ROWS - 1);
-    padded.extend(cells);
-    padded.extend([[[0.0; 4]; 2]; ROWS - 1]);
-    let taps = (kernel.len() / 2) as i32;
-    let (first_index, last_index) = window(margin);
-    let mut rows = List::with_capacity((last_index - first_index) as usize + ROWS);
-    for first in (first_index..=last_index).step_by(ROWS) {
-        // Where the kernel about the last of the rows meets the first cell.
-        let left = first + ROWS as i32 - 1 - taps;
-        let weights = &kernel[(-left).clamp(0, 2 * taps + 1) as usize..];
-        let sums = Arch::new().dispatch(WeightedSums { weights, cells: &padded[left.max(0) as usize..] });
-        rows.extend((first..=last_index).zip(sums).map(|(k, sums)| row(f64::from(k) * STEP.get(), sums)));
-    }
-    Table { first: f64::from(first_index) * STEP.get(), rows }
+/// 1 and the distance from the limb outside of it, blurred: with Φ and φ of the normal distribution, Φ(−u/σ) and
+/// σ φ(u/σ) − u Φ(−u/σ).
+fn background(u: f64, blur: f64, inside: &Inside) -> [f64; 2] {
+    let outside = 1.0 - inside.one;
+    [outside, blur * blur * inside.by_u - u * outside]
 }
 
-/// 1 and the distance from the limb outside of it, blurred, where 1 inside of it is `inside` and rises by `slope` per
-/// pixel: with Φ and φ of the normal distribution, Φ(−u/σ) and σ φ(u/σ) − u Φ(−u/σ).
-fn background(u: f64, blur: f64, inside: f64, slope: f64) -> [f64; 2] {
-    let outside = 1.0 - inside;
-    [outside, blur * blur * slope - u * outside]
+/// A blur: a Gaussian, and what it makes of what all limbs have in common over a window.
+pub(super) struct Kernel {
+    /// Its standard deviation in pixels.
+    blur: f64,
+    /// Cells on either side of the middle.
+    taps: i32,
+    /// g, −g′ and ∂g/∂σ, each normalised by the sum of g so that constants stay constants.
+    weights: List<[f64; 3]>,
+    /// The first cell of the window, and from there on
+    first: i32,
+    /// what is linear on the inner side, blurred.
+    inside: List<Inside>,
 }
 
-/// g, −g′ and ∂g/∂σ of a Gaussian, each normalised by the sum of g so that constants stay constants.
-fn kernel(blur: f64) -> List<[f64; 3]> {
-    let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
-    let place = |k: i32| f64::from(k) * STEP.get() / blur;
-    // The same on both sides.
-    let half: List<f64> = (0..=taps).map(place).map(|x| (-x * x / 2.0).exp()).collect();
-    let kernel: List<[f64; 3]> = (-taps..=taps)
-        .map(|k| {
+/// 1 on the inner side, and 1 − cos θ there for a radius of 1 pixel, blurred, and their derivatives in u and in the blur.
+struct Inside {
+    one: f64,
+    by_u: f64,
+    by_blur: f64,
+    lean: f64,
+    lean_by_u: f64,
+    lean_by_blur: f64,
+}
+
+impl Kernel {
+    /// A blur by its standard deviation in pixels, with a window that is widened by `margin` on both sides.
+    pub fn new(blur: f64, margin: f64) -> Self {
+        let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
+        let place = |k: i32| f64::from(k) * STEP.get() / blur;
+        // The same on both sides.
+        let half: List<f64> = (0..=taps).map(place).map(|x| (-x * x / 2.0).exp()).collect();
+        let mut weights = List::with_capacity(2 * taps as usize + 1);
+        weights.extend((-taps..=taps).map(|k| {
             let (x, g) = (place(k), half[k.unsigned_abs() as usize]);
             [g, x / blur * g, (x * x - 1.0) / blur * g]
-        })
-        .collect();
-    let sum: f64 = kernel.iter().map(|k| k[0]).sum();
-    let drift: f64 = kernel.iter().map(|k| k[2]).sum::<f64>() / sum;
-    kernel.iter().map(|k| [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum]).collect()
+        }));
+        let sum: f64 = weights.iter().map(|k| k[0]).sum();
+        let drift: f64 = weights.iter().map(|k| k[2]).sum::<f64>() / sum;
+        for k in &mut weights {
+            *k = [k[0] / sum, k[1] / sum, (k[2] - drift * k[0]) / sum];
+        }
+        let (first, last) = window(margin);
+        let inside = inside(&weights, taps, first..=last);
+        Self { blur, taps, weights, first, inside }
+    }
+}
+
+/// What is linear on the inner side, and 0 outside, blurred by the weights of cells, in some rows: the sums of the cells change
+/// by little from row to row.
+fn inside(weights: &[[f64; 3]], taps: i32, rows: RangeInclusive<i32>) -> List<Inside> {
+    // Of the cells that are on the inner side as a whole: of their weights, and of the weights times how many cells they are from
+    // the middle.
+    let (mut sums, mut moments) = ([0.0; 3], [0.0; 3]);
+    let mut found = List::with_capacity(rows.clone().count());
+    for row in (-taps).min(*rows.start())..=*rows.end() {
+        let limb = weights.get((taps - row) as usize).copied().unwrap_or_default();
+        if rows.contains(&row) {
+            // The cell about the limb is half inside, and that half a quarter of a cell from it in the mean.
+            let one: [f64; 3] = std::array::from_fn(|i| sums[i] + 0.5 * limb[i]);
+            let [lean, lean_by_u, lean_by_blur] = std::array::from_fn(|i| {
+                let cells = f64::from(row) * sums[i] + moments[i] + 0.125 * limb[i];
+                // Less its mean over the window.
+                STEP.get() * cells - 0.5 * INSIDE.get() * one[i]
+            });
+            let [one, by_u, by_blur] = one;
+            found.push(Inside { one, by_u, by_blur, lean, lean_by_u, lean_by_blur });
+        }
+        for (i, weight) in limb.into_iter().enumerate() {
+            sums[i] += weight;
+            moments[i] -= f64::from(row) * weight;
+        }
+    }
+    found
 }
 
 /// The sums of cells times weights, from each of the first cells on.
 struct WeightedSums<'a> {
-    weights: &'a [Pair],
-    cells: &'a [Pair],
+    /// An odd last one is left out: it is 0.
+    weights: &'a [Four],
+    cells: &'a [Four],
 }
 
 impl WithSimd for WeightedSums<'_> {
-    type Output = [Pair; ROWS];
+    type Output = [Four; ROWS];
 
-    /// With the widest instructions of the machine; they all round alike.
+    /// With the widest instructions of the machine, two cells side by side; they all round alike.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [Pair; ROWS] {
+    fn with_simd<S: Simd>(self, simd: S) -> [Four; ROWS] {
         // As many as eight numbers are without vectors.
         let mut sums = [[simd.splat_f64s(0.0); 8]; ROWS];
-        for (weights, cells) in self.weights.iter().zip(self.cells.windows(ROWS)) {
+        let [first, second, third, fourth] = [0, 1, 2, 3].map(|row| self.cells[row..].as_chunks::<2>().0);
+        let cells = first.iter().zip(second).zip(third.iter().zip(fourth));
+        for (weights, ((first, second), (third, fourth))) in self.weights.as_chunks::<2>().0.iter().zip(cells)
+        {
             let weights = S::as_simd_f64s(weights.as_flattened()).0;
-            for (sums, cell) in sums.iter_mut().zip(cells) {
-                let cell = S::as_simd_f64s(cell.as_flattened()).0;
-                for ((sum, weight), x) in sums.iter_mut().zip(weights).zip(cell) {
+            for (sums, cells) in sums.iter_mut().zip([first, second, third, fourth]) {
+                let cells = S::as_simd_f64s(cells.as_flattened()).0;
+                for ((sum, weight), x) in sums.iter_mut().zip(weights).zip(cells) {
                     *sum = simd.add_f64s(*sum, simd.mul_f64s(*x, *weight));
                 }
             }
         }
-        let mut found = [[[0.0; 4]; 2]; ROWS];
-        for (found, sums) in found.iter_mut().zip(sums) {
-            let found = S::as_mut_simd_f64s(found.as_flattened_mut()).0;
-            found.iter_mut().zip(sums).for_each(|(found, sum)| *found = sum);
-        }
-        found
+        sums.map(|sums| {
+            let mut both = [[0.0; 4]; 2];
+            let room = S::as_mut_simd_f64s(both.as_flattened_mut()).0;
+            room.iter_mut().zip(sums).for_each(|(both, sum)| *both = sum);
+            std::array::from_fn(|k| both[0][k] + both[1][k])
+        })
     }
 }
 
@@ -259,25 +331,14 @@ fn sine_up_to(u: f64, radius: f64) -> f64 {
     radius / 2.0 * (cos.acos() - sine * cos)
 }
 
-/// The functions without blur, averaged over a cell by its inner part: θ has an infinite slope at the limb. The mean of sin θ in
-/// the cell and over the window are known.
-fn sharp(
-    (low, high): (f64, f64),
-    radius: f64,
-    shading: &LimbShading,
-    [sine, mean_sine]: [f64; 2],
-) -> Vector4<f64> {
-    let inner = (high - low) / STEP.get();
-    let lean = f64::midpoint(low, high) / radius * inner;
-    // Less their means over the window, so that the level inside is the mean brightness there.
-    let mean_lean = INSIDE.get() / (2.0 * radius);
-    // The expected brightness has an infinite slope there, too.
+/// The expected brightness without blur, averaged over a cell by its inner part: it has an infinite slope at the limb, as θ has.
+fn expected((low, high): (f64, f64), radius: f64, shading: &LimbShading) -> f64 {
     let places = 8;
     let place = |j: usize| low + (high - low) * (j as f64 + 0.5) / places as f64;
-    let expected = if inner > 0.0 {
+    let inner = (high - low) / STEP.get();
+    if inner > 0.0 {
         inner * (0..places).map(|j| shading.at(place(j) / radius)).sum::<f64>() / places as f64
     } else {
         0.0
-    };
-    Vector4::new(inner, expected, sine - mean_sine * inner, lean - mean_lean * inner)
+    }
 }

@@ -7,7 +7,7 @@
 
 use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
 use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
-use super::profile::{MARGIN, ShadedProfile};
+use super::profile::{Kernel, MARGIN, ShadedProfile};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2};
 use smallvec::SmallVec;
@@ -61,7 +61,8 @@ pub(super) struct RefinedImage {
 /// Refines one or two limbs of a cylinder and the blur.
 pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
     let blur = ExpectedBlur::new(told_blur);
-    let scans: List<List<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(blur.value)).collect();
+    let kernel = Kernel::new(blur.value, SCAN_REACH.get());
+    let scans: List<List<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(&kernel)).collect();
     let mut starts: List<List<LimbState>> = List::from([List::new()]);
     for scan in &scans {
         let extended = |start: &List<LimbState>| {
@@ -225,8 +226,9 @@ impl Mode<'_> {
 
 /// The cost of the limbs over the pixels of some windows.
 fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[StripLine]) -> f64 {
+    let kernel = Kernel::new(blur, SCAN_REACH.get());
     let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
-        let profile = limb.sharp.blurred(blur, SCAN_REACH.get());
+        let profile = limb.sharp.blurred(&kernel);
         let sums = sums_of_blocks(limb.strip, &profile, &limb.state.line, window);
         limb.cost(&sums, &limb.state, limb.background)
     };
@@ -276,7 +278,8 @@ fn look_about(limbs: &mut [Limb<'_>], count: usize) {
 
 /// The profiles of limbs.
 fn profiles(limbs: &[Limb<'_>], blur: f64) -> List<ShadedProfile> {
-    limbs.iter().map(|limb| limb.sharp.shaded(blur, &limb.state.shading, limb.background)).collect()
+    let kernel = Kernel::new(blur, 0.0);
+    limbs.iter().map(|limb| limb.sharp.shaded(&kernel, &limb.state.shading, limb.background)).collect()
 }
 
 /// A Gauss–Newton step on lines, shading and blur from where the limbs have these profiles; returns by how many pixels it
@@ -401,7 +404,7 @@ mod tests {
         let scanned = |shadow: f64, beside: f64| {
             let scene = Scene { contrast: 100.0, noise: 1.0, shadow };
             with_limb(&scene.image(1), scene.noise, |mut limb| {
-                limb.state = limb.scan(FIRST_BLUR.get())[0];
+                limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()))[0];
                 limb.state.line.offset += beside;
                 limb.take_slopes()
             })

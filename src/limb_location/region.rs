@@ -106,7 +106,7 @@ impl<'a> Outline<'a> {
             let ray = camera.ray_of_pixel(at.0, at.1)?;
             Some(OutlinePixel { position: camera.ideal_pixel(&ray)?, at })
         };
-        let pixels: List<OutlinePixel> = mask.outline().filter_map(pixel).collect();
+        let pixels: List<OutlinePixel> = mask.outline().iter().copied().filter_map(pixel).collect();
         let center = pixels.iter().map(|pixel| pixel.position).sum::<Vector2<f64>>() / pixels.len() as f64;
         (!pixels.is_empty()).then_some(Self { mask, depth, pixels, center, noise: *noise })
     }

@@ -11,6 +11,7 @@ use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
 use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median_size};
 use nalgebra::Vector2;
+use std::ops::Range;
 
 constants! {
     /// How far apart the expected line is projected through the lens, in pixels: a lens bends it by less than a
@@ -99,93 +100,28 @@ pub(super) struct Strip {
 impl Strip {
     /// Gathers the pixels with |s| up to the half length of the baseline and |u| up to `half_width`.
     pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
-        let Grid { image, camera, .. } = grid;
-        let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
-        let vertex = |k: usize| {
-            let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
-            camera.project(&camera.ideal_ray(&baseline.position(s, 0.0)))
-        };
-        let ends = (vertex(0), vertex(pieces));
-        let middle = vertex(pieces / 2);
-        let Some(chord) =
-            ends.0.zip(ends.1).map(|(a, b)| b - a).or_else(|| Some(middle? - ends.0.or(ends.1)?))
-        else {
-            return Self { pixels: List::new(), ends: List::new() };
-        };
-        let steep = chord.y.abs() >= chord.x.abs();
-        // The image axis along which runs follow each other, and the one within a run.
-        let split = |p: &Vector2<f64>| if steep { (p.y, p.x) } else { (p.x, p.y) };
-        let (_, slant) = split(&chord.normalize());
-        let reach = half_width / (1.0 - slant * slant).sqrt();
-        let (width, height) = (image.width(), image.height());
-        let (most_runs, most_pixels) = if steep { (height, width) } else { (width, height) };
-        let room = |length: f64, most: usize| (length + 2.0).min(most as f64) as usize;
-        let runs = room(2.0 * baseline.half_length, most_runs);
-        let pixels = runs * room(2.0 * reach, most_pixels);
-        let mut strip = Self { pixels: List::with_capacity(pixels), ends: List::with_capacity(runs) };
-        for k in 0..pieces {
-            let (Some(a), Some(b)) = (vertex(k), vertex(k + 1)) else { continue };
-            let ((a_run, a_cross), (b_run, b_cross)) = (split(&a), split(&b));
-            let (low, high) = (a_run.min(b_run), a_run.max(b_run));
-            let count = if steep { image.height() } else { image.width() };
-            // From the first run at or after the lower vertex to the last one before the upper.
-            let runs = low.ceil().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count);
-            let reversed = b_run < a_run;
-            for k in 0..runs.len() {
-                let run = if reversed { runs.end - 1 - k } else { runs.start + k };
-                let part = (run as f64 - a_run) / (b_run - a_run);
-                strip.add_run(grid, baseline, steep, run, a_cross + part * (b_cross - a_cross), reach);
+        let runs = runs(grid, baseline, half_width);
+        let count = runs.iter().map(|run| run.pixels.len()).sum();
+        let mut strip = Self { pixels: List::with_capacity(count), ends: List::with_capacity(runs.len()) };
+        for run in &runs {
+            let begin = strip.pixels.len();
+            strip.pixels.extend(run.pixels.clone().map(|cross| run.pixel(&grid.image, cross)));
+            if run.is_reversed() {
+                strip.pixels[begin..].reverse();
             }
+            strip.ends.push(strip.pixels.len());
         }
         strip
     }
 
-    fn add_run(
-        &mut self,
-        Grid { image, camera, .. }: &Grid<'_>,
-        baseline: &Baseline,
-        steep: bool,
-        run: usize,
-        center: f64,
-        reach: f64,
-    ) {
-        let at = |cross: f64| {
-            let pixel = if steep { Vector2::new(cross, run as f64) } else { Vector2::new(run as f64, cross) };
-            let ideal = camera.ideal_pixel(&camera.unproject(&pixel)?)?;
-            Some(baseline.coordinates(&ideal))
-        };
-        let (Some(before), Some(here), Some(after)) = (at(center - reach), at(center), at(center + reach))
-        else {
-            return;
-        };
-        // Through the lens the coordinates change smoothly along a run: a parabola through three of them is
-        // exact to 1e-3 pixels.
-        let parabola = |a: f64, b: f64, c: f64, x: f64| b + (c - a) / 2.0 * x + ((a + c) / 2.0 - b) * x * x;
-        let count = if steep { image.width() } else { image.height() };
-        let first = (center - reach).ceil().max(0.0) as usize;
-        let begin = self.pixels.len();
-        for cross in first..count {
-            // An image has fewer rows and columns than that, and what has 32 bits is quicker to convert.
-            let x = (f64::from(cross as u32) - center) / reach;
-            if x > 1.0 {
-                break;
-            }
-            let (column, row) = if steep { (cross, run) } else { (run, cross) };
-            let (value, saturated) = image.pixel(column, row);
-            self.pixels.push(StripPixel {
-                s: parabola(before.0, here.0, after.0, x),
-                u: parabola(before.1, here.1, after.1, x),
-                value: f64::from(value),
-                saturated,
-            });
-        }
-        if self.pixels.len() == begin {
-            return;
-        }
-        if after.1 < before.1 {
-            self.pixels[begin..].reverse();
-        }
-        self.ends.push(self.pixels.len());
+    /// The smallest and the largest s of any pixel that [`Strip::gather`] would gather; `None` without pixels.
+    pub fn extent_of(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<[f64; 2]> {
+        // Along a run s rises or falls, but for what is less than a hundredth of a pixel.
+        let ends = |run: &Run| [run.pixels.start, run.pixels.end - 1].map(|cross| run.place(cross).0);
+        let runs = runs(grid, baseline, half_width);
+        let s = || runs.iter().flat_map(ends);
+        let extent = [s().fold(f64::INFINITY, f64::min), s().fold(f64::NEG_INFINITY, f64::max)];
+        (!runs.is_empty()).then_some(extent)
     }
 
     /// Of runs that are given.
@@ -197,13 +133,6 @@ impl Strip {
             strip.ends.push(strip.pixels.len());
         }
         strip
-    }
-
-    /// The smallest and the largest s of any pixel; `None` without pixels.
-    pub fn extent(&self) -> Option<[f64; 2]> {
-        let s = || self.pixels.iter().map(|pixel| pixel.s);
-        let extent = [s().fold(f64::INFINITY, f64::min), s().fold(f64::NEG_INFINITY, f64::max)];
-        (!self.pixels.is_empty()).then_some(extent)
     }
 
     /// The runs in order along the line.
@@ -275,5 +204,99 @@ impl Strip {
             most = if pixel.value > most { pixel.value } else { most };
         }
         most - least
+    }
+}
+
+/// A piece of a row or a column of an image across a baseline.
+struct Run {
+    /// Whether it is one of a row, and which.
+    steep: bool,
+    line: usize,
+    /// Where on it the baseline is, how far it reaches from there, and which of its pixels are within.
+    center: f64,
+    reach: f64,
+    pixels: Range<usize>,
+    /// (s, u) at its ends and in the middle.
+    places: [(f64, f64); 3],
+}
+
+/// The runs about a baseline in their order along it, each with at least one pixel.
+fn runs(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> List<Run> {
+    let Grid { image, camera, .. } = grid;
+    let pieces = (2.0 * baseline.half_length / POLYLINE_STEP.get()).ceil().max(1.0) as usize;
+    let vertex = |k: usize| {
+        let s = baseline.half_length * (2.0 * k as f64 / pieces as f64 - 1.0);
+        camera.project(&camera.ideal_ray(&baseline.position(s, 0.0)))
+    };
+    let ends = (vertex(0), vertex(pieces));
+    let middle = vertex(pieces / 2);
+    let chord = ends.0.zip(ends.1).map(|(a, b)| b - a).or_else(|| Some(middle? - ends.0.or(ends.1)?));
+    let Some(chord) = chord else { return List::new() };
+    let steep = chord.y.abs() >= chord.x.abs();
+    // The image axis along which runs follow each other, and the one within a run.
+    let split = |p: &Vector2<f64>| if steep { (p.y, p.x) } else { (p.x, p.y) };
+    let (_, slant) = split(&chord.normalize());
+    let reach = half_width / (1.0 - slant * slant).sqrt();
+    let count = if steep { image.height() } else { image.width() };
+    let mut runs = List::with_capacity((2.0 * baseline.half_length + 2.0).min(count as f64) as usize);
+    for k in 0..pieces {
+        let (Some(a), Some(b)) = (vertex(k), vertex(k + 1)) else { continue };
+        let ((a_run, a_cross), (b_run, b_cross)) = (split(&a), split(&b));
+        let (low, high) = (a_run.min(b_run), a_run.max(b_run));
+        // From the first run at or after the lower vertex to the last one before the upper.
+        let lines = low.ceil().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count);
+        let reversed = b_run < a_run;
+        for k in 0..lines.len() {
+            let line = if reversed { lines.end - 1 - k } else { lines.start + k };
+            let part = (line as f64 - a_run) / (b_run - a_run);
+            runs.extend(Run::new(grid, baseline, (steep, line), a_cross + part * (b_cross - a_cross), reach));
+        }
+    }
+    runs
+}
+
+impl Run {
+    fn new(
+        Grid { image, camera, .. }: &Grid<'_>,
+        baseline: &Baseline,
+        (steep, line): (bool, usize),
+        center: f64,
+        reach: f64,
+    ) -> Option<Self> {
+        let at = |cross: f64| {
+            let pixel =
+                if steep { Vector2::new(cross, line as f64) } else { Vector2::new(line as f64, cross) };
+            let ideal = camera.ideal_pixel(&camera.unproject(&pixel)?)?;
+            Some(baseline.coordinates(&ideal))
+        };
+        let places = [at(center - reach)?, at(center)?, at(center + reach)?];
+        let count = if steep { image.width() } else { image.height() };
+        let first = (center - reach).ceil().max(0.0) as usize;
+        let end = (((center + reach).floor() + 1.0).max(0.0) as usize).min(count);
+        (first < end).then_some(Self { steep, line, center, reach, pixels: first..end, places })
+    }
+
+    /// Whether u falls along it.
+    fn is_reversed(&self) -> bool {
+        self.places[2].1 < self.places[0].1
+    }
+
+    /// (s, u) of a pixel. Through the lens the coordinates change smoothly along a run: a parabola through three of them is
+    /// exact to 1e-3 pixels.
+    #[inline(always)]
+    fn place(&self, cross: usize) -> (f64, f64) {
+        let [before, here, after] = self.places;
+        // An image has fewer rows and columns than that, and what has 32 bits is quicker to convert.
+        let x = (f64::from(cross as u32) - self.center) / self.reach;
+        let parabola = |a: f64, b: f64, c: f64| b + (c - a) / 2.0 * x + ((a + c) / 2.0 - b) * x * x;
+        (parabola(before.0, here.0, after.0), parabola(before.1, here.1, after.1))
+    }
+
+    #[inline(always)]
+    fn pixel(&self, image: &ReducedImage<'_>, cross: usize) -> StripPixel {
+        let (s, u) = self.place(cross);
+        let (column, row) = if self.steep { (cross, self.line) } else { (self.line, cross) };
+        let (value, saturated) = image.pixel(column, row);
+        StripPixel { s, u, value: f64::from(value), saturated }
     }
 }

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::memory::List;
 use pulp::Arch;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// The pixels of the image that belong to the visible lateral surface. Its boundary is a hint, never a
 /// measurement of the limbs.
@@ -17,7 +18,21 @@ pub struct Mask {
     /// The columns and rows beyond which no pixel is set: most of most masks is empty.
     columns: Range<usize>,
     rows: Range<usize>,
+    outline: Remembered,
 }
+
+/// The outline of a mask once it was asked for: many fits may share a mask, and each asks for it several times.
+#[derive(Debug, Clone, Default)]
+struct Remembered(OnceLock<Vec<(usize, usize)>>);
+
+impl PartialEq for Remembered {
+    /// What is remembered is no difference.
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Remembered {}
 
 impl Mask {
     /// Copies a mask.
@@ -51,7 +66,7 @@ impl Mask {
         if rows.is_empty() {
             return Err(Error::EmptyMask { width, height });
         }
-        Ok(Self { width, height, pixels, columns, rows })
+        Ok(Self { width, height, pixels, columns, rows, outline: Remembered::default() })
     }
 
     /// Columns.
@@ -108,7 +123,18 @@ impl Mask {
     }
 
     /// The set pixels with a neighbour that is unset or outside the image, row by row.
-    pub fn outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+    #[must_use]
+    pub fn outline(&self) -> &[(usize, usize)] {
+        self.outline.0.get_or_init(|| {
+            let mut outline = List::new();
+            // A loop over an iterator of iterators is slow to be asked one by one.
+            self.find_outline().for_each(|pixel| outline.push(pixel));
+            // It outlives the call, whose memory the list has.
+            outline.to_vec()
+        })
+    }
+
+    fn find_outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let columns = self.columns.clone().step_by(EIGHT);
         self.rows.clone().flat_map(move |row| {
             let line = |row: usize| self.pixels.get(row * self.width..(row + 1) * self.width);
@@ -144,7 +170,7 @@ impl Mask {
     /// The mask with the pixels (column, row) of the image that belong to it, too.
     #[must_use]
     pub fn extended(&self, belongs: impl Fn((usize, usize)) -> bool) -> Self {
-        let mut extended = self.clone();
+        let mut extended = Self { outline: Remembered::default(), ..self.clone() };
         for index in 0..self.pixels.len() {
             let (column, row) = (index % self.width, index / self.width);
             if !self.pixels[index] && belongs((column, row)) {
@@ -165,7 +191,8 @@ impl Mask {
     /// The mask of the set pixels (column, row) that are chosen; `None` when there are none.
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize, usize) -> bool) -> Option<Self> {
-        let mut chosen = Self { pixels: List::filled(false, self.pixels.len()), ..self.clone() };
+        let pixels = List::filled(false, self.pixels.len());
+        let mut chosen = Self { pixels, outline: Remembered::default(), ..self.clone() };
         let (mut columns, mut rows) = (self.width..0, self.height..0);
         for (column, row) in self.set_pixels().filter(|&(column, row)| choose(column, row)) {
             chosen.pixels[row * self.width + column] = true;
@@ -230,9 +257,9 @@ mod tests {
         assert_eq!(mask.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
         assert_eq!(mask.set_pixels_of_grid(2).collect::<Vec<_>>(), []);
         assert_eq!(mask.count(), 3);
-        assert_eq!(mask.outline().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
+        assert_eq!(mask.outline(), [(1, 0), (0, 1), (2, 1)]);
         let whole = Mask::copy(&MaskView::from_u8(&[1; 12], (4, 3)).unwrap()).unwrap();
-        assert_eq!((whole.count(), whole.outline().count()), (12, 10));
+        assert_eq!((whole.count(), whole.outline().len()), (12, 10));
         assert_eq!(whole.surroundings().count(), 0);
         assert_eq!(mask.surroundings().collect::<Vec<_>>(), [(0, 0), (2, 0), (1, 1)]);
         let extended = mask.extended(|(column, row)| column + row == 3);
@@ -268,7 +295,7 @@ mod tests {
                 };
                 let expected: Vec<_> =
                     mask.set_pixels().filter(|&(column, row)| !inner(column, row)).collect();
-                assert_eq!(mask.outline().collect::<Vec<_>>(), expected);
+                assert_eq!(mask.outline(), expected);
             }
         }
     }

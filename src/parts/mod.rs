@@ -14,8 +14,10 @@ use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median, ordered};
 use nalgebra::Vector3;
+use outline::Rims;
 pub(crate) use sight::extremes;
 use sight::sights;
+use std::cell::OnceCell;
 
 constants! {
     /// About how many pixels of a mask are looked at.
@@ -156,8 +158,7 @@ impl Parts {
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
-        let mut outline = List::new();
-        mask.outline().for_each(|pixel| outline.push(pixel));
+        let rims = OnceCell::new();
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
@@ -174,7 +175,8 @@ impl Parts {
             });
             let far_rim = || {
                 let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
-                let position = outline::far_rim(camera, mask, &outline, cylinder, outward, before, noise)?;
+                let position =
+                    rims.get_or_init(|| Rims::new(camera, mask, cylinder)).far(outward, before, noise)?;
                 let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
                 let past: List<f64> = beyond
                     .iter()

@@ -63,49 +63,108 @@ fn mean_about(start: f64, places: &[Place], wall: usize, sigma: f64) -> f64 {
     })
 }
 
-/// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
-/// or something else does. `outline` is that of the mask, `before` what else speaks for the far rim, as the logarithm of odds.
-pub(super) fn far_rim(
-    camera: &Camera,
-    mask: &Mask,
-    outline: &[(usize, usize)],
-    cylinder: &Cylinder,
-    outward: f64,
-    before: f64,
-    noise: &ImageNoise,
-) -> Option<f64> {
-    let places = places(camera, mask, outline, cylinder, outward)?;
-    // The raster of the mask comes to its boundary.
-    let sigma = noise.boundary.hypot(0.3);
-    let walls = [0, 1].map(|wall| {
-        let mut positions: List<f64> = places.iter().map(|place| outward * place.positions[wall]).collect();
-        positions.sort_unstable_by(f64::total_cmp);
-        // Where something stands on a cap, the rim is that of the few outermost.
-        let starts = STARTS.map(|part| outward * positions[(part * positions.len() as f64) as usize]);
-        let fits = starts.map(|start| {
-            let position = mean_about(start, &places, wall, sigma);
-            let ratios = places.iter().map(|place| outward * place.ratio(wall, position, sigma));
-            (position, ratios.map(|ratio| ratio.clamp(-REACH.get(), BEYOND.get()).powi(2)).sum::<f64>())
+/// The outline of a mask about the middle part of a cylinder.
+pub(super) struct Rims<'a> {
+    camera: &'a Camera,
+    cylinder: &'a Cylinder,
+    /// Its pixels, by where across the axis their rays pass in parts of the width, and where these meet the near wall along it.
+    pixels: List<(f64, f64, Vector2<f64>)>,
+    /// The width of that part of the cylinder in the image, in pixels.
+    width: f64,
+}
+
+impl<'a> Rims<'a> {
+    pub fn new(camera: &'a Camera, mask: &Mask, cylinder: &'a Cylinder) -> Self {
+        let axis = &cylinder.axis;
+        let mut rims = Self { camera, cylinder, pixels: List::new(), width: width(camera, mask, cylinder) };
+        for &(column, row) in mask.outline() {
+            let pixel = Vector2::new(column as f64, row as f64);
+            let Some(ray) = camera.unproject(&pixel) else { continue };
+            let normal = ray.cross(&axis.direction);
+            let across = normal.dot(&axis.point) / (normal.norm() * cylinder.radius * WIDTH_PART.get());
+            if across.abs() >= 1.0 {
+                continue;
+            }
+            let Some([near, _]) = rims.walls(&ray) else { continue };
+            rims.pixels.push((0.5 * (across + 1.0), near, pixel));
+        }
+        rims
+    }
+
+    /// Where a ray meets the near and the far wall, along the axis.
+    fn walls(&self, ray: &Vector3<f64>) -> Option<[f64; 2]> {
+        let axis = &self.cylinder.axis;
+        let (near, far) = self.cylinder.intersect_ray(ray)?;
+        (near > 0.0).then(|| [near, far].map(|t| (ray * t - axis.point).dot(&axis.direction)))
+    }
+
+    /// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
+    /// or something else does. `before` is what else speaks for the far rim, as the logarithm of odds.
+    pub fn far(&self, outward: f64, before: f64, noise: &ImageNoise) -> Option<f64> {
+        let cylinder = self.cylinder;
+        let places = self.places(outward)?;
+        // The raster of the mask comes to its boundary.
+        let sigma = noise.boundary.hypot(0.3);
+        let walls = [0, 1].map(|wall| {
+            let mut positions: List<f64> =
+                places.iter().map(|place| outward * place.positions[wall]).collect();
+            positions.sort_unstable_by(f64::total_cmp);
+            // Where something stands on a cap, the rim is that of the few outermost.
+            let starts = STARTS.map(|part| outward * positions[(part * positions.len() as f64) as usize]);
+            let fits = starts.map(|start| {
+                let position = mean_about(start, &places, wall, sigma);
+                let ratios = places.iter().map(|place| outward * place.ratio(wall, position, sigma));
+                (position, ratios.map(|ratio| ratio.clamp(-REACH.get(), BEYOND.get()).powi(2)).sum::<f64>())
+            });
+            let [median, outermost] = fits;
+            let (position, squares) = if outermost.1 < median.1 { outermost } else { median };
+            (position, 0.5 * squares)
         });
-        let [median, outermost] = fits;
-        let (position, squares) = if outermost.1 < median.1 { outermost } else { median };
-        (position, 0.5 * squares)
-    });
-    let [(_, near), (position, far)] = walls;
-    // A cap is seen where it faces the camera.
-    let faces = outward * (position + cylinder.axis.point.dot(&cylinder.axis.direction)) < 0.0;
-    // Neighbours share their error.
-    let independent =
-        (1.0 / noise.correlation).min(1.0) * pixels_by_place(camera, mask, cylinder, places.len());
-    (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)
+        let [(_, near), (position, far)] = walls;
+        // A cap is seen where it faces the camera.
+        let faces = outward * (position + cylinder.axis.point.dot(&cylinder.axis.direction)) < 0.0;
+        // Neighbours share their error: about so many pixels of the outline come to one place.
+        let independent = (1.0 / noise.correlation).min(1.0) * (self.width / places.len() as f64);
+        (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)
+    }
+
+    /// The outermost pixels of the mask, by where they are across the axis.
+    fn places(&self, outward: f64) -> Option<List<Place>> {
+        let Self { camera, cylinder, pixels, width } = self;
+        // A place for every other pixel: the raster leaves no gaps then.
+        let count = (0.5 * width).min(PLACES.get()) as usize;
+        if count < LEAST_PLACES.count() {
+            return None;
+        }
+        let mut outermost: List<Option<(f64, Vector2<f64>)>> = List::filled(None, count);
+        for &(across, near, pixel) in pixels {
+            let best = &mut outermost[((across * count as f64) as usize).min(count - 1)];
+            if best.is_none_or(|(before, _)| outward * near > outward * before) {
+                *best = Some((near, pixel));
+            }
+        }
+        let places: List<Place> = outermost
+            .iter()
+            .flatten()
+            .filter_map(|(near, pixel)| {
+                // One pixel on along the generator, in the image.
+                let point = camera.unproject(pixel).and_then(|ray| cylinder.first_hit(&ray))?;
+                let step = 0.01 * cylinder.radius;
+                let ahead = camera.project(&(point + cylinder.axis.direction * (outward * step)))?;
+                let along = (ahead - pixel).try_normalize(0.0)?;
+                // The boundary is half a pixel beyond the last pixel.
+                let at = |pixels: f64| self.walls(&camera.unproject(&(pixel + along * pixels))?);
+                let (positions, next) = (at(0.5)?, at(-0.5)?);
+                let steps = [0, 1].map(|wall| (positions[wall] - next[wall]).abs());
+                let whole = near.is_finite() && steps.iter().all(|step| *step > 0.0);
+                whole.then_some(Place { positions, steps })
+            })
+            .collect();
+        (places.len() >= LEAST_PLACES.count()).then_some(places)
+    }
 }
 
-/// About how many pixels of the outline come to one place.
-fn pixels_by_place(camera: &Camera, mask: &Mask, cylinder: &Cylinder, count: usize) -> f64 {
-    width(camera, mask, cylinder) / count as f64
-}
-
-/// The width of the cylinder in the image, in pixels.
+/// The width of the middle part of the cylinder in the image, in pixels.
 fn width(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> f64 {
     let (columns, rows) = mask.bounds();
     let middle = [columns, rows].map(|range| 0.5 * (range.start + range.end) as f64);
@@ -113,58 +172,4 @@ fn width(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> f64 {
     let depth = cylinder.first_hit(&ray).map_or(cylinder.axis.nearest_to_origin().norm(), |hit| hit.z);
     let pixel = 0.5 * (camera.intrinsics().fx + camera.intrinsics().fy);
     2.0 * WIDTH_PART.get() * cylinder.radius * pixel / depth.abs().max(f64::MIN_POSITIVE)
-}
-
-/// The outermost pixels of the mask, by where they are across the axis. `outline` is that of the mask.
-fn places(
-    camera: &Camera,
-    mask: &Mask,
-    outline: &[(usize, usize)],
-    cylinder: &Cylinder,
-    outward: f64,
-) -> Option<List<Place>> {
-    let axis = &cylinder.axis;
-    let walls = |ray: &Vector3<f64>| {
-        let (near, far) = cylinder.intersect_ray(ray)?;
-        (near > 0.0).then(|| [near, far].map(|t| (ray * t - axis.point).dot(&axis.direction)))
-    };
-    // A place for every other pixel: the raster leaves no gaps then.
-    let count = (0.5 * width(camera, mask, cylinder)).min(PLACES.get()) as usize;
-    if count < LEAST_PLACES.count() {
-        return None;
-    }
-    let mut outermost: List<Option<(f64, Vector2<f64>)>> = List::filled(None, count);
-    for &(column, row) in outline {
-        let pixel = Vector2::new(column as f64, row as f64);
-        let Some(ray) = camera.unproject(&pixel) else { continue };
-        let normal = ray.cross(&axis.direction);
-        let across = normal.dot(&axis.point) / (normal.norm() * cylinder.radius * WIDTH_PART.get());
-        if across.abs() >= 1.0 {
-            continue;
-        }
-        let Some([near, _]) = walls(&ray) else { continue };
-        let place = (0.5 * (across + 1.0) * count as f64) as usize;
-        let best = &mut outermost[place.min(count - 1)];
-        if best.is_none_or(|(before, _)| outward * near > outward * before) {
-            *best = Some((near, pixel));
-        }
-    }
-    let places: List<Place> = outermost
-        .iter()
-        .flatten()
-        .filter_map(|(near, pixel)| {
-            // One pixel on along the generator, in the image.
-            let point = camera.unproject(pixel).and_then(|ray| cylinder.first_hit(&ray))?;
-            let step = 0.01 * cylinder.radius;
-            let ahead = camera.project(&(point + axis.direction * (outward * step)))?;
-            let along = (ahead - pixel).try_normalize(0.0)?;
-            // The boundary is half a pixel beyond the last pixel.
-            let at = |pixels: f64| walls(&camera.unproject(&(pixel + along * pixels))?);
-            let (positions, next) = (at(0.5)?, at(-0.5)?);
-            let steps = [0, 1].map(|wall| (positions[wall] - next[wall]).abs());
-            let whole = near.is_finite() && steps.iter().all(|step| *step > 0.0);
-            whole.then_some(Place { positions, steps })
-        })
-        .collect();
-    (places.len() >= LEAST_PLACES.count()).then_some(places)
 }

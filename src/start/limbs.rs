@@ -12,10 +12,13 @@
 //! 4. The tilt is right where the votes agree: a grid finds the shortest interval with half of them, then
 //!    robust regression of the votes on the tilt refines tilt and scale together.
 
+mod votes;
+
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector3;
+use votes::Points;
 
 /// Points that are used at most; more hardly help a start.
 const MAX_POINTS: usize = 300;
@@ -64,7 +67,9 @@ pub fn from_limbs(
 ) -> Option<Cylinder> {
     let limbs = LimbPair::new(first, second)?;
     let middle = limbs.unit_cylinder(0.5 * (limbs.tilt_range.0 + limbs.tilt_range.1));
-    let points: List<_> = spread_sample(points, MAX_POINTS).filter(|p| is_central(&middle, p)).collect();
+    let mut central = Points::default();
+    spread_sample(points, MAX_POINTS).filter(|p| is_central(&middle, p)).for_each(|p| central.push(&p));
+    let points = central;
     if points.len() < MIN_VOTES {
         return None;
     }
@@ -165,31 +170,16 @@ fn is_central(frame: &LimbFrame, p: &Vector3<f64>) -> bool {
     ahead > 0.0 && aside.abs() < CENTRAL_PART * ahead
 }
 
-/// The scale s that puts a point on the near wall of a cylinder with its axis at distance s and the radius
-/// s sin γ; infinite when the ray to the point misses.
-///
-/// With p = (x, y) across the axis, x along ĉ: |p − s ĉ|² = s² sin²γ, and the near wall is the larger root.
-fn vote(frame: &LimbFrame, p: &Vector3<f64>) -> f64 {
-    let x = p.dot(&frame.toward);
-    let (ahead, aside) = (x * frame.sin_gamma, p.dot(&frame.sideways) * frame.cos_gamma);
-    let discriminant = (ahead - aside) * (ahead + aside);
-    if x > 0.0 && discriminant >= 0.0 {
-        (x + discriminant.sqrt()) / (frame.cos_gamma * frame.cos_gamma)
-    } else {
-        f64::INFINITY
-    }
-}
-
 /// The tilt and the logarithm of the scale at which the votes agree best among evenly spaced tilts.
-fn grid_search(limbs: &LimbPair, points: &[Vector3<f64>]) -> Option<(f64, f64)> {
-    let step = points.len().div_ceil(MAX_GRID_POINTS);
+fn grid_search(limbs: &LimbPair, points: &Points) -> Option<(f64, f64)> {
+    let points = points.every(points.len().div_ceil(MAX_GRID_POINTS));
     let (low, high) = limbs.tilt_range;
-    let mut votes = List::with_capacity(MAX_GRID_POINTS);
-    let vote_at = |tilt: f64, votes: &mut List<u64>| {
-        let frame = limbs.unit_cylinder(tilt);
+    let (mut votes, mut scales) = (List::with_capacity(MAX_GRID_POINTS), List::new());
+    let mut vote_at = |tilt: f64, votes: &mut List<u64>| {
+        points.vote(&limbs.unit_cylinder(tilt), &mut scales);
         votes.clear();
         // Votes have no sign: their bits have the same order, and are quicker to compare.
-        votes.extend(points.iter().step_by(step).map(|p| vote(&frame, p).to_bits()));
+        votes.extend(scales.iter().map(|scale| scale.to_bits()));
     };
     // Bounds are quicker to find than the ratios, of which few are below those of all others.
     let mut trials: [(f64, f64); TRIALS] = std::array::from_fn(|i| {
@@ -242,16 +232,17 @@ fn shortest_half(votes: &mut [u64]) -> (f64, f64) {
 /// Tukey's weights and the standard deviation from the median residual.
 ///
 /// Logarithms, because a view along the axis shortens all distances alike, and should gain nothing by that.
-fn refine(limbs: &LimbPair, points: &[Vector3<f64>], start: (f64, f64)) -> Option<(f64, f64)> {
+fn refine(limbs: &LimbPair, points: &Points, start: (f64, f64)) -> Option<(f64, f64)> {
     let (mut tilt, mut log_scale) = start;
     let (low, high) = limbs.tilt_range;
     let mut slopes = List::filled(0.0, points.len());
+    let (mut here, mut beside) = (List::new(), List::new());
     // A missing vote is a residual that is not finite.
-    let linearise = |tilt: f64, log_scale: f64, residuals: &mut [f64], slopes: &mut [f64]| {
-        let here = limbs.unit_cylinder(tilt);
-        let beside = limbs.unit_cylinder(tilt + DIFFERENCE_STEP);
-        for ((residual, slope), p) in residuals.iter_mut().zip(slopes).zip(points) {
-            let (s, moved) = (vote(&here, p), vote(&beside, p));
+    let mut linearise = |tilt: f64, log_scale: f64, residuals: &mut [f64], slopes: &mut [f64]| {
+        points.vote(&limbs.unit_cylinder(tilt), &mut here);
+        points.vote(&limbs.unit_cylinder(tilt + DIFFERENCE_STEP), &mut beside);
+        for ((residual, slope), (s, moved)) in residuals.iter_mut().zip(slopes).zip(here.iter().zip(&*beside))
+        {
             *slope = (moved - s) / (s * DIFFERENCE_STEP);
             *residual = if slope.is_finite() { s.ln() - log_scale } else { f64::INFINITY };
         }

@@ -18,7 +18,7 @@
 //! hypothesis that spans few degrees is no candidate when the plane through its inliers explains about as many points:
 //! its sagitta is lost in the noise. It is the answer only where no sample gives another, or a largest radius is set.
 //!
-//! A guess that explains nearly all points with little noise is the answer, and no sample is drawn.
+//! Where a guess explains nearly all points with little noise no sample need be drawn: [`explained`].
 //!
 //! The work does not depend on the number of points beyond one pass to choose [`SCORED_POINTS`] of them and
 //! one to count the inliers. It is done in one order with a generator of its own, so equal input gives equal
@@ -94,9 +94,6 @@ pub struct RansacOptions {
     pub seed: u64,
     /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
     pub limits: CylinderLimits,
-    /// A cylinder that may be the one. Where the threshold comes from the data, and after the local optimisation nine tenths of the
-    /// points are its inliers and the threshold is at most a tenth of its radius, no sample is drawn: there is little to find.
-    pub guess: Option<Cylinder>,
 }
 
 impl Default for RansacOptions {
@@ -107,7 +104,6 @@ impl Default for RansacOptions {
             confidence: 0.99,
             seed: 0,
             limits: CylinderLimits::default(),
-            guess: None,
         }
     }
 }
@@ -149,6 +145,57 @@ pub fn ransac(
     check: Check<'_>,
 ) -> Result<RansacFit> {
     check_arguments(points, normals, options)?;
+    searching(points, normals, observer_at_origin, options, check, |mut search| {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        let iterations = search.by_samples(&mut rng)?;
+        let Search { scorer, best, check, samples, .. } = search;
+        let nothing = || {
+            no_start(format!(
+                "none of {iterations} samples gave a cylinder with {FEWEST_POINTS} points within {:.3e}",
+                scorer.threshold
+            ))
+        };
+        let best = best.ok_or_else(nothing)?;
+        let inliers = scorer.inliers(&best.cylinder, points, check).map_err(|_| cancelled(samples))?;
+        if inliers < FEWEST_POINTS {
+            return Err(nothing());
+        }
+        Ok(RansacFit {
+            cylinder: best.cylinder,
+            inliers,
+            iterations,
+            score: best.score,
+            threshold: scorer.threshold,
+        })
+    })
+}
+
+/// The cylinder next to a guess that explains points without outliers, so that there is little for samples to find; `None` where it
+/// does not: the threshold comes from the data, and after the local optimisation nine tenths of the points are its inliers and the
+/// threshold is at most a tenth of its radius.
+///
+/// # Errors
+/// Those of [`ransac`].
+pub fn explained(
+    points: &[Vector3<f64>],
+    observer_at_origin: bool,
+    options: &RansacOptions,
+    guess: &Cylinder,
+    check: Check<'_>,
+) -> Result<Option<Cylinder>> {
+    check_arguments(points, None, options)?;
+    searching(points, None, observer_at_origin, options, check, |mut search| search.explained_by(guess))
+}
+
+/// Does something with a search among points.
+fn searching<T>(
+    points: &[Vector3<f64>],
+    normals: Option<&[Vector3<f64>]>,
+    observer_at_origin: bool,
+    options: &RansacOptions,
+    check: Check<'_>,
+    work: impl FnOnce(Search<'_>) -> Result<T>,
+) -> Result<T> {
     let chosen = choose(points, check)?;
     let chosen_points: List<_> = chosen.iter().map(|&i| points[i]).collect();
     let chosen_normals: Option<List<_>> = normals.map(|n| chosen.iter().map(|&i| n[i]).collect());
@@ -179,32 +226,7 @@ pub fn ransac(
         size: spread.size,
         limits: options.limits,
     };
-    let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
-    let mut search = Search { sampler, scorer, options, check, samples: 0, best: None, flat: None };
-    let iterations = match search.take_guess()? {
-        true => 0,
-        false => search.by_samples(&mut rng)?,
-    };
-
-    let Search { scorer, best, check, samples, .. } = search;
-    let nothing = || {
-        no_start(format!(
-            "none of {iterations} samples gave a cylinder with {FEWEST_POINTS} points within {:.3e}",
-            scorer.threshold
-        ))
-    };
-    let best = best.ok_or_else(nothing)?;
-    let inliers = scorer.inliers(&best.cylinder, points, check).map_err(|_| cancelled(samples))?;
-    if inliers < FEWEST_POINTS {
-        return Err(nothing());
-    }
-    Ok(RansacFit {
-        cylinder: best.cylinder,
-        inliers,
-        iterations,
-        score: best.score,
-        threshold: scorer.threshold,
-    })
+    work(Search { sampler, scorer, options, check, samples: 0, best: None, flat: None })
 }
 
 /// Whether to go on.
@@ -236,21 +258,15 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Takes the guess where it explains nearly all points; returns whether it does.
-    fn take_guess(&mut self) -> Result<bool> {
+    /// [`explained`].
+    fn explained_by(&mut self, guess: &Cylinder) -> Result<Option<Cylinder>> {
         if self.options.threshold > 0.0 {
-            return Ok(false);
+            return Ok(None);
         }
-        let guess = self.options.guess.and_then(|guess| self.scorer.within_limits(&guess));
-        let median =
-            |guess: Cylinder| Some((guess, self.scorer.median_distance_below(&guess, f64::INFINITY)?));
-        let Some(guess) = guess.and_then(median) else { return Ok(false) };
-        self.start_from(guess)?;
-        if self.is_clear() {
-            return Ok(true);
-        }
-        self.best = None;
-        Ok(false)
+        let Some(guess) = self.scorer.within_limits(guess) else { return Ok(None) };
+        let Some(median) = self.scorer.median_distance_below(&guess, f64::INFINITY) else { return Ok(None) };
+        self.start_from((guess, median))?;
+        Ok(self.best.filter(|_| self.is_clear()).map(|best| best.cylinder))
     }
 
     /// Whether the best cylinder is no plane, has little noise and nearly all points.
