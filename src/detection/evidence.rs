@@ -111,9 +111,8 @@ impl Scene<'_> {
         evidence.open_sides = open as f64 / sides.len().max(1) as f64;
         evidence.visible = [-1.0, 1.0].map(|sign| {
             let lines = sides.iter().filter(|side| side.sign == sign);
-            let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), side| {
-                (seen + f64::from(u8::from(side.limb().is_some())), all + 1.0)
-            });
+            let (seen, all) = lines
+                .fold((0.0, 0.0), |(seen, all), side| (seen + f64::from(u8::from(side.seen())), all + 1.0));
             seen / f64::max(all, 1.0)
         });
         evidence.limbs = self.image.map(|_| support.as_ref().map_or([0.0; 2], |support| support.covered));
