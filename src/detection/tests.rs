@@ -191,6 +191,43 @@ fn pipes_that_touch_are_found() {
     }
 }
 
+/// The limb of a pipe that hides a part of the next was taken for a limb of that, which then came out too narrow.
+#[test]
+fn the_edge_of_what_hides_a_body_is_no_limb_of_it() {
+    let (pipes, depth) = row_of_pipes(0.03, 1);
+    let camera = camera();
+    let pixel = 1.0 / camera.intrinsics().fx;
+    let read_points = |row: usize, columns: Range<usize>, points: &mut [List<f64>; 3]| {
+        row::write(columns, points, |column| {
+            let point = depth.depth(column, row).and_then(|z| Some(camera.ray_of_pixel(column, row)? * z));
+            point.unwrap_or_default().into()
+        });
+    };
+    let mut grid = Grid::new(SIZE, pixel, side_of_cells(SIZE, pixel), &read_points);
+    let noise = noise::Noise::estimate(&mut grid).unwrap();
+    let scene = candidate::Scene {
+        grid: &grid,
+        noise,
+        open: grid.cells.iter().map(grid::Cell::measured).collect(),
+        normals: outline::Normals::new(grid.cells.len()),
+        optics: surface::Optics { pixel, cells_per_sample: noise.cells_per_sample },
+        image: None,
+        pixel_of: &|p| {
+            let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
+            Some((place.x as usize, place.y as usize))
+        },
+        effort: &Effort::new(&|| false),
+    };
+    for pipe in &pipes[1..] {
+        // The upper limb of a pipe hides a part of the one before.
+        let center = pipe.axis.point;
+        let angle = center.y.atan2(center.z) - (pipe.radius / center.norm()).asin();
+        let (limb, along) = (Vector2::new(0.0, angle.tan()), Vector2::new(0.2, 0.0));
+        let hides = |outward: Vector2<f64>| scene.hides([limb, along, outward], 0.08, pipe.radius);
+        assert!(hides(Vector2::y()) && !hides(-Vector2::y()), "{pipe:?}");
+    }
+}
+
 #[test]
 fn nothing_is_found_where_there_is_no_cylinder() {
     let edge = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
