@@ -14,9 +14,9 @@ use std::cell::OnceCell;
 const BESIDE: usize = 4;
 
 /// How deep a valley is, in standard deviations of a cell and its neighbours, and by how much the surface turns there, in radians:
-/// where equal cylinders touch by half a turn, but matching windows fill the gap.
+/// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-detection.md.
 const VALLEY: f64 = 4.0;
-const TURN: f64 = 0.5;
+const TURN: f64 = 0.7;
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,8 +29,6 @@ pub(super) enum Beyond {
     Missing,
     /// Something nearer, the border of the image, or an edge where another surface begins.
     Hidden,
-    /// Another body that touches this one: a valley, behind which the surface rises again.
-    Valley,
 }
 
 /// The normals at the cells of a grid, each once it is asked for.
@@ -54,14 +52,12 @@ pub(super) struct Side {
     pub sign: f64,
     /// The ray along the border of the outermost cell.
     pub ray: Vector3<f64>,
+    /// The outermost cell, and the direction in the image that leads out of it.
+    cell: usize,
+    outward: [f64; 2],
 }
 
 impl Side {
-    /// Whether the surface is seen as far as its limb, or as what touches it.
-    pub fn seen(&self) -> bool {
-        matches!(self.beyond, Beyond::Farther | Beyond::Missing | Beyond::Valley)
-    }
-
     /// The ray, where it should touch the limb.
     pub fn limb(&self) -> Option<Vector3<f64>> {
         matches!(self.beyond, Beyond::Farther | Beyond::Missing).then_some(self.ray)
@@ -148,7 +144,13 @@ impl Scene<'_> {
             let half = 0.5 * step * cell.fill;
             Vector3::new(cell.x + half * dx, cell.y + half * dy, 1.0)
         };
-        let end = |beyond: Beyond, before: usize| Side { beyond, sign, ray: ray(&grid.cells[before]) };
+        let end = |beyond: Beyond, before: usize| Side {
+            beyond,
+            sign,
+            ray: ray(&grid.cells[before]),
+            cell: k,
+            outward: [dx, dy],
+        };
         let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
         let mut before = k;
         let mut smooth = 0;
@@ -182,8 +184,7 @@ impl Scene<'_> {
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
                 if smooth >= 2 {
-                    let valley = self.valley(cylinder, k, [dx, dy], sign);
-                    return end(if valley { Beyond::Valley } else { Beyond::Smooth }, k);
+                    return end(Beyond::Smooth, k);
                 }
             }
             before = next;
@@ -193,8 +194,9 @@ impl Scene<'_> {
 
     /// Whether the surface falls and rises again on the way out over the limb: whether, in the section across the axis, a cell next to
     /// the limb lies behind the straight line through one on either side of it, and the surface turns there. What goes on
-    /// smoothly is convex; behind a valley another body begins.
-    fn valley(&self, cylinder: &Cylinder, k: usize, [dx, dy]: [f64; 2], sign: f64) -> bool {
+    /// smoothly is convex; behind a valley another body begins. For sides of [`Beyond::Smooth`], whose normals do not tell.
+    pub fn valley(&self, cylinder: &Cylinder, side: &Side) -> bool {
+        let Side { cell: k, outward: [dx, dy], sign, .. } = *side;
         let grid = self.grid;
         let cell = &grid.cells[k];
         let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
