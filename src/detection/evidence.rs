@@ -3,7 +3,7 @@
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
 use super::distances::{self, LANES, Sight};
 use super::grid::Grid;
-use super::outline::Beyond;
+use super::outline::{Beyond, Side};
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
@@ -110,12 +110,20 @@ impl Scene<'_> {
         evidence.overhang = (left.abs().max(right.abs()) - 1.0).max(0.0) * pixels;
         evidence.radius_pixels = pixels;
         evidence.side_samples = sides.len() as f64 / self.noise.cells_per_sample.sqrt();
-        let open = sides.iter().filter(|side| side.beyond == Beyond::Smooth).count();
-        evidence.open_sides = open as f64 / sides.len().max(1) as f64;
+        // Where another body touches this one its surface does not go on.
+        let touched = |side: &Side| side.beyond == Beyond::Smooth && self.valley(&cylinder, side);
+        let touched: List<bool> = sides.iter().map(touched).collect();
+        self.effort.spend(sides.len());
+        let open =
+            sides.iter().zip(&touched).filter(|(side, touched)| side.beyond == Beyond::Smooth && !**touched);
+        evidence.open_sides = open.count() as f64 / sides.len().max(1) as f64;
+        // With an image edges tell whether the limbs are seen.
+        let by_depth = self.image.is_none();
         evidence.visible = [-1.0, 1.0].map(|sign| {
-            let lines = sides.iter().filter(|side| side.sign == sign);
-            let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), side| {
-                (seen + f64::from(u8::from(side.limb().is_some())), all + 1.0)
+            let lines = sides.iter().zip(&touched).filter(|(side, _)| side.sign == sign);
+            let (seen, all) = lines.fold((0.0, 0.0), |(seen, all), (side, touched)| {
+                let to_its_end = side.limb().is_some() || by_depth && *touched;
+                (seen + f64::from(u8::from(to_its_end)), all + 1.0)
             });
             seen / f64::max(all, 1.0)
         });

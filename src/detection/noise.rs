@@ -82,7 +82,7 @@ impl WithSimd for Differences<'_> {
 
 /// The second difference of three values at places, with the variance of one of them.
 #[inline(always)]
-fn second_difference([pa, pb, pc]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
+pub(super) fn second_difference([pa, pb, pc]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
     // The cells are not exactly in the middle of each other.
     let t = (pb - pa) / (pc - pa);
     let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();

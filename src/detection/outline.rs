@@ -2,12 +2,21 @@
 
 use super::candidate::{Marks, Scene};
 use super::grid::Cell;
+use super::noise::second_difference;
 use super::rays::passes;
 use super::surface::Surface;
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use std::cell::OnceCell;
+
+/// Cells to either side of the outermost one of a line, among which a valley is looked for.
+const BESIDE: usize = 4;
+
+/// How deep a valley is, in standard deviations of a cell and its neighbours, and by how much the surface turns there, in radians:
+/// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-detection.md.
+const VALLEY: f64 = 4.0;
+const TURN: f64 = 0.7;
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +52,9 @@ pub(super) struct Side {
     pub sign: f64,
     /// The ray along the border of the outermost cell.
     pub ray: Vector3<f64>,
+    /// The outermost cell, and the direction in the image that leads out of it.
+    cell: usize,
+    outward: [f64; 2],
 }
 
 impl Side {
@@ -107,6 +119,15 @@ fn nearest(place: [f64; 2], below: [usize; 2]) -> Option<[usize; 2]> {
     (nearest[0] < below[0] && nearest[1] < below[1]).then_some(nearest)
 }
 
+/// How far a place lies below the straight line through two others: as far as is as probable by the errors of all three as by those of
+/// one alone. 0 where it does not lie between them.
+fn depth_below(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
+    if !(a.x < b.x && b.x < c.x) {
+        return 0.0;
+    }
+    -second_difference([a.x, b.x, c.x], [a.y, b.y, c.y])
+}
+
 impl Scene<'_> {
     /// What follows the outermost cell of a line across the axis.
     fn beyond(&self, cylinder: &Cylinder, k: usize, sign: f64, mark: &Marks) -> Side {
@@ -123,7 +144,13 @@ impl Scene<'_> {
             let half = 0.5 * step * cell.fill;
             Vector3::new(cell.x + half * dx, cell.y + half * dy, 1.0)
         };
-        let end = |beyond: Beyond, before: usize| Side { beyond, sign, ray: ray(&grid.cells[before]) };
+        let end = |beyond: Beyond, before: usize| Side {
+            beyond,
+            sign,
+            ray: ray(&grid.cells[before]),
+            cell: k,
+            outward: [dx, dy],
+        };
         let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
         let mut before = k;
         let mut smooth = 0;
@@ -163,6 +190,59 @@ impl Scene<'_> {
             before = next;
         }
         end(Beyond::Hidden, before)
+    }
+
+    /// Whether the surface falls and rises again on the way out over the limb: whether, in the section across the axis, a cell next to
+    /// the limb lies behind the straight line through one on either side of it, and the surface turns there. What goes on
+    /// smoothly is convex; behind a valley another body begins. For sides of [`Beyond::Smooth`], whose normals do not tell.
+    pub fn valley(&self, cylinder: &Cylinder, side: &Side) -> bool {
+        let Side { cell: k, outward: [dx, dy], sign, .. } = *side;
+        let grid = self.grid;
+        let cell = &grid.cells[k];
+        let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
+        // Along the axis depth may change as well, so that cells to this or that side of the line would make valleys in it.
+        let axis = &cylinder.axis.direction;
+        let ray = cell.point.normalize();
+        let toward = axis * ray.dot(axis) - ray;
+        let facing = toward.norm();
+        let toward = toward / facing;
+        let outward = toward.cross(axis);
+        let outward = if outward.x * dx + outward.y * dy > 0.0 { outward } else { -outward };
+        let mut profile = [Vector2::zeros(); 2 * BESIDE + 1];
+        let mut across = [0.0; 2 * BESIDE + 1];
+        let (mut count, mut here) = (0, 0);
+        for step in 0..=2 * BESIDE {
+            let distance = step as f64 - BESIDE as f64;
+            let place = [column + dx * distance, row + dy * distance];
+            let cell = nearest(place, [grid.columns, grid.rows]).map(|[x, y]| grid.at(x, y));
+            let Some(cell) = cell.filter(|cell| cell.measured()) else {
+                if step > BESIDE {
+                    break;
+                }
+                count = 0;
+                continue;
+            };
+            if step == BESIDE {
+                here = count;
+            }
+            profile[count] = Vector2::new(cell.point.dot(&outward), cell.point.dot(&toward));
+            across[count] = passes(cylinder, cell.x, cell.y).map_or(f64::INFINITY, |across| sign * across);
+            count += 1;
+        }
+        // The bottom is known to a cell.
+        let outmost = 1.0 + grid.spacing * cell.point.z / cylinder.radius;
+        let deep = VALLEY * facing * cell.sigma;
+        let mut ends = (2..count).flat_map(|last| (0..last - 1).map(move |first| [first, last]));
+        ends.any(|[first, last]| {
+            let below = |middle: usize| depth_below(&profile[first], &profile[middle], &profile[last]);
+            let middles = (first + 1..last).map(|middle| (below(middle), middle));
+            let (below, bottom) = middles.fold((0.0, first), |a, b| if b.0 > a.0 { b } else { a });
+            let slope = |a: usize, b: usize| (profile[b] - profile[a]).y.atan2((profile[b] - profile[a]).x);
+            below > deep
+                && bottom + 1 >= here
+                && across[bottom] <= outmost
+                && slope(bottom, last) - slope(first, bottom) > TURN
+        })
     }
 
     /// The normal at a cell, away from the observer, by the plane through its connected neighbours.
