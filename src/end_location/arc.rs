@@ -6,14 +6,15 @@
 //! both sides, and with it the polarity, is free on every generator; background texture meets few of them in the
 //! same place. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
 //! profile has two steps then, with the brightness of the cap between them. So it has where an open end shows the edge of its
-//! wall, a ring that is wider or narrower than the blur.
+//! wall, a ring that is wider or narrower than the blur. The far rim, where cap or inner wall are seen, is one more arc of the same
+//! circle, with the same behind it on the way inward.
 
 mod profile;
 mod samples;
 mod windows;
 
 use super::LastArc;
-use super::silhouette::RoughEnd;
+use super::silhouette::{RoughEnd, contains};
 use super::surface::{Generator, Surface};
 use crate::memory::List;
 use crate::noise::ImageNoise;
@@ -174,11 +175,6 @@ impl ArcSearch<'_> {
 /// Whether something is seen at a pixel of the grid of the mask.
 pub(super) type Sees<'a> = dyn Fn(&Vector2<f64>) -> bool + 'a;
 
-/// Whether a mask holds a pixel.
-pub(super) fn shows(mask: &Mask, pixel: &Vector2<f64>) -> bool {
-    pixel.x >= 0.0 && pixel.y >= 0.0 && mask.contains(pixel.x.round() as usize, pixel.y.round() as usize)
-}
-
 /// The arc within `search` of a rough end. `blur` is that of the image, where it is known.
 fn locate(
     arcs: &ArcSearch<'_>,
@@ -326,7 +322,7 @@ fn coarse_place<'a>(
     Some(found.map_or(plain, |found| found.1))
 }
 
-/// Samples the image along the generators: outward across the near rim, and, where the mask goes on over a cap or an inner wall,
+/// Samples the image along the generators: outward across the near rim, and, where a cap or an inner wall is seen,
 /// inward across the far rim, behind which the same follows in the same order: the edge of a wall, the cap, the other rim.
 fn sample(
     arcs: &ArcSearch<'_>,
@@ -378,7 +374,7 @@ fn sample(
         Some(profile.with_cut_off(cut_off))
     };
     let angles = || surface.generators(count, part);
-    let body = |pixel: &Vector2<f64>| shows(arcs.mask, pixel);
+    let body = |pixel: &Vector2<f64>| contains(arcs.mask, pixel);
     profiles.extend(angles().filter_map(|angle| sample(angle, Rim::Near, &body)));
     if faces(surface, rough.position, outward) {
         profiles.extend(angles().filter_map(|angle| sample(PI - angle, Rim::Far, inside)));

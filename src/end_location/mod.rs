@@ -24,9 +24,9 @@ use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage}
 use crate::parts::{self, BodyEnd, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
-use arc::{ArcEnd, ArcSearch, shows};
+use arc::{ArcEnd, ArcSearch};
 use nalgebra::{Vector2, Vector3};
-use silhouette::{RoughEnd, Silhouette};
+use silhouette::{RoughEnd, Silhouette, contains};
 use std::ops::ControlFlow;
 use surface::Surface;
 use surroundings::Surroundings;
@@ -110,7 +110,7 @@ pub struct End {
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
-    /// Places on the far rim of the end, where the depth shows what it bounds.
+    /// Places on the far rim of the end, where mask or depth show the cap or the inner wall that it bounds.
     pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,
@@ -197,7 +197,7 @@ pub fn locate_ends(
         let arc = |rough: &RoughEnd| {
             // What the mask goes on over beyond the body is the cap or the inner wall.
             let inside = |pixel: &Vector2<f64>| {
-                told.is_some() && shows(whole, pixel)
+                told.is_some() && contains(whole, pixel)
                     || !search.region && surroundings.shows_inside(pixel, rough.position, outward)
             };
             arcs.as_ref()?.locate(rough, outward, &inside, last)

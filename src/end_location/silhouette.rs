@@ -209,7 +209,8 @@ impl<'a> Silhouette<'a> {
     }
 }
 
-fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
+/// Whether a mask holds a pixel.
+pub(super) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     let (x, y) = (pixel.x + 0.5, pixel.y + 0.5);
     // The conversion rounds down; `f64::round` is a call.
     x > 0.0 && y > 0.0 && mask.contains(x as usize, y as usize)
