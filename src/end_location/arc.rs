@@ -122,7 +122,7 @@ pub struct ArcSample {
 struct PlacedStep {
     /// The angle of the generator about the axis.
     angle: f64,
-    /// How fast the arc moves across itself there when the end moves along the axis, in pixels by length.
+    /// How fast the arc moves across itself there when the end moves along the axis, in pixels by length; negative on the far rim.
     across: f64,
     /// How far it is outward of the rough end, in pixels across the arc.
     edge: f64,
@@ -376,16 +376,10 @@ fn sample(
     let angles = || surface.generators(count, part);
     let body = |pixel: &Vector2<f64>| contains(arcs.mask, pixel);
     profiles.extend(angles().filter_map(|angle| sample(angle, Rim::Near, &body)));
-    if faces(surface, rough.position, outward) {
+    if surface.cylinder.end_faces_origin(rough.position, outward) {
         profiles.extend(angles().filter_map(|angle| sample(PI - angle, Rim::Far, inside)));
     }
     profiles
-}
-
-/// Whether the camera sees the cap, or the inner wall, of the end at a position.
-fn faces(surface: &Surface<'_>, position: f64, outward: f64) -> bool {
-    let axis = &surface.cylinder.axis;
-    outward * (axis.point.dot(&axis.direction) + position) < 0.0
 }
 
 /// The length along the axis by which the generator at an angle must be continued across a rim until its place on
@@ -393,7 +387,7 @@ fn faces(surface: &Surface<'_>, position: f64, outward: f64) -> bool {
 /// the cap is not seen or it never does.
 fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64, rim: Rim) -> f64 {
     let surface = &generator.surface;
-    if !faces(surface, position, outward) {
+    if !surface.cylinder.end_faces_origin(position, outward) {
         return f64::INFINITY;
     }
     let direction = surface.cylinder.axis.direction;
@@ -427,7 +421,7 @@ fn inner_circle(surface: &Surface<'_>, rough: &RoughEnd, outward: f64, width: f6
     let direction = surface.cylinder.axis.direction;
     let height = point.dot(&direction);
     let part = width * rough.pixel / height.abs();
-    if !(outward * height < 0.0 && part < 1.0) {
+    if !(surface.cylinder.end_faces_origin(rough.position, outward) && part < 1.0) {
         return 1.0;
     }
     let across = (point - direction * height) / (1.0 - part);

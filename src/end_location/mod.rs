@@ -66,6 +66,17 @@ pub enum EndSource {
     Border,
 }
 
+/// What is known of what a mask holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MaskContent {
+    /// Perhaps more than the lateral surface; the depth tells.
+    Anything,
+    /// The lateral surface alone.
+    Body,
+    /// The same, as a search found it: regions end at lids as well as at caps, so that far rims tell little.
+    Region,
+}
+
 /// Where ends are looked for.
 #[derive(Debug, Clone, Copy)]
 pub struct EndSearch<'a> {
@@ -73,10 +84,8 @@ pub struct EndSearch<'a> {
     pub camera: &'a Camera,
     /// The mask of the visible surface.
     pub mask: &'a Mask,
-    /// Whether all of it is known to be that surface; otherwise the depth tells.
-    pub whole: bool,
-    /// Whether the mask is a region that a search found: these end at lids as well as at caps, whose far rims tell little.
-    pub region: bool,
+    /// What is known of it.
+    pub content: MaskContent,
     /// The depth image, which tells what an end is.
     pub depth: Option<&'a DepthImage>,
     /// The grey image, on the grid of the mask.
@@ -169,7 +178,7 @@ pub fn locate_ends(
 ) -> ControlFlow<(), Option<[End; 2]>> {
     let extreme_ends = |search| ControlFlow::Continue(extreme_ends(search, cylinder));
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search) };
-    let parts = search.depth.filter(|_| !search.whole).and_then(|depth| {
+    let parts = search.depth.filter(|_| search.content == MaskContent::Anything).and_then(|depth| {
         Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)
             .filter(|parts| !parts.all_body())
     });
@@ -198,7 +207,8 @@ pub fn locate_ends(
             // What the mask goes on over beyond the body is the cap or the inner wall.
             let inside = |pixel: &Vector2<f64>| {
                 told.is_some() && contains(whole, pixel)
-                    || !search.region && surroundings.shows_inside(pixel, rough.position, outward)
+                    || search.content != MaskContent::Region
+                        && surroundings.shows_inside(pixel, rough.position, outward)
             };
             arcs.as_ref()?.locate(rough, outward, &inside, last)
         };

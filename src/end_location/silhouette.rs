@@ -5,7 +5,7 @@ use super::surface::{Generator, Surface};
 use super::surroundings::Surroundings;
 use crate::memory::List;
 use crate::noise::ImageNoise;
-use crate::observations::Mask;
+use crate::observations::{Mask, pixel_at};
 use crate::parts::BodyEnd;
 use crate::residuals::{Progress, Reweighting, Scale};
 use nalgebra::Vector2;
@@ -209,11 +209,9 @@ impl<'a> Silhouette<'a> {
     }
 }
 
-/// Whether a mask holds a pixel.
+/// Whether a mask holds the pixel at a place.
 pub(super) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
-    let (x, y) = (pixel.x + 0.5, pixel.y + 0.5);
-    // The conversion rounds down; `f64::round` is a call.
-    x > 0.0 && y > 0.0 && mask.contains(x as usize, y as usize)
+    pixel_at(pixel).is_some_and(|(column, row)| mask.contains(column, row))
 }
 
 /// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority

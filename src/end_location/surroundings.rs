@@ -4,7 +4,7 @@ use super::EndState;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::noise::ImageNoise;
-use crate::observations::{DepthImage, Mask};
+use crate::observations::{DepthImage, Mask, pixel_at};
 use nalgebra::{Vector2, Vector3};
 use smallvec::SmallVec;
 
@@ -70,9 +70,9 @@ impl Surroundings<'_> {
 
     /// Whether the depth at a pixel is that of the cap or the inner wall at an end towards `outward`.
     pub fn shows_inside(&self, pixel: &Vector2<f64>, end: f64, outward: f64) -> bool {
-        let [column, row] = [pixel.x, pixel.y].map(|x| (x + 0.5).max(0.0) as usize);
-        let depth = self.depth.and_then(|depth| depth.depth(column, row));
-        let point = depth.and_then(|z| Some(self.camera.ray_of_pixel(column, row)? * z));
+        let point = self.depth.zip(pixel_at(pixel)).and_then(|(depth, (column, row))| {
+            Some(self.camera.ray_of_pixel(column, row)? * depth.depth(column, row)?)
+        });
         point.is_some_and(|point| {
             let axis = &self.cylinder.axis;
             let beyond = outward * ((point - axis.point).dot(&axis.direction) - end);
@@ -103,8 +103,7 @@ impl Surroundings<'_> {
                 votes.cut += 1;
                 continue;
             };
-            // The conversion rounds down; `f64::round` is a call.
-            let (column, row) = ((at.x + 0.5) as usize, (at.y + 0.5) as usize);
+            let Some((column, row)) = pixel_at(&at) else { continue };
             if self.mask.contains(column, row) {
                 continue;
             }

@@ -13,7 +13,7 @@ mod tests;
 use crate::camera::Camera;
 use crate::completion::Region;
 pub use crate::end_location::{ArcSample, EndSource, EndState};
-use crate::end_location::{End, EndSearch, depth_tolerance, extreme_ends, locate_ends};
+use crate::end_location::{End, EndSearch, MaskContent, depth_tolerance, extreme_ends, locate_ends};
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::fitter::ExtentRule;
@@ -123,8 +123,9 @@ impl Fitter {
             let selected = index == self.selected_view();
             let own = region.as_ref().filter(|_| selected && mask.is_some()).map(|region| &*region.mask);
             let Some((camera, mask)) = view.camera().zip(own.or(self.fitted_mask(index))) else { continue };
-            let whole = own.is_none() && view.mask_is_body;
-            views.extend(self.ends_of(index, camera, (mask, whole), &cylinder, limbs_known));
+            let is_region = own.is_none() && view.mask_is_body;
+            let content = if is_region { MaskContent::Region } else { MaskContent::Anything };
+            views.extend(self.ends_of(index, camera, (mask, content), &cylinder, limbs_known));
         }
         if views.is_empty() {
             return Err(Error::EdgeGeometry {
@@ -163,7 +164,7 @@ impl Fitter {
         &self,
         index: usize,
         camera: &Camera,
-        (mask, whole): (&Mask, bool),
+        (mask, content): (&Mask, MaskContent),
         cylinder: &Cylinder,
         limbs_known: Option<bool>,
     ) -> Option<EndsOfView> {
@@ -177,8 +178,7 @@ impl Fitter {
         let search = EndSearch {
             camera,
             mask,
-            whole,
-            region: whole,
+            content,
             depth: view.depth(),
             image: view.image(),
             tolerance: depth_tolerance(&view.cloud, &seen),

@@ -175,8 +175,7 @@ fn offsets_of_rims(tilt: f64, blur: bool) -> [[Vec<f64>; 2]; 2] {
     let search = EndSearch {
         camera: &camera,
         mask: fitter.mask().unwrap(),
-        whole: false,
-        region: false,
+        content: MaskContent::Anything,
         depth: fitter.depth(),
         image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),

@@ -7,7 +7,7 @@ use super::located::Located;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
 use crate::camera::Camera;
-use crate::end_location::{ArcSample, End, EndSearch, LastArc, depth_tolerance, locate_ends};
+use crate::end_location::{ArcSample, End, EndSearch, LastArc, MaskContent, depth_tolerance, locate_ends};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::limb_location::blur_of;
@@ -136,8 +136,11 @@ fn arcs(
     let search = EndSearch {
         camera,
         mask,
-        whole: known.whole || view.view.mask_is_body,
-        region: view.view.mask_is_body,
+        content: match known.whole {
+            _ if view.view.mask_is_body => MaskContent::Region,
+            true => MaskContent::Body,
+            false => MaskContent::Anything,
+        },
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
@@ -192,14 +195,15 @@ fn places(found: List<Place>, endpoint: f64, widening: f64) -> Option<List<ArcRa
 
 /// Whether both rims of an end are seen, and on a circle of the radius of the body, not on that of a wider lid.
 fn is_of_body(cylinder: &Cylinder, found: &[Place]) -> bool {
+    if found.iter().all(|place| place.ray.rim == Rim::Near) {
+        return false;
+    }
     let Some(Circle { solution, covariance, scale, independent, .. }) = Circle::<4>::through(found) else {
         return false;
     };
     let wider = solution[3] / cylinder.radius;
     let deviation = (covariance[(3, 3)] / independent).sqrt() * scale / cylinder.radius;
-    found.iter().any(|place| place.ray.rim == Rim::Far)
-        && deviation <= LARGEST_OF_WIDTH
-        && wider.abs() <= WIDER * deviation
+    deviation <= LARGEST_OF_WIDTH && wider.abs() <= WIDER * deviation
 }
 
 /// The places on both rims of an end.

@@ -10,7 +10,7 @@ use super::scales::Scales;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::memory::List;
-use crate::observations::{DepthImage, Mask};
+use crate::observations::{DepthImage, Mask, pixel_at};
 use crate::statistics::at_both_ends;
 use nalgebra::{Vector2, Vector3};
 
@@ -126,9 +126,7 @@ impl Silhouette<'_> {
 
     /// The pixel at a place in the image.
     fn pixel(&self, at: &Vector2<f64>) -> Option<(usize, usize)> {
-        let (x, y) = (at.x.round(), at.y.round());
-        let (width, height) = (self.mask.width() as f64, self.mask.height() as f64);
-        (x >= 0.0 && y >= 0.0 && x < width && y < height).then_some((x as usize, y as usize))
+        pixel_at(at).filter(|&(x, y)| x < self.mask.width() && y < self.mask.height())
     }
 
     /// Whether something is seen there in front of the cylinder.

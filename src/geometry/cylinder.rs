@@ -82,6 +82,13 @@ impl Cylinder {
         self.radius >= self.distance_of_axis_from_origin()
     }
 
+    /// Whether the cap of an end at a position along the axis, from the axis point, is seen from the origin; `outward` (± 1) is the
+    /// direction along the axis that leads out of the cylinder there.
+    #[must_use]
+    pub fn end_faces_origin(&self, position: f64, outward: f64) -> bool {
+        outward * (self.axis.point.dot(&self.axis.direction) + position) < 0.0
+    }
+
     /// The two parameters t of the ray t · `ray` from the origin where it meets the surface, in ascending
     /// order; `None` when it passes by or runs parallel to the axis.
     #[inline]

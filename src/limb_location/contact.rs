@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::noise::ImageNoise;
-use crate::observations::DepthImage;
+use crate::observations::{DepthImage, pixel_at};
 use crate::statistics::median;
 use nalgebra::{Vector2, Vector3};
 
@@ -107,8 +107,7 @@ impl<'a> Beyond<'a> {
     }
 
     fn depth_at(&self, ideal: &Vector2<f64>) -> Option<f64> {
-        let pixel = self.camera.project(&self.camera.ideal_ray(ideal))?;
-        let (x, y) = (pixel.x.round(), pixel.y.round());
-        if x >= 0.0 && y >= 0.0 { self.depth.depth(x as usize, y as usize) } else { None }
+        let (x, y) = pixel_at(&self.camera.project(&self.camera.ideal_ray(ideal))?)?;
+        self.depth.depth(x, y)
     }
 }

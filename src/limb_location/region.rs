@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
-use crate::observations::{DepthImage, Mask};
+use crate::observations::{DepthImage, Mask, pixel_at};
 use crate::statistics::{at_both_ends, median};
 use nalgebra::Vector2;
 use smallvec::SmallVec;
@@ -259,9 +259,8 @@ fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &Imag
     let Some(outward) = outward.try_normalize(0.0) else { return false };
     let middle = |side: f64| {
         let places = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
-            let step = outward * (side * distance);
-            let (x, y) = ((x as f64 + step.x).round(), (y as f64 + step.y).round());
-            if x >= 0.0 && y >= 0.0 { depth.depth(x as usize, y as usize) } else { None }
+            let (x, y) = pixel_at(&(Vector2::new(x as f64, y as f64) + outward * (side * distance)))?;
+            depth.depth(x, y)
         });
         let mut depths: SmallVec<[f64; COMPARED]> = places.collect();
         depths.sort_unstable_by(f64::total_cmp);

@@ -22,6 +22,7 @@ pub use dropped::Dropped;
 pub use frame::{DepthCamera, Frame};
 pub use image::GreyImage;
 pub use mask::Mask;
+use nalgebra::Vector2;
 pub(crate) use points::check_weights;
 pub(crate) use points::{ENOUGH, are_many};
 pub use points::{Offsets, PointCloud};
@@ -30,6 +31,14 @@ pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;
 pub use strided::{Scalar, Strided};
 pub use views::{DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView};
+
+/// The column and the row of the pixel at a place; `None` left of the image or above it.
+#[inline]
+pub(crate) fn pixel_at(place: &Vector2<f64>) -> Option<(usize, usize)> {
+    let (x, y) = (place.x + 0.5, place.y + 0.5);
+    // The conversion rounds down; `f64::round` is a call.
+    (x > 0.0 && y > 0.0).then_some((x as usize, y as usize))
+}
 
 #[cfg(test)]
 mod tests;

@@ -163,12 +163,11 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
             let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
                 Some((position, spread)) => {
-                    let least = if rims_apart(camera, cylinder, position) < SURPLUS.get() {
-                        DEPTH_PIXELS
-                    } else {
-                        CAP_PIXELS
-                    };
-                    let deviation = (SHARED_PART.get() * spread).max(least.get() * pixel);
+                    // Matching windows draw the depth of two rims that are near to each other over the end.
+                    let apart =
+                        rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get());
+                    let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
+                    let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
                     BodyEnd { position, deviation, sign: EndSign::Cap }
                 }
                 None => leaving(inner, votes, beyond, outward, pixel),
@@ -315,26 +314,25 @@ fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: 
 
 /// The length along the axis that one pixel shows of the middle of the visible surface.
 fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
-    let axis = &cylinder.axis;
-    let center = axis.point + axis.direction * position;
-    let across = center - axis.direction * center.dot(&axis.direction);
-    let point = center - across.try_normalize(0.0)? * cylinder.radius;
+    let [point, _] = middles_of_rims(cylinder, position)?;
     let step = 0.01 * cylinder.radius;
-    let moved = camera.project(&(point + axis.direction * step))? - camera.project(&point)?;
+    let moved = camera.project(&(point + cylinder.axis.direction * step))? - camera.project(&point)?;
     Some(step / moved.norm()).filter(|length| length.is_finite())
 }
 
 /// How far the far rim of the end at a position is from the near one in the image, in pixels.
-fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> f64 {
+fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
+    let [near, far] = middles_of_rims(cylinder, position)?.map(|point| camera.project(&point));
+    Some((far? - near?).norm())
+}
+
+/// The points of the circle at a position along the axis that are nearest to the observer and farthest from it.
+fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 2]> {
     let axis = &cylinder.axis;
     let center = axis.point + axis.direction * position;
     let across = center - axis.direction * center.dot(&axis.direction);
-    let rims = across.try_normalize(0.0).and_then(|away| {
-        let [near, far] =
-            [-cylinder.radius, cylinder.radius].map(|part| camera.project(&(center + away * part)));
-        Some((far? - near?).norm())
-    });
-    rims.unwrap_or(0.0)
+    let away = across.try_normalize(0.0)? * cylinder.radius;
+    Some([center - away, center + away])
 }
 
 /// How far points of the surface may be from it, by their distances and those of others.

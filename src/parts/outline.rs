@@ -122,7 +122,7 @@ impl<'a> Rims<'a> {
         });
         let [(_, near), (position, far)] = walls;
         // A cap is seen where it faces the camera.
-        let faces = outward * (position + cylinder.axis.point.dot(&cylinder.axis.direction)) < 0.0;
+        let faces = cylinder.end_faces_origin(position, outward);
         // Neighbours share their error: about so many pixels of the outline come to one place.
         let independent = (1.0 / noise.correlation).min(1.0) * (self.width / places.len() as f64);
         (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)

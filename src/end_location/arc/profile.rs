@@ -23,13 +23,13 @@ pub(super) struct Template<'a> {
 /// The image along one generator about the rough end.
 pub(super) struct Profile {
     pub angle: f64,
-    /// Pixels across the arc by length along the axis.
+    /// Pixels across the arc by length along the axis; negative across the far rim, which is sampled inward.
     pub across: f64,
     /// Width of the cap beyond the arc in pixels across the arc; infinite where none is seen.
     pub cap: f64,
     /// The same of the edge of a wall, for each thickness that is tried; no wider than the cap.
     pub walls: [f64; WALLS],
-    /// Brightness every `SAMPLE_PIXELS` outward, less the mean against cancellation; the sample `zero` lies on the
+    /// Brightness every `SAMPLE_PIXELS` outward, on the far rim inward, less the mean against cancellation; the sample `zero` lies on the
     /// rough end.
     pub samples: List<f64>,
     /// Sums of the samples and of their squares before each sample, and of all.

@@ -1,6 +1,6 @@
 //! Arcs before a background that is cut off at white, arcs at which the edge of a wall begins, and how far places err together.
 
-use super::super::{End, EndSearch, locate_ends};
+use super::super::{End, EndSearch, MaskContent, locate_ends};
 use super::{PlacedStep, standard_error};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::geometry::Cylinder;
@@ -59,8 +59,7 @@ fn ends(beside: impl Fn(&Vector2<f64>) -> f64) -> [End; 2] {
     let search = EndSearch {
         camera: &camera,
         mask: &mask,
-        whole: true,
-        region: false,
+        content: MaskContent::Body,
         depth: None,
         image: Some(&image),
         tolerance: 0.01,
