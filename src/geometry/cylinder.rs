@@ -170,6 +170,15 @@ mod tests {
     }
 
     #[test]
+    fn the_cap_that_is_turned_to_the_origin_is_seen() {
+        // Seen is the end that the axis leads away from the origin. The axis passes beside it at the position -1.
+        let cylinder = Cylinder::new(Vector3::new(0.0, 0.1, 1.0), Vector3::z(), 0.05).unwrap();
+        let faces = |position: f64, outward: f64| cylinder.end_faces_origin(position, outward);
+        assert!(faces(-0.2, -1.0) && !faces(0.2, 1.0));
+        assert!(!faces(-1.1, -1.0) && faces(-1.1, 1.0));
+    }
+
+    #[test]
     fn distance_agrees_with_the_plucker_form() {
         let cylinder = oblique();
         let plucker = crate::geometry::line::PluckerLine::from(cylinder.axis);

@@ -90,3 +90,11 @@ fn box_mask(margin: isize) -> Mask {
     }
     Mask::copy(&MaskView::from_u8(&pixels, COLOR_SIZE).unwrap()).unwrap()
 }
+
+#[test]
+fn a_place_is_in_the_pixel_whose_middle_is_nearest() {
+    let at = |x: f64, y: f64| pixel_at(&Vector2::new(x, y));
+    assert_eq!(at(-0.4, 1.49), Some((0, 1)));
+    assert_eq!(at(2.5, 0.0), Some((3, 0)));
+    assert_eq!([at(-0.5, 1.0), at(1.0, -3.0), at(f64::NAN, 1.0)], [None; 3]);
+}
