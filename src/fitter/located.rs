@@ -135,7 +135,7 @@ fn observe_view(
         let deviation = [deviation; 2];
         let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
         let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
-        let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok().map(|line| &line.ends));
+        let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok());
         let beside = guides.beside(lines, &view.noise);
         Ok((seen, beside))
     };
