@@ -1,7 +1,7 @@
 //! Whether the radius of a body changes along its axis: what tapers is no cylinder.
 
 use super::distances::{LANES, PlaceOf, dot, lanes, place, splat};
-use super::normal_equations::{PRODUCTS, add_products, of_products};
+use super::normal_equations::{PRODUCTS, add_products, of_products, sums_of_lanes};
 use super::surface::{Place, Surface};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
@@ -74,11 +74,12 @@ pub(crate) fn slope_by_points(
     let mut step = ToCone::new(cylinder);
     let mut groups: List<Group> = List::new();
     for (k, point) in points.enumerate() {
+        let [x, y, z, weight] = [point.x, point.y, point.z, weight].map(|number| number as f32);
         if k % LANES == 0 {
-            groups.push([[point.x; LANES], [point.y; LANES], [point.z; LANES], [0.0; LANES]]);
+            groups.push([[x; LANES], [y; LANES], [z; LANES], [0.0; LANES]]);
         }
         let last = groups.len() - 1;
-        let numbers = [point.x, point.y, point.z, weight];
+        let numbers = [x, y, z, weight];
         groups[last].iter_mut().zip(numbers).for_each(|(group, number)| group[k % LANES] = number);
     }
     step.add_sums(Arch::new().dispatch(Pass { groups: &groups, surface, across: &step.across, reach }));
@@ -92,7 +93,7 @@ pub(crate) fn slope_by_points(
 }
 
 /// Points side by side: their coordinates and weights, 0 for the rest of the last group.
-type Group = [[f64; LANES]; 4];
+type Group = [[f32; LANES]; 4];
 
 /// The places of the numbers of [`Pass`] in a row of the step; there is no bias.
 const PLACES: [usize; 6] = [0, 1, 2, 3, 4, 6];
@@ -111,29 +112,30 @@ impl WithSimd for Pass<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; PRODUCTS] {
         let Self { groups, surface, across: [u, v], reach } = self;
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
         let (u, v) = (splat(simd, u), splat(simd, v));
-        let (per_reach, per_radius) = (simd.splat_f64s(1.0 / reach), simd.splat_f64s(1.0 / surface.radius()));
+        let (per_reach, per_radius) =
+            (simd.splat_f32s((1.0 / reach) as f32), simd.splat_f32s((1.0 / surface.radius()) as f32));
         let mut sums = [[0.0; LANES]; PRODUCTS];
-        for part in 0..LANES / S::F64_LANES {
+        for part in 0..LANES / S::F32_LANES {
             let mut own = [zero; PRODUCTS];
             for [x, y, z, weight] in groups {
                 let point = [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)];
                 let PlaceOf { distance, normal, along } = place(simd, &surface, point);
-                let ratio = simd.mul_f64s(distance, per_reach);
-                let left = simd.max_f64s(simd.sub_f64s(one, simd.mul_f64s(ratio, ratio)), zero);
-                let weight = simd.mul_f64s(lanes(simd, weight, part), simd.mul_f64s(left, left));
+                let ratio = simd.mul_f32s(distance, per_reach);
+                let left = simd.max_f32s(simd.sub_f32s(one, simd.mul_f32s(ratio, ratio)), zero);
+                let weight = simd.mul_f32s(lanes(simd, weight, part), simd.mul_f32s(left, left));
                 let (nu, nv) = (dot(simd, normal, u), dot(simd, normal, v));
                 // Tilts and slopes in radii: all numbers are lengths.
-                let along = simd.mul_f64s(along, per_radius);
-                let row = [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, along];
+                let along = simd.mul_f32s(along, per_radius);
+                let row = [nu, nv, simd.mul_f32s(nu, along), simd.mul_f32s(nv, along), one, along];
                 add_products(simd, &mut own, &row, weight, distance);
             }
             for (sum, own) in sums.iter_mut().zip(own) {
-                S::as_mut_simd_f64s(sum).0[part] = own;
+                S::as_mut_simd_f32s(sum).0[part] = own;
             }
         }
-        sums.map(|sums| sums.iter().sum())
+        sums_of_lanes(&sums)
     }
 }
 

@@ -81,13 +81,13 @@ impl Gradient {
     }
 }
 
-/// The whole number nearest to a coordinate, from 0 on and below a limit. Rounds as `f32::round` does, which is a call.
+/// The whole number nearest to a coordinate, from 0 on and below a limit. [`f32::round`] is a call.
 #[inline(always)]
 fn nearest(t: f32, below: usize) -> usize {
-    // The conversion holds what is below 0 at 0. An image has fewer rows and columns than that.
-    let whole = t as u32;
-    let up = u32::from(t - whole as f32 >= 0.5);
-    ((whole + up) as usize).min(below - 1)
+    /// 2²³: a number from here on is a whole one, and ends with what was added. An image has fewer rows and columns.
+    const WHOLE: f32 = 8_388_608.0;
+    let t = if t > 0.0 { t } else { 0.0 };
+    (((t + WHOLE).to_bits() ^ WHOLE.to_bits()) as usize).min(below - 1)
 }
 
 /// Pixels that are looked at in one go.
@@ -240,10 +240,8 @@ impl WithSimd for Derivatives<'_> {
             for k in 0..inner {
                 let gx = 3.0 * (c[k] - a[k] + i[k] - g[k]) + 10.0 * (f[k] - d[k]);
                 let gy = 3.0 * (g[k] - a[k] + i[k] - c[k]) + 10.0 * (h[k] - b[k]);
-                (x[k], y[k]) = (gx, gy);
-                // In f64 the squares are exact, and do not overflow.
-                let [gx, gy] = [gx, gy].map(f64::from);
-                magnitudes[k] = (gx * gx + gy * gy).sqrt() as f32;
+                // Roots of what an image holds are far from where squares overflow.
+                (x[k], y[k], magnitudes[k]) = (gx, gy, (gx * gx + gy * gy).sqrt());
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
 use super::distances::{self, LANES, Sight};
-use super::grid::Grid;
+use super::grid::{Cell, Grid};
 use super::outline::{Beyond, Side};
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
@@ -222,34 +222,37 @@ impl Scene<'_> {
         let mut order: List<(f64, usize)> = across.iter().copied().zip(cells.iter().copied()).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
+        // The sums of all before an edge are those of the edge before it, and some more.
+        let all = PlaneSums::default().with(&self.grid.cells, &sorted);
+        let (mut before, mut first) = (PlaneSums::default(), 0);
         (2..=6)
             .map(|eighths| {
-                let (left, right) = sorted.split_at(sorted.len() * eighths / 8);
-                self.plane_gain(left) + self.plane_gain(right)
+                let edge = sorted.len() * eighths / 8;
+                before = before.with(&self.grid.cells, &sorted[first..edge]);
+                first = edge;
+                let (left, right) = sorted.split_at(edge);
+                self.gain_of_plane(&before, left) + self.gain_of_plane(&all.without(&before), right)
             })
             .fold(0.0, f64::max)
     }
 
     /// The gain of the plane through cells.
     fn plane_gain(&self, cells: &[usize]) -> f64 {
+        self.gain_of_plane(&PlaneSums::default().with(&self.grid.cells, cells), cells)
+    }
+
+    /// The same with the sums over the cells.
+    fn gain_of_plane(&self, sums: &PlaneSums, cells: &[usize]) -> f64 {
         self.effort.spend(cells.len());
-        let (mut x, mut y, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        let mut vector = Vector3::zeros();
-        for &k in cells {
-            let cell = &self.grid.cells[k];
-            (x, y) = (x + cell.x, y + cell.y);
-            (xx, xy, yy) = (xx + cell.x * cell.x, xy + cell.x * cell.y, yy + cell.y * cell.y);
-            vector += Vector3::new(cell.w, cell.x * cell.w, cell.y * cell.w);
-        }
-        let matrix = nalgebra::Matrix3::new(cells.len() as f64, x, y, x, xx, xy, y, xy, yy);
-        let Some(cholesky) = matrix.cholesky() else { return 0.0 };
-        let plane = cholesky.solve(&vector);
+        let Some(plane) = sums.plane() else { return 0.0 };
+        let (a, b, c) = (plane.x, plane.y, plane.z);
+        let per_variance = self.noise.deviation.powi(-2);
         let sum: f64 = cells
             .iter()
             .map(|&k| {
                 let cell = &self.grid.cells[k];
-                let residual = cell.w - plane.dot(&Vector3::new(1.0, cell.x, cell.y));
-                (REACH * REACH - (residual / self.noise.deviation).powi(2)).max(0.0)
+                let residual = cell.w - (a + b * cell.x + c * cell.y);
+                (REACH * REACH - residual * residual * per_variance).max(0.0)
             })
             .sum();
         0.5 * sum / self.noise.cells_per_sample
@@ -278,8 +281,10 @@ impl Scene<'_> {
         let inset = 0.1 * (last - first);
         let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
         let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
-        self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
         let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
+        let columns = grid.within(0, columns, in_view.low[0], in_view.high[0]);
+        let rows = grid.within(1, rows, in_view.low[1], in_view.high[1]);
+        self.effort.spend(VISITS_OF_RAY * rows.len() * columns.len());
         let (mut asked, mut sights) = (List::new(), List::new());
         Arch::new().dispatch(Within {
             grid,
@@ -303,6 +308,34 @@ impl Scene<'_> {
             }
         }
         evidence.seen_through = through / f64::max(through + on, 1.0);
+    }
+}
+
+/// Sums over cells for the plane w = a + b x + c y through them: their number, and those of x, y, x², xy, y², w, xw and yw.
+#[derive(Clone, Copy, Default)]
+struct PlaneSums([f64; 9]);
+
+impl PlaneSums {
+    /// These and those of some cells.
+    fn with(self, cells: &[Cell], which: &[usize]) -> Self {
+        let mut sums = self.0;
+        for Cell { x, y, w, .. } in which.iter().map(|&k| &cells[k]) {
+            let numbers = [1.0, *x, *y, x * x, x * y, y * y, *w, x * w, y * w];
+            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+        }
+        Self(sums)
+    }
+
+    /// These but for those of some cells.
+    fn without(&self, some: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - some.0[k]))
+    }
+
+    /// (a, b, c).
+    fn plane(&self) -> Option<Vector3<f64>> {
+        let [count, x, y, xx, xy, yy, w, xw, yw] = self.0;
+        let matrix = nalgebra::Matrix3::new(count, x, y, x, xx, xy, y, xy, yy);
+        Some(matrix.cholesky()?.solve(&Vector3::new(w, xw, yw)))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::memory::List;
 use crate::statistics::median;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// The steepest surface that counts as one piece from cell to cell, as change of depth over the width across the line
 /// of sight: a cylinder is this steep at 0.96 r from the middle of its image. What is steeper is a step.
@@ -70,6 +71,9 @@ pub(super) struct Grid {
     pub cells: Vec<Cell>,
     /// The positions of the cells on the plane z = 1, axis by axis.
     pub rays: [Vec<f64>; 2],
+    /// By column and by row: the least and the largest position of its measured cells, of columns the first and of rows the
+    /// second on that plane.
+    pub bounds: [Vec<[f64; 2]>; 2],
     /// Whether a cell has neighbours on all sides.
     pub inner: Vec<bool>,
 }
@@ -115,6 +119,13 @@ impl Sums {
         let point = Vector3::new(x, y, 1.0) / w;
         Cell { x, y, w, point, sigma: 0.0, fill: self.count / full as f64 }
     }
+}
+
+/// The least and the largest of some numbers of measured cells.
+fn ends<'a>(cells: impl Iterator<Item = &'a Cell>, number: impl Fn(&Cell) -> f64) -> [f64; 2] {
+    let numbers = cells.filter(|cell| cell.measured()).map(number);
+    numbers
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
 }
 
 /// How far depths about one in the middle may differ from it.
@@ -220,7 +231,17 @@ impl Grid {
         let within = |k: usize, count: usize| k > 0 && k + 1 < count;
         let row = |y: usize| (0..columns).map(move |x| within(x, columns) && within(y, rows));
         let inner = (0..rows).flat_map(row).collect();
-        Self { columns, rows, side, spacing, cells, rays, inner }
+        let column = |x: usize| ends(cells.iter().skip(x).step_by(columns), |cell| cell.x);
+        let row = |y: usize| ends(cells[y * columns..][..columns].iter(), |cell| cell.y);
+        let bounds = [(0..columns).map(column).collect(), (0..rows).map(row).collect()];
+        Self { columns, rows, side, spacing, cells, rays, bounds, inner }
+    }
+
+    /// Of some columns (axis 0) or rows (axis 1) those from the first to the last with a measured cell between two positions.
+    pub fn within(&self, axis: usize, some: Range<usize>, low: f64, high: f64) -> Range<usize> {
+        let meets = |k: &usize| self.bounds[axis][*k][0] <= high && self.bounds[axis][*k][1] >= low;
+        let end = some.clone().rev().find(meets).map_or(some.start, |last| last + 1);
+        some.clone().find(meets).map_or(end..end, |first| first..end)
     }
 
     pub fn at(&self, column: usize, row: usize) -> &Cell {
@@ -264,7 +285,6 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ops::Range;
 
     #[test]
     fn cells_are_means_of_their_pixels_one_after_the_other() {

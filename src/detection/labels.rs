@@ -86,8 +86,8 @@ pub(super) fn label(
             let row = y * width + columns.start + left..y * width + columns.start + right + 1;
             let places = labels[row.clone()].iter_mut().zip(&mut nearest[row]);
             for ((label, nearest), (misfit, excess)) in places.zip(misfits.iter().zip(&excesses[left..])) {
-                if *misfit <= REACH && *excess < 0.0 && (*misfit as f32) < *nearest {
-                    *nearest = *misfit as f32;
+                if *misfit <= REACH as f32 && *excess < 0.0 && *misfit < *nearest {
+                    *nearest = *misfit;
                     *label = index as u16 + 1;
                 }
             }
@@ -128,7 +128,7 @@ struct OfRow<'a> {
 /// see nothing, and infinite where the ray does not meet the cylinder between its ends.
 struct Misfits<'a> {
     of_row: OfRow<'a>,
-    misfits: &'a mut [f64],
+    misfits: &'a mut [f32],
 }
 
 impl WithSimd for Misfits<'_> {
@@ -137,34 +137,37 @@ impl WithSimd for Misfits<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { of_row: OfRow { surface, cylinder, pixel, sigma, range, rays, points }, misfits } = self;
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let (nothing, beyond) = (simd.splat_f64s(REACH), simd.splat_f64s(f64::INFINITY));
-        let (low, high) = (simd.splat_f64s(range[0]), simd.splat_f64s(range[1]));
-        let sigma = simd.splat_f64s(sigma);
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
+        let (nothing, beyond) = (simd.splat_f32s(REACH as f32), simd.splat_f32s(f32::INFINITY));
+        let (low, high) = (simd.splat_f32s(range[0] as f32), simd.splat_f32s(range[1] as f32));
+        let sigma = simd.splat_f32s(sigma as f32);
         for (group, misfits) in misfits.chunks_mut(LANES).enumerate() {
             let (first, count) = (group * LANES, misfits.len());
-            let mut numbers = [[0.0; LANES]; 5];
+            let mut numbers = [[0.0_f32; LANES]; 5];
             let lists = [rays[0], rays[1], &points[0], &points[1], &points[2]];
             for (numbers, list) in numbers.iter_mut().zip(lists) {
-                // Copies of a known length are no calls.
+                // Of a known length they are converted side by side.
                 match list[first..].first_chunk() {
-                    Some(group) => *numbers = *group,
-                    None => numbers[..count].copy_from_slice(&list[first..first + count]),
+                    Some(group) => *numbers = group.map(|number: f64| number as f32),
+                    None => {
+                        let some = numbers.iter_mut().zip(&list[first..first + count]);
+                        some.for_each(|(number, given)| *number = *given as f32);
+                    }
                 }
             }
             let mut found = [0.0; LANES];
-            for part in 0..LANES / S::F64_LANES {
+            for part in 0..LANES / S::F32_LANES {
                 let (x, y) = (lanes(simd, &numbers[0], part), lanes(simd, &numbers[1], part));
                 let z = lanes(simd, &numbers[4], part);
                 let point = [lanes(simd, &numbers[2], part), lanes(simd, &numbers[3], part), z];
                 let residual = residual(simd, surface, pixel, point, [x, y], sigma);
                 let misfit =
-                    simd.mul_f64s(simd.abs_f64s(residual.distance), simd.sqrt_f64s(residual.information));
-                let misfit = simd.select_f64s(simd.greater_than_f64s(z, zero), misfit, nothing);
+                    simd.mul_f32s(simd.abs_f32s(residual.distance), simd.sqrt_f32s(residual.information));
+                let misfit = simd.select_f32s(simd.greater_than_f32s(z, zero), misfit, nothing);
                 let along = meets(simd, cylinder, [x, y, one]);
-                let misfit = simd.select_f64s(simd.less_than_f64s(along, low), beyond, misfit);
-                let misfit = simd.select_f64s(simd.greater_than_f64s(along, high), beyond, misfit);
-                S::as_mut_simd_f64s(&mut found).0[part] = misfit;
+                let misfit = simd.select_f32s(simd.less_than_f32s(along, low), beyond, misfit);
+                let misfit = simd.select_f32s(simd.greater_than_f32s(along, high), beyond, misfit);
+                S::as_mut_simd_f32s(&mut found).0[part] = misfit;
             }
             misfits.copy_from_slice(&found[..count]);
         }
@@ -173,12 +176,12 @@ impl WithSimd for Misfits<'_> {
 
 /// Where rays meet a cylinder along its axis, or pass it: [`meets`](super::rays::meets), side by side.
 #[inline(always)]
-fn meets<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f64s; 3]) -> S::f64s {
+fn meets<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f32s; 3]) -> S::f32s {
     let (point, d) = (splat(simd, &cylinder.axis.point), splat(simd, &cylinder.axis.direction));
     let across = across(simd, ray, d);
-    let passing = simd.div_f64s(dot(simd, across, point), dot(simd, across, across));
+    let passing = simd.div_f32s(dot(simd, across, point), dot(simd, across, across));
     let hit = first_hits(simd, cylinder, ray);
-    let t = simd.select_f64s(simd.greater_than_f64s(hit, simd.splat_f64s(0.0)), hit, passing);
+    let t = simd.select_f32s(simd.greater_than_f32s(hit, simd.splat_f32s(0.0)), hit, passing);
     dot(simd, difference(simd, times(simd, ray, t), point), d)
 }
 
@@ -199,7 +202,8 @@ mod tests {
             for k in 0..40 {
                 let (x, y) = (0.02 * f64::from(k) - 0.4, 0.01 * f64::from(k * k % 17));
                 let one = rays::meets(&cylinder, &Vector3::new(x, y, 1.0));
-                assert_eq!(meets(Scalar, &cylinder, [x, y, 1.0]), one);
+                let found = f64::from(meets(Scalar, &cylinder, [x as f32, y as f32, 1.0]));
+                assert!((found - one).abs() <= 1e-4 * one.abs().max(1.0), "{found} {one}");
             }
         }
     }

@@ -2,13 +2,15 @@
 //!
 //! The sums run in [`LANES`] partial sums, and multiplications and additions are never fused: every machine gets the same bits.
 
-use super::distances::{LANES, lanes};
 use super::grid::Grid;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Places up to the fourth degree but for their number, their products with w up to the second, and the square of w.
 const SUMS: usize = 21;
+
+/// Numbers side by side.
+const LANES: usize = 8;
 
 /// Sums over cells at places (s, t) on the plane z = 1: from a place near them, in units of their size.
 pub(super) struct Moments {
@@ -99,9 +101,9 @@ impl WithSimd for Pass<'_> {
             }
             for part in 0..LANES / S::F64_LANES {
                 let [x, y, w] = [
-                    lanes(simd, &numbers[0], part),
-                    lanes(simd, &numbers[1], part),
-                    lanes(simd, &numbers[2], part),
+                    S::as_simd_f64s(&numbers[0]).0[part],
+                    S::as_simd_f64s(&numbers[1]).0[part],
+                    S::as_simd_f64s(&numbers[2]).0[part],
                 ];
                 let s = simd.mul_f64s(simd.sub_f64s(x, left), per_unit);
                 let t = simd.mul_f64s(simd.sub_f64s(y, top), per_unit);
@@ -160,6 +162,7 @@ mod tests {
             spacing,
             cells: (0..35).map(cell).collect(),
             rays: Default::default(),
+            bounds: Default::default(),
             inner: Vec::new(),
         }
     }

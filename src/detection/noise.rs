@@ -167,7 +167,8 @@ mod tests {
             let cells: Vec<Cell> = (0..columns * rows).map(cell).collect();
             let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
             let w: Vec<f64> = cells.iter().map(|cell| cell.w).collect();
-            let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, inner: Vec::new() };
+            let bounds = Default::default();
+            let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, bounds, inner: Vec::new() };
             for lag in [1, LAG, 6] {
                 let mut plain = Vec::new();
                 let mut add = |places: [f64; 3], which: [usize; 3]| {

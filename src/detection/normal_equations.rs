@@ -21,7 +21,7 @@ const SUMS: usize = PRODUCTS + 1;
 
 /// Cells side by side: points, positions on the plane z = 1, standard deviations of the depths, and 1, or 0 for the rest
 /// of the last group.
-type Group = [[f64; LANES]; 7];
+type Group = [[f32; LANES]; 7];
 
 /// The cells that a surface is fitted to.
 pub(super) struct Cells {
@@ -44,20 +44,14 @@ pub(super) struct NormalEquations {
 impl Cells {
     /// The cells `which`.
     pub fn new(cells: &[Cell], which: &[usize], optics: Optics) -> Self {
-        let group = |which: &[usize]| {
-            let [px, py, pz, x, y, sigma] = side_by_side(|k| &cells[*which.get(k).unwrap_or(&which[0])]);
-            let given = std::array::from_fn(|k| if k < which.len() { 1.0 } else { 0.0 });
-            [px, py, pz, x, y, sigma, given]
-        };
-        let chunks = which.chunks_exact(LANES);
         // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
-        let rest = Some(chunks.remainder()).filter(|rest| !rest.is_empty()).map(group);
         let mut groups = List::with_capacity(which.len().div_ceil(LANES));
-        groups.extend(chunks.map(|which| {
-            let [px, py, pz, x, y, sigma] = side_by_side(|k| &cells[which[k]]);
-            [px, py, pz, x, y, sigma, [1.0; LANES]]
+        groups.extend(which.chunks(LANES).map(|which| {
+            let [px, py, pz, x, y, sigma] = side_by_side(cells, which);
+            let mut given = [1.0; LANES];
+            given[which.len()..].fill(0.0);
+            [px, py, pz, x, y, sigma, given]
         }));
-        groups.extend(rest);
         Self { groups, count: which.len(), optics }
     }
 
@@ -69,14 +63,14 @@ impl Cells {
         for [x, y, z, ..] in whole {
             for (sums, axis) in sums.iter_mut().zip([x, y, z]) {
                 for k in 0..LANES {
-                    sums[k % 4] += axis[k];
+                    sums[k % 4] += f64::from(axis[k]);
                 }
             }
         }
         for [x, y, z, ..] in rest {
             for (sums, axis) in sums.iter_mut().zip([x, y, z]) {
                 for k in 0..self.count % LANES {
-                    sums[k % 4] += axis[k];
+                    sums[k % 4] += f64::from(axis[k]);
                 }
             }
         }
@@ -102,23 +96,41 @@ impl Cells {
 #[inline(always)]
 pub(super) fn add_products<S: Simd>(
     simd: S,
-    sums: &mut [S::f64s],
-    row: &[S::f64s],
-    weight: S::f64s,
-    distance: S::f64s,
+    sums: &mut [S::f32s],
+    row: &[S::f32s],
+    weight: S::f32s,
+    distance: S::f32s,
 ) {
     let mut k = 0;
     for i in 0..row.len() {
-        let weighted = simd.mul_f64s(weight, row[i]);
+        let weighted = simd.mul_f32s(weight, row[i]);
         for other in &row[..=i] {
-            sums[k] = simd.add_f64s(sums[k], simd.mul_f64s(weighted, *other));
+            sums[k] = simd.add_f32s(sums[k], simd.mul_f32s(weighted, *other));
             k += 1;
         }
     }
-    let weighted = simd.mul_f64s(weight, distance);
+    let weighted = simd.mul_f32s(weight, distance);
     for (sum, part) in sums[MATRIX..].iter_mut().zip(row) {
-        *sum = simd.add_f64s(*sum, simd.mul_f64s(weighted, *part));
+        *sum = simd.add_f32s(*sum, simd.mul_f32s(weighted, *part));
     }
+}
+
+/// The sums of what the lanes hold, halves of them side by side.
+#[inline(always)]
+pub(super) fn sums_of_lanes<const COUNT: usize>(sums: &[[f32; LANES]; COUNT]) -> [f64; COUNT] {
+    let mut found = [0.0; COUNT];
+    for (found, sums) in found.iter_mut().zip(sums) {
+        let mut half = [0.0; LANES / 2];
+        for k in 0..LANES / 2 {
+            half[k] = sums[k] + sums[k + LANES / 2];
+        }
+        let mut quarter = [0.0; LANES / 4];
+        for k in 0..LANES / 4 {
+            quarter[k] = half[k] + half[k + LANES / 4];
+        }
+        *found = f64::from((quarter[0] + quarter[2]) + (quarter[1] + quarter[3]));
+    }
+    found
 }
 
 /// The lower half of Jᵀ W J and Jᵀ W d of these sums. The distance falls where the surface moves outwards.
@@ -161,12 +173,13 @@ impl Pass<'_> {
     #[inline(always)]
     fn sums<S: Simd>(&self, simd: S, surface: &Surface) -> [f64; SUMS] {
         let Self { cells: Cells { groups, optics, .. }, across, reach, .. } = *self;
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
         let (u, v) = (splat(simd, across.0), splat(simd, across.1));
-        let part_of_sample = simd.splat_f64s(1.0 / optics.cells_per_sample);
-        let (most, per_most) = (simd.splat_f64s(reach * reach), simd.splat_f64s(1.0 / (reach * reach)));
+        let part_of_sample = simd.splat_f32s((1.0 / optics.cells_per_sample) as f32);
+        let (most, per_most) =
+            (simd.splat_f32s((reach * reach) as f32), simd.splat_f32s((1.0 / (reach * reach)) as f32));
         let mut sums = [[0.0; LANES]; SUMS];
-        for part in 0..LANES / S::F64_LANES {
+        for part in 0..LANES / S::F32_LANES {
             let mut own = [zero; SUMS];
             for group in groups {
                 let [px, py, pz, x, y, sigma, given] = [
@@ -181,12 +194,12 @@ impl Pass<'_> {
                 let residual = residual(simd, surface, optics.pixel, [px, py, pz], [x, y], sigma);
                 let ResidualOf { place: PlaceOf { normal, along, .. }, distance, information, shape } =
                     residual;
-                let square = simd.mul_f64s(simd.mul_f64s(distance, distance), information);
-                let given = simd.select_f64s(simd.less_than_or_equal_f64s(square, most), given, zero);
+                let square = simd.mul_f32s(simd.mul_f32s(distance, distance), information);
+                let given = simd.select_f32s(simd.less_than_or_equal_f32s(square, most), given, zero);
                 // Tukey's weight: what is nearly out counts little.
-                let left = simd.sub_f64s(one, simd.mul_f64s(square, per_most));
-                let weight = simd.mul_f64s(simd.mul_f64s(left, left), information);
-                let weight = simd.mul_f64s(simd.mul_f64s(given, part_of_sample), weight);
+                let left = simd.sub_f32s(one, simd.mul_f32s(square, per_most));
+                let weight = simd.mul_f32s(simd.mul_f32s(left, left), information);
+                let weight = simd.mul_f32s(simd.mul_f32s(given, part_of_sample), weight);
                 match surface {
                     Surface::Sphere(..) => {
                         let row = [normal[0], normal[1], normal[2], one];
@@ -195,17 +208,17 @@ impl Pass<'_> {
                     Surface::Cylinder(..) | Surface::Cone(..) => {
                         let (nu, nv) = (dot(simd, normal, u), dot(simd, normal, v));
                         let last = if matches!(surface, Surface::Cone(..)) { along } else { shape };
-                        let row = [nu, nv, simd.mul_f64s(nu, along), simd.mul_f64s(nv, along), one, last];
+                        let row = [nu, nv, simd.mul_f32s(nu, along), simd.mul_f32s(nv, along), one, last];
                         add_products(simd, &mut own, &row, weight, distance);
                     }
                 }
-                own[PRODUCTS] = simd.add_f64s(own[PRODUCTS], given);
+                own[PRODUCTS] = simd.add_f32s(own[PRODUCTS], given);
             }
             for (sum, own) in sums.iter_mut().zip(own) {
-                S::as_mut_simd_f64s(sum).0[part] = own;
+                S::as_mut_simd_f32s(sum).0[part] = own;
             }
         }
-        sums.map(|sums| sums.iter().sum())
+        sums_of_lanes(&sums)
     }
 }
 
@@ -259,9 +272,9 @@ mod tests {
             let all: Vec<usize> = (0..cells.len()).collect();
             let found = Cells::new(&cells, &all, optics).normal_equations(&surface, (&u, &v), reach);
             assert_eq!(found.count, count);
-            assert!((found.vector - vector).amax() <= 1e-9 * vector.amax(), "{} {vector}", found.vector);
+            assert!((found.vector - vector).amax() <= 1e-5 * vector.amax(), "{} {vector}", found.vector);
             let difference = (found.matrix - matrix).lower_triangle();
-            assert!(difference.amax() <= 1e-9 * matrix.amax(), "{} {matrix}", found.matrix);
+            assert!(difference.amax() <= 1e-5 * matrix.amax(), "{} {matrix}", found.matrix);
         }
     }
 }

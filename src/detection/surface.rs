@@ -39,7 +39,7 @@ pub(super) struct Place {
 
 impl Surface {
     pub fn place(&self, p: &Vector3<f64>) -> Place {
-        distances::place(Scalar, self, (*p).into()).into()
+        distances::place(Scalar, self, p.map(|number| number as f32).into()).into()
     }
 
     /// The numbers that a fit finds.
@@ -118,9 +118,10 @@ impl Surface {
     }
 }
 
-impl From<distances::PlaceOf<f64>> for Place {
-    fn from(place: distances::PlaceOf<f64>) -> Self {
-        Self { distance: place.distance, normal: place.normal.into(), along: place.along }
+impl From<distances::PlaceOf<f32>> for Place {
+    fn from(place: distances::PlaceOf<f32>) -> Self {
+        let distances::PlaceOf { distance, normal, along } = place;
+        Self { distance: distance.into(), normal: normal.map(f64::from).into(), along: along.into() }
     }
 }
 
@@ -188,9 +189,13 @@ pub(super) fn slope(
     };
     for &k in which {
         let Cell { x, y, point, sigma, .. } = cells[k];
-        let residual = distances::residual(Scalar, &surface, optics.pixel, point.into(), [x, y], sigma);
-        let sigma = residual.information.sqrt().recip();
-        add(&residual.place.into(), residual.distance, sigma, residual.shape, 1.0 / optics.cells_per_sample);
+        let [x, y, sigma] = [x, y, sigma].map(|number| number as f32);
+        let point = point.map(|number| number as f32).into();
+        let residual = distances::residual(Scalar, &surface, optics.pixel, point, [x, y], sigma);
+        let [distance, information, shape] =
+            [residual.distance, residual.information, residual.shape].map(f64::from);
+        let sigma = information.sqrt().recip();
+        add(&residual.place.into(), distance, sigma, shape, 1.0 / optics.cells_per_sample);
     }
     for Tangent { ray, inset, deviation, weight } in tangents {
         let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
