@@ -31,7 +31,7 @@ const SIDE_BY_SIDE: f64 = 0.35;
 
 /// Allowed ratio of the measured curvature of the depth between two limbs to that of a cylinder. Matching windows
 /// flatten the depth up to threefold.
-const CURVATURES: [f64; 2] = [0.3, 2.0];
+const CURVATURES: [f64; 2] = [0.3, 1.7];
 
 /// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
 const INNER: f64 = 0.7;
@@ -301,13 +301,13 @@ impl Scene<'_> {
             let inverse = matrix.cholesky()?.inverse();
             solution = inverse * vector;
             uncertainty = self.noise.deviation * (self.noise.cells_per_sample * inverse[(3, 3)]).sqrt();
-            reach = 4.0 * self.noise.deviation + 0.1 * width;
+            reach = 4.0 * self.noise.deviation + 0.1 * width * solution[0];
         }
         if !(solution[0] > 0.0) {
             return None;
         }
-        // z = z₀ + x² / (2 r) with x = z₀ s width / 2 and r = z₀ width / 2: w = w₀ − s² width / 4.
-        let expected = -0.25 * width;
+        // z = z₀ + x² / (2 r) with x = z₀ s width / 2 and r = z₀ width / 2: w = w₀ (1 − s² width / 4).
+        let expected = -0.25 * width * solution[0];
         let ratio = solution[3] / expected;
         let uncertain = 2.0 * uncertainty / expected.abs();
         (ratio + uncertain >= CURVATURES[0] && ratio - uncertain <= CURVATURES[1] && ratio > 0.0)

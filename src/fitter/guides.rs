@@ -88,16 +88,19 @@ impl Guides {
     }
 
     /// Which of two lines are not the limbs by whose sides of the mask they are: farther off than masks are, and not
-    /// because the mask is too large or too small all round, as far as masks are; or turned away from their sides.
-    pub fn beside(&self, lines: [Option<&LimbLine>; 2], noise: &ImageNoise) -> [bool; 2] {
+    /// because the mask is too large or too small all round, as far as masks are; or, where sides tell something of their own,
+    /// turned away from them.
+    pub fn beside(&self, lines: [Option<&LimbLine>; 2], sides_tell: bool, noise: &ImageNoise) -> [bool; 2] {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
         let growth = [0, 1].map(|limb| {
             let (side, line, other) = (side(limb)?, lines[limb]?, side(1 - limb)?);
             let off = line.ends.map(|q| outward(&side.endpoints, &other.middle(), &q));
             Some(f64::midpoint(off[0], off[1]))
         });
-        let turn = [0, 1]
-            .map(|limb| side(limb).zip(lines[limb]).map_or(0.0, |(side, line)| turn(line, side, noise)));
+        let turn = [0, 1].map(|limb| {
+            let told = side(limb).zip(lines[limb]).filter(|_| sides_tell);
+            told.map_or(0.0, |(side, line)| turn(line, side, noise))
+        });
         let apart = growth[0].zip(growth[1]).map_or(f64::INFINITY, |(first, second)| (first - second).abs());
         let uneven = BESIDE * noise.unevenness;
         let alike =
@@ -344,30 +347,31 @@ mod tests {
         let noise = NoiseModel::default().in_image((640, 480));
         let guides = guides();
         let beside =
-            |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], &noise);
+            |first: f64, second: f64| guides.beside([Some(&line(first)), Some(&line(second))], true, &noise);
         assert_eq!(beside(301.0, 338.0), [false, false]);
         assert_eq!(beside(300.0, 345.0), [false, true]);
         assert_eq!(beside(296.0, 340.0), [true, false]);
         assert_eq!(beside(296.0, 344.5), [false, false], "a mask that is four pixels too small all round");
         assert_eq!(beside(294.5, 344.5), [true, true], "no mask is five pixels and more too small all round");
-        assert_eq!(guides.beside([None, Some(&line(345.0))], &noise), [false, true]);
-        assert_eq!(Guides::default().beside([Some(&line(1.0)), None], &noise), [false, false]);
+        assert_eq!(guides.beside([None, Some(&line(345.0))], true, &noise), [false, true]);
+        assert_eq!(Guides::default().beside([Some(&line(1.0)), None], true, &noise), [false, false]);
     }
 
     #[test]
     fn lines_that_are_turned_away_from_their_sides_are_others() {
         let noise = NoiseModel::default().in_image((640, 480));
-        let turned = |top: f64, bottom: f64| {
-            let ends = [Vector2::new(top, 100.0), Vector2::new(bottom, 200.0)];
-            guides().beside([Some(&LimbLine { ends, sigma: 0.1 }), None], &noise)[0]
+        let beside = |ends: [Vector2<f64>; 2], sigma: f64, sides_tell: bool| {
+            guides().beside([Some(&LimbLine { ends, sigma }), None], sides_tell, &noise)[0]
         };
+        let ends = |top: f64, bottom: f64| [Vector2::new(top, 100.0), Vector2::new(bottom, 200.0)];
         // The ends of a side are off by 1.6 pixels each, which turns it by 2.3 from end to end.
-        assert!(!turned(302.0, 298.0));
-        assert!(turned(303.0, 297.0));
-        assert!(!turned(304.0, 299.0), "by less, and within the side by one deviation");
-        assert!(turned(305.0, 300.0), "by as much, and farther within");
+        assert!(!beside(ends(302.0, 298.0), 0.1, true));
+        assert!(beside(ends(303.0, 297.0), 0.1, true));
+        assert!(!beside(ends(304.0, 299.0), 0.1, true), "by less, and within the side by one deviation");
+        assert!(beside(ends(305.0, 300.0), 0.1, true), "by as much, and farther within");
+        assert!(!beside(ends(303.0, 297.0), 0.1, false), "a side that was drawn about a cylinder");
         let short = [Vector2::new(301.0, 140.0), Vector2::new(299.0, 160.0)];
-        assert_eq!(guides().beside([Some(&LimbLine { ends: short, sigma: 1.0 }), None], &noise), [false; 2]);
+        assert!(!beside(short, 1.0, true), "too short to tell");
     }
 
     #[test]

@@ -136,7 +136,7 @@ fn observe_view(
         let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
         let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok());
-        let beside = guides.beside(lines, &view.noise);
+        let beside = guides.beside(lines, view.view.sides_tell(), &view.noise);
         Ok((seen, beside))
     };
     let (mut seen, mut beside) = located([REACH_DEVIATIONS * deviation; 2])?;
