@@ -14,8 +14,8 @@ use std::f64::consts::SQRT_2;
 /// in ten is the edge of something else, and beyond two deviations these are the more likely.
 pub(super) const BESIDE: f64 = 2.0;
 
-/// The same of where it is and how it is turned together: of two numbers as rare as two deviations of one. Of 1692 located lines 14
-/// were turned by more, and 10 of these were something else.
+/// The same of where it is and how it is turned together: of two numbers as rare as two deviations of one. Of 1692 located lines 12
+/// were beyond it, and 8 of these were something else.
 const BESIDE_OR_TURNED: f64 = 2.45;
 
 /// The lines that a fit before the location of the limbs holds them to, numbered by limb.
@@ -178,7 +178,7 @@ pub(super) fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector
 }
 
 /// By how many standard deviations a line is turned against a side of a mask. The ends of both are off independently.
-pub(super) fn turn(line: &LimbLine, side: &PixelSegment, noise: &ImageNoise) -> f64 {
+fn turn(line: &LimbLine, side: &PixelSegment, noise: &ImageNoise) -> f64 {
     let [along, of_side] = [&line.ends, &side.endpoints].map(|ends| ends[1] - ends[0]);
     let sine = along.perp(&of_side) / (along.norm() * of_side.norm());
     sine.abs() / (SQRT_2 * (line.sigma / along.norm()).hypot(noise.side / of_side.norm()))
