@@ -177,6 +177,7 @@ fn with_an_image_a_unit_that_is_a_power_of_two_changes_no_score() {
     for unit in [1024.0, 1.0 / 1024.0] {
         let scene = found(unit);
         assert_eq!(scene.labels, right.labels, "{unit}");
+        assert_eq!(scene.cylinders.len(), right.cylinders.len(), "{unit}");
         for (found, right) in scene.cylinders.iter().zip(&right.cylinders) {
             let [radius, expected] = [found, right].map(|found| found.result.cylinder.radius);
             assert!((radius / unit - expected).abs() < 1e-9 * expected, "{unit}: {radius} {expected}");

@@ -174,6 +174,7 @@ pub(super) fn side_by_side(cells: &[Cell], which: &[usize]) -> [[f32; LANES]; 6]
     }
 }
 
+/// The same of the cells by their places in the group.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
 fn gathered<'a>(cell: impl Fn(usize) -> &'a Cell) -> [[f32; LANES]; 6] {

@@ -92,11 +92,8 @@ impl Guides {
     /// turned away from them.
     pub fn beside(&self, lines: [Option<&LimbLine>; 2], sides_tell: bool, noise: &ImageNoise) -> [bool; 2] {
         let side = |limb: usize| self.sides.iter().find(|side| side.limb == Some(limb));
-        let growth = [0, 1].map(|limb| {
-            let (side, line, other) = (side(limb)?, lines[limb]?, side(1 - limb)?);
-            let off = line.ends.map(|q| outward(&side.endpoints, &other.middle(), &q));
-            Some(f64::midpoint(off[0], off[1]))
-        });
+        let growth =
+            [0, 1].map(|limb| Some(outside(&lines[limb]?.ends, side(limb)?, &side(1 - limb)?.middle())));
         let turn = [0, 1].map(|limb| {
             let told = side(limb).zip(lines[limb]).filter(|_| sides_tell);
             told.map_or(0.0, |(side, line)| turn(line, side, noise))
@@ -125,9 +122,8 @@ impl Guides {
         let Some(own) = side(limb) else { return lines };
         lines.push(match (other, side(1 - limb)) {
             (Some(located), Some(beside)) => {
-                let inner = own.middle();
-                let growth = located.endpoints.map(|q| outward(&beside.endpoints, &inner, &q));
-                let growth = f64::midpoint(growth[0], growth[1]).clamp(-view.noise.growth, view.noise.growth);
+                let growth = outside(&located.endpoints, beside, &own.middle());
+                let growth = growth.clamp(-view.noise.growth, view.noise.growth);
                 moved(own, &beside.middle(), growth, &view.noise)
             }
             _ => PixelSegment { growth: view.growth_of_mask(), ..*own },
@@ -171,10 +167,16 @@ pub(super) fn nearest_to_limbs(
 }
 
 /// Signed distance of a point from a line, positive on the side away from `inner`.
-pub(super) fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
+fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
     let along = (line[1] - line[0]).normalize();
     let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
     -across(inner).signum() * across(q)
+}
+
+/// How far the middle of a line lies outside of a side of a mask, in pixels. `inner` is a point on the inner side.
+pub(super) fn outside(line: &[Vector2<f64>; 2], side: &PixelSegment, inner: &Vector2<f64>) -> f64 {
+    let [a, b] = line.map(|q| outward(&side.endpoints, inner, &q));
+    f64::midpoint(a, b)
 }
 
 /// By how many standard deviations a line is turned against a side of a mask. The ends of both are off independently.

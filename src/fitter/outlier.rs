@@ -6,7 +6,7 @@
 //! as the two differ. The spread within the second is left out: it would double the stated deviations of lines that are right,
 //! for a case that has some hundredths of the weight. A line that the mask does not speak against stays as it is.
 
-use super::guides::{Guides, outward};
+use super::guides::{Guides, outside};
 use crate::limb_location::{LimbLine, LimbObservation, NotVisible};
 use crate::noise::ImageNoise;
 use nalgebra::{Matrix2, Vector2};
@@ -75,8 +75,8 @@ impl Compared {
         let line = seen.line.ok().or(seen.of_few)?;
         let side = guides.sides.iter().find(|side| side.limb == Some(limb))?;
         let inner = guides.sides.iter().chain(&guides.cut).find(|side| side.limb == Some(1 - limb))?.middle();
-        let [a, b] = line.ends.map(|q| outward(&side.endpoints, &inner, &q));
-        Some(Self { line, of_few: seen.line.is_err(), outside: f64::midpoint(a, b), inner })
+        let outside = outside(&line.ends, side, &inner);
+        Some(Self { line, of_few: seen.line.is_err(), outside, inner })
     }
 
     /// The probability that it is something else before the mask is asked.
