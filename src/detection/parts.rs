@@ -12,7 +12,7 @@ const SECOND: f64 = 4.0;
 
 /// The part of what the smaller of two parts explains that a cylinder in place of both may fall short: each part has
 /// errors of depth in common, which a cylinder of its own takes up.
-const SHARED_PART: f64 = 0.2;
+const SHARED_PART: f64 = 0.4;
 
 /// Scores that differ by less, as a part of the larger, say the same.
 const ALIKE: f64 = 0.9;

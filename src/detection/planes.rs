@@ -202,10 +202,17 @@ fn settle(
         found = Some((cells, moments, spread));
     }
     let (cells, moments, spread) = found?;
-    let (width, bend) = width_and_bend(&moments)?;
+    let width = width(&moments);
+    if !(width >= NARROWEST) {
+        return None;
+    }
     let most_spread = if width < WIDE { SPREAD_OF_NARROW } else { SPREAD };
-    let flat = spread <= most_spread * noise.deviation && bend <= FLAT * noise.deviation;
-    flat.then_some(cells)
+    if spread > most_spread * noise.deviation || bend(&moments)? > FLAT * noise.deviation {
+        return None;
+    }
+    // What cuts through a body goes on over the table that it meets as a thin line, which hides how the rest bends.
+    let bend_of_core = bend(&Moments::new(grid, &core(grid, &cells)));
+    bend_of_core.is_none_or(|bend| bend <= FLAT * noise.deviation).then_some(cells)
 }
 
 fn flood(
@@ -246,24 +253,32 @@ fn flood(
     cells
 }
 
-/// The width of cells, in cells, and how far a quadratic surface through them bends off its plane over their extent, in w: the
-/// curvature across their shorter extent and that along the longer, each times a quarter of the variance-based half extent
-/// squared. `None` for those that are too narrow.
-fn width_and_bend(moments: &Moments) -> Option<(f64, f64)> {
-    let extents = moments.covariance().symmetric_eigen();
-    // The width of a uniform stretch is 2 √3 standard deviations.
-    let width = (12.0 * extents.eigenvalues.min()).sqrt();
-    // A negative variance, which rounding makes of none, has no root.
-    if !(width >= NARROWEST) {
-        return None;
-    }
+/// The cells of blocks of which more than half belong to them.
+fn core(grid: &Grid, cells: &[usize]) -> List<usize> {
+    let columns = grid.columns.div_ceil(BLOCK);
+    let block = |k: usize| k / grid.columns / BLOCK * columns + k % grid.columns / BLOCK;
+    let mut counts = List::filled(0_usize, columns * grid.rows.div_ceil(BLOCK));
+    cells.iter().for_each(|&k| counts[block(k)] += 1);
+    cells.iter().copied().filter(|&k| 2 * counts[block(k)] > BLOCK * BLOCK).collect()
+}
+
+/// The width of cells, in cells: that of a uniform stretch is 2 √3 standard deviations. NaN where rounding leaves a negative
+/// variance.
+fn width(moments: &Moments) -> f64 {
+    (12.0 * moments.covariance().symmetric_eigenvalues().min()).sqrt()
+}
+
+/// How far a quadratic surface through cells bends off its plane over their extent, in w: the curvature across their shorter
+/// extent and that along the longer, each times a quarter of the variance-based half extent squared. `None` for too few cells.
+fn bend(moments: &Moments) -> Option<f64> {
     let (matrix, vector) = moments.equations();
     let surface = matrix.cholesky()?.solve(&vector);
     let curvature = Matrix2::new(surface[3], surface[4], surface[4], surface[5]);
+    let extents = moments.covariance().symmetric_eigen();
     let bend = [0, 1].map(|k| {
         let direction = extents.eigenvectors.column(k);
         // Half the extent of a uniform stretch is √3 standard deviations.
         (1.5 * extents.eigenvalues[k] * direction.dot(&(curvature * direction))).abs()
     });
-    Some((width, bend[0].max(bend[1])))
+    Some(bend[0].max(bend[1]))
 }
