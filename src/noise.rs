@@ -283,6 +283,12 @@ impl ImageNoise {
         10.0 * self.endpoint
     }
 
+    /// Lines nearer to each other than this are one limb: two deviations of an endpoint.
+    #[must_use]
+    pub fn same_limb(&self) -> f64 {
+        2.0 * self.endpoint
+    }
+
     /// The least distance of two limbs that can be told apart: four deviations of an endpoint.
     #[must_use]
     pub fn apart(&self) -> f64 {

@@ -419,6 +419,17 @@ impl Camera {
         })
     }
 
+    /// The signed distances of both ends of a segment in ideal pixels from each limb line of a cylinder, in pixels, in the order of
+    /// [`LimbFrame::limb_lines`]; `None` where that has no limb lines.
+    pub(crate) fn distances_from_limbs(
+        &self,
+        cylinder: &Cylinder,
+        segment: &[Vector2<f64>; 2],
+    ) -> Option<[Vector2<f64>; 2]> {
+        let lines = self.limb_lines(cylinder).ok()?;
+        Some(lines.map(|line| Vector2::from(segment.map(|q| line.dot(&q.push(1.0))))))
+    }
+
     /// Whether a pixel position lies in the image: −0.5 ≤ x < width − 0.5 and likewise y.
     #[must_use]
     pub fn contains(&self, pixel: &Vector2<f64>) -> bool {

@@ -297,7 +297,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         let noise = self.view().noise;
         let by_hand = noise.limb_of_segments();
         let view = self.view().clone();
-        let sides_of = |fit: &Attempt| Sides::new(outline, camera, &view.seen(fit.cylinder()), &noise);
+        let others = &view.view.limbs_of_others;
+        let sides_of =
+            |fit: &Attempt| Sides::new(outline, camera, &view.seen(fit.cylinder()), others, &noise);
         if !given.is_empty()
             && let Ok(fit) = &first
             && let Some(sides) = sides_of(fit)

@@ -2,7 +2,7 @@
 
 use super::data::ViewData;
 use crate::camera::Camera;
-use crate::geometry::{Cylinder, LimbFrame};
+use crate::geometry::Cylinder;
 use crate::limb_location::{LimbLine, Outline, Side, axial_range};
 use crate::memory::List;
 use crate::noise::{ImageNoise, MASK_COMMON};
@@ -50,12 +50,10 @@ impl Guides {
 
     /// Numbers the lines by the limb of a cylinder that they lie on.
     pub fn number(&mut self, camera: &Camera, cylinder: &Cylinder) {
-        let Some(limbs) = LimbFrame::new(cylinder) else { return };
-        let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
         let seen = self.seen.iter_mut().map(|part| &mut part.0);
         let of_mask = self.sides.iter_mut().chain(&mut self.cut).chain(seen);
         for guide in self.given.iter_mut().chain(of_mask) {
-            let [first, second] = lines.map(|line| distance(&line, guide));
+            let Some([first, second]) = apart(camera, cylinder, guide) else { return };
             guide.limb = Some(usize::from(second < first));
         }
     }
@@ -140,10 +138,9 @@ impl ViewData<'_> {
     }
 }
 
-/// Distance of a segment from a line (a, b, c) with a x + b y + c = 0: the sum over its endpoints, in pixels.
-fn distance(line: &Vector3<f64>, segment: &PixelSegment) -> f64 {
-    let norm = line.x.hypot(line.y);
-    segment.endpoints.iter().map(|q| (line.dot(&q.push(1.0)) / norm).abs()).sum()
+/// Distance of a segment from each limb of a cylinder: the sum over its endpoints, in pixels; `None` where it has no limbs.
+fn apart(camera: &Camera, cylinder: &Cylinder, segment: &PixelSegment) -> Option<[f64; 2]> {
+    Some(camera.distances_from_limbs(cylinder, &segment.endpoints)?.map(|distances| distances.abs().sum()))
 }
 
 /// The segments nearest to the limbs of a cylinder, at most `count`; the first ones where it has no limbs.
@@ -154,14 +151,10 @@ pub(super) fn nearest_to_limbs(
     count: usize,
 ) -> List<PixelSegment> {
     let mut nearest = List::from(segments);
-    if let Some(limbs) = LimbFrame::new(cylinder) {
-        let lines = limbs.limb_plane_normals().map(|moment| camera.line_projection() * moment);
-        let apart = |segment: &PixelSegment| {
-            let [first, second] = lines.map(|line| distance(&line, segment));
-            first.min(second)
-        };
-        nearest.sort_by(|a, b| apart(a).total_cmp(&apart(b)));
-    }
+    let nearer = |segment: &PixelSegment| {
+        apart(camera, cylinder, segment).map_or(0.0, |[first, second]| first.min(second))
+    };
+    nearest.sort_by(|a, b| nearer(a).total_cmp(&nearer(b)));
     nearest.truncate(count);
     nearest
 }
@@ -199,6 +192,8 @@ fn moved(side: &PixelSegment, inner: &Vector2<f64>, by: f64, noise: &ImageNoise)
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sides {
     sides: [Side; 2],
+    /// Which of them are where another body has its limb.
+    of_others: [bool; 2],
     noise: ImageNoise,
 }
 
@@ -230,8 +225,22 @@ impl Agreement {
 }
 
 impl Sides {
-    pub fn new(outline: &Outline, camera: &Camera, rough: &Cylinder, noise: &ImageNoise) -> Option<Self> {
-        Some(Self { sides: outline.sides(camera, rough)?, noise: *noise })
+    /// The sides about a rough fit in a view with these pieces of the limbs of other bodies.
+    pub fn new(
+        outline: &Outline,
+        camera: &Camera,
+        rough: &Cylinder,
+        others: &[[Vector2<f64>; 2]],
+        noise: &ImageNoise,
+    ) -> Option<Self> {
+        let sides = outline.sides(camera, rough)?;
+        let of_others = [0, 1].map(|k| {
+            let [a, b] = sides[k].ends;
+            let along = (b - a).normalize();
+            let on_side = |q: &Vector2<f64>| along.perp(&(q - a)).abs() <= BESIDE * noise.side;
+            others.iter().any(|piece| piece.iter().all(on_side))
+        });
+        Some(Self { sides, of_others, noise: *noise })
     }
 
     /// The sides that are limbs as segments of little weight.
@@ -240,8 +249,9 @@ impl Sides {
     }
 
     fn all(&self, cut: bool) -> impl Iterator<Item = PixelSegment> {
-        let sides = self.sides.into_iter().enumerate().filter(move |(_, side)| side.cut == cut);
-        sides.map(|(k, side)| self.segment(k, side.ends))
+        let sides = self.sides.into_iter().zip(self.of_others).enumerate();
+        let of_body = sides.filter(move |(_, (side, of_other))| side.cut == cut && !of_other);
+        of_body.map(|(k, (side, _))| self.segment(k, side.ends))
     }
 
     fn segment(&self, side: usize, endpoints: [Vector2<f64>; 2]) -> PixelSegment {
@@ -384,10 +394,25 @@ mod tests {
         let holds = |cut: bool, x: f64| {
             let sides =
                 [(300.0, false), (340.0, cut)].map(|(x, cut)| Side { ends: line(x), seen: None, cut });
-            Sides { sides, noise }.compare(&[segment(300.0), segment(x)]).is_some_and(|told| told.holds())
+            Sides { sides, of_others: [false; 2], noise }
+                .compare(&[segment(300.0), segment(x)])
+                .is_some_and(|told| told.holds())
         };
         assert!(holds(false, 340.5));
         assert!(!holds(false, 346.0));
         assert!(!holds(true, 346.0), "nothing shows where the second limb is");
+    }
+
+    #[test]
+    fn a_side_at_the_limb_of_another_body_guides_no_limb() {
+        let noise = NoiseModel::default().in_image((640, 480));
+        let side = |x: f64, cut: bool| Side { ends: line(x).ends, seen: None, cut };
+        let of_others = [false, true];
+        let guides = Sides { sides: [side(300.0, false), side(340.0, false)], of_others, noise };
+        assert_eq!(guides.segments().len(), 1);
+        assert_eq!(guides.segments()[0].endpoints[0].x, 300.0);
+        // An edge within the region may be the limb all the same.
+        let guides = Sides { sides: [side(300.0, false), side(340.0, true)], of_others, noise };
+        assert!(guides.hidden().cut.is_empty());
     }
 }

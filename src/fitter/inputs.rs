@@ -11,6 +11,7 @@ use crate::observations::{
     DepthCamera, DepthImage, DepthRange, DepthView, EdgeSegment, Frame, GreyImage, ImageView, Mask, MaskView,
     PointCloud, PointsView, check_segments,
 };
+use nalgebra::Vector2;
 
 /// Bytes a point of a copy: the points as they were pushed, and of those in a mask that holds more than the body, with their
 /// neighbours.
@@ -90,6 +91,7 @@ impl Fitter {
         self.made_with = None;
         let view = &mut self.views[self.selected];
         view.mask_is_body = false;
+        view.limbs_of_others.clear();
         view.forget_points();
         view
     }
@@ -97,6 +99,12 @@ impl Fitter {
     /// Tells that the mask of the selected view holds the body alone, until that view is changed.
     pub(crate) fn know_mask_as_body(&mut self) {
         self.views[self.selected].mask_is_body = true;
+    }
+
+    /// Tells pieces of the limbs of other bodies, from end to end in ideal pixels, until the selected view is changed: an edge
+    /// there is none of the cylinder.
+    pub(crate) fn know_limbs_of_others(&mut self, pieces: &[[Vector2<f64>; 2]]) {
+        self.views[self.selected].limbs_of_others = pieces.to_vec();
     }
 
     /// Sets the camera of the selected view. Points that were pushed before stay as they are.

@@ -130,9 +130,11 @@ fn observe_view(
     }
     let range = moved(range, guided.minimum.cylinder(), cylinder);
     let ranges = guides.seen_of(range, camera, &view.seen(cylinder));
+    let beside_others = view.view.reach_beside_others(camera, &view.seen(cylinder), &view.noise);
     let mut located = |reach: [f64; 2]| {
         run.check()?;
         let deviation = [deviation; 2];
+        let reach = [0, 1].map(|limb| reach[limb].min(beside_others[limb]));
         let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
         let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok());

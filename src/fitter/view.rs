@@ -3,10 +3,10 @@
 use super::few::Neighbours;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, RigidMotion};
-use crate::noise::NoiseModel;
+use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
@@ -18,6 +18,8 @@ pub(crate) struct View {
     pub body: Option<Mask>,
     /// Whether the mask is known to hold the body alone.
     pub mask_is_body: bool,
+    /// Pieces of the limbs of other bodies in the image, from end to end in ideal pixels.
+    pub limbs_of_others: Vec<[Vector2<f64>; 2]>,
     /// Whether the sides of the mask were drawn about the cylinder of a fit.
     sides_drawn: bool,
     pub cloud: PointCloud,
@@ -36,6 +38,7 @@ impl View {
             mask: self.mask.clone(),
             body,
             mask_is_body: self.mask_is_body,
+            limbs_of_others: self.limbs_of_others.clone(),
             sides_drawn: self.sides_drawn,
             cloud,
             segments: self.segments.clone(),
@@ -58,6 +61,17 @@ impl View {
     /// Whether a mask, if there is one, was drawn in the image, by a person or a network, and not made of the depth.
     pub fn mask_is_drawn(&self) -> bool {
         self.sides_tell() && !self.mask_ends_with_depth()
+    }
+
+    /// How far each limb of a cylinder, in the coordinates of the view, may be from where it is expected without being that of
+    /// another body, in pixels.
+    pub fn reach_beside_others(&self, camera: &Camera, cylinder: &Cylinder, noise: &ImageNoise) -> [f64; 2] {
+        let pieces = self.limbs_of_others.iter();
+        let distances = pieces.filter_map(|piece| camera.distances_from_limbs(cylinder, piece));
+        distances.fold([f64::INFINITY; 2], |reach, of_piece| {
+            let free = of_piece.map(|distance| (distance.amin() - noise.same_limb()).max(0.0));
+            [reach[0].min(free[0]), reach[1].min(free[1])]
+        })
     }
 
     /// The points are about to change.
@@ -111,5 +125,33 @@ impl View {
     /// The grey image.
     pub fn image(&self) -> Option<&GreyImage> {
         self.frame.image()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Distortion, Intrinsics};
+
+    #[test]
+    fn limbs_of_others_limit_where_a_limb_may_be() {
+        let distortion = Distortion::None;
+        let intrinsics =
+            Intrinsics { width: 640, height: 480, fx: 600.0, fy: 600.0, cx: 320.0, cy: 240.0, distortion };
+        let camera = Camera::new(intrinsics).unwrap();
+        let noise = NoiseModel::default().in_image(camera.size());
+        // Its limbs are the columns 320 ± 60.
+        let radius = 0.1_f64.atan().sin();
+        let cylinder = Cylinder::new(Vector3::z(), Vector3::y(), radius).unwrap();
+        let mut view = View::default();
+        assert_eq!(view.reach_beside_others(&camera, &cylinder, &noise), [f64::INFINITY; 2]);
+        let piece = |u: f64| [100.0, 200.0].map(|v| Vector2::new(u, v));
+        view.limbs_of_others = vec![piece(385.0), piece(255.5), piece(245.0)];
+        let mut reach = view.reach_beside_others(&camera, &cylinder, &noise);
+        reach.sort_by(f64::total_cmp);
+        assert!((reach[0] - 3.5).abs() < 1e-9 && (reach[1] - 4.0).abs() < 1e-9, "{reach:?}");
+        view.limbs_of_others.push(piece(380.5));
+        let reach = view.reach_beside_others(&camera, &cylinder, &noise);
+        assert_eq!(reach.iter().filter(|&&reach| reach == 0.0).count(), 1, "{reach:?}");
     }
 }

@@ -199,6 +199,19 @@ impl LimbObservation {
         self.line.is_ok() && sample.weight > 0.0
     }
 
+    /// The piece of the line from the first to the last sample that has a part in it, in ideal pixels; `None` without a line.
+    pub(crate) fn seen(&self) -> Option<[Vector2<f64>; 2]> {
+        let [a, b] = self.line.ok()?.ends;
+        let along = (b - a).normalize();
+        let used = self.samples.iter().filter(|sample| self.uses(sample));
+        let positions = used.map(|sample| along.dot(&(sample.position - a)));
+        let range = positions.fold(None, |range: Option<[f64; 2]>, position| {
+            let [first, last] = range.unwrap_or([position; 2]);
+            Some([first.min(position), last.max(position)])
+        });
+        range.map(|range| range.map(|position| a + along * position))
+    }
+
     fn none(reason: NotVisible) -> Self {
         Self { line: Err(reason), of_few: None, samples: List::new(), blur: None }
     }

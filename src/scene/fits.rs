@@ -1,7 +1,9 @@
 //! The fit of one region.
 
+use super::contests::Piece;
+use super::labels::{indices_of, mask_of};
 use super::work::Share;
-use super::{DetectorOptions, Found, indices_of, mask_of};
+use super::{DetectorOptions, Found};
 use crate::detection::{Band, Detection, Detections, Evidence};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
@@ -12,6 +14,21 @@ use std::ops::ControlFlow;
 
 /// Tells whether to go on; asked before each linear solve.
 pub(super) type Poll<'a> = dyn Fn() -> ControlFlow<()> + Sync + 'a;
+
+/// A fit to make.
+pub(super) struct Task {
+    /// The number of the cylinder that was found.
+    pub cylinder: usize,
+    /// Limbs of other cylinders, where there is none of its own.
+    pub limbs_of_others: Vec<Piece>,
+}
+
+impl Task {
+    /// Of a cylinder by itself.
+    pub fn new(cylinder: usize) -> Self {
+        Self { cylinder, limbs_of_others: Vec::new() }
+    }
+}
 
 /// What all fits of a scene share.
 pub(super) struct Fits<'a> {
@@ -27,18 +44,14 @@ impl<'a> Fits<'a> {
 
     /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera; without a
     /// share that cylinder.
-    pub fn of_frame(
-        &self,
-        frame: &Frame,
-        index: usize,
-        detection: &Detection,
-        share: Option<&Share<'_>>,
-    ) -> Result<Box<Found>> {
+    pub fn of_frame(&self, frame: &Frame, task: &Task, share: Option<&Share<'_>>) -> Result<Box<Found>> {
+        let detection = &self.seen.cylinders[task.cylinder];
         let mut fitter = self.fitter()?;
-        let mask = mask_of(&self.seen.labels, index);
+        let mask = mask_of(&self.seen.labels, task.cylinder);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
         // A region has the pixels that see the surface alone.
         fitter.know_mask_as_body();
+        fitter.know_limbs_of_others(&task.limbs_of_others);
         let limb = frame.image().and(frame.camera()).map_or(0.0, |camera| {
             let [first, last] = detection.along;
             (last - first) * camera.intrinsics().fx / detection.cylinder.axis.point.z
@@ -61,11 +74,11 @@ impl<'a> Fits<'a> {
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
-        index: usize,
-        detection: &Detection,
+        task: &Task,
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
-        let region: Vec<usize> = indices_of(&self.seen.labels, index).collect();
+        let detection = &self.seen.cylinders[task.cylinder];
+        let region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).collect();
         let fit = |chosen: &[usize]| {
             let mut fitter = Box::new(self.fitter()?);
             fitter.push_numbered(points, chosen)?;

@@ -3,7 +3,9 @@
 //! [`crate::detection`] finds the regions by depth and image; here each becomes the mask of a fit of its own, and how well that
 //! determines the radius joins the score.
 
+mod contests;
 mod fits;
+mod labels;
 mod work;
 
 use crate::detection::{
@@ -17,7 +19,8 @@ use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
 use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
 use crate::workers::Workers;
-use fits::Fits;
+use fits::{Fits, Task};
+use labels::{indices_of, mask_of, renumber};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use work::{Share, Work};
@@ -141,6 +144,9 @@ pub struct Detector {
     memory: Memory,
 }
 
+/// What the fit of a region came to; `None` where it was not made.
+type Outcome = Option<Result<Box<Found>>>;
+
 /// A cylinder of a scene.
 #[derive(Debug, Clone)]
 pub struct Found {
@@ -222,29 +228,6 @@ impl Scene {
     }
 }
 
-/// Labels that are looked through at a time.
-const BLOCK: usize = 64;
-
-/// The pixels or points of one region, counted from 0.
-fn indices_of(labels: &[u16], index: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-    // Labels count from 1 in 16 bits.
-    let own = u16::try_from(index + 1).ok();
-    // Most blocks have others: looked through many at a time.
-    let has_own = move |labels: &[u16]| labels.iter().fold(false, |any, label| any | (Some(*label) == own));
-    let blocks = labels.chunks(BLOCK).enumerate().filter(move |(_, labels)| has_own(labels));
-    blocks.flat_map(move |(block, labels)| {
-        let of_block = labels.iter().enumerate().filter(move |(_, label)| Some(**label) == own);
-        of_block.map(move |(k, _)| block * BLOCK + k)
-    })
-}
-
-/// The mask of one region, 1 inside.
-fn mask_of(labels: &[u16], index: usize) -> Vec<u8> {
-    // Labels count from 1 in 16 bits.
-    let own = (index + 1) as u16;
-    labels.iter().map(|&label| u8::from(label == own)).collect()
-}
-
 impl Detector {
     /// A detector with default options.
     #[must_use]
@@ -308,9 +291,7 @@ impl Detector {
         let found =
             self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
         let fits = Fits::new(&self.options, found, size);
-        self.fit_all(fits, observer, |fits, index, detection, share| {
-            fits.of_frame(&frame, index, detection, share)
-        })
+        self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))
     }
 
     /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it the origin is
@@ -354,8 +335,8 @@ impl Detector {
             let Some(seen) = seen else { continue };
             looks += 1.0;
             let fits = Fits::new(&self.options, seen, size);
-            let found = self.fit_all(fits, observer, |fits, index, detection, share| {
-                let mut found = fits.of_points(points, index, detection, share)?;
+            let found = self.fit_all(fits, observer, |fits, task, share| {
+                let mut found = fits.of_points(points, task, share)?;
                 // Each look may show something that is none, and the odds of that add up.
                 found.score = with_odds_divided(found.score, looks);
                 Ok(found)
@@ -405,7 +386,7 @@ impl Detector {
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,
-        fit: impl Fn(&Fits<'a>, usize, &Detection, Option<&Share<'_>>) -> Result<Box<Found>> + Sync,
+        fit: impl Fn(&Fits<'a>, &Task, Option<&Share<'_>>) -> Result<Box<Found>> + Sync,
     ) -> Result<Scene> {
         let detections = &fits.seen.cylinders;
         let count = detections.len();
@@ -416,41 +397,55 @@ impl Detector {
             false => ControlFlow::Continue(()),
         };
         let progress = &mut *observer.progress;
-        let mut done = 0;
         let mut tell = |done| {
             if progress(Progress::Fit { done, count }).is_break() {
                 stop.store(true, Ordering::Relaxed);
             }
         };
-        tell(0);
-        let work = Work::after_search(fits.seen.visits, fits.seen.labels.len(), count);
-        let mut outcomes: Vec<Option<Result<Box<Found>>>> = detections.iter().map(|_| None).collect();
-        let compute = |index: usize, outcome: &mut Option<Result<Box<Found>>>| {
-            let cancelled = || Err(Error::Cancelled { iterations: 0 });
-            if poll().is_break() {
-                *outcome = Some(cancelled());
-            } else if detections[index].evidence.highest_after_fit() >= self.options.search.min_score
-                && let Some(share) = work.share(index, &poll)
-            {
-                // What would be dropped whatever its fit came to has none.
-                *outcome = Some(fit(&fits, index, &detections[index], Some(&share)));
-            }
+        // What each task comes to, as far as the work reaches.
+        let run = |tasks: &[Task], work: &Work, tell: &mut dyn FnMut(usize)| {
+            let mut outcomes: Vec<Outcome> = tasks.iter().map(|_| None).collect();
+            let compute = |index: usize, outcome: &mut Outcome| {
+                let task = &tasks[index];
+                if poll().is_break() {
+                    *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
+                } else if detections[task.cylinder].evidence.highest_after_fit()
+                    >= self.options.search.min_score
+                    && let Some(share) = work.share(index, &poll)
+                {
+                    // What would be dropped whatever its fit came to has none.
+                    *outcome = Some(fit(&fits, task, Some(&share)));
+                }
+            };
+            let mut done = 0;
+            Workers::asked(self.options.threads).change_and_tell(&mut outcomes, compute, |_, ()| {
+                done += 1;
+                tell(done);
+            });
+            // With threads, those after the last one may have been at work.
+            outcomes.truncate(work.last().map_or(tasks.len(), |last| last + 1));
+            outcomes
         };
-        Workers::asked(self.options.threads).change_and_tell(&mut outcomes, compute, |_, ()| {
-            done += 1;
-            tell(done);
+        let tasks: Vec<Task> = (0..count).map(Task::new).collect();
+        let mut work = Work::after_search(fits.seen.visits, fits.seen.labels.len(), count);
+        tell(0);
+        let mut outcomes = run(&tasks, &work, &mut tell);
+        let last = work.last();
+        if let Some(last) = last.filter(|_| poll().is_continue()) {
+            // It is what the search found, whatever its fit came to.
+            outcomes[last] = Some(fit(&fits, &tasks[last], None));
+        }
+        let mut complete = !fits.seen.cut_short && last.is_none();
+        contests::settle(&mut outcomes, |tasks| {
+            work = work.left(tasks.len());
+            let outcomes = run(tasks, &work, &mut |_| ());
+            complete &= work.last().is_none();
+            outcomes
         });
         if poll().is_break() {
             let done = outcomes.iter().flatten().flatten();
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });
         }
-        let last = work.last();
-        if let Some(last) = last {
-            // It is what the search found, whatever its fit came to: with threads, those before it may have been at work yet.
-            outcomes.truncate(last + 1);
-            outcomes[last] = Some(fit(&fits, last, &detections[last], None));
-        }
-        let complete = !fits.seen.cut_short && last.is_none();
         let mut cylinders = Vec::new();
         for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
@@ -496,15 +491,6 @@ fn of_search(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimi
     };
     // Not beyond what a limit may be.
     if wider.check().is_ok() { wider } else { turned }
-}
-
-/// Gives labels the numbers in a new order; those that are not in it become 0.
-fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
-    let mut new = vec![0; usize::from(u16::MAX) + 1];
-    for (number, label) in (1..).zip(order) {
-        new[usize::from(label)] = number;
-    }
-    labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
 }
 
 /// Refuses a call for which there is no memory.

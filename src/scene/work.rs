@@ -35,15 +35,27 @@ impl Work {
     /// What a search of so many visits leaves to the fits of what it found.
     pub fn after_search(visits: u64, pixels: usize, fits: usize) -> Self {
         let limit = (VISITS as f64 * (pixels as f64 / PIXELS as f64).max(1.0)) as u64;
-        let visits_of_fits = (0..fits).map(|_| AtomicU64::new(0)).collect();
-        Self { limit: limit.saturating_sub(visits), visits: visits_of_fits }
+        Self::new(limit.saturating_sub(visits), fits)
+    }
+
+    /// What these fits leave to others.
+    pub fn left(&self, fits: usize) -> Self {
+        Self::new(self.limit.saturating_sub(self.done(self.visits.len())), fits)
+    }
+
+    fn new(limit: u64, fits: usize) -> Self {
+        Self { limit, visits: (0..fits).map(|_| AtomicU64::new(0)).collect() }
+    }
+
+    /// The visits of the first fits.
+    fn done(&self, fits: usize) -> u64 {
+        self.visits[..fits].iter().map(|visits| visits.load(Ordering::Relaxed)).sum()
     }
 
     /// The share of a fit in what is left; `None` where nothing is. Fits before it that other threads are at may yet leave
     /// less.
     pub fn share<'a>(&'a self, fit: usize, poll: &'a Poll<'a>) -> Option<Share<'a>> {
-        let before: u64 = self.visits[..fit].iter().map(|visits| visits.load(Ordering::Relaxed)).sum();
-        let limit = self.limit.saturating_sub(before);
+        let limit = self.limit.saturating_sub(self.done(fit));
         let share = Share {
             visits: &self.visits[fit],
             limit,

@@ -34,14 +34,15 @@ pub fn turned_before_wall(radii: [f64; 2], length: f64) -> Scene {
     Scene { bodies, lamp: Vector3::new(0.2, -0.3, -0.3), ambient: 0.5, ..Scene::default() }
 }
 
-/// What the twin sees of a scene.
+/// What the twin sees of a scene by structured light.
 pub fn captured(scene: &Scene, focal: f64, seed: u64) -> Capture {
-    let options = CaptureOptions {
-        camera: Camera::new(intrinsics(focal)).unwrap(),
-        picture: PictureOptions::default(),
-        sensor: DepthSensor::StructuredLight(StructuredLight::default()),
-        registered: true,
-    };
+    captured_by(DepthSensor::StructuredLight(StructuredLight::default()), scene, focal, seed)
+}
+
+/// What the twin sees of a scene by some sensor.
+pub fn captured_by(sensor: DepthSensor, scene: &Scene, focal: f64, seed: u64) -> Capture {
+    let camera = Camera::new(intrinsics(focal)).unwrap();
+    let options = CaptureOptions { camera, picture: PictureOptions::default(), sensor, registered: true };
     capture(scene, &options, seed).unwrap()
 }
 
