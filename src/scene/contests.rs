@@ -17,6 +17,9 @@ const OVERLAP: f64 = 0.5;
 /// one the radius.
 const ODDS: f64 = 3.0;
 
+/// What is less likely a cylinder claims nothing.
+const LEAST_SCORE: f64 = 0.5;
+
 /// A piece of a line in the image, from end to end in ideal pixels.
 pub(super) type Piece = [Vector2<f64>; 2];
 
@@ -72,8 +75,9 @@ fn by_cylinder(count: usize, pairs: impl Iterator<Item = (usize, Piece)>) -> Vec
 
 /// All contests between cylinders of a scene.
 fn contests(outcomes: &[Outcome]) -> Vec<Contest> {
+    let claiming = |outcome| fitted(outcome).filter(|found| found.score >= LEAST_SCORE);
     let limbs: Vec<Vec<Limb>> =
-        outcomes.iter().map(|outcome| fitted(outcome).map_or_else(Vec::new, Limb::both)).collect();
+        outcomes.iter().map(|outcome| claiming(outcome).map_or_else(Vec::new, Limb::both)).collect();
     let mut contests = Vec::new();
     for (b, of_b) in limbs.iter().enumerate() {
         for (a, of_a) in limbs[..b].iter().enumerate() {
