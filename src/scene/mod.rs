@@ -402,7 +402,7 @@ impl Detector {
                 stop.store(true, Ordering::Relaxed);
             }
         };
-        // What each task comes to, as far as the work reaches.
+        // What each task comes to, up to the one with which the work is at an end.
         let run = |tasks: &[Task], work: &Work, tell: &mut dyn FnMut(usize)| {
             let mut outcomes: Vec<Outcome> = tasks.iter().map(|_| None).collect();
             let compute = |index: usize, outcome: &mut Outcome| {
@@ -422,8 +422,8 @@ impl Detector {
                 done += 1;
                 tell(done);
             });
-            // With threads, those after the last one may have been at work.
-            outcomes.truncate(work.last().map_or(tasks.len(), |last| last + 1));
+            // With threads, those from there on may have been at work yet.
+            outcomes.truncate(work.last().unwrap_or(tasks.len()));
             outcomes
         };
         let tasks: Vec<Task> = (0..count).map(Task::new).collect();
@@ -433,7 +433,7 @@ impl Detector {
         let last = work.last();
         if let Some(last) = last.filter(|_| poll().is_continue()) {
             // It is what the search found, whatever its fit came to.
-            outcomes[last] = Some(fit(&fits, &tasks[last], None));
+            outcomes.push(Some(fit(&fits, &tasks[last], None)));
         }
         let mut complete = !fits.seen.cut_short && last.is_none();
         contests::settle(&mut outcomes, |tasks| {
