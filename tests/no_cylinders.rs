@@ -19,16 +19,13 @@ const FOCAL: f64 = 570.0;
 /// That of the frames that the command `cylfuse twin` writes.
 const TWIN_FOCAL: f64 = 569.6;
 
-fn camera() -> Camera {
-    Camera::new(intrinsics(FOCAL)).unwrap()
+/// What is found by a camera of this focal length.
+fn found(focal: f64, depth: &[u16], image: Option<&[u8]>) -> Scene {
+    found_with(&DetectorOptions::default(), focal, depth, image)
 }
 
-fn found(depth: &[u16], image: Option<&[u8]>) -> Scene {
-    found_with(&DetectorOptions::default(), depth, image)
-}
-
-fn found_with(options: &DetectorOptions, depth: &[u16], image: Option<&[u8]>) -> Scene {
-    let mut frame = Frame::new(camera());
+fn found_with(options: &DetectorOptions, focal: f64, depth: &[u16], image: Option<&[u8]>) -> Scene {
+    let mut frame = Frame::new(Camera::new(intrinsics(focal)).unwrap());
     let depth = DepthView::from_u16(depth, SIZE, DEPTH_UNIT).unwrap();
     frame.set_depth(&depth, &DepthRange::default()).unwrap();
     if let Some(image) = image {
@@ -41,7 +38,7 @@ fn found_with(options: &DetectorOptions, depth: &[u16], image: Option<&[u8]>) ->
 
 /// Says what was found where nothing should be.
 fn complaint(name: &str, depth: &[u16], image: Option<&[u8]>) -> Option<String> {
-    let found = found(depth, image);
+    let found = found(FOCAL, depth, image);
     assert!(found.cylinders.is_empty() == found.labels.iter().all(|label| *label == 0), "{name}");
     let one = |found: &Found| {
         let radius = 1e3 * found.result.cylinder.radius;
@@ -114,7 +111,7 @@ fn a_wide_can_on_a_table_is_no_plane() {
     for (seed, focal, radius) in [(9152, FOCAL, 53.0), (98_030, TWIN_FOCAL, 48.1), (98_033, TWIN_FOCAL, 53.1)]
     {
         let frame = captured(&random_scene(Kind::Table, seed).unwrap(), focal, seed);
-        let radii = radii(&found(&frame.depth, None));
+        let radii = radii(&found(focal, &frame.depth, None));
         assert!(radii.iter().any(|found| (found / radius - 1.0).abs() < 0.1), "seed {seed}: {radii:?}");
     }
 }
@@ -127,7 +124,7 @@ fn a_pipe_that_something_divides_is_found_once() {
     let of_structured_light = [91_105, 91_121, 91_129].map(|seed| (seed, structured_light));
     for (seed, sensor) in of_structured_light.into_iter().chain([(98_312, time_of_flight)]) {
         let frame = captured_by(sensor, &random_scene(Kind::Pipes, seed).unwrap(), TWIN_FOCAL, seed);
-        let found = found(&frame.depth, Some(&frame.image)).cylinders;
+        let found = found(TWIN_FOCAL, &frame.depth, Some(&frame.image)).cylinders;
         assert!(found.len() >= 2, "seed {seed}: {}", found.len());
         for (index, one) in found.iter().enumerate() {
             for other in &found[..index] {
@@ -146,9 +143,9 @@ fn a_pipe_that_something_divides_is_found_once() {
 fn an_edge_between_two_pipes_is_the_limb_of_one() {
     for (seed, radius) in [(91_108, 50.7), (91_127, 17.6), (96_118, 52.2)] {
         let frame = captured(&random_scene(Kind::Pipes, seed).unwrap(), TWIN_FOCAL, seed);
-        let one = radii(&found(&frame.depth, Some(&frame.image)));
+        let one = radii(&found(TWIN_FOCAL, &frame.depth, Some(&frame.image)));
         assert!(one.iter().any(|found| (found / radius - 1.0).abs() < 0.045), "seed {seed}: {one:?}");
         let threads = DetectorOptions { threads: 3, ..DetectorOptions::default() };
-        assert_eq!(one, radii(&found_with(&threads, &frame.depth, Some(&frame.image))));
+        assert_eq!(one, radii(&found_with(&threads, TWIN_FOCAL, &frame.depth, Some(&frame.image))));
     }
 }

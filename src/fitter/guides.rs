@@ -161,9 +161,12 @@ pub(super) fn nearest_to_limbs(
 
 /// Signed distance of a point from a line, positive on the side away from `inner`.
 fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
-    let along = (line[1] - line[0]).normalize();
-    let across = |q: &Vector2<f64>| along.perp(&(q - line[0]));
-    -across(inner).signum() * across(q)
+    -across(line, inner).signum() * across(line, q)
+}
+
+/// Signed distance of a point from a line through two points.
+pub(super) fn across(line: &[Vector2<f64>; 2], q: &Vector2<f64>) -> f64 {
+    (line[1] - line[0]).normalize().perp(&(q - line[0]))
 }
 
 /// How far the middle of a line lies outside of a side of a mask, in pixels. `inner` is a point on the inner side.
@@ -235,9 +238,7 @@ impl Sides {
     ) -> Option<Self> {
         let sides = outline.sides(camera, rough)?;
         let of_others = [0, 1].map(|k| {
-            let [a, b] = sides[k].ends;
-            let along = (b - a).normalize();
-            let on_side = |q: &Vector2<f64>| along.perp(&(q - a)).abs() <= BESIDE * noise.side;
+            let on_side = |q: &Vector2<f64>| across(&sides[k].ends, q).abs() <= BESIDE * noise.side;
             others.iter().any(|piece| piece.iter().all(on_side))
         });
         Some(Self { sides, of_others, noise: *noise })

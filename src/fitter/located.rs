@@ -2,7 +2,7 @@
 
 use super::data::{Data, ViewData};
 use super::guided::{CONTRADICTION, Guided, GuidedView};
-use super::guides::BESIDE;
+use super::guides::{BESIDE, across};
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
@@ -279,9 +279,8 @@ fn contradicts(view: &ViewData<'_>, guided: &GuidedView, held: &HeldView) -> boo
 /// How much a given segment says beside a located line: 1 where it lies on it, and less the farther it is from there, as far
 /// as both are known. With a step two captures of a scene would differ by what the segment pulls.
 fn agreement(line: &PixelSegment, given: &PixelSegment, endpoint: f64) -> f64 {
-    let along = (line.endpoints[1] - line.endpoints[0]).normalize();
     let variance = endpoint.powi(2) * (1.0 / line.weight + 1.0 / given.weight);
-    let distances = given.endpoints.map(|q| along.perp(&(q - line.endpoints[0])).abs());
+    let distances = given.endpoints.map(|q| across(&line.endpoints, &q).abs());
     let loss = Tukey { cutoff: TUKEY_EFFICIENT * variance.sqrt(), wall: Wall::Either };
     loss.influence(distances[0].max(distances[1]), 0.0).weight
 }

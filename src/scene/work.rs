@@ -136,6 +136,9 @@ mod tests {
         }
         assert!(work.share(3, &poll).is_none());
         assert_eq!(work.last(), Some(2));
+        assert!(work.left(1).share(0, &poll).is_none());
+        work.visits[2].store(1_000_000, Ordering::Relaxed);
+        assert_eq!(work.left(5).limit, 3_000_000);
     }
 
     #[test]
