@@ -14,7 +14,7 @@ use std::cell::OnceCell;
 const BESIDE: usize = 4;
 
 /// How deep a valley is, in standard deviations of a cell and its neighbours, and by how much the surface turns there, in radians:
-/// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-detection.md.
+/// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-neighbours.md.
 const VALLEY: f64 = 4.0;
 const TURN: f64 = 0.7;
 
