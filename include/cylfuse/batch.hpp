@@ -39,7 +39,7 @@ inline std::int32_t on_fit(std::size_t index, cylfuse_status status, void *user_
 /**
  * Fits many fitters, several at once, each as Fitter::fit() does, and gives their statuses in order: of a fit that failed
  * its own, while the others go on. Fitter::last_fit() and all else that can be asked of a fit follow; why one failed says
- * Fitter::last_error().
+ * Fitter::last_error(), but for one that was moved from: it has Status::NullPointer and no text.
  *
  * The callbacks of the fitters are not called. Where the callback stops the rest this is no failure, as the fits that ended
  * count: the statuses are returned, and Status::Cancelled is that of each fit that had not ended. What the callback throws

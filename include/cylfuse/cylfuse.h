@@ -2313,7 +2313,8 @@ CYLFUSE_NOEXCEPT;
  *
  * @param fitter the fitter, which may be busy; NULL asks for the last call of this thread, whatever it was on, which
  *   is where calls without a fitter leave their text
- * @return a text that is valid until the next call of this thread into the library; never NULL
+ * @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+ *   NULL
  */
 CYLFUSE_API
 const char *cylfuse_fitter_last_error(const struct cylfuse_fitter *fitter)
@@ -2587,7 +2588,8 @@ CYLFUSE_NOEXCEPT;
  * `cylfuse_fitter_use_frame` is with the fitter.
  *
  * @param frame the frame; NULL asks for the last call of this thread, whatever it was on
- * @return a text that is valid until the next call of this thread into the library; never NULL
+ * @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+ *   NULL
  */
 CYLFUSE_API
 const char *cylfuse_frame_last_error(const struct cylfuse_frame *frame)
@@ -2710,7 +2712,8 @@ CYLFUSE_NOEXCEPT;
  * Why the last call on a detector failed; see `cylfuse_fitter_last_error`, whose rules hold here too.
  *
  * @param detector the detector, which may be busy; NULL asks for the last call of this thread, whatever it was on
- * @return a text that is valid until the next call of this thread into the library; never NULL
+ * @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+ *   NULL
  */
 CYLFUSE_API
 const char *cylfuse_detector_last_error(const struct cylfuse_detector *detector)
@@ -3032,13 +3035,14 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
- * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
- * its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
+ * `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list, and
+ * its text in `cylfuse_fitter_last_error` of its fitter until the next call on that, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
  * this again on the same fitters, which keep the room of their data; the memory of the calls is shared by all on a thread.
  *
  * The callbacks of the fitters are not called.
  *
- * @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
+ * @param fitters the fitters, each once. One that is busy has the status BUSY. One that is NULL has NULL_POINTER and no
+ *   text, as there is no fitter to ask.
  * @param count how many there are
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
  *   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
@@ -3427,7 +3431,7 @@ CYLFUSE_NOEXCEPT;
  * @param flags the warnings of the result; 0 for none
  * @param lower the lower limit, which conforms itself, in that unit; -INFINITY for none
  * @param upper the upper limit likewise, greater than `lower`; INFINITY for none. One of the two must be finite.
- * @param coverage the coverage factor k, finite; 0 = 2
+ * @param coverage the coverage factor k, finite and 0 or greater; 0 = 2
  * @param out_conformity where the decision goes
  * @return INVALID_ARGUMENT, also for an unknown bit of `flags`; nothing is written then
  */

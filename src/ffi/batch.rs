@@ -17,13 +17,14 @@ struct Shared<'a>(Option<&'a cylfuse_fitter>);
 unsafe impl Send for Shared<'_> {}
 
 /// Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
-/// `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list and
-/// its text in `cylfuse_fitter_last_error`, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
+/// `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list, and
+/// its text in `cylfuse_fitter_last_error` of its fitter until the next call on that, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
 /// this again on the same fitters, which keep the room of their data; the memory of the calls is shared by all on a thread.
 ///
 /// The callbacks of the fitters are not called.
 ///
-/// @param fitters the fitters, each once. One that is NULL has the status NULL_POINTER, one that is busy BUSY.
+/// @param fitters the fitters, each once. One that is busy has the status BUSY. One that is NULL has NULL_POINTER and no
+///   text, as there is no fitter to ask.
 /// @param count how many there are
 /// @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
 ///   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
@@ -51,6 +52,7 @@ pub unsafe extern "C" fn cylfuse_fit_all(
         }
         // The callback asks fitters for their texts, not this thread for that of an earlier call.
         texts::keep(texts::NO_HANDLE, Text::EMPTY);
+        let caller = texts::this_thread();
         let mut stopped = false;
         let mut ended = |index: usize, status: &cylfuse_status| {
             // SAFETY: the caller gave the function for this use.
@@ -58,7 +60,7 @@ pub unsafe extern "C" fn cylfuse_fit_all(
             if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let statuses =
-            each(&mut fitters, threads as usize, |fitter, stopped| fit(fitter, stopped), &mut ended);
+            each(&mut fitters, threads as usize, |fitter, stopped| fit(fitter, stopped, caller), &mut ended);
         for (index, status) in statuses.into_iter().enumerate() {
             // SAFETY: the index is below the count; no alignment is assumed.
             unsafe { out_statuses.add(index).write_unaligned(status) };
@@ -67,12 +69,14 @@ pub unsafe extern "C" fn cylfuse_fit_all(
     })
 }
 
-fn fit(fitter: &Shared<'_>, stopped: &dyn Fn() -> bool) -> cylfuse_status {
+fn fit(fitter: &Shared<'_>, stopped: &dyn Fn() -> bool, caller: u64) -> cylfuse_status {
     let Some(fitter) = fitter.0 else { return cylfuse_status::NULL_POINTER };
-    change_quietly(&fitter.0, |content, cancel| {
+    let status = change_quietly(&fitter.0, |content, cancel| {
         content.fitter.fit_until(&|| stopped() || cancel.is_asked_for())?;
         Ok(())
-    })
+    });
+    fitter.0.made_for(caller, status);
+    status
 }
 
 /// The fitters of a list, none of them twice.

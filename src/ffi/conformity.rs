@@ -24,7 +24,7 @@ use crate::fitter::{Flags, Tolerance};
 /// @param flags the warnings of the result; 0 for none
 /// @param lower the lower limit, which conforms itself, in that unit; -INFINITY for none
 /// @param upper the upper limit likewise, greater than `lower`; INFINITY for none. One of the two must be finite.
-/// @param coverage the coverage factor k, finite; 0 = 2
+/// @param coverage the coverage factor k, finite and 0 or greater; 0 = 2
 /// @param out_conformity where the decision goes
 /// @return INVALID_ARGUMENT, also for an unknown bit of `flags`; nothing is written then
 #[unsafe(no_mangle)]

@@ -155,7 +155,8 @@ pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detecto
 /// Why the last call on a detector failed; see `cylfuse_fitter_last_error`, whose rules hold here too.
 ///
 /// @param detector the detector, which may be busy; NULL asks for the last call of this thread, whatever it was on
-/// @return a text that is valid until the next call of this thread into the library; never NULL
+/// @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_detector) -> *const c_char {
     // SAFETY: NULL or a living detector, by the contract of the header.

@@ -66,7 +66,8 @@ pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cyl
 /// `cylfuse_fitter_use_frame` is with the fitter.
 ///
 /// @param frame the frame; NULL asks for the last call of this thread, whatever it was on
-/// @return a text that is valid until the next call of this thread into the library; never NULL
+/// @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_last_error(frame: *const cylfuse_frame) -> *const c_char {
     // SAFETY: NULL or a living frame, by the contract of the header.

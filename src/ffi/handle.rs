@@ -47,6 +47,8 @@ pub(super) trait Logs {
     }
 }
 
+const BUSY: &str = "the handle is busy in another call; wait until that has returned, or, in a callback, make the call after it";
+
 /// What the calls on a handle share.
 pub(super) struct Handle<C> {
     /// Tells handles apart that had the same address one after the other.
@@ -58,6 +60,8 @@ pub(super) struct Handle<C> {
     cancels: AtomicU64,
     /// Text of the last call that finished.
     text: Mutex<Text>,
+    /// The thread whose last call on the handle was one of many at once that found it busy on another thread.
+    refused: AtomicU64,
     content: UnsafeCell<C>,
 }
 
@@ -88,6 +92,7 @@ impl<C> Handle<C> {
             poisoned: AtomicBool::new(false),
             cancels: AtomicU64::new(0),
             text: Mutex::new(Text::EMPTY),
+            refused: AtomicU64::new(texts::NO_THREAD),
             content: UnsafeCell::new(content),
         }
     }
@@ -98,7 +103,7 @@ impl<C> Handle<C> {
             return cylfuse_status::PANIC;
         }
         self.cancels.fetch_add(1, Ordering::AcqRel);
-        texts::keep(self.serial, Text::EMPTY);
+        self.keep(Text::EMPTY);
         cylfuse_status::OK
     }
 
@@ -114,7 +119,34 @@ impl<C> Handle<C> {
     /// The text of the last call of this thread on the handle, or of any thread when this one has made another call
     /// since.
     pub fn last_error(&self) -> *const c_char {
-        texts::last(self.serial, || *self.text())
+        texts::last(self.serial, || {
+            if self.refused.load(Ordering::Relaxed) == texts::this_thread() {
+                return Text::new(BUSY);
+            }
+            *self.text()
+        })
+    }
+
+    /// Notes how a call ended that another thread made for this one: the text that the handle is busy would else be with
+    /// the other thread. Of several threads that were refused the last one is told.
+    pub fn made_for(&self, thread: u64, status: cylfuse_status) {
+        if status == cylfuse_status::BUSY {
+            self.refused.store(thread, Ordering::Relaxed);
+        } else {
+            self.forget_refusal(thread);
+        }
+    }
+
+    fn forget_refusal(&self, thread: u64) {
+        // Failing means that there was none.
+        let none = texts::NO_THREAD;
+        let _ = self.refused.compare_exchange(thread, none, Ordering::Relaxed, Ordering::Relaxed);
+    }
+
+    /// Keeps the text of a call of this thread.
+    fn keep(&self, text: Text) {
+        self.forget_refusal(texts::this_thread());
+        texts::keep(self.serial, text);
     }
 
     fn text(&self) -> MutexGuard<'_, Text> {
@@ -127,10 +159,7 @@ impl<C> Handle<C> {
     }
 
     fn busy(&self) -> cylfuse_status {
-        texts::keep(
-            self.serial,
-            Text::new("the handle is busy in another call; wait until that has returned"),
-        );
+        self.keep(Text::new(BUSY));
         cylfuse_status::BUSY
     }
 
@@ -147,7 +176,7 @@ impl<C> Handle<C> {
     #[inline(never)]
     fn begin(&self) -> Option<Cancel<'_>> {
         if self.is_poisoned() {
-            texts::keep(self.serial, *self.text());
+            self.keep(*self.text());
             return None;
         }
         Some(Cancel { cancels: &self.cancels, before: self.cancels.load(Ordering::Acquire) })
@@ -162,7 +191,7 @@ impl<C> Handle<C> {
             (cylfuse_status::PANIC, Text::new(&text))
         });
         *self.text() = text;
-        texts::keep(self.serial, text);
+        self.keep(text);
         status
     }
 }

@@ -120,7 +120,8 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
 ///
 /// @param fitter the fitter, which may be busy; NULL asks for the last call of this thread, whatever it was on, which
 ///   is where calls without a fitter leave their text
-/// @return a text that is valid until the next call of this thread into the library; never NULL
+/// @return a text that is valid until the next call of this thread that returns a status or asks for such a text; never
+///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter) -> *const c_char {
     // SAFETY: NULL or a living fitter, by the contract of the header.

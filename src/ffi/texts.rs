@@ -3,8 +3,9 @@
 //! Each thread keeps the text of its last call, and each handle that of the last call on it that finished. A thread
 //! is only ever shown memory of its own, so that no other thread can write to what it reads.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ffi::c_char;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// In place of the serial number of a handle, for calls without one.
 pub(super) const NO_HANDLE: u64 = 0;
@@ -47,6 +48,21 @@ struct OfThread {
 thread_local! {
     static TEXTS: RefCell<OfThread> =
         const { RefCell::new(OfThread { serial: NO_HANDLE, last: Text::EMPTY, shown: Text::EMPTY }) };
+    static NUMBER: Cell<u64> = const { Cell::new(NO_THREAD) };
+}
+
+/// In place of the number of a thread, for none.
+pub(super) const NO_THREAD: u64 = 0;
+
+/// The number of this thread, which no other has had or will have.
+pub(super) fn this_thread() -> u64 {
+    static NUMBERS: AtomicU64 = AtomicU64::new(NO_THREAD + 1);
+    NUMBER.with(|number| {
+        if number.get() == NO_THREAD {
+            number.set(NUMBERS.fetch_add(1, Ordering::Relaxed));
+        }
+        number.get()
+    })
 }
 
 /// Keeps the text of a call of this thread.

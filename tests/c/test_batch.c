@@ -129,8 +129,74 @@ static int32_t fit_all_inside(const cylfuse_progress *progress, void *user_data)
     CHECK_OK(cylfuse_fit_all(fitters, 3, 2, NULL, NULL, statuses));
     CHECK(statuses[0] == CYLFUSE_STATUS_BUSY && statuses[1] == CYLFUSE_STATUS_NULL_POINTER);
     CHECK(statuses[2] == CYLFUSE_STATUS_OK);
+    CHECK(strstr(cylfuse_fitter_last_error(fitters[0]), "in a callback, make the call after it") != NULL);
     destroy(fitters[2]);
     return 1;
+}
+
+typedef struct {
+    cylfuse_fitter *busy;
+    uint32_t threads;
+} batch;
+
+/* Fits a busy fitter among others, from another thread than the one whose fit keeps it busy. */
+static void *fit_beside(void *given)
+{
+    const batch *asked = given;
+    cylfuse_fitter *fitters[3] = {asked->busy, new_fitter(), fitter_of(0)};
+    cylfuse_status statuses[3];
+    CHECK_OK(cylfuse_fit_all(fitters, 3, asked->threads, NULL, NULL, statuses));
+    /* Calls on others in between. */
+    CHECK(statuses[2] == CYLFUSE_STATUS_OK && found_truth(fitters[2], 1e-9));
+    CHECK_ERROR(fitters[1], statuses[1], TOO_FEW_POINTS, "0 of 0 points");
+    CHECK_ERROR(fitters[0], statuses[0], BUSY, "the handle is busy");
+    /* The next call on it has its own text. */
+    CHECK_OK(cylfuse_fitter_cancel(fitters[0]));
+    CHECK(strcmp(cylfuse_fitter_last_error(fitters[2]), "") == 0);
+    CHECK(strcmp(cylfuse_fitter_last_error(fitters[0]), "") == 0);
+    destroy(fitters[1]);
+    destroy(fitters[2]);
+    return NULL;
+}
+
+static int32_t fit_beside_me(const cylfuse_progress *progress, void *user_data)
+{
+    (void)progress;
+    pthread_t thread;
+    CHECK(pthread_create(&thread, NULL, fit_beside, user_data) == 0);
+    CHECK(pthread_join(thread, NULL) == 0);
+    return 1;
+}
+
+static int32_t fit_busy_one(const cylfuse_progress *progress, void *user_data)
+{
+    (void)progress;
+    cylfuse_fitter *fitters[2] = {user_data, NULL};
+    cylfuse_status statuses[2];
+    CHECK_OK(cylfuse_fit_all(fitters, 2, 2, NULL, NULL, statuses));
+    CHECK_ERROR(fitters[0], statuses[0], BUSY, "the handle is busy");
+    return 0;
+}
+
+static void a_busy_fitter_has_its_text(void)
+{
+    cylfuse_fitter *one = fitter_of(0), *other = fitter_of(1);
+    for (uint32_t threads = 1; threads <= 3; threads++) {
+        batch asked = {one, threads};
+        CHECK_OK(cylfuse_fitter_set_progress(one, fit_beside_me, &asked));
+        CHECK_ERROR(one, cylfuse_fitter_fit(one, NULL, NULL), CANCELLED, "cancelled");
+    }
+    /* The text goes with the next call of the same thread, one of many at once too. */
+    CHECK_OK(cylfuse_fitter_set_progress(one, fit_busy_one, one));
+    CHECK_OK(cylfuse_fitter_fit(one, NULL, NULL));
+    CHECK_OK(cylfuse_fitter_set_progress(other, NULL, NULL));
+    CHECK(strcmp(cylfuse_fitter_last_error(one), "") == 0);
+    cylfuse_fitter *fitters[2] = {one, other};
+    cylfuse_status statuses[2];
+    CHECK_OK(cylfuse_fit_all(fitters, 2, 2, NULL, NULL, statuses));
+    CHECK(statuses[0] == CYLFUSE_STATUS_OK && strcmp(cylfuse_fitter_last_error(one), "") == 0);
+    destroy(one);
+    destroy(other);
 }
 
 static void bad_lists_are_refused(void)
@@ -158,4 +224,5 @@ void test_batch(void)
     fits_are_those_of_single_calls();
     the_rest_can_be_stopped();
     bad_lists_are_refused();
+    a_busy_fitter_has_its_text();
 }
