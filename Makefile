@@ -17,6 +17,9 @@ PREFIX ?= /usr/local
 DESTDIR ?=
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR = $(PREFIX)/include
+# A space ends a path here, and `rm` would take the rest for another one. An `x` on either side shows those at the ends.
+$(foreach name,PREFIX LIBDIR INCLUDEDIR DESTDIR,$(if $(word 2,x$($(name))x),\
+	$(error $(name) is "$($(name))"; it must have no spaces)))
 CARGO ?= cargo
 CARGO_FLAGS ?=
 PROFILE ?= dist
