@@ -5,9 +5,11 @@
 mod frames;
 
 use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Flags, Options, StartKind};
+use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{EdgeSegment, PointsView};
 use frames::Inputs;
 use nalgebra::Vector2;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 fn sample(name: &str) -> Inputs {
@@ -173,6 +175,29 @@ fn a_start_that_was_asked_for_is_the_start() {
             assert_eq!(result.start_kind, start, "{} edges", edges.len());
             assert_eq!(result.start == model, start == StartKind::Model, "{} edges", edges.len());
         }
+    }
+}
+
+#[test]
+fn start_and_progress_have_the_sign_of_direction_of_the_result() {
+    let inputs = sample("w004");
+    let found = fit(&inputs, &inputs.edges, true).cylinder;
+    let positive = |cylinder: &Cylinder| cylinder.axis.direction[cylinder.axis.direction.iamax()] > 0.0;
+    assert!(positive(&found));
+    let mut given = found;
+    given.axis.direction = -found.axis.direction;
+    for start in [StartKind::Model, StartKind::Auto] {
+        let mut fitter = inputs.fitter();
+        fitter.set_start(Some(given));
+        fitter.set_options(Options { start, ..Options::default() }).unwrap();
+        let mut told = 0;
+        let result = fitter.fit_with(&mut |iteration| {
+            told += 1;
+            assert!(positive(&iteration.cylinder), "{:?}", iteration.cylinder);
+            ControlFlow::Continue(())
+        });
+        assert!(positive(&result.unwrap().start) && told > 0);
+        assert_eq!(fitter.evaluate(&given).unwrap().start, found);
     }
 }
 

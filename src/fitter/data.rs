@@ -337,12 +337,8 @@ impl<'a> Data<'a> {
     /// The cylinder with its axis point nearest to the middle of the points and the largest component of its
     /// direction positive, so that the same axis always reads the same.
     pub fn canonical(&self, cylinder: &Cylinder) -> Cylinder {
-        let mut moved = *cylinder;
+        let mut moved = cylinder.with_canonical_direction();
         moved.axis.point = cylinder.axis.nearest_to(&self.center);
-        let direction = cylinder.axis.direction;
-        if direction[direction.iamax()] < 0.0 {
-            moved.axis.direction = -direction;
-        }
         moved
     }
 

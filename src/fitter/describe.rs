@@ -149,7 +149,7 @@ pub(super) fn describe(
         radii,
         shift,
         taper,
-        start: start.cylinder,
+        start: start.cylinder.with_canonical_direction(),
         start_kind: start.kind,
         termination: None,
         iterations: 0,

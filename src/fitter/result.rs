@@ -100,7 +100,8 @@ pub struct FitResult {
     /// By how much the radius grows along the axis; `None` unless a line was found at each limb of a single view. One that
     /// the fit refused counts.
     pub taper: Option<Taper>,
-    /// The model that the iteration started from, moved into the limits.
+    /// The model that the iteration started from, moved into the limits; the largest component of its direction is
+    /// positive.
     pub start: Cylinder,
     /// How that start was found; never `Auto`.
     pub start_kind: StartKind,

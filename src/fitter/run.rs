@@ -85,8 +85,8 @@ impl<'a> Run<'a> {
 
     /// Tells of an iteration, and asks whether to go on.
     pub fn tell(&mut self, iteration: &Iteration) -> ControlFlow<()> {
-        self.last = *iteration;
-        (self.report)(iteration)
+        self.last = Iteration { cylinder: iteration.cylinder.with_canonical_direction(), ..*iteration };
+        (self.report)(&self.last)
     }
 
     /// How many linear solves there were.

@@ -64,6 +64,12 @@ impl Cylinder {
         Ok(Self { axis: Line::new(point, direction), radius })
     }
 
+    /// The same cylinder: see [`Line::with_canonical_direction`].
+    #[must_use]
+    pub fn with_canonical_direction(self) -> Self {
+        Self { axis: self.axis.with_canonical_direction(), ..self }
+    }
+
     /// Signed distance of a point from the surface, negative inside: ‖m − p × d̂‖ − r, the paper's e_i.
     #[must_use]
     pub fn distance(&self, p: &Vector3<f64>) -> f64 {

@@ -22,6 +22,13 @@ impl Line {
         Self { point, direction: direction.normalize() }
     }
 
+    /// The same line with the largest component of its direction positive, so that the same line always reads the same.
+    #[must_use]
+    pub fn with_canonical_direction(self) -> Self {
+        let direction = self.direction;
+        Self { direction: if direction[direction.iamax()] < 0.0 { -direction } else { direction }, ..self }
+    }
+
     /// The point of the line nearest to `p`.
     #[must_use]
     pub fn nearest_to(&self, p: &Vector3<f64>) -> Vector3<f64> {

@@ -68,7 +68,7 @@ pub struct Iteration {
     pub cost: f64,
     /// The damping of the next step.
     pub lambda: f64,
-    /// The best cylinder so far.
+    /// The best cylinder so far; what a fit reports has the largest component of its direction positive.
     pub cylinder: Cylinder,
 }
 
