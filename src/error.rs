@@ -175,6 +175,14 @@ impl Error {
         }
     }
 
+    /// The same failure where its argument is the field of a struct.
+    pub(crate) fn in_struct(mut self, of: &str) -> Self {
+        if let Error::InvalidArgument { name, .. } = &mut self {
+            *name = format!("{of}.{name}");
+        }
+        self
+    }
+
     /// The number of this failure in the C interface. Numbers are never reused.
     #[must_use]
     pub const fn code(&self) -> i32 {

@@ -143,10 +143,10 @@ impl NoiseModel {
     /// `InvalidArgument` that names the deviation, its value and its limit.
     pub fn check(&self) -> Result<()> {
         let estimated = [
-            ("size of a drawn pixel", self.drawn_pixel),
-            ("noise of depth", self.depth),
-            ("noise of the image", self.image),
-            ("blur of the image", self.blur),
+            ("drawn_pixel", self.drawn_pixel),
+            ("depth", self.depth),
+            ("image", self.image),
+            ("blur", self.blur),
         ];
         for (name, value) in estimated {
             if !(value >= 0.0 && value.is_finite()) {
@@ -154,20 +154,19 @@ impl NoiseModel {
             }
         }
         let given = [
-            ("deviation of an edge endpoint", self.edge_endpoint),
-            ("deviation of a mask side", self.mask_side),
-            ("unevenness of a mask side", self.mask_unevenness),
-            ("deviation of a mask boundary", self.mask_boundary),
-            ("correlation of a mask boundary", self.mask_correlation),
-            ("deviation of a limb of the points", self.limb_of_points),
+            ("edge_endpoint", self.edge_endpoint),
+            ("mask_side", self.mask_side),
+            ("mask_unevenness", self.mask_unevenness),
+            ("mask_boundary", self.mask_boundary),
+            ("mask_correlation", self.mask_correlation),
+            ("limb_of_points", self.limb_of_points),
         ];
         for (name, value) in given {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::argument(name, value, "be finite and greater than 0"));
             }
         }
-        let from_zero =
-            [("growth of a mask", self.mask_growth), ("shared error of depth", self.depth_shared)];
+        let from_zero = [("mask_growth", self.mask_growth), ("depth_shared", self.depth_shared)];
         for (name, value) in from_zero {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::argument(name, value, "be finite and at least 0"));
@@ -316,11 +315,11 @@ mod tests {
         assert_eq!(NoiseModel::default().check(), Ok(()));
         let error = |model: NoiseModel| model.check().unwrap_err().to_string();
         let model = NoiseModel { edge_endpoint: 0.0, ..NoiseModel::default() };
-        assert_eq!(error(model), "deviation of an edge endpoint is 0; it must be finite and greater than 0");
+        assert_eq!(error(model), "edge_endpoint is 0; it must be finite and greater than 0");
         let model = NoiseModel { blur: f64::NAN, ..NoiseModel::default() };
-        assert_eq!(error(model), "blur of the image is NaN; it must be finite and at least 0; 0 = estimated");
+        assert_eq!(error(model), "blur is NaN; it must be finite and at least 0; 0 = estimated");
         let model = NoiseModel { mask_growth: -1.0, ..NoiseModel::default() };
-        assert_eq!(error(model), "growth of a mask is -1; it must be finite and at least 0");
+        assert_eq!(error(model), "mask_growth is -1; it must be finite and at least 0");
     }
 
     #[test]

@@ -273,7 +273,7 @@ fn bad_settings_name_the_value_the_limit_and_the_remedy() {
     let mut fitter = Fitter::new();
     for weight in [-0.1, 1.4, f64::NAN] {
         let error = fitter.set_options(Options { edge_weight: weight, ..paper() }).unwrap_err();
-        assert_eq!(error.to_string(), format!("edge weight is {weight}; it must lie in [0, 1]"));
+        assert_eq!(error.to_string(), format!("options.edge_weight is {weight}; it must lie in [0, 1]"));
     }
     for (fx, text) in [(0.0, "fx is 0"), (f64::NAN, "fx is NaN"), (-5.0, "fx is -5")] {
         let mut bad = intrinsics();

@@ -378,7 +378,7 @@ func TestLimitsOfADetector(t *testing.T) {
 	}
 	bad := options
 	bad.MinScore = 1.5
-	wantStatus(t, detector.SetOptions(bad), StatusInvalidArgument, "minimal score is 1.5")
+	wantStatus(t, detector.SetOptions(bad), StatusInvalidArgument, "options.min_score is 1.5")
 	if read, err := detector.Options(); err != nil || read != options {
 		t.Errorf("%+v, %v", read, err)
 	}

@@ -278,7 +278,7 @@ func TestFailures(t *testing.T) {
 	}
 	options := DefaultOptions()
 	options.EdgeWeight = 2
-	wantStatus(t, fitter.SetOptions(options), StatusInvalidArgument, "edge weight is 2; it must lie in [0, 1]")
+	wantStatus(t, fitter.SetOptions(options), StatusInvalidArgument, "options.edge_weight is 2; it must lie in [0, 1]")
 	wantStatus(t, fitter.SetIntrinsics(Intrinsics{Width: 4, Height: 4, FX: math.NaN(), FY: 1}), StatusInvalidIntrinsics, "fx")
 	wantStatus(t, fitter.PushDepth(DepthImage[uint16]{Data: make([]uint16, 4), Width: 2, Height: 2, Scale: 1}, nil), StatusBadState, "")
 	must(t, fitter.SetIntrinsics(Intrinsics{Width: 2, Height: 2, FX: 1, FY: 1}))

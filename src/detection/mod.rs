@@ -74,9 +74,9 @@ impl DetectionOptions {
     /// # Errors
     /// `InvalidArgument`.
     pub fn check(&self) -> Result<()> {
-        self.limits.check()?;
+        self.limits.check().map_err(|error| error.in_struct("options"))?;
         if !(0.0..=1.0).contains(&self.min_score) {
-            return Err(Error::argument("minimal score", self.min_score, "lie in [0, 1]"));
+            return Err(Error::argument("options.min_score", self.min_score, "lie in [0, 1]"));
         }
         Ok(())
     }

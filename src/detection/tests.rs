@@ -291,7 +291,7 @@ fn options_limit_what_is_found() {
     assert_eq!(count(DetectionOptions { min_pixels: 100_000, ..defaults }), 0);
     for min_score in [-0.1, 1.1, f64::NAN] {
         let error = detect(&camera(), &depth, None, &DetectionOptions { min_score, ..defaults }).unwrap_err();
-        assert!(error.to_string().contains("minimal score"), "{error}");
+        assert!(error.to_string().contains("options.min_score"), "{error}");
     }
 }
 

@@ -211,7 +211,7 @@ impl<'a> Data<'a> {
             let requirement = format!(
                 "be at most {LARGEST_KNOWN_RADIUS} times the size of the points, {size:.3e}: check its unit"
             );
-            return Err(Error::argument("radius_min", smallest, requirement));
+            return Err(Error::argument("options.radius_min", smallest, requirement));
         }
         Ok(data)
     }

@@ -184,10 +184,10 @@ impl Options {
     /// Checks every value.
     ///
     /// # Errors
-    /// `InvalidArgument` that names the option, its value and its limit.
+    /// `InvalidArgument` that names the option as the other languages have it, its value and its limit.
     pub fn check(&self) -> Result<()> {
         if !(0.0..=1.0).contains(&self.edge_weight) {
-            return Err(Error::argument("edge weight", self.edge_weight, "lie in [0, 1]"));
+            return Err(Error::argument("options.edge_weight", self.edge_weight, "lie in [0, 1]"));
         }
         let IterationLimits {
             max_iterations,
@@ -200,41 +200,53 @@ impl Options {
         } = self.limits;
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if !positive(initial_lambda) {
-            return Err(Error::argument("initial lambda", initial_lambda, "be finite and greater than 0"));
+            return Err(Error::argument(
+                "options.initial_lambda",
+                initial_lambda,
+                "be finite and greater than 0",
+            ));
         }
         if !(lambda_factor > 1.0 && lambda_factor.is_finite()) {
-            return Err(Error::argument("lambda factor", lambda_factor, "be finite and greater than 1"));
+            return Err(Error::argument(
+                "options.lambda_factor",
+                lambda_factor,
+                "be finite and greater than 1",
+            ));
         }
         if !(max_lambda >= initial_lambda && max_lambda.is_finite()) {
-            let requirement = format!("be finite and at least the initial lambda {initial_lambda}");
-            return Err(Error::argument("max lambda", max_lambda, requirement));
+            let requirement = format!("be finite and at least initial_lambda, {initial_lambda}");
+            return Err(Error::argument("options.max_lambda", max_lambda, requirement));
         }
         if !(0.0..1.0).contains(&cost_tolerance) {
-            return Err(Error::argument("cost tolerance", cost_tolerance, "lie in [0, 1)"));
+            return Err(Error::argument("options.cost_tolerance", cost_tolerance, "lie in [0, 1)"));
         }
         for (name, tolerance) in
-            [("gradient tolerance", gradient_tolerance), ("step tolerance", step_tolerance)]
+            [("options.gradient_tolerance", gradient_tolerance), ("options.step_tolerance", step_tolerance)]
         {
             if !(0.0..1.0).contains(&tolerance) {
                 return Err(Error::argument(name, tolerance, "lie in [0, 1)"));
             }
         }
         if max_iterations == 0 {
-            return Err(Error::argument("max iterations", max_iterations, "be at least 1"));
+            return Err(Error::argument("options.max_iterations", max_iterations, "be at least 1"));
         }
         if !(self.ransac_threshold >= 0.0 && self.ransac_threshold.is_finite()) {
             let value = self.ransac_threshold;
-            return Err(Error::argument("ransac threshold", value, "be finite and at least 0"));
+            return Err(Error::argument("options.ransac_threshold", value, "be finite and at least 0"));
         }
         if !(1..=LARGEST_MAX_ITERATIONS).contains(&self.ransac_iterations) {
             let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
-            return Err(Error::argument("ransac_max_iterations", self.ransac_iterations, requirement));
+            return Err(Error::argument(
+                "options.ransac_max_iterations",
+                self.ransac_iterations,
+                requirement,
+            ));
         }
         if !(self.independent_points >= 0.0 && self.independent_points.is_finite()) {
             let requirement = "be finite and at least 0; 0 = from the data";
-            return Err(Error::argument("independent points", self.independent_points, requirement));
+            return Err(Error::argument("options.independent_points", self.independent_points, requirement));
         }
-        self.noise.check()?;
-        self.cylinder_limits.check()
+        self.noise.check().map_err(|error| error.in_struct("options.noise"))?;
+        self.cylinder_limits.check().map_err(|error| error.in_struct("options"))
     }
 }

@@ -82,7 +82,7 @@ impl DetectorOptions {
         if self.fit.threads != 1 {
             let threads = self.fit.threads.to_string();
             return refuse(
-                "threads",
+                "max_threads",
                 threads,
                 "be 1: the threads of the detector fit cylinders side by side",
             );

@@ -15,12 +15,12 @@ static void bad_options_are_named(void)
     for (int k = 0; k < 4; k++) {
         options = default_options();
         options.min_score = bad[k];
-        CHECK_ERROR(NULL, cylfuse_detector_set_options(detector, &options), INVALID_ARGUMENT, "minimal score is");
+        CHECK_ERROR(NULL, cylfuse_detector_set_options(detector, &options), INVALID_ARGUMENT, "options.min_score is");
     }
     options = default_options();
     options.radius_min = 2.0;
     options.radius_max = 1.0;
-    CHECK_ERROR(NULL, cylfuse_detector_set_options(detector, &options), INVALID_ARGUMENT, "radius_max is 1");
+    CHECK_ERROR(NULL, cylfuse_detector_set_options(detector, &options), INVALID_ARGUMENT, "options.radius_max is 1");
     options = default_options();
     options.axis_max_angle = 0.1;
     CHECK_ERROR(NULL, cylfuse_detector_set_options(detector, &options), INVALID_ARGUMENT, "options.axis_max_angle is 0.1");

@@ -119,7 +119,7 @@ fn options_of_a_fit_are_those_of_a_scene() {
     assert!(mean(&none) < mean(&much), "{none:?} {much:?}");
     for (options, text) in [
         (&["--noise", "edge=1"][..], "'edge' is none of"),
-        (&["--noise=depth-shared=-1"][..], "shared error of depth is -1"),
+        (&["--noise=depth-shared=-1"][..], "--noise depth-shared is -1"),
         (
             &["--axis=0,1,0", "--axis-max-angle=91"][..],
             "--axis-max-angle is 91; it must lie in [0, 90] degrees",

@@ -32,38 +32,38 @@ fn combinations_that_make_no_sense_are_refused() {
 #[test]
 fn values_out_of_range_are_named_with_their_limit() {
     for weight in ["1.5", "-0.1", "nan", "inf"] {
-        let reason = "it must lie in [0, 1] (INVALID_ARGUMENT)";
-        refused(&["--objective", "paper", "--edge-weight", weight], reason);
+        let reason = format!(
+            "--edge-weight is {}; it must lie in [0, 1] (INVALID_ARGUMENT)",
+            weight.replace("nan", "NaN")
+        );
+        refused(&["--objective", "paper", "--edge-weight", weight], &reason);
     }
-    refused(&["--max-iterations", "0"], "max iterations is 0; it must be at least 1");
+    refused(&["--max-iterations", "0"], "--max-iterations is 0; it must be at least 1");
     refused(&["--start=0,0,1,0,1,0"], "6 numbers");
     refused(&["--start=0,0,1,0,1,0,wide"], "'wide' is not a number");
     refused(&["--start=0,0,1,0,1,0,-0.05"], "radius is -0.05; it must be finite and greater than 0");
     refused(&["--start=0,0,1,0,0,0,0.05"], "axis direction");
     refused(&["--start=0,0,nan,0,1,0,0.05"], "axis point");
-    refused(&["--radius-min", "-1"], "radius_min is -1; it must be finite and at least 0");
+    refused(&["--radius-min", "-1"], "--radius-min is -1; it must be finite and at least 0");
     refused(
         &["--radius-min", "2", "--radius-max", "1"],
-        "radius_max is 1; it must be greater than 0 and at least",
+        "--radius-max is 1; it must be greater than 0 and at least",
     );
     refused(&["--radius", "0"], "--radius is 0; it must be finite and greater than 0");
-    refused(&["--axis", "0,0,0"], "axis is [0.0, 0.0, 0.0]; it must not be zero");
+    refused(&["--axis", "0,0,0"], "--axis is [0.0, 0.0, 0.0]; it must not be zero");
     refused(&["--axis", "0,1"], "2 numbers were given, but 3 are needed");
     refused(
         &["--axis", "0,1,0", "--axis-max-angle", "91"],
         "--axis-max-angle is 91; it must lie in [0, 90] degrees",
     );
     refused(&["--method", "magic"], "magic");
-    refused(
-        &["--noise", "edge-endpoint=0"],
-        "deviation of an edge endpoint is 0; it must be finite and greater",
-    );
-    refused(&["--noise=depth=-1"], "noise of depth is -1; it must be finite and at least 0; 0 = estimated");
+    refused(&["--noise", "edge-endpoint=0"], "--noise edge-endpoint is 0; it must be finite and greater");
+    refused(&["--noise=depth=-1"], "--noise depth is -1; it must be finite and at least 0; 0 = estimated");
     refused(&["--noise", "edge-endpoint"], "give NAME=VALUE, such as edge-endpoint=0.3");
     refused(&["--noise", "edge=1"], "'edge' is none of edge-endpoint, mask-side,");
-    refused(&["--noise=depth-shared=-1"], "shared error of depth is -1; it must be finite and at least 0");
+    refused(&["--noise=depth-shared=-1"], "--noise depth-shared is -1; it must be finite and at least 0");
     refused(&["--noise", "blur=much"], "'much' is not a number");
-    refused(&["--independent-points", "-2"], "independent points is -2; it must be finite and at least 0");
+    refused(&["--independent-points", "-2"], "--independent-points is -2; it must be finite and at least 0");
     refused(&["--threads", "many"], "--threads");
 }
 

@@ -95,7 +95,7 @@ static void options_are_kept()
     CHECK(detector.fit_options().depth_noise == 0.001);
     CHECK_ERROR(detector.set_fit_options(fits.start(cylfuse::Start::Limbs)), INVALID_ARGUMENT, "start of the fits");
     options.min_score = 2.0;
-    CHECK_ERROR(detector.set_options(options), INVALID_ARGUMENT, "minimal score is 2");
+    CHECK_ERROR(detector.set_options(options), INVALID_ARGUMENT, "options.min_score is 2");
     const Pair pair;
     detector.detect(pair.frame());
     CHECK(detector.count() == 1 && detector.fit(0).result.limbs_located == 0);

@@ -92,7 +92,7 @@ static void bad_input_of_a_detection_is_named()
     cylfuse::DetectorOptions options;
     options.min_score = -1.0;
     detection.setOptions(options);
-    CHECK_ERROR(fails(), INVALID_ARGUMENT, "minimal score");
+    CHECK_ERROR(fails(), INVALID_ARGUMENT, "options.min_score");
     detection.setOptions(cylfuse::DetectorOptions());
     detection.setIntrinsics(Scene().camera);
     CHECK_ERROR(fails(), SIZE_MISMATCH, "the cloud is 10 x 10 but the intrinsics are for 160 x 120");

@@ -204,7 +204,7 @@ namespace Cylfuse.Tests
                 Check.Equal(0, detector.Detect(frame).Length);
                 Check.That(detector.Labels().Cast<ushort>().All(label => label == 0), "labels");
                 Check.Fails(Status.InvalidArgument, () => detector.Options = new DetectorOptions { MinScore = 1.5 },
-                    "minimal score is 1.5");
+                    "options.min_score is 1.5");
                 Check.Equal(ulong.MaxValue, detector.Options.MinPixels);
                 detector.FitOptions = new FitOptions { DepthNoise = 0.001 };
                 foreach (FitOptions refused in new[] { new FitOptions { Start = StartKind.Moments },

@@ -183,7 +183,7 @@ test('limits hold', () => {
   detector.setOptions({ minPixels: 2n ** 64n - 1n });
   assert.deepEqual(detector.detectSync(frame), []);
   assert.ok(detector.labels().data.every((label) => label === 0));
-  assert.throws(() => detector.setOptions({ minScore: 1.5 }), coded('INVALID_ARGUMENT', /minimal score is 1.5/));
+  assert.throws(() => detector.setOptions({ minScore: 1.5 }), coded('INVALID_ARGUMENT', /options.min_score is 1.5/));
   assert.throws(() => detector.setOptions({ minScores: 1 }), /options has no minScores/);
   detector.setFitOptions({ depthNoise: 0.001 });
   for (const refused of [{ start: 'moments' }, { maxThreads: 2 }, { radiusMax: 0.1 }]) {

@@ -151,7 +151,7 @@ test('options come back', () => {
 test('failures carry the status and the message of the library', async () => {
   const fitter = new cylfuse.Fitter();
   await assert.rejects(cylfuse.fitPoints(new Float64Array([0, 0, 1, 0, 1, 1])), coded('TOO_FEW_POINTS'));
-  assert.throws(() => fitter.setOptions({ edgeWeight: 2 }), coded('INVALID_ARGUMENT', /edge weight is 2; it must lie/));
+  assert.throws(() => fitter.setOptions({ edgeWeight: 2 }), coded('INVALID_ARGUMENT', /options.edge_weight is 2; it must lie/));
   assert.throws(() => fitter.setIntrinsics({ ...camera, fx: NaN }), coded('INVALID_INTRINSICS', /fx/));
   assert.throws(() => fitter.pushDepth(can().depth), coded('BAD_STATE'));
   assert.throws(() => fitter.result(), coded('BAD_STATE'));

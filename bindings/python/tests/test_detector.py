@@ -194,7 +194,7 @@ def test_limits_hold() -> None:
         assert len(detector.detect(frame)) == 1
         detector.options = cylfuse.DetectorOptions(min_pixels=2**64 - 1)
         assert detector.detect(frame) == [] and not detector.labels.any()
-        for refused, text in [(dict(min_score=1.5), "minimal score is 1.5"), (dict(radius_min=-1), "radius")]:
+        for refused, text in [(dict(min_score=1.5), "options.min_score is 1.5"), (dict(radius_min=-1), "radius")]:
             with pytest.raises(cylfuse.InvalidArgumentError, match=text):
                 detector.options = cylfuse.DetectorOptions(**refused)
         for limited in (dict(start="moments"), dict(max_threads=2), dict(radius_max=0.1)):

@@ -1,5 +1,6 @@
 //! What can go wrong with one frame or cloud.
 
+use cylfuse::error::Error;
 use serde::Serialize;
 use std::fmt::Display;
 use std::path::Path;
@@ -87,8 +88,19 @@ impl Failure {
     }
 }
 
-impl From<cylfuse::error::Error> for Failure {
-    fn from(error: cylfuse::error::Error) -> Self {
-        Self { status: error.name(), message: error.to_string() }
+/// What is wrong, where options have the names of the command line.
+pub fn in_words(error: &Error) -> String {
+    match error {
+        Error::InvalidArgument { name, value, requirement } if name.starts_with("options.") => {
+            let flag = name.replacen("options.", "--", 1).replacen("--noise.", "--noise ", 1);
+            format!("{} is {value}; it must {requirement}", flag.replace('_', "-"))
+        }
+        _ => error.to_string(),
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self { status: error.name(), message: in_words(&error) }
     }
 }

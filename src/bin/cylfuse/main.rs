@@ -66,6 +66,11 @@ fn main() -> ExitCode {
     }
 }
 
+/// Why the library refuses an option.
+fn option_error(error: &cylfuse::error::Error) -> String {
+    format!("{} ({})", failure::in_words(error), error.name())
+}
+
 /// Fits everything; tells whether something failed.
 fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     let settings = match arguments.check() {
@@ -74,7 +79,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     };
     let settings = match settings {
         Ok(settings) => settings,
-        Err(error) => usage_error("fit", ErrorKind::ValueValidation, &format!("{error} ({})", error.name())),
+        Err(error) => usage_error("fit", ErrorKind::ValueValidation, &option_error(&error)),
     };
     let inputs = if arguments.points.is_empty() {
         inputs::find_frames(&arguments.frames)
@@ -117,9 +122,7 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     }
     let options = match arguments.options() {
         Ok(options) => options,
-        Err(error) => {
-            usage_error("detect", ErrorKind::ValueValidation, &format!("{error} ({})", error.name()))
-        }
+        Err(error) => usage_error("detect", ErrorKind::ValueValidation, &option_error(&error)),
     };
     let illustrate = arguments.common.report.is_some();
     let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };

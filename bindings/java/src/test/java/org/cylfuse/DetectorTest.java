@@ -220,7 +220,7 @@ public class DetectorTest {
             detector.setOptions(new DetectorOptions().minPixels(Long.MAX_VALUE));
             assertTrue(detector.detect(frame).isEmpty());
             assertEquals(0, Arrays.stream(detector.labels().numbers()).sum());
-            fails(Status.INVALID_ARGUMENT, "minimal score is 1.5", () ->
+            fails(Status.INVALID_ARGUMENT, "options.min_score is 1.5", () ->
                     detector.setOptions(new DetectorOptions().minScore(1.5)));
             assertThrows(IllegalArgumentException.class, () -> new DetectorOptions().maxCount(-1));
             detector.setFitOptions(new FitOptions().depthNoise(0.001));
