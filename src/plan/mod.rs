@@ -109,7 +109,7 @@ impl Plan {
             return Err(Error::argument(
                 "radius",
                 self.radius,
-                format!("be less than {depth:.6}, the distance of the axis from the camera"),
+                format!("be less than {depth}, the distance of the axis from the camera"),
             ));
         }
         let nearest = self.distance - 0.5 * self.length * self.tilt.sin().abs() - self.radius;
