@@ -53,6 +53,18 @@ uninstalls() { # uninstalls: a copy of the installation, named as other projects
     cp -a "$prefix" "$work/copy" && "${make[@]}" uninstall prefix="$work/copy" && test -z "$(find "$work/copy" -type f -o -type l)"
 }
 check "make uninstall" uninstalls
+refuses_spaces() { # refuses_spaces: `rm` would take the rest of such a path for another one
+    local name
+    mkdir -p "$work/a b/lib" "$work/a/include/cylfuse"
+    touch "$work/a b/lib/libcylfuse.so" "$work/a/include/cylfuse/kept"
+    for name in PREFIX prefix LIBDIR INCLUDEDIR DESTDIR; do
+        for goal in install uninstall; do
+            ! "${make[@]}" "$goal" "$name=$work/a b" 2> "$work/why" && grep -q 'it must have no spaces' "$work/why" || return 1
+        done
+    done
+    test -e "$work/a b/lib/libcylfuse.so" && test -e "$work/a/include/cylfuse/kept"
+}
+check "paths with spaces are refused" refuses_spaces
 # From here on it is somewhere else: nothing may remember where it was.
 mv "$prefix" "$work/moved"
 prefix=$work/moved
@@ -89,6 +101,17 @@ says_why() { # says_why COMPILER: coordinates that are no float and no double ar
 }
 for compiler in g++ clang++; do
     check "points of integers, $compiler" says_why $compiler
+done
+printf '#define CYLFUSE_NO_EXCEPTIONS\n#include <cylfuse/cylfuse.hpp>\nvoid fit(cylfuse::Fitter &f) { f.clear(); f.fit(); }\n' > "$work/ignored.cpp"
+warns_twice() { # warns_twice COMPILER STANDARD: without exceptions a call whose outcome nobody looks at gets a warning, with a value or without
+    local count
+    count=$("$1" "-std=$2" -fsyntax-only -I "$prefix/include" "$work/ignored.cpp" 2>&1 | grep -cE 'warning: .*(nodiscard|warn_unused_result)')
+    [ "$count" = 2 ] || { echo "$count warnings"; return 1; }
+}
+for compiler in g++ clang++; do
+    for standard in c++14 c++17; do
+        check "an outcome that is ignored, $compiler, $standard" warns_twice $compiler $standard
+    done
 done
 printf '#include <cylfuse/cylfuse.h>\n#include <cylfuse/cylfuse.h>\n' > "$work/header.c"
 for compiler in gcc clang; do

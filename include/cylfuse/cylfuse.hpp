@@ -45,7 +45,8 @@ inline namespace with_exceptions {
  * Estimates one cylinder. Set the camera, push data, fit; for the next frame: clear, push, fit.
  *
  * Moves but does not copy, unless by clone(). A fitter that was moved from holds nothing: all its calls fail with
- * Status::NullPointer. Callbacks may throw: the exception leaves the method that they were called from.
+ * Status::NullPointer. Callbacks may throw: the exception leaves the method that they were called from. One of progress
+ * stops the fit; after one of the log, which stops nothing, the method has done its work, such as adding the points.
  */
 class Fitter {
 public:

@@ -60,9 +60,23 @@ private:
 
 #ifdef CYLFUSE_NO_EXCEPTIONS
 
-/** What a call gives without exceptions: a value or an error. */
+/** @cond internal */
+// A failure that nobody looks at is lost, so the compiler warns. Before C++17 only some compilers know the attribute, and
+// clang by another name.
+#if __cplusplus >= 201703L || (defined(_MSVC_LANG) && _MSVC_LANG >= 201703L)
+#define CYLFUSE_NODISCARD [[nodiscard]]
+#elif defined(__clang__)
+#define CYLFUSE_NODISCARD [[clang::warn_unused_result]]
+#elif defined(__GNUC__) && __GNUC__ >= 7
+#define CYLFUSE_NODISCARD [[nodiscard]]
+#else
+#define CYLFUSE_NODISCARD
+#endif
+/** @endcond */
+
+/** What a call gives without exceptions: a value or an error, which must be looked at. */
 template <class T>
-class Outcome {
+class CYLFUSE_NODISCARD Outcome {
 public:
     /** A value, which means something when the status of the error is Status::Ok. */
     Outcome(T value, const Error &error) : value_(std::move(value)), error_(error) {}
@@ -86,9 +100,9 @@ private:
     Error error_;
 };
 
-/** What a call without a value gives without exceptions. */
+/** What a call without a value gives without exceptions, which must be looked at. */
 template <>
-class Outcome<void> {
+class CYLFUSE_NODISCARD Outcome<void> {
 public:
     /** A failure, unless the status of the error is Status::Ok. */
     explicit Outcome(const Error &error) : error_(error) {}

@@ -23,8 +23,7 @@ int main()
     for (int k = 0; k < 200; ++k) {
         points.push_back({0.5F * std::cos(0.008F * float(k)), 0.1F * float(k % 7), 2.0F - 0.5F * std::sin(0.008F * float(k))});
     }
-    fitter.set_progress([](const cylfuse::Progress &) { return true; });
-    if (!fitter.push_points(points)) {
+    if (!fitter.set_progress([](const cylfuse::Progress &) { return true; }) || !fitter.push_points(points)) {
         return 1;
     }
     const auto result = fitter.fit();
