@@ -297,11 +297,13 @@ inline cv::Mat labels(const Detector &detector, cv::Size size)
  * Proposes edges where nobody gives them: OpenCV's line detector over a grey or colour image of 8 bits, and of what it
  * finds the pieces on the two limbs of the last fit. That is best one to the points alone, such as by
  * Method::Ransac: others look at the mask, which may be bad. `reach` as for Fitter::select_edges(). With neither
- * limb in sight there is nothing in the vector.
+ * limb in sight there is nothing in the vector. Another size of the image than that of the selected camera is
+ * Status::SizeMismatch.
  */
 inline std::vector<cv::Vec4f> propose_edges(const Fitter &fitter, const cv::Mat &image, double reach = 0.0)
 {
     detail::check_image(image, "the image", {CV_8UC1, CV_8UC3, CV_8UC4}, "CV_8UC1, CV_8UC3 or CV_8UC4");
+    detail::check_size(image, "the image", fitter.intrinsics());
     // At its usual scale of 0.8 the detector gives coordinates that are 1/8 pixel too small.
     const cv::Ptr<cv::LineSegmentDetector> detector = cv::createLineSegmentDetector(cv::LSD_REFINE_STD, 1.0);
     std::vector<cv::Vec4f> found, proposed;

@@ -204,6 +204,7 @@ static void bad_images_are_named()
     CHECK_ERROR(fitter.push_depth(cylfuse::depth_view(images.depth, 0.0)), INVALID_ARGUMENT, "scale");
     cv::Mat large(200, 200, CV_8UC3);
     CHECK_ERROR(cylfuse::draw(large, PIPE, cylfuse::Extent(), images.scene.camera), SIZE_MISMATCH, "200 x 200");
+    CHECK_ERROR(cylfuse::propose_edges(fitter, large), SIZE_MISMATCH, "the image is 200 x 200");
     CHECK_ERROR(cylfuse::propose_edges(fitter, images.image), BAD_STATE, "fit first");
     CHECK_ERROR(fitter.push_image(cylfuse::image_view(images.image.rowRange(0, 7))), SIZE_MISMATCH, "160 x 7");
     CHECK_ERROR(cylfuse::image_view(cv::Mat(120, 160, CV_16UC3)), INVALID_ARGUMENT, "CV_16UC3");
