@@ -16,12 +16,25 @@
 
 #include <cmath>
 #include <limits>
+#include <locale>
+#include <sstream>
+#include <string>
 
 namespace cylfuse {
 inline namespace with_exceptions {
 
 /** @cond internal */
 namespace detail {
+
+// A number as text: all digits that count, which std::to_string() cuts off after six places, and a point in any locale.
+inline std::string number(double value)
+{
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(std::numeric_limits<double>::digits10);
+    text << value;
+    return text.str();
+}
 
 // Calls use(position in the indices, distance) for the points within a distance of the surface.
 template <class PointT, class Use>
@@ -224,7 +237,7 @@ private:
         }
         if (!(this->getDistanceThreshold() > 0.0 && std::isfinite(this->getDistanceThreshold()))) {
             throw Error(Status::InvalidArgument,
-                        ("the distance threshold is " + std::to_string(this->getDistanceThreshold()) +
+                        ("the distance threshold is " + detail::number(this->getDistanceThreshold()) +
                          "; it must be finite and greater than 0, set by setDistanceThreshold")
                             .c_str());
         }
@@ -319,7 +332,7 @@ private:
         constexpr double NO_LIMIT = std::numeric_limits<double>::max();
         if (!(high > 0.0)) {
             throw Error(Status::InvalidArgument,
-                        ("the largest radius is " + std::to_string(high) +
+                        ("the largest radius is " + detail::number(high) +
                          "; it must be greater than 0, set by setRadiusLimits")
                             .c_str());
         }

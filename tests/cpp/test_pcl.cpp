@@ -275,6 +275,8 @@ static void bad_input_is_named()
     CHECK_ERROR(fails(segmentation), UNSUPPORTED, "SACMODEL_CYLINDER");
     segmentation.setModelType(pcl::SACMODEL_CYLINDER);
     CHECK_ERROR(fails(segmentation), INVALID_ARGUMENT, "setDistanceThreshold");
+    segmentation.setDistanceThreshold(-1.25e-9);
+    CHECK_ERROR(fails(segmentation), INVALID_ARGUMENT, "the distance threshold is -1.25e-09;");
     segmentation.setDistanceThreshold(0.01);
     segmentation.setMaxIterations(0);
     CHECK_ERROR(fails(segmentation), INVALID_ARGUMENT, "setMaxIterations");
@@ -425,6 +427,8 @@ static void limits_hold_as_pcl_checks_them()
     CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "radius");
     segmentation.setRadiusLimits(-1.0, 0.0);
     CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "setRadiusLimits");
+    segmentation.setRadiusLimits(-1.0, -2.5e-8);
+    CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "the largest radius is -2.5e-08;");
     segmentation.setRadiusLimits(0.01, 0.2);
     segmentation.setEpsAngle(0.1);
     CHECK_ERROR(fails(segmentation, inliers, coefficients), INVALID_ARGUMENT, "setAxis");
