@@ -16,7 +16,8 @@ namespace Cylfuse
         /// <param name="ended">Hears of each fit that ended, on this thread: the place of the fitter, and Ok or why it
         /// failed. It returns whether to go on; null for none. What it throws stops the rest and comes out of this
         /// method.</param>
-        /// <returns>Why each fit failed, in the order of the fitters; null for one that succeeded.</returns>
+        /// <returns>Why each fit failed, in the order of the fitters; null for one that succeeded. One that is in
+        /// another call has Busy.</returns>
         /// <exception cref="CylfuseException">Cancelled when <paramref name="ended"/> stopped the rest; InvalidArgument for
         /// a fitter that is there twice.</exception>
         public static unsafe CylfuseException[] FitAll(IReadOnlyList<Fitter> fitters, int threads = 0,
@@ -32,7 +33,8 @@ namespace Cylfuse
             {
                 for (; held < handles.Length; held++)
                 {
-                    Fitter fitter = fitters[held] ?? throw new ArgumentNullException(nameof(fitters));
+                    Fitter fitter = fitters[held]
+                        ?? throw new ArgumentNullException(nameof(fitters), $"fitters[{held}] is null; it must be a fitter");
                     handles[held] = fitter.handle.Acquire();
                 }
                 NativeFunctions.FitEndedCallback hear = (index, status, _) =>

@@ -62,9 +62,27 @@ namespace Cylfuse.Tests
             Check.Throws<InvalidOperationException>(
                 () => Fitter.FitAll(fitters, 2, (index, status) => throw new InvalidOperationException("heard")), "heard");
             Check.Fails(Status.InvalidArgument, () => Fitter.FitAll(new[] { fitters[0], fitters[0] }));
+            Check.Throws<ArgumentNullException>(() => Fitter.FitAll(new[] { fitters[0], null }), "fitters[1] is null");
             fitters[5].Dispose();
             Check.Throws<ObjectDisposedException>(() => Fitter.FitAll(fitters), "Fitter");
             Check.Equal(0, Fitter.FitAll(new Fitter[0]).Length);
+            foreach (Fitter fitter in fitters) fitter.Dispose();
+        }
+
+        public static void ABusyFitterHasItsText()
+        {
+            Fitter[] fitters = Fitters().Take(2).ToArray();
+            bool heard = false;
+            fitters[0].SetProgress(progress =>
+            {
+                CylfuseException[] failures = Fitter.FitAll(fitters, 2);
+                Check.Equal(Status.Busy, failures[0].Status);
+                Check.That(failures[0].Message.Contains("the handle is busy in another call"), failures[0].Message);
+                Check.That(failures[1] == null, "failure");
+                return heard = true;
+            });
+            fitters[0].Fit();
+            Check.That(heard, "heard");
             foreach (Fitter fitter in fitters) fitter.Dispose();
         }
     }

@@ -4,6 +4,7 @@ import com.sun.jna.Memory;
 import com.sun.jna.Native;
 import com.sun.jna.Pointer;
 import java.util.List;
+import java.util.stream.IntStream;
 
 /** Many fits at once. */
 public final class FitterBatch {
@@ -18,9 +19,11 @@ public final class FitterBatch {
      *     the same bits for any number
      * @param listener hears of each fit that ended, on this thread, and may stop the rest; null for none. What it throws
      *     comes out of this method.
-     * @return why each fit failed, in the order of the fitters; null for one that succeeded
+     * @return why each fit failed, in the order of the fitters; null for one that succeeded. One that is in another call
+     *     has BUSY.
      * @throws CylfuseException CANCELLED when the listener stopped the rest, INVALID_ARGUMENT for a fitter that is there
      *     twice
+     * @throws IllegalArgumentException for a fitter that is null
      */
     public static CylfuseException[] fitAll(List<Fitter> fitters, int threads, FitEndedListener listener) {
         if (threads < 0) {
@@ -29,7 +32,8 @@ public final class FitterBatch {
         Pointer[] handles = new Pointer[fitters.size()];
         int[] statuses = new int[handles.length];
         CylfuseException[] failures = new CylfuseException[handles.length];
-        NativeHandle.runAll(fitters.stream().map(fitter -> fitter.calls.handle).toList(), handles, () -> {
+        List<NativeHandle> every = IntStream.range(0, handles.length).mapToObj(k -> handle(fitters, k)).toList();
+        NativeHandle.runAll(every, handles, () -> {
             Memory list = new Memory(Math.max(1, (long) handles.length * Native.POINTER_SIZE));
             list.write(0, handles, 0, handles.length);
             NativeFunctions.FitEndedCallback hear = (index, status, userData) -> {
@@ -53,5 +57,13 @@ public final class FitterBatch {
             return status;
         });
         return failures;
+    }
+
+    private static NativeHandle handle(List<Fitter> fitters, int index) {
+        Fitter fitter = fitters.get(index);
+        if (fitter == null) {
+            throw new IllegalArgumentException("fitters[" + index + "] is null; it must be a fitter");
+        }
+        return fitter.calls.handle;
     }
 }

@@ -6,6 +6,7 @@ import static org.junit.Assert.assertThrows;
 import static org.junit.Assert.assertTrue;
 
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import org.junit.Test;
 
@@ -67,9 +68,30 @@ public class BatchTest {
         List<Fitter> twice = List.of(fitters.get(0), fitters.get(0));
         CylfuseException refused = assertThrows(CylfuseException.class, () -> FitterBatch.fitAll(twice, 0, null));
         assertEquals(Status.INVALID_ARGUMENT, refused.status());
+        IllegalArgumentException missing = assertThrows(
+                IllegalArgumentException.class,
+                () -> FitterBatch.fitAll(Arrays.asList(fitters.get(0), null), 0, null));
+        assertEquals("fitters[1] is null; it must be a fitter", missing.getMessage());
         fitters.get(5).close();
         assertThrows(IllegalStateException.class, () -> FitterBatch.fitAll(fitters, 0, null));
         assertEquals(0, FitterBatch.fitAll(List.of(), 0, null).length);
+        fitters.forEach(Fitter::close);
+    }
+
+    @Test
+    public void aBusyFitterHasItsText() {
+        List<Fitter> fitters = fitters().subList(0, 2);
+        boolean[] heard = {false};
+        fitters.get(0).setProgressListener(progress -> {
+            CylfuseException[] failures = FitterBatch.fitAll(fitters, 2, null);
+            assertEquals(Status.BUSY, failures[0].status());
+            assertTrue(failures[0].getMessage(), failures[0].getMessage().contains("the handle is busy in another call"));
+            assertNull(failures[1]);
+            heard[0] = true;
+            return true;
+        });
+        fitters.get(0).fit();
+        assertTrue(heard[0]);
         fitters.forEach(Fitter::close);
     }
 }
