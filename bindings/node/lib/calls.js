@@ -9,6 +9,14 @@ const handles = require('./handles.js');
 
 const { status: STATUS } = enumerations;
 
+/** What a callback returned. A promise is refused: the call goes on without waiting for what it would say. */
+function answered(what, answer) {
+  if (typeof answer?.then !== 'function') return answer;
+  // Of its failure nobody would hear.
+  Promise.resolve(answer).catch(() => {});
+  throw new TypeError(`${what} returned a promise; it must be a function that is not async`);
+}
+
 /** The callbacks of an owner: apart from it, because the native side must not see its methods. */
 class Listener {
   progress = null;
@@ -28,7 +36,7 @@ class Listener {
   hearProgress(progress) {
     if (this.thrown || !this.progress) return this.thrown ? 1 : 0;
     try {
-      return this.progress(this.convert(progress)) === false ? 1 : 0;
+      return answered('progress', this.progress(this.convert(progress))) === false ? 1 : 0;
     } catch (error) {
       this.thrown = { error };
       return 1;
@@ -38,7 +46,7 @@ class Listener {
   hearLog(level, message) {
     if (this.thrown || !this.log) return;
     try {
-      this.log(nameOf('logLevel', level), message);
+      answered('log', this.log(nameOf('logLevel', level), message));
     } catch (error) {
       this.thrown = { error };
     }
@@ -109,12 +117,14 @@ class Calls {
     }
   }
 
-  /** Makes one call on the handles of several, none of which takes another one meanwhile. */
+  /** Makes one call on the handles of several, none of which takes another one meanwhile; null for one that is busy. */
   static async onAll(all, call) {
     const started = [];
     try {
       const handles = all.map((calls) => {
-        const handle = calls.#start();
+        const handle = calls.#open();
+        if (calls.#running) return null;
+        calls.#running = true;
         started.push(calls);
         return handle;
       });
@@ -126,6 +136,8 @@ class Calls {
 
   /** Why a call that ran elsewhere failed. */
   failure(status) {
+    // Then it is in another call, or was not called: its text is not about this.
+    if (status === STATUS.BUSY) return statusError(status);
     try {
       checkElsewhere(status, this.#held);
     } catch (error) {
@@ -198,4 +210,4 @@ function checkCallback(what, callback) {
   throw new TypeError(`${what} must be a function or null, not ${kindOf(callback)}`);
 }
 
-module.exports = { Calls, checkCallback };
+module.exports = { Calls, answered, checkCallback };

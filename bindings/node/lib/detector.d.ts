@@ -83,7 +83,7 @@ export class Detector {
   getFitOptions(): Required<Options>;
   /**
    * Sets what hears of a search before it, after it, and after each fit; false stops the search. What it throws, the
-   * search throws. A `detect` waits for the event loop to get to it.
+   * search throws, and a TypeError where it returns a promise. A `detect` waits for the event loop to get to it.
    */
   setProgress(callback: ((progress: DetectionProgress) => boolean | void) | null): void;
   /**

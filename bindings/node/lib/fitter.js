@@ -2,12 +2,14 @@
 
 const { functions, initialised } = require('./native.js');
 const convert = require('./convert.js');
-const { kindOf, nameOf, numberOf } = require('./names.js');
+const { enumerations, kindOf, nameOf, numberOf } = require('./names.js');
 const { progressCallback, logCallback } = require('./callbacks.js');
-const { Calls, checkCallback } = require('./calls.js');
+const { Calls, answered, checkCallback } = require('./calls.js');
 const { inside } = require('./frame.js');
-const { statusError } = require('./errors.js');
+const { CylfuseError, statusError } = require('./errors.js');
 const { fitOnPool, fitAllOnPool } = require('./pool.js');
+
+const { status: STATUS } = enumerations;
 
 // What `made` hands to the constructor.
 let making = null;
@@ -25,23 +27,26 @@ class Fitter {
     convert.size('threads', threads);
     checkCallback('progress', progress);
     const every = Array.from(fitters);
-    for (const fitter of every) {
-      if (!(fitter instanceof Fitter)) throw new TypeError(`a fitter must be a Fitter, not ${kindOf(fitter)}`);
-    }
+    checkFitters(every);
     const all = every.map((fitter) => fitter.#calls);
     let thrown = null;
     const ended = progress && ((index) => {
       try {
-        return progress(index) === false ? 1 : 0;
+        return answered('progress', progress(index)) === false ? 1 : 0;
       } catch (error) {
         thrown = { error };
         return 1;
       }
     });
-    const { status, statuses } = await Calls.onAll(all, (handles) => fitAllOnPool(handles, threads, ended));
+    let busy = [];
+    const { status, statuses } = await Calls.onAll(all, (handles) => {
+      busy = handles.map((handle) => handle === null);
+      return fitAllOnPool(handles, threads, ended);
+    });
     if (thrown) throw thrown.error;
     if (status !== 0) throw statusError(status);
-    return all.map((calls, index) => calls.failure(statuses[index]) ?? every[index].result());
+    return all.map((calls, index) =>
+      calls.failure(busy[index] ? STATUS.BUSY : statuses[index]) ?? every[index].result());
   }
 
   /** A fitter that is created by another function, with the size of its camera. */
@@ -310,6 +315,19 @@ class Fitter {
     this.#calls.run((handle) => run(handle, result, estimate));
     return convert.resultFromC(result, estimate);
   }
+}
+
+/** Each must be a fitter, and there once: the library does not see those that are busy. */
+function checkFitters(every) {
+  const places = new Map();
+  every.forEach((fitter, index) => {
+    if (!(fitter instanceof Fitter)) throw new TypeError(`fitters[${index}] must be a Fitter, not ${kindOf(fitter)}`);
+    if (places.has(fitter)) {
+      const text = `fitters[${index}] is the same as fitters[${places.get(fitter)}]; it must be another fitter`;
+      throw new CylfuseError(STATUS.INVALID_ARGUMENT, text);
+    }
+    places.set(fitter, index);
+  });
 }
 
 // Far more than an image gives: one of 640 x 480 pixels some 16.

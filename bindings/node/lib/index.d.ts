@@ -125,8 +125,8 @@ export class Fitter {
   /** Sets a candidate in the reference frame for the start auto, the start of model; null takes it away. */
   setStartModel(model: Cylinder | null): void;
   /**
-   * Sets what is called before every iteration; false stops the fit. What it throws, the fit throws. A `fit` waits for the
-   * event loop to get to it.
+   * Sets what is called before every iteration; false stops the fit. What it throws, the fit throws, and a
+   * TypeError where it returns a promise: it must not be async. A `fit` waits for the event loop to get to it.
    */
   setProgress(callback: ((progress: Progress) => boolean | void) | null): void;
   /** Sets what takes log lines up to a level. The rules of `setProgress` hold here too. */
@@ -199,7 +199,8 @@ export class Fitter {
 
 /**
  * Fits many fitters, several at once and off the main thread, each as `fit` does, and gives their outcomes in order. Their
- * callbacks are not called.
+ * callbacks are not called. One that is busy has the error BUSY, and the others are fitted all the same; one that is there
+ * twice is INVALID_ARGUMENT, and nothing is done.
  */
 export function fitAll(
   fitters: Iterable<Fitter>,

@@ -50,10 +50,42 @@ test('fitters at once are stopped and refused', async () => {
   const running = cylfuse.fitAll(all);
   assert.throws(() => all[5].counts(), coded('BUSY'));
   await running;
-  await assert.rejects(cylfuse.fitAll([all[0], all[0]]), coded('BUSY'));
-  await assert.rejects(cylfuse.fitAll([1]), TypeError);
+  await assert.rejects(cylfuse.fitAll([all[0], all[1], all[0]]), (error) => coded('INVALID_ARGUMENT')(error)
+    && error.message === 'fitters[2] is the same as fitters[0]; it must be another fitter');
+  await assert.rejects(cylfuse.fitAll([all[0], 1]), { name: 'TypeError', message: /^fitters\[1\] must be a Fitter, not/ });
+  await assert.rejects(cylfuse.fitAll([null]), { name: 'TypeError', message: 'fitters[0] must be a Fitter, not null' });
   assert.deepEqual(await cylfuse.fitAll([]), []);
   all[5].close();
   await assert.rejects(cylfuse.fitAll(all), /closed/);
   all.forEach((fitter, k) => { if (k !== 5) fitter.close(); });
+});
+
+test('a busy fitter does not keep the others from their fit', async () => {
+  const all = fitters().slice(0, 2);
+  const running = all[0].fit();
+  const heard = [];
+  const [busy, other] = await cylfuse.fitAll(all, { progress: (index) => { heard.push(index); } });
+  assert.ok(busy instanceof cylfuse.CylfuseError && busy.code === 'BUSY', String(busy));
+  assert.ok(other.cylinder.radius > 0);
+  assert.deepEqual(heard.sort(), [0, 1]);
+  assert.ok((await running).cylinder.radius > 0);
+  all.forEach((fitter) => fitter.close());
+});
+
+test('callbacks that return a promise are refused', async () => {
+  const [fitter] = fitters();
+  const isRefused = { name: 'TypeError', message: /^(progress|log) returned a promise; it must be a function that is not async/ };
+  // A rejection that nobody handles would end the process.
+  for (const answer of [async () => false, async () => { throw new Error('mine'); }, () => ({ then() { throw new Error('odd'); } })]) {
+    fitter.setProgress(answer);
+    await assert.rejects(fitter.fit(), isRefused);
+    assert.throws(() => fitter.fitSync(), isRefused);
+    fitter.setProgress(null);
+    fitter.setLog('debug', answer);
+    assert.throws(() => fitter.fitSync(), isRefused);
+    fitter.setLog('off', null);
+    await assert.rejects(cylfuse.fitAll([fitter], { progress: answer }), isRefused);
+  }
+  assert.ok(fitter.fitSync().cylinder.radius > 0);
+  fitter.close();
 });
