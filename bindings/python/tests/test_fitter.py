@@ -291,6 +291,28 @@ def test_a_result_keeps_its_fitter_alive() -> None:
     assert len(result.residuals()) == 200
 
 
+def test_what_would_have_no_effect_is_not_assigned() -> None:
+    fitter, detector, frame = cylfuse.Fitter(), cylfuse.Detector(), cylfuse.Frame()
+    for owner in (fitter, detector):
+        with pytest.raises(AttributeError, match=r"on_progress is a method of a \w+; call it: \w+\.on_progress\("):
+            setattr(owner, "on_progress", print)
+    with pytest.raises(AttributeError, match="a Fitter has no attribute 'intrinsic'; did you mean 'intrinsics'?"):
+        setattr(fitter, "intrinsic", None)
+    with pytest.raises(AttributeError, match="a Detector has no attribute 'fit_option'; did you mean 'fit_options'?"):
+        setattr(detector, "fit_option", None)
+    with pytest.raises(AttributeError, match="a Frame has no attribute 'xyz'$"):
+        setattr(frame, "xyz", None)
+    with pytest.raises(AttributeError):
+        setattr(fitter, "result", None)
+
+    class Named(cylfuse.Fitter):
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    assert Named("left").name == "left"
+
+
 def test_fitters_cannot_be_pickled() -> None:
     with pytest.raises(TypeError, match="make one where it is used"):
         pickle.dumps(cylfuse.Fitter())
@@ -321,7 +343,7 @@ def test_options_come_back() -> None:
                               (0.0, 1.0, 0.0), 0.5)  # fmt: skip
     with cylfuse.Fitter(options=options) as fitter:
         assert fitter.options == options
-        with pytest.raises(cylfuse.InvalidArgumentError, match="edge weight is 1.4"):
+        with pytest.raises(cylfuse.InvalidArgumentError, match="options.edge_weight is 1.4"):
             fitter.options = cylfuse.Options(edge_weight=1.4)
         assert fitter.options == options
 

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import threading
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -383,9 +384,44 @@ def test_fitters_at_once_are_stopped_and_refused() -> None:
         cylfuse.fit_all(fitters, threads=2, on_progress=lambda index: 1 / 0)
     with pytest.raises(cylfuse.InvalidArgumentError, match=r"fitters\[1\] is the same"):
         cylfuse.fit_all(fitters[:1] * 2)
-    with pytest.raises(TypeError):
-        cylfuse.fit_all([1])  # type: ignore[list-item]
+    with pytest.raises(TypeError, match=r"fitters\[1\] is of the type NoneType"):
+        cylfuse.fit_all([fitters[0], None])  # type: ignore[list-item]
     fitters[5].close()
     with pytest.raises(cylfuse.StateError, match="closed"):
         cylfuse.fit_all(fitters)
     assert cylfuse.fit_all([]) == []
+
+
+def test_a_busy_fitter_has_its_text_and_the_others_are_fitted() -> None:
+    one, other = batch()[:2]
+    outcomes: list[object] = []
+    one.on_progress(lambda progress: outcomes.extend(cylfuse.fit_all([one, other], threads=2)))
+    one.fit()
+    assert isinstance(outcomes[0], cylfuse.BusyError) and "the handle is busy in another call" in str(outcomes[0])
+    assert isinstance(outcomes[1], cylfuse.Result)
+
+
+def test_callbacks_are_plain_functions() -> None:
+    async def ask(*_: object) -> bool:
+        return False
+
+    fitter = batch()[0]
+    for refused in (fitter.on_progress, fitter.on_log, cylfuse.Detector().on_progress):
+        with pytest.raises(TypeError, match="async"):
+            refused(ask)
+    with pytest.raises(TypeError, match="async"):
+        cylfuse.fit_all([fitter], on_progress=ask)
+    # What only shows in the call.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(TypeError, match="must be a plain function, not async"):
+            cylfuse.fit_all([fitter], on_progress=lambda index: ask(index))
+        fitter.on_progress(lambda progress: ask(progress))
+        with pytest.raises(TypeError, match="must be a plain function, not async"):
+            fitter.fit()
+        fitter.on_progress(None)
+        fitter.on_log(lambda level, line: ask(), cylfuse.LogLevel.DEBUG)
+        with pytest.raises(TypeError, match="must be a plain function, not async"):
+            fitter.fit()
+    fitter.on_log(None)
+    assert fitter.fit().model.radius == pytest.approx(0.5)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 import threading
 from typing import Any, Callable, Optional, Type, Union
@@ -45,8 +46,7 @@ class Callbacks:
             try:
                 if self._raised.error is not None:
                     return 1
-                answer = function(kind(progress.contents))
-                return int(isinstance(answer, (bool, np.bool_)) and not answer)
+                return _says_stop(function(kind(progress.contents)))
             except BaseException as error:
                 self._raised.error = error
                 return 1
@@ -63,8 +63,7 @@ class Callbacks:
             try:
                 if self._raised.error is not None:
                     return 1
-                answer = function(index)
-                return int(isinstance(answer, (bool, np.bool_)) and not answer)
+                return _says_stop(function(index))
             except BaseException as error:
                 self._raised.error = error
                 return 1
@@ -79,7 +78,7 @@ class Callbacks:
 
         def forward(level: int, message: bytes, _: object) -> None:
             try:
-                function(LogLevel(level), message.decode("utf-8", "replace"))
+                _answered(function(LogLevel(level), message.decode("utf-8", "replace")))
             except BaseException as error:
                 self._raised.error = error
 
@@ -131,4 +130,20 @@ class Callbacks:
 def _callable(callback: Any) -> Any:
     if not callable(callback):
         raise TypeError(f"callback is {callback!r}; it must be a function, or None")
+    if inspect.iscoroutinefunction(callback):
+        raise TypeError(f"callback is {callback!r}, which is async; it must be a plain function, or None")
     return callback
+
+
+def _answered(answer: Any) -> Any:
+    """What a callback returned: nothing that would have to be awaited, as the call goes on at once."""
+    if inspect.isawaitable(answer):
+        if inspect.iscoroutine(answer):
+            # Else Python warns that it was never awaited.
+            answer.close()
+        raise TypeError(f"callback returned {answer!r}; it must be a plain function, not async")
+    return answer
+
+
+def _says_stop(answer: Any) -> int:
+    return int(isinstance(_answered(answer), (bool, np.bool_)) and not answer)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import weakref
 from ctypes import byref, c_void_p
-from typing import Any, Optional, TypeVar
+from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
 from ._native import ABI_VERSION
 from .errors import StateError, fail
@@ -33,6 +34,23 @@ class Closable:
 
     def __init__(self, create: Any, destroy: Any) -> None:
         self._handle: Optional[Handle] = Handle(create, destroy)
+
+    # Type checkers would take it as leave to assign anything.
+    if not TYPE_CHECKING:
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            """Refuses what would be kept and have no effect: a misspelt name, a callback in place of the method that sets
+            it. A class derived elsewhere may have attributes of its own."""
+            kind = type(self)
+            known = getattr(kind, name, None)
+            if callable(known) and not name.startswith("_"):
+                raise AttributeError(f"{name} is a method of a {kind.__name__}; call it: {self._what}.{name}(...)")
+            if known is None and not name.startswith("_") and kind.__module__.split(".")[0] == "cylfuse":
+                public = [other for other in dir(kind) if not other.startswith("_")]
+                near = difflib.get_close_matches(name, public, 1)
+                hint = f"; did you mean {near[0]!r}?" if near else ""
+                raise AttributeError(f"a {kind.__name__} has no attribute {name!r}{hint}")
+            super().__setattr__(name, value)
 
     def __enter__(self: _Self) -> _Self:
         return self

@@ -18,7 +18,7 @@ def fit_all(
     fitters: Iterable[Fitter], *, threads: int = 0, on_progress: Optional[Callable[[int], Any]] = None
 ) -> list[Union[Result, CylfuseError]]:
     """Fits many fitters, several at once, each as :meth:`Fitter.fit` does, and gives their outcomes in order: a result, or
-    the :class:`CylfuseError` that the fit failed with. For frames there is :func:`fit_many`, which makes its own fitters.
+    the :class:`CylfuseError` that the fit failed with, as BusyError of a fitter that is in another call. For frames there is :func:`fit_many`, which makes its own fitters.
 
     The callbacks of the fitters are not called.
 
@@ -28,7 +28,7 @@ def fit_all(
         other begins, and this raises CancelledError; what it raises comes out.
     :raises InvalidArgumentError: a fitter is there twice
     """
-    every = [instance("fitter", fitter, Fitter) for fitter in fitters]
+    every = [instance(f"fitters[{index}]", fitter, Fitter) for index, fitter in enumerate(fitters)]
     count = whole("threads", threads, 0, 2**32)
     # Held during the call.
     handles = [fitter._open() for fitter in every]
