@@ -105,11 +105,15 @@ impl Scene {
 
     /// The same with this depth.
     fn fitter_with(&self, wanted: impl Fn(Part) -> bool, depth: &[f32]) -> Fitter {
-        let mask = self.pixels(|part, _| u8::from(part.is_some_and(&wanted)));
+        self.fitter_within(&self.pixels(|part, _| u8::from(part.is_some_and(&wanted))), depth)
+    }
+
+    /// A fitter with this mask and this depth.
+    fn fitter_within(&self, mask: &[u8], depth: &[f32]) -> Fitter {
         let mut fitter = Fitter::new();
         fitter.set_intrinsics(*self.camera.intrinsics()).unwrap();
         let depth = DepthView::from_f32(depth, SIZE, 1.0).unwrap();
-        let mask = MaskView::from_u8(&mask, SIZE).unwrap();
+        let mask = MaskView::from_u8(mask, SIZE).unwrap();
         fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
         fitter
     }
@@ -139,6 +143,22 @@ fn the_body_is_measured_whatever_the_mask_holds() {
             assert!(states.contains(&of_rim) && states.contains(&EndState::Seen), "{states:?}");
         }
     }
+}
+
+/// A generator ended at the last pixel of the mask on its way, though that was a speck far away.
+#[test]
+fn specks_in_the_mask_are_no_ends() {
+    let scene = Scene::new(Top::Closed);
+    let mut mask = scene.pixels(|part, _| u8::from(part == Some(Part::Body)));
+    for speck in 0..200 {
+        let (column, row) = (speck * 37 % (SIZE.0 - 3), speck * 61 % (SIZE.1 - 3));
+        (0..9).for_each(|k| mask[(row + k / 3) * SIZE.0 + column + k % 3] = 1);
+    }
+    let mut fitter = scene.fitter_within(&mask, &scene.pixels(|_, depth| depth as f32));
+    fitter.fit().unwrap();
+    let extent = fitter.extent(None, None).unwrap();
+    let length = extent.length / (2.0 * HALF_LENGTH) - 1.0;
+    assert!(length.abs() < 0.02, "{length} {:?} {:?}", extent.start_state, extent.end_state);
 }
 
 /// What is seen of such a body bends less than the noise, and with its cap the points lie on a cylinder across it as well.

@@ -18,12 +18,15 @@ pub struct Mask {
     /// The columns and rows beyond which no pixel is set: most of most masks is empty.
     columns: Range<usize>,
     rows: Range<usize>,
-    outline: Remembered,
+    remembered: Remembered,
 }
 
-/// The outline of a mask once it was asked for: many fits may share a mask, and each asks for it several times.
+/// What follows from a mask once it was asked for: many fits may share a mask, and each asks several times.
 #[derive(Debug, Clone, Default)]
-struct Remembered(OnceLock<Vec<(usize, usize)>>);
+struct Remembered {
+    outline: OnceLock<Vec<(usize, usize)>>,
+    without_specks: OnceLock<Option<Box<Mask>>>,
+}
 
 impl PartialEq for Remembered {
     /// What is remembered is no difference.
@@ -66,7 +69,7 @@ impl Mask {
         if rows.is_empty() {
             return Err(Error::EmptyMask { width, height });
         }
-        Ok(Self { width, height, pixels, columns, rows, outline: Remembered::default() })
+        Ok(Self { width, height, pixels, columns, rows, remembered: Remembered::default() })
     }
 
     /// Columns.
@@ -125,13 +128,19 @@ impl Mask {
     /// The set pixels with a neighbour that is unset or outside the image, row by row.
     #[must_use]
     pub fn outline(&self) -> &[(usize, usize)] {
-        self.outline.0.get_or_init(|| {
+        self.remembered.outline.get_or_init(|| {
             let mut outline = List::new();
             // A loop over an iterator of iterators is slow to be asked one by one.
             self.find_outline().for_each(|pixel| outline.push(pixel));
             // It outlives the call, whose memory the list has.
             outline.to_vec()
         })
+    }
+
+    /// The mask without pieces so small that they are marked by mistake; `None` where it has none.
+    #[must_use]
+    pub fn without_specks(&self) -> Option<&Self> {
+        self.remembered.without_specks.get_or_init(|| self.find_without_specks().map(Box::new)).as_deref()
     }
 
     fn find_outline(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -170,7 +179,7 @@ impl Mask {
     /// The mask with the pixels (column, row) of the image that belong to it, too.
     #[must_use]
     pub fn extended(&self, belongs: impl Fn((usize, usize)) -> bool) -> Self {
-        let mut extended = Self { outline: Remembered::default(), ..self.clone() };
+        let mut extended = Self { remembered: Remembered::default(), ..self.clone() };
         for index in 0..self.pixels.len() {
             let (column, row) = (index % self.width, index / self.width);
             if !self.pixels[index] && belongs((column, row)) {
@@ -192,7 +201,7 @@ impl Mask {
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize, usize) -> bool) -> Option<Self> {
         let pixels = List::filled(false, self.pixels.len());
-        let mut chosen = Self { pixels, outline: Remembered::default(), ..self.clone() };
+        let mut chosen = Self { pixels, remembered: Remembered::default(), ..self.clone() };
         let (mut columns, mut rows) = (self.width..0, self.height..0);
         for (column, row) in self.set_pixels().filter(|&(column, row)| choose(column, row)) {
             chosen.pixels[row * self.width + column] = true;

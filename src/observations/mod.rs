@@ -9,6 +9,7 @@ mod dropped;
 mod frame;
 mod image;
 mod mask;
+mod pieces;
 mod points;
 mod reduced;
 mod registration;
