@@ -4,7 +4,7 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{EdgeUse, Flags, ObjectiveKind, Options};
+use cylfuse::fitter::{EdgeUse, FitResult, Flags, ObjectiveKind, Options};
 use cylfuse::observations::ImageView;
 use std::path::Path;
 
@@ -51,21 +51,32 @@ fn depth_that_is_shifted_is_noticed_and_keeps_the_radius() {
     assert!((shifted.cylinder.radius / right.cylinder.radius - 1.0).abs() < 0.002);
 }
 
+/// A fit without edges whose depth was shifted.
+fn shifted_by(shift: impl FnOnce(&mut [u16])) -> FitResult {
+    let mut inputs = frames::Inputs::read(&sample());
+    shift(&mut inputs.depth);
+    let mut fitter = inputs.fitter();
+    inputs.push_image(&mut fitter);
+    fitter.fit().unwrap()
+}
+
 #[test]
 fn depth_that_is_shifted_contradicts_no_limb() {
-    let fit = |columns: usize| {
-        let mut inputs = frames::Inputs::read(&sample());
-        inputs.depth.rotate_left(columns);
-        let mut fitter = inputs.fitter();
-        inputs.push_image(&mut fitter);
-        fitter.fit().unwrap()
-    };
-    let (right, shifted) = (fit(0), fit(4));
+    let (right, shifted) = (shifted_by(|_| ()), shifted_by(|depth| depth.rotate_left(4)));
     assert_eq!(shifted.limbs_located, 2);
     assert!(shifted.flags.contains(Flags::DEPTH_SHIFTED));
     let moved = shifted.shift.unwrap().pixels - right.shift.unwrap().pixels;
     assert!((moved.abs() - 3.9).abs() < 0.3, "{moved}");
     assert!((shifted.cylinder.radius / right.cylinder.radius - 1.0).abs() < 0.003);
+}
+
+#[test]
+fn lines_beside_the_limbs_of_the_result_are_told() {
+    let right = shifted_by(|_| ());
+    assert_eq!((right.limbs_located, right.flags), (2, Flags::empty()));
+    // Both lines are where they were, and neither is followed.
+    let shifted = shifted_by(|depth| depth.rotate_right(4));
+    assert_eq!((shifted.limbs_located, shifted.flags), (0, Flags::POINTS_AND_LIMBS_DISAGREE));
 }
 
 #[test]

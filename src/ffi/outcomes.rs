@@ -248,7 +248,9 @@ impl cylfuse_result_flags {
     /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
     /// `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
     /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
-    /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
+    /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small. Or a
+    /// line that was located as a limb lies beside that of the result, by more than 4 of its standard deviations and a
+    /// pixel.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
     /// The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);

@@ -7,7 +7,7 @@ use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
 use super::taper::Taper;
-use super::uncertainty::Uncertainty;
+use super::uncertainty::{DISAGREEMENT, Uncertainty};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
@@ -123,7 +123,7 @@ pub(super) fn describe(
     flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
     flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
     flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
-    if radii.is_some_and(|radii| radii.disagree()) {
+    if radii.is_some_and(|radii| radii.disagree()) || leaves_lines(data, held, cylinder) {
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
@@ -176,6 +176,19 @@ pub(super) fn describe(
         step_norm: 0.0,
         flags,
         seconds: Seconds::default(),
+    })
+}
+
+/// Whether a line that an image shows for a limb is not where the cylinder has one, by more than its error and a pixel of the drawing:
+/// the points drew the fit away from it, or it was left out.
+fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
+    data.views.iter().zip(&held.views).any(|(view, held)| {
+        let Some((camera, limbs)) = view.camera().zip(held.limbs.as_ref()) else { return false };
+        limbs.iter().filter_map(|limb| limb.line.as_ref().ok()).any(|line| {
+            let limit = (DISAGREEMENT * line.sigma).max(view.noise.pixel);
+            let distances = camera.distances_from_limbs(&view.seen(cylinder), &line.ends);
+            distances.is_some_and(|of_limbs| of_limbs.iter().all(|distances| distances.amax() > limit))
+        })
     })
 }
 

@@ -39,7 +39,8 @@ bitflags::bitflags! {
         const POINTS_NOT_FINITE = 1 << 11;
         /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: see
         /// [`FitResult::radii`]. Or the points alone, far from edges that were taken as given, would be another cylinder:
-        /// one 1.5 times nearer to them, or surely 1.5 times as large or as small.
+        /// one 1.5 times nearer to them, or surely 1.5 times as large or as small. Or a line that was located as a limb lies beside
+        /// that of the result, by more than 4 of its standard deviations and a pixel.
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
         /// The radius is at its limit, and the data fit better beyond it. Not for a fixed radius.
         const RADIUS_AT_LIMIT = 1 << 13;

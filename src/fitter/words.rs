@@ -31,7 +31,7 @@ const TEXTS: &[(Flags, &CStr)] = &[
     (Flags::POINTS_NOT_FINITE, c"POINTS_NOT_FINITE: points that are not finite were left out"),
     (
         Flags::POINTS_AND_LIMBS_DISAGREE,
-        c"POINTS_AND_LIMBS_DISAGREE: the points and the limbs disagree about the radius",
+        c"POINTS_AND_LIMBS_DISAGREE: the points and the limbs disagree",
     ),
     (
         Flags::RADIUS_AT_LIMIT,
