@@ -181,7 +181,7 @@ impl<'a> Fits<'a> {
                 Ok(result) => result,
             };
             let change = found.compare(&result.cylinder);
-            let same = change.radius_relative.abs() < reach
+            let same = (change.radius_relative.abs() < reach || told_twice(&result))
                 && change.angle < 0.3
                 && change.axis_distance < found.radius;
             let after = covered(&pose.inverse().cylinder(&result.cylinder));
@@ -232,6 +232,15 @@ fn with_radius(seen: &Cylinder, radius: f64) -> Cylinder {
     Cylinder { axis: Line { point: seen.axis.point + away, ..seen.axis }, radius }
 }
 
+/// Whether points and both limbs tell the radius alike, the points alone better than that of the search is known.
+fn told_twice(result: &FitResult) -> bool {
+    result.limbs_located == 2
+        && result.radii.is_some_and(|radii| {
+            radii.z_score().abs() < AGREEMENT
+                && radii.from_points_deviation < RADIUS_CHANGE * result.cylinder.radius
+        })
+}
+
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
 fn radius_deviation(result: &FitResult) -> f64 {
     let deviation = result.uncertainty.as_ref().map_or(f64::INFINITY, Uncertainty::radius);
@@ -275,6 +284,9 @@ const COVERED: f64 = 1.0;
 /// What is farther off is another pair of edges.
 const RADIUS_CHANGE: f64 = 0.15;
 const RADIUS_PIXELS: f64 = 3.0;
+
+/// Radii that differ by less than this many standard deviations agree.
+const AGREEMENT: f64 = 2.0;
 
 /// A fitter as it is and its result. They are on the stack here alone, not while the next fit runs.
 #[inline(never)]
