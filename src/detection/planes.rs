@@ -6,7 +6,8 @@ use super::grid::Grid;
 use super::moments::Moments;
 use super::noise::Noise;
 use crate::memory::List;
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use crate::statistics::median;
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Cells along the side of a block, the smallest piece that a plane starts from.
 const BLOCK: usize = 4;
@@ -212,7 +213,34 @@ fn settle(
     }
     // What cuts through a body goes on over the table that it meets as a thin line, which hides how the rest bends.
     let bend_of_core = bend(&Moments::new(grid, &core(grid, &cells)));
-    bend_of_core.is_none_or(|bend| bend <= FLAT * noise.deviation).then_some(cells)
+    // Where it cuts into a body that crosses this one, the few cells beside the strip hide that, too.
+    let bends = [bend_of_core, bend_of_squares(grid, &moments, &cells)];
+    bends.into_iter().flatten().all(|bend| bend <= FLAT * noise.deviation).then_some(cells)
+}
+
+/// How far cells bend across their longer extent, as [`bend`]: the median of the squares into which they are cut along it. `None` where these
+/// are fewer than three.
+fn bend_of_squares(grid: &Grid, moments: &Moments, cells: &[usize]) -> Option<f64> {
+    let extents = moments.covariance().symmetric_eigen();
+    let variances = extents.eigenvalues;
+    let (short, long) = if variances[0] < variances[1] { (0, 1) } else { (1, 0) };
+    let squares = (variances[long] / variances[short]).sqrt() as usize;
+    if squares < 3 {
+        return None;
+    }
+    let [along, across] = [long, short].map(|k| extents.eigenvectors.column(k).into_owned());
+    let middle = moments.on_plane(&moments.mean());
+    let length = 2.0 * (3.0 * variances[long]).sqrt() * grid.spacing;
+    let mut of_squares = vec![List::new(); squares];
+    for &k in cells {
+        let cell = &grid.cells[k];
+        let part = along.dot(&(Vector2::new(cell.x, cell.y) - middle)) / length + 0.5;
+        // Below zero is the first.
+        of_squares[((part * squares as f64) as usize).min(squares - 1)].push(k);
+    }
+    let bend = |cells: &List<usize>| bend_along(&Moments::new(grid, cells), &across);
+    let mut bends: List<f64> = of_squares.iter().filter_map(bend).collect();
+    Some(median(&mut bends).abs())
 }
 
 fn flood(
@@ -268,17 +296,63 @@ fn width(moments: &Moments) -> f64 {
     (12.0 * moments.covariance().symmetric_eigenvalues().min()).sqrt()
 }
 
-/// How far a quadratic surface through cells bends off its plane over their extent, in w: the curvature across their shorter
-/// extent and that along the longer, each times a quarter of the variance-based half extent squared. `None` for too few cells.
+/// How far a quadratic surface through cells bends off its plane over their extent, in w, across their shorter extent or along the
+/// longer, whichever is more. `None` for too few cells.
 fn bend(moments: &Moments) -> Option<f64> {
+    let axes = moments.covariance().symmetric_eigen().eigenvectors;
+    let bends = [bend_along(moments, &axes.column(0).into()), bend_along(moments, &axes.column(1).into())];
+    Some(bends[0]?.abs().max(bends[1]?.abs()))
+}
+
+/// The same along a direction, with its sign: the curvature times half of the square of half the extent.
+fn bend_along(moments: &Moments, direction: &Vector2<f64>) -> Option<f64> {
     let (matrix, vector) = moments.equations();
     let surface = matrix.cholesky()?.solve(&vector);
     let curvature = Matrix2::new(surface[3], surface[4], surface[4], surface[5]);
-    let extents = moments.covariance().symmetric_eigen();
-    let bend = [0, 1].map(|k| {
-        let direction = extents.eigenvectors.column(k);
-        // Half the extent of a uniform stretch is √3 standard deviations.
-        (1.5 * extents.eigenvalues[k] * direction.dot(&(curvature * direction))).abs()
-    });
-    Some(bend[0].max(bend[1]))
+    let variance = direction.dot(&(moments.covariance() * direction));
+    // Half the extent of a uniform stretch is √3 standard deviations.
+    Some(1.5 * variance * direction.dot(&(curvature * direction)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::grid::Cell;
+
+    /// A strip, 13 by 200 cells, of a surface that bends across it, and beside its middle a patch of cells on its plane: where that cuts
+    /// into another body.
+    #[test]
+    fn a_patch_beside_a_strip_does_not_hide_how_that_bends() {
+        let (columns, rows, spacing) = (60, 200, 0.005);
+        let cell = |k: usize| {
+            let (column, row) = (k % columns, k / columns);
+            let across = (column as f64 - 6.0) / 6.5;
+            let beside = (16..60).contains(&column) && (90..105).contains(&row);
+            // It bends by 3 between its middle and its sides, from -1 to 2.
+            let w = if column < 13 { 2.0 - 3.0 * across * across } else { 0.0 };
+            let seen = column < 13 || beside;
+            let (x, y) = (spacing * column as f64, spacing * row as f64);
+            (seen, Cell { x, y, w, point: Vector3::zeros(), sigma: 0.0, fill: 1.0 })
+        };
+        let (seen, cells): (Vec<bool>, Vec<Cell>) = (0..columns * rows).map(cell).unzip();
+        let bounds = Default::default();
+        let grid = Grid {
+            columns,
+            rows,
+            side: 3,
+            spacing,
+            cells,
+            rays: Default::default(),
+            bounds,
+            inner: Vec::new(),
+        };
+        let whole: Vec<usize> = (0..columns * rows).filter(|&k| seen[k]).collect();
+        let strip: Vec<usize> = whole.iter().copied().filter(|k| k % columns < 13).collect();
+        let moments = |cells: &[usize]| Moments::new(&grid, cells);
+        assert!(bend(&moments(&strip)).unwrap() > 2.5);
+        assert!(bend(&moments(&whole)).unwrap() < FLAT);
+        let of_squares = bend_of_squares(&grid, &moments(&whole), &whole).unwrap();
+        assert!((2.5..3.5).contains(&of_squares), "{of_squares}");
+        assert_eq!(bend_of_squares(&grid, &moments(&strip[..13 * 30]), &strip[..13 * 30]), None);
+    }
 }
