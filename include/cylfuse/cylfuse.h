@@ -1131,7 +1131,9 @@ typedef uint32_t cylfuse_result_flags;
  * The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations:
  * `radius_from_points` and `radius_from_limbs` say how. An offset of the depth, depth that is smeared or bent,
  * wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
- * as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small.
+ * as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small. Or a
+ * line that was located as a limb lies beside that of the result, by more than 4 of its standard deviations and a
+ * pixel.
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
 /**

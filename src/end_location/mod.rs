@@ -177,8 +177,6 @@ pub fn locate_ends(
     check: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> ControlFlow<(), Option<[End; 2]>> {
     let extreme_ends = |search| ControlFlow::Continue(extreme_ends(search, cylinder));
-    // A generator ends where it leaves the mask for the last time, and that may be a speck.
-    let search = &EndSearch { mask: search.mask.without_specks().unwrap_or(search.mask), ..*search };
     let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search) };
     let parts = search.depth.filter(|_| search.content == MaskContent::Anything).and_then(|depth| {
         Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)

@@ -175,9 +175,10 @@ impl Fitter {
         // Limbs that pass that near to the segments are taken as known.
         let near =
             |result: &FitResult| result.edge_rms_pixels.is_some_and(|rms| rms <= noise.limb_of_segments());
+        let locates_ends = self.options().locates_ends();
         let search = EndSearch {
             camera,
-            mask,
+            mask: if locates_ends { view.for_ends(mask) } else { mask },
             content,
             depth: view.depth(),
             image: view.image(),
@@ -188,7 +189,6 @@ impl Fitter {
             blur: self.limbs_of(index).and_then(blur_of),
             last: [None; 2],
         };
-        let locates_ends = self.options().locates_ends();
         let ends = if locates_ends {
             locate_ends(&search, &seen, &mut || ControlFlow::Continue(())).continue_value().flatten()
         } else {

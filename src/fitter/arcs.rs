@@ -135,7 +135,7 @@ fn arcs(
     };
     let search = EndSearch {
         camera,
-        mask,
+        mask: view.view.for_ends(mask),
         content: match known.whole {
             _ if view.view.mask_is_body => MaskContent::Region,
             true => MaskContent::Body,
