@@ -228,6 +228,20 @@ fn radii_beyond_the_limits_are_not_found() {
 }
 
 #[test]
+fn measured_pixels_count() {
+    let frame = render().frame(1.0);
+    let pixels = |min_pixels: usize| {
+        let defaults = DetectorOptions::default();
+        let search = DetectionOptions { min_pixels, ..defaults.search };
+        let found = detector(DetectorOptions { search, ..defaults }).detect(&frame).unwrap().cylinders;
+        found.iter().map(|found| found.pixels).collect::<Vec<_>>()
+    };
+    let [first, second] = pixels(100)[..] else { panic!("both are found") };
+    let (fewest, most) = (first.min(second), first.max(second));
+    assert_eq!((pixels(fewest), pixels(fewest + 1)), (vec![first, second], vec![most]));
+}
+
+#[test]
 fn depths_out_of_range_are_not_looked_at() {
     let rendered = render();
     let range = DepthRange { min: 0.0, max: 0.71 };

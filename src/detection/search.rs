@@ -298,8 +298,6 @@ fn by_pairs(
 fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOptions) -> bool {
     let Surface::Cylinder(cylinder, _) = candidate.surface else { return false };
     let depth = scene.grid.cells[candidate.cells[0]].point.z;
-    let fill: f64 = candidate.cells.iter().map(|&k| scene.grid.cells[k].fill).sum();
-    let pixels = fill * (scene.grid.side * scene.grid.side) as f64;
     let allowed = options.limits.axis.is_none_or(|cone| {
         let line = crate::geometry::Line::new(cylinder.axis.point, cone.direction);
         cylinder.axis.angle(&line) <= cone.max_angle + DIRECTION_ERROR
@@ -309,7 +307,7 @@ fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOption
         && cylinder.radius >= THINNEST * scene.grid.spacing * depth
         && cylinder.radius >= options.limits.radius_min
         && cylinder.radius <= options.limits.radius_max
-        && pixels >= options.min_pixels as f64
+        && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
 }
 
 /// Candidates that do not share cells, the one that explains most first, or its parts where it is two cylinders.

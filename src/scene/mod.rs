@@ -450,7 +450,10 @@ impl Detector {
         for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
                 Some(Ok(found)) => {
-                    let keeps = found.score >= self.options.search.min_score
+                    let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
+                    // The search counts the pixels of cells, measured or not.
+                    let keeps = found.score >= min_score
+                        && found.pixels >= min_pixels
                         && self.within(&detections[index], &found);
                     cylinders.extend(keeps.then_some((index as u16 + 1, found)));
                 }
