@@ -231,15 +231,20 @@ fn bend_of_squares(grid: &Grid, moments: &Moments, cells: &[usize]) -> Option<f6
     let [along, across] = [long, short].map(|k| extents.eigenvectors.column(k).into_owned());
     let middle = moments.on_plane(&moments.mean());
     let length = 2.0 * (3.0 * variances[long]).sqrt() * grid.spacing;
-    let mut of_squares = vec![List::new(); squares];
-    for &k in cells {
+    let square_of = |&k: &usize| {
         let cell = &grid.cells[k];
         let part = along.dot(&(Vector2::new(cell.x, cell.y) - middle)) / length + 0.5;
         // Below zero is the first.
-        of_squares[((part * squares as f64) as usize).min(squares - 1)].push(k);
-    }
-    let bend = |cells: &List<usize>| bend_along(&Moments::new(grid, cells), &across);
-    let mut bends: List<f64> = of_squares.iter().filter_map(bend).collect();
+        ((part * squares as f64) as usize).min(squares - 1)
+    };
+    let of_cells: List<usize> = cells.iter().map(square_of).collect();
+    let mut own = List::with_capacity(cells.len());
+    let bend = |square: usize| {
+        own.clear();
+        own.extend(cells.iter().zip(&of_cells).filter(|(_, of)| **of == square).map(|(&k, _)| k));
+        bend_along(&Moments::new(grid, &own), &across)
+    };
+    let mut bends: List<f64> = (0..squares).filter_map(bend).collect();
     Some(median(&mut bends).abs())
 }
 

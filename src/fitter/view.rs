@@ -66,7 +66,8 @@ impl View {
     /// A mask of this view as ends are looked for in it: a drawn one without its specks, as a generator ends where it leaves the mask for
     /// the last time. Where depth is missing a mask that was made of it is in pieces.
     pub fn for_ends<'a>(&self, mask: &'a Mask) -> &'a Mask {
-        mask.without_specks().filter(|_| self.mask_is_drawn()).unwrap_or(mask)
+        let without = self.sides_tell().then(|| mask.without_specks()).flatten();
+        without.filter(|_| !self.mask_ends_with_depth()).unwrap_or(mask)
     }
 
     /// How far each limb of a cylinder, in the coordinates of the view, may be from where it is expected without being that of
