@@ -218,8 +218,8 @@ fn settle(
     bends.into_iter().flatten().all(|bend| bend <= FLAT * noise.deviation).then_some(cells)
 }
 
-/// How far cells bend across their longer extent, as [`bend`]: the median of the squares into which they are cut along it. `None` where these
-/// are fewer than three.
+/// How far cells bend across their longer extent, as [`bend`]: the median of the squares into which they are cut along it.
+/// `None` where these are fewer than three.
 fn bend_of_squares(grid: &Grid, moments: &Moments, cells: &[usize]) -> Option<f64> {
     let extents = moments.covariance().symmetric_eigen();
     let variances = extents.eigenvalues;
@@ -242,7 +242,8 @@ fn bend_of_squares(grid: &Grid, moments: &Moments, cells: &[usize]) -> Option<f6
     let bend = |square: usize| {
         own.clear();
         own.extend(cells.iter().zip(&of_cells).filter(|(_, of)| **of == square).map(|(&k, _)| k));
-        bend_along(&Moments::new(grid, &own), &across)
+        let moments = Moments::new(grid, &own);
+        Some(bend_along(&curvature(&moments)?, &moments.covariance(), &across))
     };
     let mut bends: List<f64> = (0..squares).filter_map(bend).collect();
     Some(median(&mut bends).abs())
@@ -304,19 +305,24 @@ fn width(moments: &Moments) -> f64 {
 /// How far a quadratic surface through cells bends off its plane over their extent, in w, across their shorter extent or along the
 /// longer, whichever is more. `None` for too few cells.
 fn bend(moments: &Moments) -> Option<f64> {
-    let axes = moments.covariance().symmetric_eigen().eigenvectors;
-    let bends = [bend_along(moments, &axes.column(0).into()), bend_along(moments, &axes.column(1).into())];
-    Some(bends[0]?.abs().max(bends[1]?.abs()))
+    let curvature = curvature(moments)?;
+    let covariance = moments.covariance();
+    let axes = covariance.symmetric_eigen().eigenvectors;
+    let bends = [0, 1].map(|k| bend_along(&curvature, &covariance, &axes.column(k).into()).abs());
+    Some(bends[0].max(bends[1]))
 }
 
 /// The same along a direction, with its sign: the curvature times half of the square of half the extent.
-fn bend_along(moments: &Moments, direction: &Vector2<f64>) -> Option<f64> {
+fn bend_along(curvature: &Matrix2<f64>, covariance: &Matrix2<f64>, direction: &Vector2<f64>) -> f64 {
+    // Half the extent of a uniform stretch is √3 standard deviations.
+    1.5 * direction.dot(&(covariance * direction)) * direction.dot(&(curvature * direction))
+}
+
+/// The second derivatives of the quadratic surface through cells; `None` for too few of them.
+fn curvature(moments: &Moments) -> Option<Matrix2<f64>> {
     let (matrix, vector) = moments.equations();
     let surface = matrix.cholesky()?.solve(&vector);
-    let curvature = Matrix2::new(surface[3], surface[4], surface[4], surface[5]);
-    let variance = direction.dot(&(moments.covariance() * direction));
-    // Half the extent of a uniform stretch is √3 standard deviations.
-    Some(1.5 * variance * direction.dot(&(curvature * direction)))
+    Some(Matrix2::new(surface[3], surface[4], surface[4], surface[5]))
 }
 
 #[cfg(test)]

@@ -70,7 +70,7 @@ const IMAGE_FITTED: Weights = Weights {
     constant: -1.05,
 };
 
-/// The odds of a cylinder where the depth tells it as well from what is flat: of bodies with two straight parallel sides one in fifty is a bar
+/// The odds of a cylinder where its depth may as well be flat: of bodies with two straight parallel sides one in fifty is a bar
 /// or a board. The odds of the depth multiply these; whatever else is known of a body, a flat one shows it, too.
 const ROUND: f64 = 50.0;
 
@@ -99,7 +99,7 @@ impl Evidence {
             (Some(_), Some(_)) => IMAGE_FITTED,
         };
         let sum: f64 = weights.terms.iter().zip(self.terms()).map(|(weight, term)| weight * term).sum();
-        let round = ROUND.ln() + self.over_plane.min(self.over_edge);
+        let round = ROUND.ln() + self.over_flat();
         1.0 / (1.0 + (-sum - weights.constant).exp() + (-round).exp())
     }
 
@@ -137,7 +137,12 @@ impl Evidence {
     /// The evidence of the depth that something is round: the logarithm of the odds against nothing, a plane, and two
     /// planes that meet, whichever is least.
     fn depth(&self) -> f64 {
-        self.gain.min(self.over_plane).min(self.over_edge).clamp(-MOST, MOST)
+        self.gain.min(self.over_flat()).clamp(-MOST, MOST)
+    }
+
+    /// The logarithm of the odds against a plane and two planes that meet.
+    fn over_flat(&self) -> f64 {
+        self.over_plane.min(self.over_edge)
     }
 
     /// The evidence that it is no sphere, no cone, and nothing that goes on beyond its sides, likewise. Straight limbs

@@ -18,8 +18,9 @@ unsafe impl Send for Shared<'_> {}
 
 /// Fits many fitters, several at once, each as `cylfuse_fitter_fit` does. The results stay in the fitters, for
 /// `cylfuse_fitter_get_result` and all else that can be asked of a fit; a fit that fails has its status in the list, and
-/// its text in `cylfuse_fitter_last_error` of its fitter until the next call on that, and the others go on. For the next frames: `cylfuse_fitter_clear`, push, and
-/// this again on the same fitters, which keep the room of their data; the memory of the calls is shared by all on a thread.
+/// its text in `cylfuse_fitter_last_error` of its fitter until the next call on that, and the others go on. For the next
+/// frames: `cylfuse_fitter_clear`, push, and this again on the same fitters, which keep the room of their data; the memory
+/// of the calls is shared by all on a thread.
 ///
 /// The callbacks of the fitters are not called.
 ///

@@ -2,7 +2,7 @@
 
 use super::data::ViewData;
 use crate::camera::Camera;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, across};
 use crate::limb_location::{LimbLine, Outline, Side, axial_range};
 use crate::memory::List;
 use crate::noise::{ImageNoise, MASK_COMMON};
@@ -162,11 +162,6 @@ pub(super) fn nearest_to_limbs(
 /// Signed distance of a point from a line, positive on the side away from `inner`.
 fn outward(line: &[Vector2<f64>; 2], inner: &Vector2<f64>, q: &Vector2<f64>) -> f64 {
     -across(line, inner).signum() * across(line, q)
-}
-
-/// Signed distance of a point from a line through two points.
-pub(super) fn across(line: &[Vector2<f64>; 2], q: &Vector2<f64>) -> f64 {
-    (line[1] - line[0]).normalize().perp(&(q - line[0]))
 }
 
 /// How far the middle of a line lies outside of a side of a mask, in pixels. `inner` is a point on the inner side.

@@ -2,7 +2,7 @@
 
 use super::data::{Data, ViewData};
 use super::guided::{CONTRADICTION, Guided, GuidedView};
-use super::guides::{BESIDE, across};
+use super::guides::BESIDE;
 use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
@@ -11,7 +11,7 @@ use super::ranges::moved;
 use super::result::Flags;
 use super::run::Run;
 use crate::error::{Error, Result};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, across};
 use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, locate_limbs};
 use crate::memory::List;
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};

@@ -1,7 +1,7 @@
 //! Three representations of a line in space and the conversions between them.
 
 use super::rotation::{any_orthogonal, exp_so2, exp_so3};
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// A line by a point on it and its direction.
 ///
@@ -158,6 +158,11 @@ impl From<OrthonormalLine> for Line {
     fn from(line: OrthonormalLine) -> Self {
         PluckerLine::from(line).into()
     }
+}
+
+/// Signed distance of a point of a plane from the line through two others.
+pub(crate) fn across(line: &[Vector2<f64>; 2], q: &Vector2<f64>) -> f64 {
+    (line[1] - line[0]).normalize().perp(&(q - line[0]))
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ pub use cylinder::{Cylinder, CylinderComparison, Walls};
 pub use limbs::LimbFrame;
 pub use limits::{AxisCone, CylinderLimits};
 pub use line::Line;
+pub(crate) use line::across;
 pub use motion::RigidMotion;
 #[cfg(test)]
 pub(crate) use rotation::exp_so3;

@@ -56,7 +56,7 @@ pub use detected::edges_on_limbs;
 pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;
-use crate::geometry::{Cylinder, LimbFrame};
+use crate::geometry::{Cylinder, LimbFrame, across};
 use crate::memory::List;
 use crate::noise::{ImageNoise, box_blur};
 use crate::observations::{GreyImage, ReducedImage, from_reduced};
@@ -454,9 +454,7 @@ fn samples(limb: &Limb<'_>, baseline: &Baseline) -> List<LimbSample> {
 /// Refuses the less certain of two limbs found at one place, within some pixels.
 fn drop_same_line(observations: &mut [LimbObservation; 2], apart: f64) {
     let [Ok(first), Ok(second)] = [observations[0].line, observations[1].line] else { return };
-    let along = first.ends[1] - first.ends[0];
-    let distance = |q: &Vector2<f64>| along.perp(&(q - first.ends[0])).abs() / along.norm();
-    if second.ends.iter().all(|q| distance(q) < apart) {
+    if second.ends.iter().all(|q| across(&first.ends, q).abs() < apart) {
         observations[usize::from(second.sigma >= first.sigma)].line = Err(NotVisible::SameLine);
     }
 }

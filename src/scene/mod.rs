@@ -357,6 +357,12 @@ impl Detector {
         DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
     }
 
+    /// Whether a cylinder may be returned, whatever its fit comes to. The search counts the pixels of cells, measured or not.
+    fn may_stay(&self, detection: &Detection) -> bool {
+        let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
+        detection.pixels >= min_pixels && detection.evidence.highest_after_fit() >= min_score
+    }
+
     /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
     /// limit has to hold it.
     fn within(&self, detection: &Detection, found: &Found) -> bool {
@@ -409,8 +415,7 @@ impl Detector {
                 let task = &tasks[index];
                 if poll().is_break() {
                     *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
-                } else if detections[task.cylinder].evidence.highest_after_fit()
-                    >= self.options.search.min_score
+                } else if self.may_stay(&detections[task.cylinder])
                     && let Some(share) = work.share(index, &poll)
                 {
                     // What would be dropped whatever its fit came to has none.
@@ -450,10 +455,7 @@ impl Detector {
         for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
                 Some(Ok(found)) => {
-                    let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
-                    // The search counts the pixels of cells, measured or not.
-                    let keeps = found.score >= min_score
-                        && found.pixels >= min_pixels
+                    let keeps = found.score >= self.options.search.min_score
                         && self.within(&detections[index], &found);
                     cylinders.extend(keeps.then_some((index as u16 + 1, found)));
                 }
