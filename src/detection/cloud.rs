@@ -3,6 +3,8 @@
 mod hidden;
 mod looks;
 mod members;
+mod tiles;
+mod viewpoints;
 
 use super::effort::Effort;
 use super::grid::Grid;
@@ -13,17 +15,13 @@ use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
-pub(crate) use looks::Look;
-use looks::viewpoint;
+pub(crate) use looks::Looks;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Pixels of the image of a cloud, at most.
 const MOST_PIXELS: f64 = 2e6;
-
-/// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
-const WIDEST: f64 = 3.0;
 
 /// A part of the points that may lie anywhere: single ones far away must not make the image wide.
 const STRAY: f64 = 0.002;
@@ -43,29 +41,28 @@ type Asked<'a> = dyn Fn() -> Result<()> + 'a;
 /// The pixel of a point that has none.
 const OUTSIDE: u32 = u32::MAX;
 
-/// Finds all cylinders in a cloud by one look at it, until `stopped` says so, and tells the look after it; labels are by point, row by
-/// row. No detections where there is nothing to look at.
+/// Finds all cylinders by the present look at the points of a cloud that are not `taken`, until `stopped` says so; labels are by point of the
+/// part that is looked at. None where there is nothing to look at.
 ///
 /// # Errors
 /// `InvalidArgument`, `OutOfMemory`, `Cancelled`.
 pub(crate) fn detect_points_until(
     view: &PointsView<'_>,
-    look: Look,
+    taken: &[u16],
+    looks: &mut Looks,
     options: &DetectionOptions,
     stopped: &dyn Fn() -> bool,
-) -> Result<(Option<Detections>, Option<Look>)> {
+) -> Result<Option<Detections>> {
     options.check()?;
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
-    let mut points = Cloud::read(view, &cancelled)?;
+    let mut points = Cloud::read(view, looks.part(), taken, &cancelled)?;
     cancelled()?;
-    let Some(viewpoint) = viewpoint(&points, look.direction) else { return Ok((None, None)) };
-    if !viewpoint.of_sensor {
-        points.turn(|p| viewpoint.rotation * (p - viewpoint.origin));
+    let Some(viewpoint) = looks.viewpoint(&points) else { return Ok(None) };
+    if !viewpoint.is_sensor() {
+        points.turn(|p| viewpoint.turn(&p));
     }
     cancelled()?;
-    let Some(image) = Image::of(&points, &cancelled)? else {
-        return Ok((None, look.elsewhere(&viewpoint)));
-    };
+    let Some(image) = Image::of(&points, viewpoint.widest, &cancelled)? else { return Ok(None) };
     let cone = options
         .limits
         .axis
@@ -82,7 +79,7 @@ pub(crate) fn detect_points_until(
         }
     };
     cancelled()?;
-    let mut grid = Grid::new(size, image.spacing, look.side_of_cells(size), &read_points);
+    let mut grid = Grid::new(size, image.spacing, looks.side_of_cells(size), &read_points);
     cancelled()?;
     let effort = Effort::new(stopped);
     let found = search(&mut grid, image.spacing, None, &turned, &effort)?;
@@ -100,8 +97,10 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    let from_origin = viewpoint.of_sensor && !image.closed;
-    Ok((Some(Detections { cylinders, labels, from_origin, ..seen }), look.next(size, &viewpoint)))
+    looks.note(size, image.closed, &points);
+    let from_origin = viewpoint.is_origin() && !image.closed;
+    let whole = viewpoint.is_sensor() && !image.closed;
+    Ok(Some(Detections { cylinders, labels, from_origin, whole, ..seen }))
 }
 
 /// The coordinates of points, axis by axis: not numbers for those of no use, and at the end a point of zeros, which stands for none.
@@ -111,32 +110,29 @@ struct Cloud {
 }
 
 impl Cloud {
-    fn read(view: &PointsView<'_>, asked: &Asked<'_>) -> Result<Self> {
+    /// The points of a part, of all without one, that are not taken.
+    fn read(view: &PointsView<'_>, part: Option<&[u32]>, taken: &[u16], asked: &Asked<'_>) -> Result<Self> {
         let mut cloud = Self { axes: Default::default(), usable: 0 };
-        let count = view.width() * view.height() + 1;
+        let count = part.map_or(view.width() * view.height(), <[u32]>::len);
         for axis in &mut cloud.axes {
-            let bytes = count * size_of::<Vector3<f64>>();
-            axis.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
+            let bytes = (count + 1) * size_of::<Vector3<f64>>();
+            axis.try_reserve_exact(count + 1)
+                .map_err(|_| Error::OutOfMemory { what: "the points", bytes })?;
         }
-        let mut since = 0;
-        for row in 0..view.height() {
-            for first in (0..view.width()).step_by(BETWEEN_QUESTIONS) {
-                let columns = first..view.width().min(first + BETWEEN_QUESTIONS);
-                since += columns.len();
-                for column in columns {
-                    let mut point = view.points.at(column, row);
-                    if point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0 {
-                        cloud.usable += 1;
-                    } else {
-                        point.fill(f64::NAN);
-                    }
-                    cloud.push(&point);
+        for first in (0..count).step_by(BETWEEN_QUESTIONS) {
+            for k in first..count.min(first + BETWEEN_QUESTIONS) {
+                let number = part.map_or(k, |part| part[k] as usize);
+                let (column, row) = (number % view.width(), number / view.width());
+                let mut point = view.points.at(column, row);
+                if taken[number] == 0 && point.iter().all(|x| x.is_finite()) && view.weight(column, row) > 0.0
+                {
+                    cloud.usable += 1;
+                } else {
+                    point.fill(f64::NAN);
                 }
-                if since >= BETWEEN_QUESTIONS {
-                    since = 0;
-                    asked()?;
-                }
+                cloud.push(&point);
             }
+            asked()?;
         }
         cloud.push(&Vector3::zeros());
         Ok(cloud)
@@ -172,10 +168,10 @@ impl Cloud {
     }
 }
 
-/// Whether a point lies within [`WIDEST`]; one that is no number does not.
+/// Whether a point lies within a slope about the z axis; one that is no number does not.
 #[inline(always)]
-fn is_in_front(x: f64, y: f64, z: f64) -> bool {
-    (z > 0.0) & (x.abs() <= WIDEST * z) & (y.abs() <= WIDEST * z)
+fn is_in_front(x: f64, y: f64, z: f64, widest: f64) -> bool {
+    (z > 0.0) & (x.abs() <= widest * z) & (y.abs() <= widest * z)
 }
 
 /// The numbers at two places of the order of many that are spread over some orders of magnitude; what is none comes last.
@@ -211,6 +207,8 @@ struct Image {
     height: usize,
     spacing: f64,
     low: [f64; 2],
+    /// How many points lie within its slopes.
+    in_front: usize,
     /// The pixel of each point, [`OUTSIDE`] for those that have none.
     pixels: Vec<u32>,
     /// The number of the point at each pixel, that of the last where there is none.
@@ -221,42 +219,44 @@ struct Image {
 
 impl Image {
     /// As many pixels as points that are seen, over the part of the image that has any.
-    fn of(points: &Cloud, asked: &Asked<'_>) -> Result<Option<Self>> {
+    fn of(points: &Cloud, widest: f64, asked: &Asked<'_>) -> Result<Option<Self>> {
         let depths = &points.axes[2];
-        let Some(image) = Self::new(points, points.usable, asked)? else { return Ok(None) };
+        let Some(image) = Self::new(points, usize::MAX, widest, asked)? else { return Ok(None) };
         let seen = image.seen(depths);
-        if seen as f64 >= MOSTLY_SEEN * points.usable as f64 {
+        if seen as f64 >= MOSTLY_SEEN * image.in_front as f64 {
             return Ok(Some(image));
         }
-        let mut image = Self::new(points, seen, asked)?;
+        let mut image = Self::new(points, seen, widest, asked)?;
         if let Some(image) = &mut image {
             image.close(depths);
         }
         Ok(image)
     }
 
-    /// With so many pixels.
-    fn new(points: &Cloud, pixels: usize, asked: &Asked<'_>) -> Result<Option<Self>> {
+    /// With so many pixels, or as many as points in front where these are fewer.
+    fn new(points: &Cloud, pixels: usize, widest: f64, asked: &Asked<'_>) -> Result<Option<Self>> {
         let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
         let mut range = [[0.0; 2]; 2];
         let mut slopes = vec![0.0; points.len()];
+        let mut in_front = 0;
         for (own, (axis, other)) in range.iter_mut().zip([(x, y), (y, x)]) {
             let mut count = 0;
             for (part, slopes) in slopes.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
                 asked()?;
                 let axes = [axis, other, z].map(|axis| part_of(axis, part));
-                count += Arch::new().dispatch(Slopes { axes, slopes });
+                count += Arch::new().dispatch(Slopes { axes, widest, slopes });
             }
             if count < FEWEST {
                 return Ok(None);
             }
+            in_front = count;
             let stray = (STRAY * count as f64) as usize;
             *own = in_order(&slopes, [stray, count - 1 - stray], asked)?;
         }
         // Much memory in a large cloud.
         drop(slopes);
         let [width, height] = range.map(|[low, high]| high - low);
-        let pixels = (pixels as f64).min(MOST_PIXELS);
+        let pixels = (pixels.min(in_front) as f64).min(MOST_PIXELS);
         let spacing = (width * height / pixels).sqrt();
         if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
             return Ok(None);
@@ -266,6 +266,7 @@ impl Image {
             height: (height / spacing) as usize + 1,
             spacing,
             low: [range[0][0], range[1][0]],
+            in_front,
             pixels: Vec::new(),
             nearest: Vec::new(),
             closed: false,
@@ -304,6 +305,7 @@ fn part_of(axis: &[f64], part: usize) -> &[f64] {
 /// axis is z. Tells how many are.
 struct Slopes<'a> {
     axes: [&'a [f64]; 3],
+    widest: f64,
     slopes: &'a mut [f64],
 }
 
@@ -312,10 +314,10 @@ impl WithSimd for Slopes<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> usize {
-        let Self { axes: [x, other, z], slopes } = self;
+        let Self { axes: [x, other, z], widest, slopes } = self;
         let mut count = 0;
         for (slope, ((x, other), z)) in slopes.iter_mut().zip(x.iter().zip(other).zip(z)) {
-            let front = is_in_front(*x, *other, *z);
+            let front = is_in_front(*x, *other, *z, widest);
             *slope = if front { x / z } else { f64::NAN };
             count += u64::from(front);
         }
@@ -374,15 +376,15 @@ mod tests {
             asked.set(asked.get() + 1);
             if asked.get() < end.get() { Ok(()) } else { Err(Error::Cancelled { iterations: 0 }) }
         };
-        let cloud = Cloud::read(&view, &question).unwrap();
-        assert_eq!(asked.replace(0), 2);
-        assert!(Image::of(&cloud, &question).unwrap().is_some());
+        let cloud = Cloud::read(&view, None, &vec![0; count], &question).unwrap();
+        assert_eq!(asked.replace(0), 3);
+        assert!(Image::of(&cloud, 3.0, &question).unwrap().is_some());
         // Of both axes the slopes by parts and two places in their order, then the pixels and what is nearest there by parts.
         let all = asked.replace(0);
         assert_eq!(all, 2 * (3 + 3) + 3 + 3);
         for last in [1, 4, 7, 13, 16, all] {
             end.set(last);
-            assert!(matches!(Image::of(&cloud, &question), Err(Error::Cancelled { .. })));
+            assert!(matches!(Image::of(&cloud, 3.0, &question), Err(Error::Cancelled { .. })));
             assert_eq!(asked.replace(0), last);
         }
     }
@@ -395,17 +397,18 @@ mod tests {
         let axes = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
         let axes = axes.each_ref().map(|axis| &axis[..]);
         let mut slopes = vec![0.0; points.len()];
-        let count = Slopes { axes, slopes: &mut slopes }.with_simd(pulp::Scalar);
+        let count = Slopes { axes, widest: 3.0, slopes: &mut slopes }.with_simd(pulp::Scalar);
         let mut wide = vec![0.0; points.len()];
-        assert_eq!(Arch::new().dispatch(Slopes { axes, slopes: &mut wide }), count);
+        assert_eq!(Arch::new().dispatch(Slopes { axes, widest: 3.0, slopes: &mut wide }), count);
         let (pixels, nearest) = (Vec::new(), Vec::new());
         let low = [-1.5, -1.0];
-        let image = Image { width: 30, height: 20, spacing: 0.1, low, pixels, nearest, closed: false };
+        let image =
+            Image { width: 30, height: 20, spacing: 0.1, low, in_front: 0, pixels, nearest, closed: false };
         let mut pixels = vec![OUTSIDE; points.len()];
         Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels: &mut pixels });
         let mut within = 0;
         for (k, [x, y, z]) in points.into_iter().enumerate() {
-            let front = z > 0.0 && x.abs() <= WIDEST * z && y.abs() <= WIDEST * z;
+            let front = z > 0.0 && x.abs() <= 3.0 * z && y.abs() <= 3.0 * z;
             within += usize::from(front);
             assert_eq!(slopes[k].to_bits(), wide[k].to_bits());
             assert!(if front { slopes[k] == x / z } else { slopes[k].is_nan() }, "{x} {y} {z}");

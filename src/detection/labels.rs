@@ -107,6 +107,7 @@ pub(super) fn label(
         cut_short: effort.is_cut_short(),
         visits: effort.visits(),
         from_origin: true,
+        whole: true,
         image: None,
     }
 }

@@ -25,7 +25,7 @@ mod score;
 mod search;
 mod surface;
 
-pub(crate) use cloud::{Look, detect_points_until};
+pub(crate) use cloud::{Looks, detect_points_until};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 
@@ -110,6 +110,8 @@ pub struct Detections {
     pub(crate) visits: u64,
     /// Whether the origin is where everything was seen from.
     pub(crate) from_origin: bool,
+    /// Whether a region has all of its body that there is, as far as that can be told.
+    pub(crate) whole: bool,
     /// What scores after a fit need of the image.
     image: Option<ImageEdges>,
 }

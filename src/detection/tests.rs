@@ -307,11 +307,9 @@ fn clouds_are_searched_like_images() {
         points.push(depth.depth(column, row).map_or([f64::NAN; 3], |z| (ray * z).into()));
     }
     let detect = |points: &[[f64; 3]]| {
-        detect_points_until(&PointsView::from_f64(points), Look::FIRST, &DetectionOptions::default(), &|| {
-            false
-        })
-        .unwrap()
-        .0
+        let (view, taken) = (PointsView::from_f64(points), vec![0; points.len()]);
+        let options = DetectionOptions::default();
+        detect_points_until(&view, &taken, &mut Looks::default(), &options, &|| false).unwrap()
     };
     let found = detect(&points).unwrap();
     assert_eq!(found.cylinders.len(), 1, "{:?}", found.cylinders);

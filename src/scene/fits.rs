@@ -1,6 +1,7 @@
 //! The fit of one region.
 
 use super::contests::Piece;
+use super::growth::{grown, is_round};
 use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
@@ -70,34 +71,38 @@ impl<'a> Fits<'a> {
         Ok(found(fitter, evidence, detection, result))
     }
 
-    /// The fit of a region of a cloud; without a share the cylinder that was found.
+    /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
+    /// over the points that are not `taken`.
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
+        part: Option<&[u32]>,
+        taken: &[u16],
         task: &Task,
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
-        let detection = &self.seen.cylinders[task.cylinder];
-        let region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).collect();
-        let fit = |chosen: &[usize]| {
-            let mut fitter = Box::new(self.fitter()?);
-            fitter.push_numbered(points, chosen)?;
-            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
-            Ok((fitter, result))
-        };
-        let place = |k: usize| points.points.at(k % self.size.0, k / self.size.0);
-        let places: Vec<Vector3<f64>> = region.iter().map(|&k| place(k)).collect();
-        let middle = |cylinder: &Cylinder| self.middle(&region, &places, cylinder);
-        let mut chosen = middle(&detection.cylinder);
-        let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(&region))?;
-        // Which points lie in the middle follows from the radius.
-        for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
-            let next = middle(&result.cylinder);
-            if next.is_none() || next == chosen {
+        let mut detection = self.seen.cylinders[task.cylinder];
+        let (width, _) = self.size;
+        let place = |k: usize| points.points.at(k % width, k / width);
+        let places_of = |region: &[usize]| region.iter().map(|&k| place(k)).collect::<Vec<Vector3<f64>>>();
+        let number = |k: usize| part.map_or(k, |part| part[k] as usize);
+        let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
+        let (mut fitter, mut result) = self.of_region(points, &region, &detection, share)?;
+        let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
+        for _ in 0..rounds {
+            let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
+            let free = (0..taken.len()).filter(of_use).map(|k| (k, place(k)));
+            let next = grown(&result.cylinder, &places_of(&region), free);
+            if next.len() < FEWEST || next == region {
                 break;
             }
-            chosen = next;
-            (fitter, result) = fit(chosen.as_deref().unwrap_or(&region))?;
+            let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
+            region = next;
+            detection = Detection { cylinder: result.cylinder, pixels: region.len(), ..detection };
+            (fitter, result) = self.of_region(points, &region, &detection, share)?;
+            if settled {
+                break;
+            }
         }
         // Of very many points what follows takes as long as several steps of a fit.
         if share.is_some_and(|share| share.hear().is_break()) {
@@ -107,8 +112,44 @@ impl<'a> Fits<'a> {
         let mut whole = Box::new(self.fitter()?);
         whole.push_numbered(points, &region)?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
-        let evidence = self.seen.evidence_of_fit(detection, &result.cylinder, deviation, None);
-        Ok(found(*fitter, evidence, detection, result))
+        let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
+        let mut found = found(*fitter, evidence, &detection, result);
+        if !self.seen.whole && !is_round(&found.result.cylinder, &places_of(&region)) {
+            found.score = 0.0;
+        }
+        found.region = region;
+        Ok(found)
+    }
+
+    /// The fit of a region of a cloud.
+    fn of_region(
+        &self,
+        points: &PointsView<'_>,
+        region: &[usize],
+        detection: &Detection,
+        share: Option<&Share<'_>>,
+    ) -> Result<(Box<Fitter>, FitResult)> {
+        let fit = |chosen: &[usize]| {
+            let mut fitter = Box::new(self.fitter()?);
+            fitter.push_numbered(points, chosen)?;
+            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
+            Ok((fitter, result))
+        };
+        let place = |k: usize| points.points.at(k % self.size.0, k / self.size.0);
+        let places: Vec<Vector3<f64>> = region.iter().map(|&k| place(k)).collect();
+        let middle = |cylinder: &Cylinder| self.middle(region, &places, cylinder);
+        let mut chosen = middle(&detection.cylinder);
+        let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
+        // Which points lie in the middle follows from the radius.
+        for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
+            let next = middle(&result.cylinder);
+            if next.is_none() || next == chosen {
+                break;
+            }
+            chosen = next;
+            (fitter, result) = fit(chosen.as_deref().unwrap_or(region))?;
+        }
+        Ok((fitter, result))
     }
 
     /// The points of a region, by their numbers and places, between the parts next to the limbs, which structured light and
@@ -257,7 +298,7 @@ fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: 
     fitter.swap_mask(None);
     fitter.free_memory();
     let (score, pixels) = (evidence.score(), detection.pixels);
-    Box::new(Found { score, evidence, pixels, result, extent, arcs, fitter })
+    Box::new(Found { score, evidence, pixels, result, extent, arcs, fitter, region: Vec::new() })
 }
 
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
@@ -273,6 +314,9 @@ const FEWEST: usize = 50;
 
 /// Fits to the middle of a region, at most: the radius settles in three or four.
 const ROUNDS: usize = 4;
+
+/// A region has settled where its points change by this part.
+const SETTLED: f64 = 0.02;
 
 /// Fits of a scene, beyond which each cylinder gets one alone: a bound on the time.
 const MOST_FITS: usize = 40;

@@ -5,22 +5,24 @@
 
 mod contests;
 mod fits;
+mod growth;
 mod labels;
+mod results;
 mod work;
 
 use crate::detection::{
-    Detection, DetectionOptions, Detections, Evidence, Look, detect_points_until, detect_until,
-    least_before_fit, with_odds_divided,
+    Detection, DetectionOptions, Detections, Looks, detect_points_until, detect_until, least_before_fit,
+    with_odds_divided,
 };
 use crate::error::{Error, Result};
-use crate::extent::{ArcSample, Extent};
-use crate::fitter::{FitResult, Fitter, Flags, LimbObservation, Options, StartKind};
+use crate::fitter::{Flags, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
-use crate::observations::{DepthRange, Frame, Mask, MaskView, PointsView, check_weights};
+use crate::observations::{DepthRange, Frame, PointsView, check_weights};
 use crate::workers::Workers;
 use fits::{Fits, Task};
-use labels::{indices_of, mask_of, renumber};
+use labels::renumber;
+pub use results::{Found, Scene};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use work::{Share, Work};
@@ -94,7 +96,7 @@ impl DetectorOptions {
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// It begins to look for cylinders; of a sparse cloud in which nothing is found, several times.
+    /// It begins to look for cylinders; at a cloud that was not seen from its origin, from many places.
     Search,
     /// So many of the cylinders that were found are fitted.
     Fit {
@@ -146,87 +148,6 @@ pub struct Detector {
 
 /// What the fit of a region came to; `None` where it was not made.
 type Outcome = Option<Result<Box<Found>>>;
-
-/// A cylinder of a scene.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// The probability that there is a cylinder.
-    pub score: f64,
-    /// What speaks for it.
-    pub evidence: Evidence,
-    /// Pixels of its region; points for a cloud.
-    pub pixels: usize,
-    /// The fit of its region. Where no fit covers the limbs better than the search did, or none is near what that found, it is the
-    /// cylinder of the search, with [`Flags::NOT_CONVERGED`]; how far the minimum of the data lies from it is part of its stated
-    /// uncertainty. Of a cloud that was seen from its origin, the fit takes the points within 0.7 radii of the
-    /// axis alone: next to limbs sensors draw them out.
-    pub result: FitResult,
-    /// Its visible piece. `BadState` for a cloud: ends need a camera.
-    pub extent: Result<Extent>,
-    /// The samples in the image on the arcs of start and end; empty for an end that the image does not show.
-    pub arcs: [Vec<ArcSample>; 2],
-    /// The fit, without its mask: the labels have that.
-    fitter: Fitter,
-}
-
-impl Found {
-    /// The options of the fit: those of the detector with its limits and the start.
-    #[must_use]
-    pub fn fit_options(&self) -> &Options {
-        self.fitter.options()
-    }
-
-    /// What the fit saw of the two limbs in the image; `None` when it did not look.
-    #[must_use]
-    pub fn limbs(&self) -> Option<&[LimbObservation; 2]> {
-        self.fitter.limbs()
-    }
-}
-
-/// All cylinders of a frame or a cloud.
-#[derive(Debug, Clone)]
-pub struct Scene {
-    /// The cylinders by falling score.
-    pub cylinders: Vec<Found>,
-    /// For each pixel or point, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
-    pub labels: Vec<u16>,
-    /// Columns and rows of the labels.
-    pub size: (usize, usize),
-    /// Whether all of it was looked at. The work of a search with its fits is bounded, so that no input takes much longer than
-    /// any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
-    /// work left is what the search found, with [`Flags::NOT_CONVERGED`].
-    pub complete: bool,
-}
-
-impl Scene {
-    /// The pixels or points of a cylinder, counted from 0 row by row.
-    pub fn indices(&self, index: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-        indices_of(&self.labels, index)
-    }
-
-    /// The fitter of a cylinder as its fit left it, with frame, mask, start and result: for residuals, completion and all
-    /// else that can be asked of a fit.
-    ///
-    /// # Errors
-    /// `InvalidArgument` when there is no such cylinder, `OutOfMemory`.
-    pub fn fitter(&self, index: usize) -> Result<Fitter> {
-        let Some(found) = self.cylinders.get(index) else {
-            let requirement = format!("be less than the number of cylinders, {}", self.cylinders.len());
-            return Err(Error::argument("index", index, requirement));
-        };
-        check_memory("the fitter", self.labels.len().max(found.fitter.cloud().len()))?;
-        let mut fitter = found.fitter.clone();
-        if fitter.depth().is_some() {
-            let mask = self.mask(index);
-            fitter.swap_mask(Some(Mask::copy(&MaskView::from_u8(&mask, self.size)?)?));
-        }
-        Ok(fitter)
-    }
-
-    fn mask(&self, index: usize) -> Vec<u8> {
-        mask_of(&self.labels, index)
-    }
-}
 
 impl Detector {
     /// A detector with default options.
@@ -294,8 +215,9 @@ impl Detector {
         self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))
     }
 
-    /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it the origin is
-    /// taken for the sensor. Points with a coordinate that is not finite or a weight of 0 are left out.
+    /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it, and hide none of each
+    /// other, the origin is taken for the sensor. Other clouds are looked at from all sides, and from all sides of tiles of them, which
+    /// takes ten times as long and more. Points with a coordinate that is not finite or a weight of 0 are left out.
     ///
     /// # Errors
     /// `InvalidArgument` for a negative weight, and for too many points; `Unsupported` as [`Detector::detect`];
@@ -322,32 +244,27 @@ impl Detector {
         check_memory("the search", count)?;
         check_weights(points)?;
         let search = self.search_options(&RigidMotion::identity());
-        let nothing = || Scene { cylinders: Vec::new(), labels: vec![0; count], size, complete: true };
-        if count == 0 {
-            // Rows of no points are as many as the caller likes.
-            return Ok(nothing());
-        }
-        let (mut scene, mut looks, mut next) = (None, 0.0, Some(Look::FIRST));
-        while let Some(look) = next {
-            let (seen, after) =
-                self.search(observer, |stopped| detect_points_until(points, look, &search, stopped))?;
-            next = after;
-            let Some(seen) = seen else { continue };
-            looks += 1.0;
-            let fits = Fits::new(&self.options, seen, size);
-            let found = self.fit_all(fits, observer, |fits, task, share| {
-                let mut found = fits.of_points(points, task, share)?;
-                // Each look may show something that is none, and the odds of that add up.
-                found.score = with_odds_divided(found.score, looks);
-                Ok(found)
+        let mut scene = Scene { cylinders: Vec::new(), labels: vec![0; count], size, complete: true };
+        // Rows of no points are as many as the caller likes.
+        let (mut looks, mut more) = (Looks::default(), count > 0);
+        while more {
+            let seen = self.search(observer, |stopped| {
+                detect_points_until(points, &scene.labels, &mut looks, &search, stopped)
             })?;
-            let is_last = !found.cylinders.is_empty() || !found.complete;
-            scene = Some(found);
-            if is_last {
-                break;
+            if let Some(seen) = seen {
+                let fits = Fits::new(&self.options, seen, size);
+                let found = self.fit_all(fits, observer, |fits, task, share| {
+                    let mut found = fits.of_points(points, looks.part(), &scene.labels, task, share)?;
+                    // Each look may show something that is none, and the odds of that add up.
+                    found.score = with_odds_divided(found.score, looks.tries());
+                    Ok(found)
+                })?;
+                scene.add(found);
             }
+            more = looks.go_on(points, !scene.cylinders.is_empty());
         }
-        Ok(scene.unwrap_or_else(nothing))
+        scene.order(self.options.search.max_count);
+        Ok(scene)
     }
 
     /// The options of the search, for all that may be left when every cylinder is fitted.

@@ -1,0 +1,211 @@
+//! The body of a region of a cloud: all points on its surface, as far along the axis as that goes on.
+//!
+//! What one look shows of a body is a side of it, and often a piece: the rest lies behind something, or beyond the image.
+
+use crate::geometry::{Cylinder, any_orthogonal};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::TAU;
+use std::ops::Bound;
+
+/// Points lie on a surface up to so many standard deviations from it.
+const REACH: f64 = 4.0;
+
+/// But not beyond this part of the radius.
+const MOST_REACH: f64 = 0.15;
+
+/// The length of a slice of a body, in radii.
+const SLICE: f64 = 0.5;
+
+/// A slice has this part of the points of those before it, at least, and of their spread about the axis: a plane that touches the body
+/// beyond its end has a strip of points on its surface.
+const GOES_ON: f64 = 0.25;
+
+/// A part of the points of a region that may lie beyond its ends, to each side.
+const STRAY: usize = 50;
+
+/// Sectors about the axis, for what of the residuals is not noise.
+const SECTORS: f64 = 24.0;
+
+/// By how much a body may be out of round, as a part of its radius.
+const OUT_OF_ROUND: f64 = 0.03;
+
+/// By how many standard deviations of its points a body bends, at least.
+const LEAST_BEND: f64 = 2.0;
+
+/// Which slice a point belongs to.
+fn slice_of(cylinder: &Cylinder, point: &Vector3<f64>) -> i64 {
+    let Cylinder { axis, radius } = cylinder;
+    ((point - axis.point).dot(&axis.direction) / (SLICE * radius)).floor() as i64
+}
+
+/// The direction from the axis to a point.
+fn outward(cylinder: &Cylinder, point: &Vector3<f64>) -> Vector3<f64> {
+    (point - cylinder.axis.nearest_to(point)).try_normalize(0.0).unwrap_or_default()
+}
+
+/// What is counted of a slice: its points, and the sum of their directions from the axis.
+#[derive(Clone, Copy, Default)]
+struct Slice {
+    count: f64,
+    directions: Vector3<f64>,
+}
+
+impl Slice {
+    fn add(&mut self, direction: &Vector3<f64>) {
+        self.count += 1.0;
+        self.directions += direction;
+    }
+
+    /// How far the directions are spread: 0 on a line along the surface, 1 all around.
+    fn spread(&self) -> f64 {
+        1.0 - self.directions.norm() / self.count.max(1.0)
+    }
+}
+
+/// The points on the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may belong to it.
+pub(super) fn grown(
+    cylinder: &Cylinder,
+    region: &[Vector3<f64>],
+    points: impl Iterator<Item = (usize, Vector3<f64>)>,
+) -> Vec<usize> {
+    let mut distances: Vec<f64> = region.iter().map(|point| cylinder.distance(point)).collect();
+    let off = median(&mut distances);
+    distances.iter_mut().for_each(|distance| *distance = (*distance - off).abs());
+    let scatter = DEVIATION_OF_MEDIAN * median(&mut distances);
+    let reach = (off.abs() + REACH * scatter).min(MOST_REACH * cylinder.radius);
+    let mut of_region: Vec<i64> = region.iter().map(|point| slice_of(cylinder, point)).collect();
+    of_region.sort_unstable();
+    let stray = of_region.len() / STRAY;
+    let [first, last] = [of_region[stray], of_region[of_region.len() - 1 - stray]];
+    let mut slices: BTreeMap<i64, Slice> = BTreeMap::new();
+    let on_surface: Vec<(usize, i64)> = {
+        let near = points.filter(|(_, point)| cylinder.distance(point).abs() <= reach);
+        near.map(|(k, point)| {
+            let slice = slice_of(cylinder, &point);
+            slices.entry(slice).or_default().add(&outward(cylinder, &point));
+            (k, slice)
+        })
+        .collect()
+    };
+    let own = || slices.range(first..=last).map(|(_, slice)| slice);
+    let typical = median(&mut own().map(|slice| slice.count).collect::<Vec<f64>>());
+    let spread = median(&mut own().map(Slice::spread).collect::<Vec<f64>>());
+    // From the region to both sides.
+    let mut body: BTreeSet<i64> = (first..=last).filter(|slice| slices.contains_key(slice)).collect();
+    let mut follow = |beyond: &mut dyn Iterator<Item = (&i64, &Slice)>| {
+        let mut count = typical;
+        for (number, slice) in beyond {
+            if slice.count >= GOES_ON * count && slice.spread() >= GOES_ON * spread {
+                count = 0.5 * (count + slice.count);
+                body.insert(*number);
+            }
+        }
+    };
+    follow(&mut slices.range((Bound::Excluded(last), Bound::Unbounded)));
+    follow(&mut slices.range(..first).rev());
+    on_surface.into_iter().filter(|(_, slice)| body.contains(slice)).map(|(k, _)| k).collect()
+}
+
+/// Whether points lie on a cylinder, and neither on planes that meet in an edge or pass it by nor on anything else: what is left of them is
+/// noise but for little, and they bend by more than that.
+pub(super) fn is_round(cylinder: &Cylinder, region: &[Vector3<f64>]) -> bool {
+    misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius && bend(cylinder, region) >= LEAST_BEND
+}
+
+/// The standard deviation of the residuals of points beyond their noise: of their means over patches of the surface, where the points of
+/// one patch tell the noise.
+fn misfit(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
+    let (x, y) = any_orthogonal(&cylinder.axis.direction);
+    let patch_of = |point: &Vector3<f64>| {
+        let outward = outward(cylinder, point);
+        let turn = outward.dot(&y).atan2(outward.dot(&x)) / TAU;
+        (slice_of(cylinder, point), (turn * SECTORS).floor() as i64)
+    };
+    let mut patches: BTreeMap<(i64, i64), [f64; 3]> = BTreeMap::new();
+    for point in region {
+        let residual = cylinder.distance(point);
+        let [count, sum, squares] = patches.entry(patch_of(point)).or_default();
+        (*count, *sum, *squares) = (*count + 1.0, *sum + residual, *squares + residual * residual);
+    }
+    // Sums of squares of the means of patches, and of their points about these.
+    let [mut count, mut within, mut between, mut of_patches] = [0.0; 4];
+    for [n, sum, squares] in patches.into_values().filter(|[n, ..]| *n > 2.0) {
+        count += n;
+        within += squares - sum * sum / n;
+        between += sum * sum / n;
+        of_patches += 1.0;
+    }
+    // Noise alone makes the means differ by as much.
+    let of_noise = of_patches * within / f64::max(count - of_patches, 1.0);
+    ((between - of_noise) / f64::max(count, 1.0)).max(0.0).sqrt()
+}
+
+/// By how much the nearer half of the points about the middle of an arc bends away from its tangent, in standard deviations of their
+/// residuals: what is flat does by none.
+fn bend(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
+    let middle = region.iter().map(|point| outward(cylinder, point)).sum::<Vector3<f64>>();
+    // All around there is none.
+    let middle = middle.try_normalize(0.0).unwrap_or_default();
+    let depth = |point: &Vector3<f64>| cylinder.radius * (1.0 - middle.dot(&outward(cylinder, point)));
+    let mut depths: Vec<f64> = region.iter().map(depth).collect();
+    let mut residuals: Vec<f64> = region.iter().map(|point| cylinder.distance(point).abs()).collect();
+    let deviation = DEVIATION_OF_MEDIAN * median(&mut residuals);
+    median(&mut depths) / deviation.max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Line;
+
+    /// A cylinder of radius 1 along z.
+    fn cylinder() -> Cylinder {
+        Cylinder { axis: Line { point: Vector3::zeros(), direction: Vector3::z() }, radius: 1.0 }
+    }
+
+    /// Points of the cylinder over half its circumference and a range of z, off by a part of the radius to both sides.
+    fn half(from: f64, to: f64, noise: f64) -> Vec<Vector3<f64>> {
+        let point = |k: u32| {
+            let turn = std::f64::consts::PI * f64::from(k % 41) / 40.0;
+            let z = from + (to - from) * f64::from(k / 41) / 40.0;
+            let r = 1.0 + noise * f64::from(k % 3) - noise;
+            Vector3::new(r * turn.cos(), r * turn.sin(), z)
+        };
+        (0..41 * 40).map(point).collect()
+    }
+
+    #[test]
+    fn a_region_grows_as_far_as_its_body_goes_on() {
+        let region = half(0.0, 2.0, 0.01);
+        let mut points = half(-3.0, 5.0, 0.01);
+        points.extend(half(12.0, 14.0, 0.01));
+        let own = points.len();
+        // A plane that touches the surface beyond, and a wider body.
+        for k in 0..4000 {
+            let [x, z] = [f64::from(k % 40) / 10.0 - 2.0, 14.1 + f64::from(k / 40) / 10.0];
+            points.push(Vector3::new(x, 1.0, z));
+        }
+        points.extend(half(-6.0, -4.0, 0.01).iter().map(|p| Vector3::new(1.2 * p.x, 1.2 * p.y, p.z)));
+        let grown = grown(&cylinder(), &region, points.iter().copied().enumerate());
+        assert_eq!(grown, (0..own).collect::<Vec<usize>>());
+    }
+
+    #[test]
+    fn round_is_what_bends_by_more_than_its_noise_and_fits() {
+        let round = |points: &[Vector3<f64>]| is_round(&cylinder(), points);
+        assert!(round(&half(0.0, 2.0, 0.0)));
+        assert!(round(&half(0.0, 2.0, 0.05)));
+        // An ellipse.
+        let wider = |part: f64| -> Vec<Vector3<f64>> {
+            half(0.0, 2.0, 0.01).iter().map(|p| Vector3::new((1.0 + part) * p.x, p.y, p.z)).collect()
+        };
+        assert!(round(&wider(0.03)));
+        assert!(!round(&wider(0.1)));
+        // A strip that bends by less than its noise.
+        let strip = half(0.0, 2.0, 0.02).into_iter().filter(|p| p.x.abs() < 0.2).collect::<Vec<_>>();
+        assert!(misfit(&cylinder(), &strip) < OUT_OF_ROUND);
+        assert!(!round(&strip));
+    }
+}

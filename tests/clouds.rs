@@ -1,0 +1,137 @@
+//! Clouds that no single sensor has seen: what surrounds the origin, and what was merged from several places.
+#![allow(clippy::unwrap_used)]
+
+#[allow(dead_code)]
+#[path = "support/random_views.rs"]
+mod random_views;
+
+use cylfuse::geometry::Cylinder;
+use cylfuse::observations::PointsView;
+use cylfuse::scene::{Detector, DetectorOptions, Scene};
+use nalgebra::Vector3;
+use random_views::Dice;
+
+/// A pipe: the middle of its axis, its direction and its radius, and half its length.
+type Pipe = ([f64; 3], [f64; 3], f64, f64);
+
+/// Pipes that stand and lie in a room of 6 × 6 × 3 m about the origin, which is in the middle of its floor.
+const PIPES: [Pipe; 5] = [
+    ([1.5, 1.0, 1.5], [0.0, 0.0, 1.0], 0.15, 1.5),
+    ([-1.8, 0.5, 1.5], [0.0, 0.0, 1.0], 0.2, 1.5),
+    ([0.0, 2.6, 2.2], [1.0, 0.0, 0.0], 0.12, 2.8),
+    ([0.0, -2.5, 0.8], [1.0, 0.0, 0.0], 0.1, 2.8),
+    ([0.5, -0.8, 0.4], [0.6, 0.8, 0.0], 0.18, 1.0),
+];
+
+const DENSITY: f64 = 2500.0;
+
+const NOISE: f64 = 0.002;
+
+/// Points on a parallelogram.
+fn plane(corner: [f64; 3], sides: [[f64; 3]; 2], dice: &mut Dice) -> Vec<Vector3<f64>> {
+    let [a, b] = sides.map(Vector3::from);
+    let normal = a.cross(&b);
+    let count = (DENSITY * normal.norm()) as usize;
+    let mut point = || {
+        let [s, t] = [dice.between(0.0, 1.0), dice.between(0.0, 1.0)];
+        Vector3::from(corner) + a * s + b * t + normal.normalize() * dice.between(-NOISE, NOISE)
+    };
+    (0..count).map(|_| point()).collect()
+}
+
+fn box_of(low: [f64; 3], size: [f64; 3], dice: &mut Dice) -> Vec<Vector3<f64>> {
+    let side = |axis: usize| -> [f64; 3] { std::array::from_fn(|k| if k == axis { size[k] } else { 0.0 }) };
+    let high: [f64; 3] = std::array::from_fn(|k| low[k] + size[k]);
+    let sides = [0, 1, 2].map(|axis| [side((axis + 1) % 3), side((axis + 2) % 3)]);
+    let mut points = Vec::new();
+    for own in sides {
+        points.extend(plane(low, own, dice));
+        points.extend(plane(high, own.map(|side| side.map(|x| -x)), dice));
+    }
+    points
+}
+
+fn pipe((middle, direction, radius, half): Pipe, dice: &mut Dice) -> Vec<Vector3<f64>> {
+    let direction = Vector3::from(direction).normalize();
+    let x = direction.cross(&Vector3::new(0.3, 0.5, 0.7)).normalize();
+    let y = direction.cross(&x);
+    let count = (DENSITY * 4.0 * std::f64::consts::PI * radius * half) as usize;
+    let mut point = || {
+        let turn = dice.between(0.0, std::f64::consts::TAU);
+        let r = radius + dice.between(-NOISE, NOISE);
+        let along = direction * dice.between(-half, half);
+        Vector3::from(middle) + x * (r * turn.cos()) + y * (r * turn.sin()) + along
+    };
+    (0..count).map(|_| point()).collect()
+}
+
+/// The room with its pipes and a cupboard.
+fn room(dice: &mut Dice) -> Vec<Vector3<f64>> {
+    let mut points = box_of([-3.0, -3.0, 0.0], [6.0, 6.0, 3.0], dice);
+    points.extend(box_of([1.8, -1.6, 0.0], [0.8, 0.5, 1.2], dice));
+    PIPES.iter().for_each(|own| points.extend(pipe(*own, dice)));
+    points
+}
+
+fn detect(points: &[Vector3<f64>], threads: usize) -> Scene {
+    let points: Vec<[f64; 3]> = points.iter().map(|point| (*point).into()).collect();
+    let mut detector = Detector::new();
+    detector.set_options(DetectorOptions { threads, ..DetectorOptions::default() }).unwrap();
+    detector.detect_points(&PointsView::from_f64(&points)).unwrap()
+}
+
+/// What a pipe is found as, in a cloud that was moved by an offset.
+fn found<'a>(scene: &'a Scene, pipe: &Pipe, offset: &Vector3<f64>) -> Vec<&'a Cylinder> {
+    let (middle, direction, radius, _) = pipe;
+    let truth = Cylinder::new(Vector3::from(*middle) + offset, Vector3::from(*direction), *radius).unwrap();
+    let is = |found: &&Cylinder| {
+        let angle = found.axis.direction.cross(&truth.axis.direction).norm();
+        let off = found.axis.distance(&truth.axis.point);
+        angle < 0.01 && off < 0.1 * radius && (found.radius / radius - 1.0).abs() < 0.01
+    };
+    scene.cylinders.iter().map(|found| &found.result.cylinder).filter(is).collect()
+}
+
+/// The origin may be anywhere: among the bodies, beside them, or far away.
+#[test]
+fn pipes_in_a_room_are_found_wherever_its_origin_is() {
+    let points = room(&mut Dice::new(21));
+    for offset in [[0.0; 3], [3.0, 3.0, 0.0], [0.3, -0.2, 40.0], [4000.0, 5000.0, 120.0]] {
+        let offset = Vector3::from(offset);
+        let moved: Vec<Vector3<f64>> = points.iter().map(|point| point + offset).collect();
+        let scene = detect(&moved, 1);
+        for pipe in &PIPES {
+            assert_eq!(found(&scene, pipe, &offset).len(), 1, "{offset:?} {pipe:?}: {:?}", scene.cylinders);
+        }
+        assert_eq!(scene.cylinders.len(), PIPES.len(), "{offset:?}: {:?}", scene.cylinders);
+    }
+}
+
+/// Each look takes what it finds from those after it, in the same order for any number of threads.
+#[test]
+fn many_looks_give_the_same_bits_for_any_number_of_threads() {
+    let points = room(&mut Dice::new(22));
+    let [one, three] = [1, 3].map(|threads| detect(&points, threads));
+    assert_eq!(one.labels, three.labels);
+    let bits = |scene: &Scene| -> Vec<u64> {
+        scene.cylinders.iter().map(|found| found.result.cylinder.radius.to_bits()).collect()
+    };
+    assert_eq!(bits(&one), bits(&three));
+    for (index, found) in one.cylinders.iter().enumerate() {
+        assert_eq!(one.indices(index).count(), found.pixels);
+    }
+}
+
+/// Boxes alone: their edges are looked at from all sides, and are none.
+#[test]
+fn boxes_from_all_sides_are_no_cylinders() {
+    let mut dice = Dice::new(23);
+    let mut points = plane([-3.0, -3.0, 0.0], [[6.0, 0.0, 0.0], [0.0, 6.0, 0.0]], &mut dice);
+    for k in 0..6 {
+        let place = f64::from(k);
+        let size = [dice.between(0.1, 0.8), dice.between(0.1, 0.8), dice.between(0.3, 2.0)];
+        points.extend(box_of([place - 2.8, 2.0 * (place * 1.7).sin(), 0.0], size, &mut dice));
+    }
+    let scene = detect(&points, 1);
+    assert!(scene.cylinders.is_empty(), "{:?}", scene.cylinders);
+}
