@@ -26,7 +26,13 @@ enum Top {
     Open,
     /// Closed, and no depth is measured on it.
     Dark,
+    /// A shoulder and a neck half as wide, as those of a bottle.
+    Neck,
 }
+
+/// Length of a shoulder, and of the neck on it.
+const SHOULDER: f64 = 0.02;
+const NECK: f64 = 0.05;
 
 struct Scene {
     camera: Camera,
@@ -65,6 +71,9 @@ impl Scene {
         if along(&near).abs() <= HALF_LENGTH {
             return (Some(Part::Body), near.z);
         }
+        if self.top == Top::Neck {
+            return self.look_at_neck(&ray).map_or((None, WALL), |z| (Some(Part::Other), z));
+        }
         let rim = axis.point + axis.direction * HALF_LENGTH;
         let cap = ray * (rim.dot(&axis.direction) / ray.dot(&axis.direction));
         if (cap - rim).norm() > self.cylinder.radius {
@@ -73,8 +82,20 @@ impl Scene {
         match self.top {
             Top::Closed => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
-            Top::Open => (Some(Part::InnerWall), far.z),
+            Top::Open | Top::Neck => (Some(Part::InnerWall), far.z),
         }
+    }
+
+    /// The depth at which a ray meets shoulder or neck, step by step.
+    fn look_at_neck(&self, ray: &Vector3<f64>) -> Option<f64> {
+        let Cylinder { axis, radius } = &self.cylinder;
+        let is_inside = |z: f64| {
+            let beyond = (ray * z - axis.point).dot(&axis.direction) - HALF_LENGTH;
+            let narrower = 0.5 * (beyond / SHOULDER).min(1.0);
+            (0.0..=SHOULDER + NECK).contains(&beyond)
+                && axis.distance(&(ray * z)) <= radius * (1.0 - narrower)
+        };
+        (0..3000).map(|k| 0.5 + 1e-4 * f64::from(k)).find(|z| is_inside(*z))
     }
 
     fn pixels<T>(&self, value: impl Fn(Option<Part>, f64) -> T) -> Vec<T> {
@@ -142,6 +163,22 @@ fn the_body_is_measured_whatever_the_mask_holds() {
             let of_rim = if top == Top::Dark { EndState::Unknown } else { EndState::Seen };
             assert!(states.contains(&of_rim) && states.contains(&EndState::Seen), "{states:?}");
         }
+    }
+}
+
+/// The far rim of an end was taken to be where the neck ends: the surface is not seen up to there.
+#[test]
+fn a_bottle_ends_at_its_shoulder() {
+    for direction in [Vector3::new(0.1, -0.86, -0.5), Vector3::new(-0.2, -0.9, -0.2)] {
+        let scene = Scene::with_axis(Top::Neck, direction);
+        let mut fitter = scene.fitter(|_| true);
+        let fit = fitter.fit().unwrap();
+        let difference = scene.cylinder.compare(&fit.cylinder);
+        assert!(difference.angle < 0.01, "{}", difference.angle);
+        assert!(difference.radius_relative.abs() < 0.02, "{}", difference.radius_relative);
+        let extent = fitter.extent(None, None).unwrap();
+        let length = extent.length - 2.0 * HALF_LENGTH;
+        assert!(length.abs() < 0.1 * scene.cylinder.radius, "{length}");
     }
 }
 

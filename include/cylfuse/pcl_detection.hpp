@@ -22,7 +22,8 @@ inline namespace with_exceptions {
  * clusters, and a segmentation of each. It is used like pcl::OrganizedMultiPlaneSegmentation.
  *
  * Only points with the indices that were set take part, if there are any. Where nearly all points lie in front of it, the
- * origin is taken for the sensor. With setIntrinsics the cloud must be organised and in the frame of that camera: pixel
+ * origin is taken for the sensor; other clouds are looked at from all sides, which takes ten times as long and more.
+ * With setIntrinsics the cloud must be organised and in the frame of that camera: pixel
  * and point go together then, ends are found, and with setImage the limbs are located in the image.
  *
  * Where it cannot search `segment` does what PCL does: it prints why and leaves its outputs empty. getError() has the

@@ -21,7 +21,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
-use crate::parts::{self, BodyEnd, Parts};
+use crate::parts::{self, BodyEnd, EndSign, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
@@ -285,7 +285,9 @@ fn locate(
             arc: None,
         };
     }
-    match (state != EndState::Hidden).then(|| arc(&rough)).flatten() {
+    // A shoulder has no rim that an image could show.
+    let rounded = told.is_some_and(|end| end.sign == EndSign::Shoulder);
+    match (state != EndState::Hidden && !rounded).then(|| arc(&rough)).flatten() {
         Some(arc) => {
             let Together { position, deviation, part } = together(&rough, &arc);
             let [samples, far_rim] = arc.samples;

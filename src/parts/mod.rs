@@ -5,6 +5,7 @@
 //! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
 
 mod outline;
+mod shoulder;
 mod sight;
 
 use crate::camera::Camera;
@@ -15,6 +16,7 @@ use crate::observations::{DepthImage, Mask};
 use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median, ordered};
 use nalgebra::Vector3;
 use outline::Rims;
+use shoulder::shoulder;
 pub(crate) use sight::extremes;
 use sight::sights;
 use std::cell::OnceCell;
@@ -69,7 +71,7 @@ const PER_STRETCH: usize = 4;
 /// The constants of the parts of a mask.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    [CONSTANTS, outline::CONSTANTS].concat()
+    [CONSTANTS, outline::CONSTANTS, shoulder::CONSTANTS].concat()
 }
 
 /// What a point or pixel of a mask belongs to.
@@ -107,6 +109,8 @@ pub enum EndSign {
     Depth,
     /// The mask ends in the shape of the far rim of that end.
     FarRim,
+    /// The depth leaves the surface little by little from there on, as the shoulder of a bottle does.
+    Shoulder,
 }
 
 /// What the depth says of the parts of a mask.
@@ -183,6 +187,16 @@ impl Parts {
                     .filter(|(sight, _)| past(sight))
                     .map(|(_, vote)| *vote)
                     .collect();
+                // Nor where the surface is not seen up to it: a neck is narrower, or a shoulder rounds the body off.
+                let up_to: List<f64> = beyond
+                    .iter()
+                    .zip(votes)
+                    .filter(|(sight, _)| (sight.position - position) * outward <= 0.0)
+                    .map(|(_, vote)| *vote)
+                    .collect();
+                if sum(&up_to) >= least {
+                    return None;
+                }
                 // Where the surface itself is seen beyond it, it is none.
                 let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
                 let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;
@@ -202,6 +216,11 @@ impl Parts {
             end(-1.0, &sights[first], &votes[..first], &sights[..first]),
             end(1.0, &sights[last], &votes[last + 1..], &sights[last + 1..]),
         ];
+        let ends = [(ends[0], -1.0), (ends[1], 1.0)].map(|(end, outward)| {
+            let end = end?;
+            let pixel = pixel_length(camera, cylinder, end.position)?;
+            Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
+        });
         Some(Self { cylinder: *cylinder, reach, ends })
     }
 
