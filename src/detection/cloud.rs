@@ -55,9 +55,12 @@ pub(crate) fn detect_points_until(
 ) -> Result<Option<Detections>> {
     options.check()?;
     let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    if !looks.prepare(view, &cancelled)? {
+        return Ok(None);
+    }
     let mut points = Cloud::read(view, looks.part(), taken, &cancelled)?;
     cancelled()?;
-    let Some(viewpoint) = looks.viewpoint(&points) else { return Ok(None) };
+    let Some(viewpoint) = looks.viewpoint(&points, &cancelled)? else { return Ok(None) };
     if !viewpoint.is_sensor() {
         points.turn(|p| viewpoint.turn(&p));
     }
@@ -97,7 +100,7 @@ pub(crate) fn detect_points_until(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    looks.note(size, image.closed, &points);
+    looks.note(size, image.closed, &points, &cancelled)?;
     let from_origin = viewpoint.is_origin() && !image.closed;
     let whole = viewpoint.is_sensor() && !image.closed;
     Ok(Some(Detections { cylinders, labels, from_origin, whole, ..seen }))

@@ -261,7 +261,7 @@ impl Detector {
                 })?;
                 scene.add(found);
             }
-            more = looks.go_on(points, !scene.cylinders.is_empty());
+            more = looks.go_on(!scene.cylinders.is_empty());
         }
         scene.order(self.options.search.max_count);
         Ok(scene)

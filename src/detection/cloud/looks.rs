@@ -1,8 +1,9 @@
 //! The looks at a cloud: from where, at which part of it, and how finely.
 
 use super::super::grid::side_of_cells;
-use super::viewpoints::{Kind, Viewpoint, from_all_sides, of_origin};
-use super::{Cloud, FEWEST, tiles};
+use super::viewpoints::{Viewpoint, from_all_sides, of_origin};
+use super::{Asked, Cloud, FEWEST, tiles};
+use crate::error::Result;
 use crate::observations::PointsView;
 
 /// Cells of a cloud take this many pixels to each side at least: with a point to a pixel, one in three is empty.
@@ -13,6 +14,9 @@ const FEW_CELLS: usize = 4_000;
 
 /// How often a cloud is cut into smaller tiles.
 const LEVELS: u32 = 4;
+
+/// The sides that a tile is looked at from.
+const SIDES: usize = 6;
 
 /// The looks at a cloud, one after the other: from its origin, and where that is not where all of it was seen from, from all sides, and
 /// from all sides of tiles of it, in which less hides the rest and pixels are as small as the points there allow.
@@ -30,9 +34,12 @@ pub(crate) struct Looks {
     closed: bool,
     /// How often the same surface may have been looked at before.
     before: usize,
-    /// The points of the tiles of this level that are still to be looked at, the present one last; none for the whole cloud.
-    tiles: Vec<Vec<u32>>,
+    /// How often the cloud is cut in halves; the whole of it is looked at first.
     level: u32,
+    /// The points of the tiles of this level that are still to be looked at, the present one last.
+    tiles: Vec<Vec<u32>>,
+    /// Whether the cloud has been cut into them.
+    cut: bool,
 }
 
 impl Looks {
@@ -41,31 +48,48 @@ impl Looks {
         self.tiles.last().map(Vec::as_slice)
     }
 
+    /// Cuts the cloud into tiles where that is due. Whether there is anything to look at.
+    pub(super) fn prepare(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+        if self.level > 0 && !self.cut {
+            self.tiles = tiles::of(points, self.level, asked)?;
+            self.cut = true;
+        }
+        Ok(self.level == 0 || !self.tiles.is_empty())
+    }
+
     /// The viewpoint of the look at points; `None` for too few points.
-    pub(super) fn viewpoint(&mut self, points: &Cloud) -> Option<Viewpoint> {
+    pub(super) fn viewpoint(&mut self, points: &Cloud, asked: &Asked<'_>) -> Result<Option<Viewpoint>> {
         if points.usable < FEWEST {
-            return None;
+            return Ok(None);
         }
         if self.viewpoints.is_empty() {
             self.side = LEAST_SIDE;
             if self.level == 0 {
                 self.viewpoints = of_origin(points);
             }
-            if self.viewpoints.first().is_none_or(|first| first.kind != Kind::Sensor) {
-                self.viewpoints.extend(from_all_sides(points));
+            if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {
+                self.viewpoints.extend(from_all_sides(points, asked)?);
             }
         }
-        self.viewpoints.get(self.current).copied()
+        Ok(self.viewpoints.get(self.current).copied())
     }
 
     /// Notes what the image of the present look is like: its size, and whether there is another wall behind what is seen.
-    pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool, points: &Cloud) {
+    pub(super) fn note(
+        &mut self,
+        (width, height): (usize, usize),
+        closed: bool,
+        points: &Cloud,
+        asked: &Asked<'_>,
+    ) -> Result<()> {
         self.few_cells = width * height < FEW_CELLS * self.side * self.side;
         let viewpoint = self.viewpoints[self.current];
         self.closed |= closed && viewpoint.is_origin();
         if viewpoint.is_sensor() && closed && self.viewpoints.len() == 1 {
-            self.viewpoints.extend(from_all_sides(points));
+            // No sensor was there.
+            self.viewpoints.extend(from_all_sides(points, asked)?);
         }
+        Ok(())
     }
 
     /// Pixels along the side of a cell of an image of some size.
@@ -80,7 +104,7 @@ impl Looks {
 
     /// Goes on to the next look, where there is one: with finer cells where these are few and nothing was found in any look so
     /// far, else from the next viewpoint, else at the next tile.
-    pub fn go_on(&mut self, points: &PointsView<'_>, found: bool) -> bool {
+    pub fn go_on(&mut self, found: bool) -> bool {
         if !found && self.few_cells && self.side > 1 {
             self.side -= 1;
             self.before += 1;
@@ -101,17 +125,11 @@ impl Looks {
         self.viewpoints.clear();
         self.current = 0;
         self.tiles.pop();
-        while self.tiles.is_empty() {
-            if self.level == LEVELS {
-                return false;
-            }
+        if self.tiles.is_empty() {
             self.level += 1;
-            self.tiles = tiles::of(points, self.level);
+            self.cut = false;
         }
-        self.before = (SIDES * self.level) as usize;
-        true
+        self.before = SIDES * self.level as usize;
+        self.level <= LEVELS
     }
 }
-
-/// The sides that a tile is looked at from.
-const SIDES: u32 = 6;

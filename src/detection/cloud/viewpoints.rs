@@ -1,6 +1,7 @@
 //! From where a cloud is looked at.
 
-use super::{Cloud, is_in_front};
+use super::{Asked, Cloud, is_in_front};
+use crate::error::Result;
 use crate::statistics::median;
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
@@ -16,7 +17,7 @@ const NEARLY_ALL: f64 = 0.98;
 
 /// What a viewpoint is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+enum Kind {
     /// The origin, nearly all points being in front of a camera there.
     Sensor,
     /// The origin, in whatever direction.
@@ -31,7 +32,7 @@ pub(super) struct Viewpoint {
     pub origin: Vector3<f64>,
     /// The largest slope of its rays about the z axis.
     pub widest: f64,
-    pub kind: Kind,
+    kind: Kind,
 }
 
 impl Viewpoint {
@@ -92,11 +93,13 @@ pub(super) fn of_origin(points: &Cloud) -> Vec<Viewpoint> {
 }
 
 /// From far away along the principal directions of the spread of the points, that of the least first, from both sides.
-pub(super) fn from_all_sides(points: &Cloud) -> Vec<Viewpoint> {
-    let middle = Vector3::from_fn(|axis, _| {
+pub(super) fn from_all_sides(points: &Cloud, asked: &Asked<'_>) -> Result<Vec<Viewpoint>> {
+    let mut middle = Vector3::zeros();
+    for axis in 0..3 {
         let mut values: Vec<f64> = points.usable().map(|p| p[axis]).collect();
-        median(&mut values)
-    });
+        middle[axis] = median(&mut values);
+        asked()?;
+    }
     let mut spread = Matrix3::zeros();
     let mut distances: Vec<f64> = Vec::with_capacity(points.usable);
     for point in points.usable() {
@@ -108,9 +111,10 @@ pub(super) fn from_all_sides(points: &Cloud) -> Vec<Viewpoint> {
             spread += offset * offset.transpose() / norm;
         }
     }
+    asked()?;
     let size = median(&mut distances);
     if size <= 0.0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let eigen = spread.symmetric_eigen();
     let mut order = [0, 1, 2];
@@ -124,5 +128,5 @@ pub(super) fn from_all_sides(points: &Cloud) -> Vec<Viewpoint> {
             viewpoints.push(Viewpoint::new(middle - z * (10.0 * size), &z, WIDEST, Kind::Elsewhere));
         }
     }
-    viewpoints
+    Ok(viewpoints)
 }
