@@ -18,6 +18,14 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The upper median, and the standard deviation about it, from the median of the distances: 0 for no values, in place of which these
+/// distances are left.
+pub(crate) fn median_and_deviation(values: &mut [f64]) -> [f64; 2] {
+    let middle = median(values);
+    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
+    [middle, DEVIATION_OF_MEDIAN * median(values)]
+}
+
 /// The upper median of the absolute values of numbers, 0 for none.
 pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
     size_at(numbers, 2)

@@ -16,6 +16,7 @@ use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
 pub(crate) use looks::Looks;
+pub(crate) use members::reach;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

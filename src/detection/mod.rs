@@ -25,7 +25,7 @@ mod score;
 mod search;
 mod surface;
 
-pub(crate) use cloud::{Looks, detect_points_until};
+pub(crate) use cloud::{Looks, detect_points_until, reach};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 

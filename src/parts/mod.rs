@@ -13,7 +13,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median, ordered};
+use crate::statistics::{LOWER_QUARTILE, lower_quartile_size, median_and_deviation, ordered};
 use nalgebra::Vector3;
 use outline::Rims;
 use shoulder::shoulder;
@@ -180,24 +180,17 @@ impl Parts {
                 let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
                 let position =
                     rims.get_or_init(|| Rims::new(camera, mask, cylinder)).far(outward, before, noise)?;
-                let past = |sight: &Sight| (sight.position - position) * outward > 0.0;
-                let past: List<f64> = beyond
-                    .iter()
-                    .zip(votes)
-                    .filter(|(sight, _)| past(sight))
-                    .map(|(_, vote)| *vote)
-                    .collect();
-                // Nor where the surface is not seen up to it: a neck is narrower, or a shoulder rounds the body off.
-                let up_to: List<f64> = beyond
-                    .iter()
-                    .zip(votes)
-                    .filter(|(sight, _)| (sight.position - position) * outward <= 0.0)
-                    .map(|(_, vote)| *vote)
-                    .collect();
-                if sum(&up_to) >= least {
+                let votes_past = |past: bool| -> List<f64> {
+                    let chosen = |sight: &Sight| ((sight.position - position) * outward > 0.0) == past;
+                    let pairs = beyond.iter().zip(votes).filter(|(sight, _)| chosen(sight));
+                    pairs.map(|(_, vote)| *vote).collect()
+                };
+                // Where the surface is not seen up to it, it is none: a neck is narrower, or a shoulder rounds the body off.
+                if sum(&votes_past(false)) >= least {
                     return None;
                 }
-                // Where the surface itself is seen beyond it, it is none.
+                // Nor where the surface itself is seen beyond it.
+                let past = votes_past(true);
                 let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
                 let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;
                 (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
@@ -402,8 +395,6 @@ fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> 
     if along.len() < LEAST_CAP.count() {
         return None;
     }
-    let middle = median(&mut along);
-    let mut apart: List<f64> = along.iter().map(|position| (position - middle).abs()).collect();
-    let spread = DEVIATION_OF_MEDIAN * median(&mut apart);
+    let [middle, spread] = median_and_deviation(&mut along);
     (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some((middle, spread))
 }

@@ -1,7 +1,7 @@
 //! Shoulders, as those of bottles: the depth leaves the surface of the body little by little, and there is no rim.
 
 use super::{BodyEnd, EndSign, REACH, SURPLUS, Sight};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::median_and_deviation;
 
 constants! {
     /// The part of the reach by which the depth of a shoulder has left that of the body where it is told.
@@ -50,9 +50,7 @@ pub(super) fn shoulder(
     // The half that is farther from the end tells where the surface of the body is, and how well.
     let mut own = [0.0; SLICES / 2];
     own.copy_from_slice(&means[SLICES / 2..]);
-    let level = median(&mut own);
-    own.iter_mut().for_each(|mean| *mean = (*mean - level).abs());
-    let scatter = DEVIATION_OF_MEDIAN * median(&mut own);
+    let [level, scatter] = median_and_deviation(&mut own);
     let tolerance = (REACH.get() * scatter).max(PART.get() * reach);
     let slices = means.iter().position(|mean| mean - level >= -tolerance)?;
     let length = slices as f64 * slice;

@@ -5,7 +5,7 @@ use super::growth::{grown, is_round};
 use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
-use crate::detection::{Band, Detection, Detections, Evidence};
+use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, with_odds_divided};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -36,11 +36,25 @@ pub(super) struct Fits<'a> {
     options: &'a DetectorOptions,
     pub seen: Detections,
     pub size: (usize, usize),
+    /// The odds that what was found is none add up over so many looks.
+    tries: f64,
 }
 
 impl<'a> Fits<'a> {
     pub fn new(options: &'a DetectorOptions, seen: Detections, size: (usize, usize)) -> Self {
-        Self { options, seen, size }
+        Self { options, seen, size, tries: 1.0 }
+    }
+
+    /// After other looks at the same scene.
+    pub fn after(self, tries: f64) -> Self {
+        Self { tries, ..self }
+    }
+
+    /// Whether a cylinder may be returned, whatever its fit comes to. The search counts the pixels of cells, measured or not.
+    pub fn may_stay(&self, cylinder: usize) -> bool {
+        let Detection { pixels, evidence, .. } = &self.seen.cylinders[cylinder];
+        let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
+        *pixels >= min_pixels && with_odds_divided(evidence.highest_after_fit(), self.tries) >= min_score
     }
 
     /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera; without a
@@ -87,19 +101,21 @@ impl<'a> Fits<'a> {
         let places_of = |region: &[usize]| region.iter().map(|&k| place(k)).collect::<Vec<Vector3<f64>>>();
         let number = |k: usize| part.map_or(k, |part| part[k] as usize);
         let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
-        let (mut fitter, mut result) = self.of_region(points, &region, &detection, share)?;
+        let mut places = places_of(&region);
+        let (mut fitter, mut result) = self.of_region(points, (&region, &places), &detection, share)?;
         let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
         for _ in 0..rounds {
             let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
             let free = (0..taken.len()).filter(of_use).map(|k| (k, place(k)));
-            let next = grown(&result.cylinder, &places_of(&region), free);
+            let next = grown(&result.cylinder, &places, free);
             if next.len() < FEWEST || next == region {
                 break;
             }
             let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
+            places = places_of(&next);
             region = next;
             detection = Detection { cylinder: result.cylinder, pixels: region.len(), ..detection };
-            (fitter, result) = self.of_region(points, &region, &detection, share)?;
+            (fitter, result) = self.of_region(points, (&region, &places), &detection, share)?;
             if settled {
                 break;
             }
@@ -114,18 +130,17 @@ impl<'a> Fits<'a> {
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
         let mut found = found(*fitter, evidence, &detection, result);
-        if !self.seen.whole && !is_round(&found.result.cylinder, &places_of(&region)) {
-            found.score = 0.0;
-        }
+        let is_one = self.seen.whole || is_round(&found.result.cylinder, &places);
+        found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         found.region = region;
         Ok(found)
     }
 
-    /// The fit of a region of a cloud.
+    /// The fit of a region of a cloud, with the numbers and places of its points.
     fn of_region(
         &self,
         points: &PointsView<'_>,
-        region: &[usize],
+        (region, places): (&[usize], &[Vector3<f64>]),
         detection: &Detection,
         share: Option<&Share<'_>>,
     ) -> Result<(Box<Fitter>, FitResult)> {
@@ -135,9 +150,7 @@ impl<'a> Fits<'a> {
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
-        let place = |k: usize| points.points.at(k % self.size.0, k / self.size.0);
-        let places: Vec<Vector3<f64>> = region.iter().map(|&k| place(k)).collect();
-        let middle = |cylinder: &Cylinder| self.middle(region, &places, cylinder);
+        let middle = |cylinder: &Cylinder| self.middle(region, places, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
         // Which points lie in the middle follows from the radius.

@@ -2,18 +2,19 @@
 //!
 //! What one look shows of a body is a side of it, and often a piece: the rest lies behind something, or beyond the image.
 
+use crate::detection::reach;
 use crate::geometry::{Cylinder, any_orthogonal};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::ops::Bound;
 
-/// Points lie on a surface up to so many standard deviations from it.
-const REACH: f64 = 4.0;
-
-/// But not beyond this part of the radius.
+/// Points lie on a surface up to this part of the radius from it, at most.
 const MOST_REACH: f64 = 0.15;
+
+/// They scatter by this part of the radius, at most: what fills all of that reach evenly, and is no surface, does by half as much again.
+const MOST_SCATTER: f64 = 0.5 * MOST_REACH;
 
 /// The length of a slice of a body, in radii.
 const SLICE: f64 = 0.5;
@@ -70,11 +71,7 @@ pub(super) fn grown(
     region: &[Vector3<f64>],
     points: impl Iterator<Item = (usize, Vector3<f64>)>,
 ) -> Vec<usize> {
-    let mut distances: Vec<f64> = region.iter().map(|point| cylinder.distance(point)).collect();
-    let off = median(&mut distances);
-    distances.iter_mut().for_each(|distance| *distance = (*distance - off).abs());
-    let scatter = DEVIATION_OF_MEDIAN * median(&mut distances);
-    let reach = (off.abs() + REACH * scatter).min(MOST_REACH * cylinder.radius);
+    let reach = reach(cylinder, region.iter().copied()).min(MOST_REACH * cylinder.radius);
     let mut of_region: Vec<i64> = region.iter().map(|point| slice_of(cylinder, point)).collect();
     of_region.sort_unstable();
     let stray = of_region.len() / STRAY;
@@ -93,7 +90,7 @@ pub(super) fn grown(
     let typical = median(&mut own().map(|slice| slice.count).collect::<Vec<f64>>());
     let spread = median(&mut own().map(Slice::spread).collect::<Vec<f64>>());
     // From the region to both sides.
-    let mut body: BTreeSet<i64> = (first..=last).filter(|slice| slices.contains_key(slice)).collect();
+    let mut body: BTreeSet<i64> = slices.range(first..=last).map(|(number, _)| *number).collect();
     let mut follow = |beyond: &mut dyn Iterator<Item = (&i64, &Slice)>| {
         let mut count = typical;
         for (number, slice) in beyond {
@@ -108,10 +105,13 @@ pub(super) fn grown(
     on_surface.into_iter().filter(|(_, slice)| body.contains(slice)).map(|(k, _)| k).collect()
 }
 
-/// Whether points lie on a cylinder, and neither on planes that meet in an edge or pass it by nor on anything else: what is left of them is
-/// noise but for little, and they bend by more than that.
+/// Whether points lie on a cylinder, and neither on planes that meet in an edge or pass it by nor on anything else: they scatter by little,
+/// what is left of them is noise but for less, and they bend by more than that.
 pub(super) fn is_round(cylinder: &Cylinder, region: &[Vector3<f64>]) -> bool {
-    misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius && bend(cylinder, region) >= LEAST_BEND
+    let scatter = DEVIATION_OF_MEDIAN * median_size(region.iter().map(|point| cylinder.distance(point)));
+    scatter <= MOST_SCATTER * cylinder.radius
+        && misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius
+        && bend(cylinder, region) >= LEAST_BEND * scatter
 }
 
 /// The standard deviation of the residuals of points beyond their noise: of their means over patches of the surface, where the points of
@@ -142,17 +142,15 @@ fn misfit(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
     ((between - of_noise) / f64::max(count, 1.0)).max(0.0).sqrt()
 }
 
-/// By how much the nearer half of the points about the middle of an arc bends away from its tangent, in standard deviations of their
-/// residuals: what is flat does by none.
+/// By how much the nearer half of the points about the middle of an arc bends away from its tangent: what is flat does by no more than it
+/// scatters.
 fn bend(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
     let middle = region.iter().map(|point| outward(cylinder, point)).sum::<Vector3<f64>>();
     // All around there is none.
     let middle = middle.try_normalize(0.0).unwrap_or_default();
     let depth = |point: &Vector3<f64>| cylinder.radius * (1.0 - middle.dot(&outward(cylinder, point)));
     let mut depths: Vec<f64> = region.iter().map(depth).collect();
-    let mut residuals: Vec<f64> = region.iter().map(|point| cylinder.distance(point).abs()).collect();
-    let deviation = DEVIATION_OF_MEDIAN * median(&mut residuals);
-    median(&mut depths) / deviation.max(f64::MIN_POSITIVE)
+    median(&mut depths)
 }
 
 #[cfg(test)]
@@ -203,6 +201,17 @@ mod tests {
         };
         assert!(round(&wider(0.03)));
         assert!(!round(&wider(0.1)));
+        // What fills the reach evenly has no misfit, and bends.
+        let filled: Vec<Vector3<f64>> = (-15..=15)
+            .flat_map(|k| {
+                half(0.0, 2.0, 0.0).into_iter().map(move |p| {
+                    let r = 1.0 + 0.01 * f64::from(k);
+                    Vector3::new(r * p.x, r * p.y, p.z)
+                })
+            })
+            .collect();
+        assert!(misfit(&cylinder(), &filled) < OUT_OF_ROUND && bend(&cylinder(), &filled) > 0.25);
+        assert!(!round(&filled));
         // A strip that bends by less than its noise.
         let strip = half(0.0, 2.0, 0.02).into_iter().filter(|p| p.x.abs() < 0.2).collect::<Vec<_>>();
         assert!(misfit(&cylinder(), &strip) < OUT_OF_ROUND);

@@ -12,7 +12,6 @@ mod work;
 
 use crate::detection::{
     Detection, DetectionOptions, Detections, Looks, detect_points_until, detect_until, least_before_fit,
-    with_odds_divided,
 };
 use crate::error::{Error, Result};
 use crate::fitter::{Flags, Options, StartKind};
@@ -252,12 +251,9 @@ impl Detector {
                 detect_points_until(points, &scene.labels, &mut looks, &search, stopped)
             })?;
             if let Some(seen) = seen {
-                let fits = Fits::new(&self.options, seen, size);
+                let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let found = self.fit_all(fits, observer, |fits, task, share| {
-                    let mut found = fits.of_points(points, looks.part(), &scene.labels, task, share)?;
-                    // Each look may show something that is none, and the odds of that add up.
-                    found.score = with_odds_divided(found.score, looks.tries());
-                    Ok(found)
+                    fits.of_points(points, looks.part(), &scene.labels, task, share)
                 })?;
                 scene.add(found);
             }
@@ -272,12 +268,6 @@ impl Detector {
         let limits = of_search(&self.options.search.limits, into_camera);
         let min_score = least_before_fit(self.options.search.min_score);
         DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
-    }
-
-    /// Whether a cylinder may be returned, whatever its fit comes to. The search counts the pixels of cells, measured or not.
-    fn may_stay(&self, detection: &Detection) -> bool {
-        let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
-        detection.pixels >= min_pixels && detection.evidence.highest_after_fit() >= min_score
     }
 
     /// Whether a cylinder keeps the limits by itself: one that was found outside does where the fit led inside, and no
@@ -332,7 +322,7 @@ impl Detector {
                 let task = &tasks[index];
                 if poll().is_break() {
                     *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
-                } else if self.may_stay(&detections[task.cylinder])
+                } else if fits.may_stay(task.cylinder)
                     && let Some(share) = work.share(index, &poll)
                 {
                     // What would be dropped whatever its fit came to has none.

@@ -55,8 +55,8 @@ pub struct Scene {
     pub labels: Vec<u16>,
     /// Columns and rows of the labels.
     pub size: (usize, usize),
-    /// Whether all of it was looked at. The work of a search with its fits is bounded, so that no input takes much longer than
-    /// any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
+    /// Whether all of it was looked at. The work of a search with its fits is bounded, for a cloud that of each look at it, so that
+    /// no input takes much longer than any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
     /// work left is what the search found, with [`crate::fitter::Flags::NOT_CONVERGED`].
     pub complete: bool,
 }
@@ -96,12 +96,13 @@ impl Scene {
         for mut found in other.cylinders {
             let region = std::mem::take(&mut found.region);
             let own = region.iter().filter(|&&k| self.labels[k] == 0).count();
+            // Labels have 16 bits.
+            let Ok(label) = u16::try_from(self.cylinders.len() + 1) else { break };
             if 2 * own < region.len() {
                 continue;
             }
             found.pixels = own;
             self.cylinders.push(found);
-            let label = self.cylinders.len() as u16;
             region.into_iter().for_each(|k| {
                 if self.labels[k] == 0 {
                     self.labels[k] = label;

@@ -97,7 +97,7 @@ impl Looks {
         if self.side < LEAST_SIDE { self.side } else { side_of_cells(size, f64::INFINITY).max(LEAST_SIDE) }
     }
 
-    /// The odds that what a look shows is none add up over so many looks.
+    /// So many looks may have shown the same surface, the present one among them.
     pub fn tries(&self) -> f64 {
         (self.before + 1) as f64
     }

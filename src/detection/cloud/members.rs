@@ -5,7 +5,7 @@ use crate::detection::{Detection, Detections};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
 
 /// Points lie on a surface up to so many standard deviations from it.
@@ -26,14 +26,10 @@ struct Surface {
 }
 
 impl Surface {
-    /// With the reach by some of its points: their scatter, and by how much the cylinder itself may be off.
+    /// With the reach by some of its points.
     fn new(detection: &Detection, points: impl Iterator<Item = Vector3<f64>>) -> Self {
         let Detection { cylinder, along, .. } = *detection;
-        let mut distances: List<f64> = points.map(|point| cylinder.distance(&point)).collect();
-        let off = median(&mut distances);
-        distances.iter_mut().for_each(|distance| *distance = (*distance - off).abs());
-        let reach = off.abs() + REACH * DEVIATION_OF_MEDIAN * median(&mut distances);
-        Self { cylinder, along, reach }
+        Self { cylinder, along, reach: reach(&cylinder, points) }
     }
 
     /// How far a point lies from the surface, in parts of the reach; `None` beyond it, and beyond its ends.
@@ -49,6 +45,14 @@ impl Surface {
         let outward = point - self.cylinder.axis.nearest_to(point);
         (outward.norm() - self.cylinder.radius).abs() <= self.reach && outward.dot(point) < 0.0
     }
+}
+
+/// How far from the surface of a cylinder points lie at most, by some that do: by their scatter, and by how much the cylinder itself may
+/// be off.
+pub(crate) fn reach(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> f64 {
+    let mut distances: List<f64> = points.map(|point| cylinder.distance(&point)).collect();
+    let [off, scatter] = median_and_deviation(&mut distances);
+    off.abs() + REACH * scatter
 }
 
 /// The surfaces of the cylinders that an image shows.

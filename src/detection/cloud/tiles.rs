@@ -1,6 +1,6 @@
 //! Cubes that a cloud is cut into.
 
-use super::{Asked, STRAY};
+use super::{Asked, STRAY, in_order};
 use crate::error::Result;
 use crate::observations::PointsView;
 use nalgebra::Vector3;
@@ -18,14 +18,13 @@ pub(super) fn of(points: &PointsView<'_>, level: u32, asked: &Asked<'_>) -> Resu
     };
     let mut range = [[0.0; 2]; 3];
     for (axis, range) in range.iter_mut().enumerate() {
-        let mut values: Vec<f64> = all().map(|point| point[axis]).filter(|x| x.is_finite()).collect();
+        let values: Vec<f64> = all().map(|point| point[axis]).filter(|x| x.is_finite()).collect();
         if values.is_empty() {
             return Ok(Vec::new());
         }
         let stray = (STRAY * values.len() as f64) as usize;
         let last = values.len() - 1 - stray;
-        *range = [stray, last].map(|place| *values.select_nth_unstable_by(place, f64::total_cmp).1);
-        asked()?;
+        *range = in_order(&values, [stray, last], asked)?;
     }
     let edge = range.iter().map(|[low, high]| high - low).fold(0.0, f64::max) / f64::from(1_u32 << level);
     if edge <= 0.0 {
