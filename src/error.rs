@@ -161,6 +161,19 @@ pub enum Error {
     },
 }
 
+/// What a caller does with a failure is its own business, unless the fit was cancelled, which is the outer error.
+pub(crate) fn unless_cancelled<T>(result: Result<T>) -> Result<Result<T>> {
+    match result {
+        Err(error @ Error::Cancelled { .. }) => Err(error),
+        other => Ok(other),
+    }
+}
+
+/// Refuses to go on with what was stopped before its first iteration.
+pub(crate) fn cancelled_if(stopped: bool) -> Result<()> {
+    if stopped { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) }
+}
+
 impl Error {
     /// An [`Error::InvalidArgument`].
     pub(crate) fn argument(

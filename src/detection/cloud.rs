@@ -11,7 +11,7 @@ use super::grid::Grid;
 use super::labels::{count_pixels, label};
 use super::search::search;
 use super::{DetectionOptions, Detections, row};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, cancelled_if};
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
@@ -55,7 +55,7 @@ pub(crate) fn detect_points_until(
     stopped: &dyn Fn() -> bool,
 ) -> Result<Option<Detections>> {
     options.check()?;
-    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let cancelled = || cancelled_if(stopped());
     if !looks.prepare(view, &cancelled)? {
         return Ok(None);
     }
@@ -378,7 +378,7 @@ mod tests {
         let end = std::cell::Cell::new(usize::MAX);
         let question = || {
             asked.set(asked.get() + 1);
-            if asked.get() < end.get() { Ok(()) } else { Err(Error::Cancelled { iterations: 0 }) }
+            cancelled_if(asked.get() >= end.get())
         };
         let cloud = Cloud::read(&view, None, &vec![0; count], &question).unwrap();
         assert_eq!(asked.replace(0), 3);

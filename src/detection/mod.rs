@@ -34,7 +34,7 @@ pub(crate) use region::detect_in_mask;
 pub(crate) use score::{least_before_fit, with_odds_divided};
 
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, cancelled_if};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::observations::{DepthImage, GreyImage, check_same_size};
@@ -209,7 +209,7 @@ pub(crate) fn detect_until(
             ray.unwrap_or_default().cast::<f32>().cast::<f64>().into()
         }),
     };
-    let cancelled = || if stopped() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let cancelled = || cancelled_if(stopped());
     cancelled()?;
     let mut grid = Grid::new((width, height), pixel, side_of_cells((width, height), pixel), &read_points);
     cancelled()?;

@@ -10,7 +10,7 @@ use super::search::{Judged, LEAST_SCORE, candidates, distinct};
 use super::surface::{Optics, Surface};
 use super::{caps, parts, planes, row};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::observations::{DepthImage, Mask};
@@ -95,9 +95,7 @@ pub(crate) fn detect_in_mask(
     effort.limit(VISITS);
     parts::join(&scene, &mut found, &options, &mut marks);
     let worth = |k: usize| found[k].score * found[k].candidate.gain;
-    if effort.is_stopped() {
-        return Err(Error::Cancelled { iterations: 0 });
-    }
+    cancelled_if(effort.is_stopped())?;
     let best =
         (0..found.len()).filter(|&k| worth(k) >= LEAST_WORTH).max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
     Ok(match best.map(|best| found[best].candidate.surface) {

@@ -9,7 +9,7 @@ use super::noise::Noise;
 use super::outline::Normals;
 use super::surface::{Optics, Surface};
 use super::{DetectionOptions, parts, patch, planes};
-use crate::error::{Error, Result};
+use crate::error::{Result, cancelled_if};
 use crate::geometry::Cylinder;
 use nalgebra::Vector2;
 
@@ -77,7 +77,7 @@ pub(super) fn search(
     options: &DetectionOptions,
     effort: &Effort<'_>,
 ) -> Result<Vec<Judged>> {
-    let cancelled = || if effort.ask() { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) };
+    let cancelled = || cancelled_if(effort.ask());
     let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
     cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);

@@ -4,7 +4,7 @@ use super::callbacks::cylfuse_fit_all_fn;
 use super::handle::{change_quietly, cylfuse_fitter, stateless};
 use super::status::{Failure, cylfuse_status};
 use super::texts::{self, Text};
-use crate::error::Error;
+use crate::error::{Error, cancelled_if};
 use crate::fitter::each;
 use std::ffi::c_void;
 use std::ops::ControlFlow;
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn cylfuse_fit_all(
             // SAFETY: the index is below the count; no alignment is assumed.
             unsafe { out_statuses.add(index).write_unaligned(status) };
         }
-        if stopped { Err(Error::Cancelled { iterations: 0 }.into()) } else { Ok(()) }
+        Ok(cancelled_if(stopped)?)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Many fits at once.
 
 use super::{FitResult, Fitter};
-use crate::error::{Error, Result};
+use crate::error::{Result, cancelled_if};
 use crate::workers::Workers;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,9 +25,7 @@ pub fn fit_all(
 impl Fitter {
     /// Estimates the cylinder, unless it is stopped.
     pub(crate) fn fit_until(&mut self, stopped: &dyn Fn() -> bool) -> Result<FitResult> {
-        if stopped() {
-            return Err(Error::Cancelled { iterations: 0 });
-        }
+        cancelled_if(stopped())?;
         self.fit_with(&mut |_| if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 }
@@ -56,6 +54,7 @@ pub(crate) fn each<T: Send, R: Send>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
     use crate::observations::PointsView;
 
     /// A piece of a pipe, larger for each; the fourth is flat.

@@ -10,13 +10,13 @@ use super::guided::GuidedView;
 use super::guides::Guides;
 use super::held::{EndPlace, Held, HeldView};
 use super::located::{Located, Observations, held, lines_of};
-use super::objective::{Minimum, Precision};
+use super::objective::Precision;
 use super::options::{EdgeUse, Options, StartKind};
 use super::result::Flags;
 use super::run::Run;
 use super::scales::Scales;
 use super::start::{Candidate, EXPLAINED, SAMPLE, median_distance};
-use crate::error::{Error, Result};
+use crate::error::{Result, unless_cancelled};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::limb_location::{Appearance, LimbSearch, locate_limbs_again};
 use crate::memory::List;
@@ -133,7 +133,7 @@ impl Sequence<'_, '_> {
         let without_lines = |view: &ViewData<'_>| HeldView::new(view, &[], 0, 0);
         let held = Held { views: data.views.iter().map(without_lines).collect(), ..Held::default() };
         let minimum = data.minimise_near(&held, cylinder, self.scales.clone(), Precision::Rough, run);
-        Ok(unless_cancelled(minimum)?.map(|minimum| *minimum.cylinder()))
+        Ok(unless_cancelled(minimum)?.ok().map(|minimum| *minimum.cylinder()))
     }
 
     /// The limbs and arcs near a cylinder, which is the last one or, where that is not at rest, near it, and the minimum with
@@ -167,7 +167,7 @@ impl Sequence<'_, '_> {
                 None => data.minimise_near(&held, &before, self.scales.clone(), Precision::Full, run),
                 Some(located) => data.minimise_again(&held, &located.minimum, Precision::Full, run),
             };
-            let Some(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
+            let Ok(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
             if contradicts(data, &held, &minimum, self.scales.all) {
                 return Ok(None);
             }
@@ -233,12 +233,4 @@ fn guided(view: &ViewData<'_>, cylinder: &Cylinder) -> GuidedView {
         }
     });
     GuidedView { guides, range, deviation: view.noise.limb_of_points, unconfirmed: false }
-}
-
-/// A minimum, if there is one. The error is a cancelled fit.
-fn unless_cancelled(minimum: Result<Minimum>) -> Result<Option<Minimum>> {
-    match minimum {
-        Err(error @ Error::Cancelled { .. }) => Err(error),
-        other => Ok(other.ok()),
-    }
 }

@@ -21,7 +21,7 @@ use super::result::Flags;
 use super::run::Run;
 use super::scales::Scales;
 use super::start::Candidate;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::solver::Convergence;
 
@@ -123,8 +123,7 @@ fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candid
     if run.is_long(data) || !located.held.contradicts_segments(data, &guided.views) {
         return Ok((guided.start, located));
     }
-    match without_segments(data, run) {
-        Err(error @ Error::Cancelled { .. }) => Err(error),
+    match unless_cancelled(without_segments(data, run))? {
         Ok((start, without))
             if without.held.limbs_located() >= located.held.limbs_located().max(1)
                 && without.minimum.scale() <= CONTRADICTION * located.minimum.scale() =>

@@ -15,7 +15,7 @@ use super::run::Run;
 use super::start::{Candidate, EXPLAINED};
 use super::uncertainty::DISAGREEMENT;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::limb_location::{Outline, axial_range};
 use crate::memory::List;
@@ -135,10 +135,7 @@ pub(super) fn guide(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>
     for view in 0..data.views.len() {
         // A view that determines no cylinder joins the others all the same.
         let guided = data.only(view).and_then(|data| View { data: &data, run }.guide(candidates));
-        match guided {
-            Err(error @ Error::Cancelled { .. }) => return Err(error),
-            other => alone.push(other.ok()),
-        }
+        alone.push(unless_cancelled(guided)?.ok());
     }
     join(data, candidates, alone, given.flags, run)
 }
@@ -173,14 +170,13 @@ fn join(
     let onward = |guided: &Guided| Candidate { cylinder: *guided.minimum.cylinder(), ..guided.start };
     let starts = alone.iter().flatten().map(onward).chain(candidates.first().copied());
     for start in starts {
-        match data.best_minimum(&held, &[start], Precision::Rough, run) {
+        match unless_cancelled(data.best_minimum(&held, &[start], Precision::Rough, run))? {
             Ok(found) => {
                 let cost = |found: &(Candidate, Minimum)| found.1.scale();
                 if best.as_ref().is_none_or(|best| cost(&found) < cost(best)) {
                     best = Some(found);
                 }
             }
-            Err(error @ Error::Cancelled { .. }) => return Err(error),
             Err(error) => failure = failure.or(Some(error)),
         }
     }
@@ -414,11 +410,8 @@ impl<'a> View<'_, 'a, '_, '_> {
     /// Holds the limbs to guides and minimises from the first good candidate. The outer error is a cancelled fit.
     fn attempt(&mut self, guides: Guides, candidates: &[Candidate]) -> Result<Result<Attempt>> {
         let held = hold(self.data, std::iter::once(guides.all()), Flags::empty());
-        match self.data.best_minimum(&held, candidates, Precision::Rough, self.run) {
-            Ok((start, minimum)) => Ok(Ok(Attempt { start, minimum, guides })),
-            Err(error @ Error::Cancelled { .. }) => Err(error),
-            Err(error) => Ok(Err(error)),
-        }
+        let best = self.data.best_minimum(&held, candidates, Precision::Rough, self.run);
+        Ok(unless_cancelled(best)?.map(|(start, minimum)| Attempt { start, minimum, guides }))
     }
 
     /// The fit to the points alone.
@@ -427,10 +420,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         if matches!(self.data.options.start, StartKind::Auto | StartKind::Last) {
             let moments = candidates.iter().find(|candidate| candidate.kind == StartKind::Moments);
             let moments = moments.map(|candidate| candidate.cylinder);
-            match self.data.ransac_unless_explained(moments, self.run) {
-                Ok(cylinder) => starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder }),
-                Err(error @ Error::Cancelled { .. }) => return Err(error),
-                Err(_) => {}
+            let samples = self.data.ransac_unless_explained(moments, self.run);
+            if let Ok(cylinder) = unless_cancelled(samples)? {
+                starts.insert(0, Candidate { kind: StartKind::Ransac, cylinder });
             }
         }
         self.attempt(Guides::default(), &starts)?
@@ -475,11 +467,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// Whether the points alone would rather be another cylinder than that of a fit to edges as they were given.
     fn points_contradict(&mut self, fit: &Attempt, candidates: &[Candidate]) -> Result<bool> {
-        let alone = match self.alone(candidates) {
-            Err(error @ Error::Cancelled { .. }) => return Err(error),
-            Err(_) => return Ok(false),
-            Ok(alone) => alone,
-        };
+        let Ok(alone) = unless_cancelled(self.alone(candidates))? else { return Ok(false) };
         let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
         if fit.scale() > CONTRADICTION * alone.scale() {
             return Ok(true);

@@ -10,7 +10,7 @@ use super::outlier;
 use super::ranges::moved;
 use super::result::Flags;
 use super::run::Run;
-use crate::error::{Error, Result};
+use crate::error::{Result, unless_cancelled};
 use crate::geometry::{Cylinder, across};
 use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, locate_limbs};
 use crate::memory::List;
@@ -200,16 +200,12 @@ fn fit_to(
     run: &mut Run<'_>,
 ) -> Result<Option<Located>> {
     let held = held(data, &guided.views, guided.flags, lines);
-    match data.minimise_again(&held, &guided.minimum, Precision::Rough, run) {
-        Ok(minimum) => {
-            let bent = BENT * data.largest_bend(&guided.minimum);
-            let limit = CONTRADICTION * guided.minimum.scale().hypot(bent);
-            let agrees = minimum.scale() <= limit || minimum.scale() <= limit.hypot(shift());
-            Ok(agrees.then_some(Located { minimum, held }))
-        }
-        Err(error @ Error::Cancelled { .. }) => Err(error),
-        Err(_) => Ok(None),
-    }
+    let minimum = data.minimise_again(&held, &guided.minimum, Precision::Rough, run);
+    let Ok(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
+    let bent = BENT * data.largest_bend(&guided.minimum);
+    let limit = CONTRADICTION * guided.minimum.scale().hypot(bent);
+    let agrees = minimum.scale() <= limit || minimum.scale() <= limit.hypot(shift());
+    Ok(agrees.then_some(Located { minimum, held }))
 }
 
 /// What a fit is held to: the located limbs with the given segments that agree with them, and the guides of the others.

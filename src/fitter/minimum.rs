@@ -5,7 +5,7 @@ use super::held::Held;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
 use super::start::Candidate;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::geometry::Cylinder;
 
 /// The part of the points on the visible wall from which on a minimum is beyond doubt: noise near the limbs
@@ -25,7 +25,7 @@ impl Data<'_> {
         let mut hidden: Option<(Candidate, Minimum)> = None;
         let mut failure = None;
         for candidate in candidates {
-            match self.minimum_on_visible_wall(held, &candidate.cylinder, precision, run) {
+            match unless_cancelled(self.minimum_on_visible_wall(held, &candidate.cylinder, precision, run))? {
                 Ok((minimum, true)) => return Ok((*candidate, minimum)),
                 Ok((minimum, false)) => {
                     let cost = |minimum: &Minimum| minimum.convergence.cost;
@@ -33,7 +33,6 @@ impl Data<'_> {
                         hidden = Some((*candidate, minimum));
                     }
                 }
-                Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = failure.or(Some(error)),
             }
         }
@@ -71,15 +70,10 @@ impl Data<'_> {
             return Ok((first, visible));
         }
         let other_side = self.mirrored_away(if swallowed { start } else { first.cylinder() });
-        match solve(&other_side) {
-            Ok((second, other)) => {
-                let second_visible = other >= 0.5;
-                let lower = second.convergence.cost < first.convergence.cost;
-                let better = if second_visible == visible { lower } else { second_visible };
-                Ok(if better { (second, second_visible) } else { (first, visible) })
-            }
-            Err(error @ Error::Cancelled { .. }) => Err(error),
-            Err(_) => Ok((first, visible)),
-        }
+        let Ok((second, other)) = unless_cancelled(solve(&other_side))? else { return Ok((first, visible)) };
+        let second_visible = other >= 0.5;
+        let lower = second.convergence.cost < first.convergence.cost;
+        let better = if second_visible == visible { lower } else { second_visible };
+        Ok(if better { (second, second_visible) } else { (first, visible) })
     }
 }

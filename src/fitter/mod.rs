@@ -59,7 +59,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
     continued::CONSTANTS.to_vec()
 }
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, cancelled_if, unless_cancelled};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
@@ -239,11 +239,8 @@ impl Fitter {
                 if drawn.iter().all(Option::is_none) {
                     break;
                 }
-                match self.fit_views(drawn, run, &clock) {
-                    Ok(again) => (made_with, result, last) = again,
-                    Err(error @ Error::Cancelled { .. }) => return Err(error),
-                    Err(_) => break,
-                }
+                let Ok(again) = unless_cancelled(self.fit_views(drawn, run, &clock))? else { break };
+                (made_with, result, last) = again;
             }
             result.flags |= Flags::MASK_ENDS_WITH_DEPTH;
         }
@@ -415,9 +412,7 @@ impl Fitter {
                 (view.of_limbs, view.whole) = (of_limbs, whole && data.last.is_some());
             }
         }
-        if run.poll().is_break() {
-            return Err(Error::Cancelled { iterations: 0 });
-        }
+        cancelled_if(run.poll().is_break())?;
         let mut started = began;
         let fit = fit::fit(&data, run, || started = seconds())?;
         let ended = seconds();

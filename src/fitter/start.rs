@@ -4,7 +4,7 @@ use super::data::{Data, ViewData};
 use super::held::Held;
 use super::options::StartKind;
 use super::run::Run;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::start::moments::Moments;
@@ -145,9 +145,8 @@ impl Data<'_> {
         candidates.extend(moments.map(|cylinder| judge(Candidate { kind: StartKind::Moments, cylinder })));
         let mut failure = None;
         if !explained {
-            match self.ransac_unless_explained(moments, run) {
+            match unless_cancelled(self.ransac_unless_explained(moments, run))? {
                 Ok(cylinder) => candidates.push(judge(Candidate { kind: StartKind::Ransac, cylinder })),
-                Err(error @ Error::Cancelled { .. }) => return Err(error),
                 Err(error) => failure = Some(error),
             }
         }

@@ -6,7 +6,7 @@ use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
 use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, with_odds_divided};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
@@ -229,11 +229,8 @@ impl<'a> Fits<'a> {
         let mut known = Vec::new();
         for factor in radii.iter().take(attempts) {
             let start = pose.cylinder(&with_radius(seen, factor * seen.radius));
-            let result = match fit_from(fitter, &start, share, &mut known) {
-                Err(error @ Error::Cancelled { .. }) => return Err(error),
-                Err(_) => continue,
-                Ok(result) => result,
-            };
+            let fit = fit_from(fitter, &start, share, &mut known);
+            let Ok(result) = unless_cancelled(fit)? else { continue };
             let change = found.compare(&result.cylinder);
             let same = (change.radius_relative.abs() < reach || told_twice(&result))
                 && change.angle < 0.3

@@ -13,7 +13,7 @@ mod work;
 use crate::detection::{
     Detection, DetectionOptions, Detections, Looks, detect_points_until, detect_until, least_before_fit,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, cancelled_if};
 use crate::fitter::{Flags, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
@@ -283,15 +283,9 @@ impl Detector {
         observer: &mut Observer<'_>,
         find: impl FnOnce(&dyn Fn() -> bool) -> Result<T>,
     ) -> Result<T> {
-        let stop = |observer: &mut Observer<'_>| {
-            (observer.progress)(Progress::Search).is_break() || (observer.stopped)()
-        };
-        let cancelled = Err(Error::Cancelled { iterations: 0 });
-        if stop(observer) {
-            return cancelled;
-        }
+        cancelled_if((observer.progress)(Progress::Search).is_break() || (observer.stopped)())?;
         let found = find(&observer.stopped)?;
-        if (observer.stopped)() { cancelled } else { Ok(found) }
+        cancelled_if((observer.stopped)()).map(|()| found)
     }
 
     /// Fits every region that the work of a scene reaches, and puts the cylinders into the order of their scores.

@@ -1,7 +1,7 @@
 //! The score of a cylinder, its local optimisation, and whether it is a plane.
 
 use super::{Candidate, Check, cancelled};
-use crate::error::{Error, Result};
+use crate::error::{Result, unless_cancelled};
 use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
@@ -202,12 +202,9 @@ impl Scorer<'_> {
         };
         let domain =
             Domain { data_center: self.center, unit: self.size, chart: Chart::Local, limits: &self.limits };
-        match minimise(self, cylinder, &domain, &limits, &mut |_| check()) {
-            Ok(convergence) => Ok(convergence.cylinder),
-            Err(error @ Error::Cancelled { .. }) => Err(error),
-            // A hypothesis whose cost is not finite stays what it is.
-            Err(_) => Ok(*cylinder),
-        }
+        let convergence = minimise(self, cylinder, &domain, &limits, &mut |_| check());
+        // A hypothesis whose cost is not finite stays what it is.
+        Ok(unless_cancelled(convergence)?.map_or(*cylinder, |convergence| convergence.cylinder))
     }
 }
 
