@@ -174,6 +174,22 @@ pub(crate) fn cancelled_if(stopped: bool) -> Result<()> {
     if stopped { Err(Error::Cancelled { iterations: 0 }) } else { Ok(()) }
 }
 
+/// Refuses a number that is negative or not finite.
+pub(crate) fn not_negative(name: &str, value: f64) -> Result<()> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(Error::argument(name, value, "be finite and at least 0")),
+    }
+}
+
+/// Refuses a number that is not positive or not finite.
+pub(crate) fn positive(name: &str, value: f64) -> Result<()> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(Error::argument(name, value, "be finite and greater than 0")),
+    }
+}
+
 impl Error {
     /// An [`Error::InvalidArgument`].
     pub(crate) fn argument(

@@ -3,7 +3,7 @@
 //! Thresholds of the stages are multiples of these standard deviations, so that who knows the data better changes a
 //! number here and no threshold.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative, positive};
 
 /// Pixels of the image for which the standard deviations of edges and masks hold as they are: 640 × 480, on which they
 /// were measured.
@@ -162,17 +162,10 @@ impl NoiseModel {
             ("limb_of_points", self.limb_of_points),
         ];
         for (name, value) in given {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::argument(name, value, "be finite and greater than 0"));
-            }
+            positive(name, value)?;
         }
-        let from_zero = [("mask_growth", self.mask_growth), ("depth_shared", self.depth_shared)];
-        for (name, value) in from_zero {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::argument(name, value, "be finite and at least 0"));
-            }
-        }
-        Ok(())
+        not_negative("mask_growth", self.mask_growth)?;
+        not_negative("depth_shared", self.depth_shared)
     }
 
     /// The deviations in an image of some columns and rows. Nothing is farther off than the image is long, nor drawn on

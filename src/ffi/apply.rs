@@ -12,6 +12,7 @@ use super::structs::{
 };
 use super::views::{self, Grid, Slot, optional_cylinder, pixel_size};
 use crate::completion::{CompletionCounts, Region};
+use crate::error::positive;
 use crate::extent::{Extent, ExtentUncertainty};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
@@ -227,9 +228,7 @@ unsafe fn complete_depth(
     out: &cylfuse_depth_out,
 ) -> Result<cylfuse_completion, Failure> {
     let format = out.format.read("out.format")?;
-    if !(out.scale > 0.0 && out.scale.is_finite()) {
-        return Err(Failure::argument("out.scale", out.scale, "be finite and greater than 0"));
-    }
+    positive("out.scale", out.scale)?;
     let region = Region::new("completing the depth image", fitter, mask)?;
     let (width, height) = (out.width as usize, out.height as usize);
     region.mask.check_size("the depth image to be written", (width, height))?;

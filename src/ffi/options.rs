@@ -4,6 +4,7 @@ use super::constants::cylfuse_image_use;
 use super::status::Failure;
 use super::structs::{cylfuse_detector_options, cylfuse_options};
 use crate::detection::DetectionOptions;
+use crate::error::not_negative;
 use crate::fitter::Options;
 use crate::geometry::{AxisCone, CylinderLimits};
 use crate::noise::NoiseModel;
@@ -67,9 +68,7 @@ impl cylfuse_options {
             ("options.drawn_pixel", self.drawn_pixel),
         ];
         for (name, value) in told {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Failure::argument(name, value, "be finite and at least 0"));
-            }
+            not_negative(name, value)?;
         }
         if !self.depth_shared.is_finite() {
             let requirement = "be finite; less than 0 = none";

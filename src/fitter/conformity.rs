@@ -1,7 +1,7 @@
 //! Whether a measured length conforms to its tolerance: the decision rule of ISO 14253-1.
 
 use super::result::{FitResult, Flags};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, positive};
 
 impl Flags {
     /// The warnings of which a stated deviation says nothing: with one of them no measurement decides about a tolerance
@@ -62,10 +62,8 @@ impl Tolerance {
     /// # Errors
     /// `InvalidArgument` unless it is finite and greater than 0.
     pub fn with_coverage(self, coverage: f64) -> Result<Self> {
-        if coverage > 0.0 && coverage.is_finite() {
-            return Ok(Self { coverage, ..self });
-        }
-        Err(Error::argument("the coverage factor", coverage, "be finite and greater than 0"))
+        positive("the coverage factor", coverage)?;
+        Ok(Self { coverage, ..self })
     }
 
     /// What a value says with its standard deviation and the warnings of its result. Without a deviation it says nothing, nor

@@ -1,6 +1,6 @@
 //! The settings of a fit, each with its default, unit and reason.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative, positive};
 use crate::geometry::CylinderLimits;
 use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
@@ -198,14 +198,7 @@ impl Options {
             gradient_tolerance,
             step_tolerance,
         } = self.limits;
-        let positive = |value: f64| value > 0.0 && value.is_finite();
-        if !positive(initial_lambda) {
-            return Err(Error::argument(
-                "options.initial_lambda",
-                initial_lambda,
-                "be finite and greater than 0",
-            ));
-        }
+        positive("options.initial_lambda", initial_lambda)?;
         if !(lambda_factor > 1.0 && lambda_factor.is_finite()) {
             return Err(Error::argument(
                 "options.lambda_factor",
@@ -230,10 +223,7 @@ impl Options {
         if max_iterations == 0 {
             return Err(Error::argument("options.max_iterations", max_iterations, "be at least 1"));
         }
-        if !(self.ransac_threshold >= 0.0 && self.ransac_threshold.is_finite()) {
-            let value = self.ransac_threshold;
-            return Err(Error::argument("options.ransac_threshold", value, "be finite and at least 0"));
-        }
+        not_negative("options.ransac_threshold", self.ransac_threshold)?;
         if !(1..=LARGEST_MAX_ITERATIONS).contains(&self.ransac_iterations) {
             let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
             return Err(Error::argument(

@@ -1,7 +1,7 @@
 //! Which detected edges lie on the limbs of a rough fit.
 
 use super::Fitter;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 use crate::geometry::Cylinder;
 use crate::limb_location::edges_on_limbs;
 use crate::observations::{EdgeSegment, check_segments};
@@ -28,9 +28,7 @@ impl Fitter {
     ) -> Result<[Vec<usize>; 2]> {
         const CALL: &str = "selecting edges";
         check_segments(segments)?;
-        if !(reach >= 0.0 && reach.is_finite()) {
-            return Err(Error::argument("reach", reach, "be finite and at least 0"));
-        }
+        not_negative("reach", reach)?;
         let cylinder = self.pose().inverse().cylinder(&self.model_or_result(CALL, model)?);
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;

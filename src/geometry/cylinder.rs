@@ -1,7 +1,7 @@
 //! The infinite cylinder: distance, rays, walls, comparison.
 
 use super::line::Line;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, positive};
 use nalgebra::Vector3;
 
 /// An infinite cylinder: an axis and a radius, five degrees of freedom.
@@ -58,9 +58,7 @@ impl Cylinder {
             let given = format!("{:?}", direction.as_slice());
             return Err(Error::argument("axis direction", given, "be finite and not zero"));
         }
-        if !(radius > 0.0 && radius.is_finite()) {
-            return Err(Error::argument("radius", radius, "be finite and greater than 0"));
-        }
+        positive("radius", radius)?;
         Ok(Self { axis: Line::new(point, direction), radius })
     }
 

@@ -8,7 +8,7 @@ use super::chart::{LocalFrame, Tangent, TangentMap};
 use super::cylinder::Cylinder;
 use super::line::Line;
 use super::rotation::{any_orthogonal, rotate_direction};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -94,9 +94,7 @@ impl CylinderLimits {
     /// `InvalidArgument` that names the limit, its value and what it must be.
     pub fn check(&self) -> Result<()> {
         let Self { radius_min, radius_max, axis } = *self;
-        if !(radius_min >= 0.0 && radius_min.is_finite()) {
-            return Err(Error::argument("radius_min", radius_min, "be finite and at least 0"));
-        }
+        not_negative("radius_min", radius_min)?;
         if !(radius_max > 0.0 && radius_max >= radius_min) {
             let requirement = format!("be greater than 0 and at least radius_min, {radius_min}");
             return Err(Error::argument("radius_max", radius_max, requirement));

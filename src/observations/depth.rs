@@ -8,7 +8,7 @@ use super::points::PointCloud;
 use super::registration::Sight;
 use super::strided::Scalar;
 use super::views::DepthView;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 use crate::geometry::RigidMotion;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -35,9 +35,7 @@ impl DepthRange {
     /// # Errors
     /// `InvalidArgument` when `min` is negative or not below `max`.
     pub fn check(&self) -> Result<()> {
-        if !(self.min >= 0.0 && self.min.is_finite()) {
-            return Err(Error::argument("minimal depth", self.min, "be finite and at least 0"));
-        }
+        not_negative("minimal depth", self.min)?;
         if !(self.max > self.min) {
             let requirement = format!("be greater than the minimal depth {}", self.min);
             return Err(Error::argument("maximal depth", self.max, requirement));

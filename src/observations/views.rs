@@ -1,7 +1,7 @@
 //! Checked views of the caller's memory.
 
 use super::strided::{PlainNumber, Scalar, Strided, bytes_of};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, positive};
 use nalgebra::Vector3;
 
 /// Vectors of three coordinates in memory: x, y, z follow each other at the start of each element.
@@ -123,9 +123,7 @@ impl<'a> DepthView<'a> {
     /// # Errors
     /// `InvalidArgument` when the scale is not positive and finite.
     pub fn new(pixels: Strided<'a>, format: Pixels, scale: f64) -> Result<Self> {
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(Error::argument("depth scale", scale, "be finite and greater than 0"));
-        }
+        positive("depth scale", scale)?;
         Ok(Self { pixels, format, scale })
     }
 

@@ -36,7 +36,7 @@ pub use noise::{DepthNoise, StepNoise};
 pub use simulation::{Scatter, Trial};
 
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, positive};
 use crate::geometry::Cylinder;
 use nalgebra::Vector3;
 
@@ -94,9 +94,7 @@ impl Plan {
     pub fn check(&self) -> Result<()> {
         let sizes = [("distance", self.distance), ("radius", self.radius), ("length", self.length)];
         for (name, value) in sizes {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::argument(name, value, "be finite and greater than 0"));
-            }
+            positive(name, value)?;
         }
         if !(self.tilt.abs() <= MOST_TILT) {
             return Err(Error::argument("tilt", self.tilt, format!("be from {} to {MOST_TILT}", -MOST_TILT)));

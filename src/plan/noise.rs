@@ -1,7 +1,7 @@
 //! Laws of the noise of depth and image, by distance and size alone.
 
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 
 /// The noise of depth along the optical axis: σ(z) = `constant` + `linear` z + `quadratic` z², alike in squares of pixels of
 /// the side `correlation`.
@@ -58,9 +58,7 @@ impl DepthNoise {
             ("quadratic noise of depth", self.quadratic),
         ];
         for (name, value) in coefficients {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::argument(name, value, "be finite and at least 0"));
-            }
+            not_negative(name, value)?;
         }
         if !(self.at(1.0) > 0.0) {
             return Err(Error::argument("noise of depth", self.at(1.0), "be greater than 0"));

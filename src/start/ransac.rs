@@ -28,7 +28,7 @@ mod sample;
 mod score;
 
 use super::moments::Spread;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::observations::{PointCloud, PointsView};
@@ -435,9 +435,7 @@ fn check_arguments(
         let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
         return Err(Error::argument("ransac_max_iterations", max_iterations, requirement));
     }
-    if !(threshold >= 0.0 && threshold.is_finite()) {
-        return Err(Error::argument("threshold", threshold, "be finite and at least 0"));
-    }
+    not_negative("threshold", threshold)?;
     if !(confidence > 0.0 && confidence < 1.0) {
         return Err(Error::argument("confidence", confidence, "be greater than 0 and less than 1"));
     }

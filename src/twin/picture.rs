@@ -4,7 +4,7 @@ use super::random::{Purpose, Stream};
 use super::sampling::{Key, Sample, blur, mean_over_pixels};
 use super::scene::{Scene, Viewpoint};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, not_negative};
 use nalgebra::{Vector2, Vector3};
 
 /// The image side of the colour camera.
@@ -35,9 +35,7 @@ impl PictureOptions {
     /// `InvalidArgument`.
     pub fn check(&self) -> Result<()> {
         for (name, value) in [("blur", self.blur), ("read noise", self.read_noise)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::argument(name, value, "be finite and at least 0"));
-            }
+            not_negative(name, value)?;
         }
         for (name, value) in [("full well", self.full_well), ("exposure", self.exposure)] {
             if !(value > 0.0) {
