@@ -190,6 +190,19 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<()> {
     }
 }
 
+/// Makes room for so many more elements.
+pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize, what: &'static str) -> Result<()> {
+    let bytes = more.saturating_mul(size_of::<T>());
+    list.try_reserve(more).map_err(|_| Error::OutOfMemory { what, bytes })
+}
+
+/// An empty list with room for so many elements.
+pub(crate) fn with_room<T>(count: usize, what: &'static str) -> Result<Vec<T>> {
+    let mut list = Vec::new();
+    reserve(&mut list, count, what)?;
+    Ok(list)
+}
+
 impl Error {
     /// An [`Error::InvalidArgument`].
     pub(crate) fn argument(

@@ -4,7 +4,7 @@ use super::callbacks::cylfuse_fit_all_fn;
 use super::handle::{change_quietly, cylfuse_fitter, stateless};
 use super::status::{Failure, cylfuse_status};
 use super::texts::{self, Text};
-use crate::error::{Error, cancelled_if};
+use crate::error::{cancelled_if, with_room};
 use crate::fitter::each;
 use std::ffi::c_void;
 use std::ops::ControlFlow;
@@ -88,9 +88,7 @@ unsafe fn read<'a>(fitters: *const *mut cylfuse_fitter, count: usize) -> Result<
     if count > 0 && fitters.is_null() {
         return Err(Failure::NullPointer { name: "fitters" });
     }
-    let mut list = Vec::new();
-    let bytes = count.saturating_mul(size_of::<Shared<'_>>());
-    list.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the list of fitters", bytes })?;
+    let mut list = with_room(count, "the list of fitters")?;
     for index in 0..count {
         // SAFETY: the index is below the count; no alignment is assumed.
         list.push(Shared(unsafe { fitters.add(index).read_unaligned().as_ref() }));

@@ -7,7 +7,7 @@ use super::structs::{
     cylfuse_points_view, cylfuse_segments_view,
 };
 use crate::camera::{Distortion, Intrinsics};
-use crate::error::Error;
+use crate::error::{Error, with_room};
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::observations::{
     DepthRange, DepthView, EdgeSegment, ImageView, MaskView, Pixels, PointsView, Scalar, Strided, VectorsView,
@@ -284,10 +284,7 @@ pub(super) unsafe fn segments(view: &cylfuse_segments_view) -> Result<Vec<EdgeSe
         // SAFETY: the caller's obligation.
         Some(unsafe { grid.check(view.weights)?.view(view.weights) }?)
     };
-    let mut segments = Vec::new();
-    let bytes = view.count.saturating_mul(size_of::<EdgeSegment>());
-    let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
-    segments.try_reserve_exact(view.count).map_err(out_of_memory)?;
+    let mut segments = with_room(view.count, "the edge segments")?;
     segments.extend((0..view.count).map(|index| {
         let at = |component| coordinates.scalar(scalar, index, 0, component);
         let endpoints = [Vector2::new(at(0), at(1)), Vector2::new(at(2), at(3))];

@@ -5,7 +5,7 @@ use super::Fitter;
 use super::options::StartKind;
 use super::view::View;
 use crate::camera::{Camera, Intrinsics};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, reserve};
 use crate::geometry::RigidMotion;
 use crate::observations::{
     DepthCamera, DepthImage, DepthRange, DepthView, EdgeSegment, Frame, GreyImage, ImageView, Mask, MaskView,
@@ -54,9 +54,7 @@ impl Fitter {
             return Err(Error::argument("index of the view", index, requirement));
         }
         if index == count {
-            let bytes = size_of::<View>();
-            let out_of_memory = |_| Error::OutOfMemory { what: "a view", bytes };
-            self.views.try_reserve(1).map_err(out_of_memory)?;
+            reserve(&mut self.views, 1, "a view")?;
             self.views.push(View::default());
             self.made_with = None;
         }
@@ -264,9 +262,7 @@ impl Fitter {
     }
 
     fn reserve_segments(&mut self, segments: usize) -> Result<()> {
-        let bytes = segments.saturating_mul(size_of::<EdgeSegment>());
-        let out_of_memory = |_| Error::OutOfMemory { what: "the edge segments", bytes };
-        self.views[self.selected].segments.try_reserve(segments).map_err(out_of_memory)
+        reserve(&mut self.views[self.selected].segments, segments, "the edge segments")
     }
 
     /// The points that were pushed to the selected view.

@@ -59,7 +59,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
     continued::CONSTANTS.to_vec()
 }
 
-use crate::error::{Error, Result, cancelled_if, unless_cancelled};
+use crate::error::{Error, Result, cancelled_if, unless_cancelled, with_room};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
@@ -491,9 +491,7 @@ impl Fitter {
 
 /// A list in memory that is asked for.
 fn listed<T>(count: usize, numbers: impl Iterator<Item = T>) -> Result<Vec<T>> {
-    let mut list = Vec::new();
-    let bytes = count.saturating_mul(size_of::<T>());
-    list.try_reserve_exact(count).map_err(|_| Error::OutOfMemory { what: "the list", bytes })?;
+    let mut list = with_room(count, "the list")?;
     list.extend(numbers);
     Ok(list)
 }

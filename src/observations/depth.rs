@@ -8,7 +8,7 @@ use super::points::PointCloud;
 use super::registration::Sight;
 use super::strided::Scalar;
 use super::views::DepthView;
-use crate::error::{Error, Result, not_negative};
+use crate::error::{Error, Result, not_negative, with_room};
 use crate::geometry::RigidMotion;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -215,11 +215,7 @@ fn runs(columns: Range<usize>) -> impl Iterator<Item = Range<usize>> {
 
 /// Room for the values of a depth image.
 fn room_for(width: usize, height: usize) -> Result<Vec<f32>> {
-    let bytes = width.saturating_mul(height).saturating_mul(size_of::<f32>());
-    let out_of_memory = |_| Error::OutOfMemory { what: "the depth image", bytes };
-    let mut values = Vec::new();
-    values.try_reserve_exact(width * height).map_err(out_of_memory)?;
-    Ok(values)
+    with_room(width * height, "the depth image")
 }
 
 impl PointCloud {

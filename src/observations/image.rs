@@ -1,7 +1,7 @@
 //! The grey image that limbs and ends are located in, owned.
 
 use super::views::{ImageFormat, ImageView};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, with_room};
 use std::sync::OnceLock;
 
 /// A grey image. Values are linear in light; their unit has no meaning.
@@ -37,11 +37,11 @@ impl GreyImage {
     /// pixel.
     pub fn copy(view: &ImageView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
-        let mut values = reserved(width, height, 4)?;
+        let mut values = with_room(width * height, "the image")?;
         // Rows of no pixels are as many as the caller likes.
         let rows = if width == 0 { 0 } else { height };
         if view.format().is_color() {
-            let mut marked = reserved(width, height, 1)?;
+            let mut marked = with_room(width * height, "the image")?;
             let light: [f32; 256] = std::array::from_fn(|value| light(value as f32, 255.0, view.gamma()));
             for row in 0..rows {
                 for color in (0..width).map(|column| view.color(column, row)) {
@@ -168,15 +168,6 @@ fn ends_numbers(value: f32) -> bool {
     value >= 255.0 && (value as u32 + 1).is_power_of_two()
 }
 
-/// An empty vector with room for one element a pixel.
-fn reserved<T>(width: usize, height: usize, size: usize) -> Result<Vec<T>> {
-    let mut elements = Vec::new();
-    let bytes = width.saturating_mul(height).saturating_mul(size);
-    let out_of_memory = |_| Error::OutOfMemory { what: "the image", bytes };
-    elements.try_reserve_exact(width * height).map_err(out_of_memory)?;
-    Ok(elements)
-}
-
 /// The light of a coded value; that of `end` is `end`.
 fn light(value: f32, end: f32, gamma: f64) -> f32 {
     if gamma == 1.0 { value } else { end * f64::from(value / end).powf(gamma) as f32 }
@@ -191,7 +182,7 @@ fn decode(values: &mut [f32], view: &ImageView<'_>) -> Result<()> {
     }
     let end = if view.format() == ImageFormat::U16 { u16::MAX } else { u16::from(u8::MAX) };
     // A power takes far longer than a look into a table.
-    let mut table = reserved(usize::from(end) + 1, 1, 4)?;
+    let mut table = with_room(usize::from(end) + 1, "the image")?;
     table.extend((0..=end).map(|value| light(f32::from(value), f32::from(end), view.gamma())));
     values.iter_mut().for_each(|value| *value = table[*value as usize]);
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::size::check_same_size;
 use super::views::MaskView;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, reserve};
 use crate::memory::List;
 use pulp::Arch;
 use std::ops::Range;
@@ -48,8 +48,7 @@ impl Mask {
             return Err(Error::EmptyMask { width, height });
         }
         let mut pixels = List::new();
-        let bytes = width * height;
-        pixels.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "the mask", bytes })?;
+        reserve(&mut pixels, width * height, "the mask")?;
         // With the widest instructions of the machine.
         Arch::new().dispatch(|| (0..height).for_each(|row| view.read_row(row, &mut pixels)));
         let (mut columns, mut rows) = (width..0, height..0);

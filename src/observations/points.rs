@@ -8,7 +8,7 @@ use super::dropped::Dropped;
 use super::mask::Mask;
 use super::strided::Scalar;
 use super::views::PointsView;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, reserve};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
 pub(crate) use part::{ENOUGH, are_many};
@@ -69,13 +69,6 @@ impl Axes {
             Axes::F64(axes) => axes[0].len(),
         }
     }
-}
-
-/// Makes room for a total number of elements.
-fn reserve<T>(elements: &mut Vec<T>, total: usize, what: &'static str) -> Result<()> {
-    let bytes = total.saturating_mul(size_of::<T>());
-    let additional = total.saturating_sub(elements.len());
-    elements.try_reserve(additional).map_err(|_| Error::OutOfMemory { what, bytes })
 }
 
 /// Points in structure-of-arrays form. Coordinates are `origin` + offset.
@@ -408,10 +401,11 @@ impl PointCloud {
         let total = self.len() + added;
         // All memory is there before anything is added.
         if weighted {
-            reserve(&mut self.weights, total, "the weights")?;
+            let more = total - self.weights.len();
+            reserve(&mut self.weights, more, "the weights")?;
         }
         if oriented {
-            reserve(&mut self.normals, total, "the normals")?;
+            reserve(&mut self.normals, added, "the normals")?;
         }
         if ordered {
             reserve(&mut self.pixels, added, "the pixels of the points")?;

@@ -20,7 +20,7 @@ use super::depth::DepthImage;
 use super::frame::DepthCamera;
 use super::mask::Mask;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Result, with_room};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Vector2, Vector3};
 
@@ -155,10 +155,7 @@ impl Registration {
 
 /// Elements of one value.
 fn reserved<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
-    let bytes = count.saturating_mul(size_of::<T>());
-    let mut elements = Vec::new();
-    let out_of_memory = |_| Error::OutOfMemory { what: "the registration of the depth image", bytes };
-    elements.try_reserve_exact(count).map_err(out_of_memory)?;
+    let mut elements = with_room(count, "the registration of the depth image")?;
     elements.resize(count, value);
     Ok(elements)
 }
