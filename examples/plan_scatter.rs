@@ -178,7 +178,7 @@ impl Scene {
         let (u, v) = any_orthogonal(&truth.direction);
         let cosine = found.axis.direction.dot(&truth.direction);
         let along = (truth.point - found.axis.point).dot(&truth.direction) / cosine;
-        let position = found.axis.point + found.axis.direction * along - truth.point;
+        let position = found.axis.at(along) - truth.point;
         let both = |vector: Vector3<f64>| [vector.dot(&u), vector.dot(&v)];
         Trial {
             radius: found.radius - self.cylinder.radius,

@@ -44,7 +44,7 @@ fn seen(place: &Vector2<f64>) -> (f64, bool) {
     let wall = 1.2 / (1.0 + 0.1 * ray.x - 0.2 * ray.y);
     let hit = |(cylinder, half): &(Cylinder, f64)| {
         let hit = cylinder.first_hit(&ray)?;
-        let along = (hit - cylinder.axis.point).dot(&cylinder.axis.direction);
+        let along = cylinder.axis.position_of(&hit);
         (along.abs() <= *half).then_some(hit.z)
     };
     bodies()

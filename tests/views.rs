@@ -111,7 +111,7 @@ fn extent_and_completion_are_in_the_frame_of_reference_and_say_which_view() {
     let mut fitter = fitter_of(&views, Options::default());
     let cylinder = fitter.fit().unwrap().cylinder;
     let truth = scene::cylinder();
-    let ends = [-1.0, 1.0].map(|side| truth.axis.point + truth.axis.direction * (side * scene::HALF_LENGTH));
+    let ends = [-1.0, 1.0].map(|side| truth.axis.at(side * scene::HALF_LENGTH));
     let check = |fitter: &Fitter, of_start: &[usize]| {
         let (extent, arcs) = fitter.extent_and_arcs(None, None).unwrap();
         for (found, expected) in [extent.start, extent.end].iter().zip(ends) {
@@ -309,7 +309,7 @@ fn wall_of(pipe: &Cylinder) -> Vec<[f64; 3]> {
     let point = |k: usize| {
         let (angle, along) = ((k as f64 * 0.618_034).fract() * 2.0, (k as f64 * 0.414_214).fract());
         let across = u * angle.cos() + v * angle.sin();
-        (pipe.axis.point + pipe.axis.direction * along + across * pipe.radius).into()
+        (pipe.axis.at(along) + across * pipe.radius).into()
     };
     (0..2000).map(point).collect()
 }

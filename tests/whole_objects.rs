@@ -65,16 +65,15 @@ impl Scene {
     fn look(&self, column: usize, row: usize) -> (Option<Part>, f64) {
         let ray = self.camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
         let axis = &self.cylinder.axis;
-        let along = |point: &Vector3<f64>| (point - axis.point).dot(&axis.direction);
         let Some((near, far)) = self.cylinder.intersect_ray(&ray) else { return (None, WALL) };
         let (near, far) = (ray * near, ray * far);
-        if along(&near).abs() <= HALF_LENGTH {
+        if axis.position_of(&near).abs() <= HALF_LENGTH {
             return (Some(Part::Body), near.z);
         }
         if self.top == Top::Neck {
             return self.look_at_neck(&ray).map_or((None, WALL), |z| (Some(Part::Other), z));
         }
-        let rim = axis.point + axis.direction * HALF_LENGTH;
+        let rim = axis.at(HALF_LENGTH);
         let cap = ray * (rim.dot(&axis.direction) / ray.dot(&axis.direction));
         if (cap - rim).norm() > self.cylinder.radius {
             return (None, WALL);
@@ -90,7 +89,7 @@ impl Scene {
     fn look_at_neck(&self, ray: &Vector3<f64>) -> Option<f64> {
         let Cylinder { axis, radius } = &self.cylinder;
         let is_inside = |z: f64| {
-            let beyond = (ray * z - axis.point).dot(&axis.direction) - HALF_LENGTH;
+            let beyond = axis.position_of(&(ray * z)) - HALF_LENGTH;
             let narrower = 0.5 * (beyond / SHOULDER).min(1.0);
             (0.0..=SHOULDER + NECK).contains(&beyond)
                 && axis.distance(&(ray * z)) <= radius * (1.0 - narrower)

@@ -52,7 +52,7 @@ fn outcome(frame: &Frame, case: &Case) -> Result<Outcome, Error> {
         (extent.start, extent.start_state, extent.start_source),
         (extent.end, extent.end_state, extent.end_source),
     ];
-    let along = |p: &nalgebra::Vector3<f64>| (p - frame.truth.axis.point).dot(&frame.truth.axis.direction);
+    let along = |p: &nalgebra::Vector3<f64>| frame.truth.axis.position_of(p);
     if along(&first.0) > along(&last.0) {
         std::mem::swap(&mut first, &mut last);
     }

@@ -227,7 +227,7 @@ fn limb_lines_pass_through_the_pixels_of_the_limbs() {
     for (line, limb) in camera.limb_lines(&cylinder).unwrap().iter().zip(limbs) {
         assert!((line.x.hypot(line.y) - 1.0).abs() < 1e-15);
         for along in [-0.1, 0.0, 0.1] {
-            let pixel = camera.project(&(limb.point + limb.direction * along)).unwrap();
+            let pixel = camera.project(&limb.at(along)).unwrap();
             assert!(line.dot(&Vector3::new(pixel.x, pixel.y, 1.0)).abs() < 1e-9);
         }
     }

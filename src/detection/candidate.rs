@@ -215,9 +215,7 @@ impl Scene<'_> {
 
     /// Where cells begin and end along the axis of a cylinder, from its point.
     pub fn range(&self, cylinder: &Cylinder, cells: &[usize]) -> [f64; 2] {
-        let along = cells
-            .iter()
-            .map(|&k| (self.grid.cells[k].point - cylinder.axis.point).dot(&cylinder.axis.direction));
+        let along = cells.iter().map(|&k| cylinder.axis.position_of(&self.grid.cells[k].point));
         ends(along)
     }
 

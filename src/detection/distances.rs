@@ -396,7 +396,7 @@ pub(super) mod tests {
             let (angle, along) = (0.4 * (k as f64) - 2.0, 0.01 * (k % 5) as f64);
             let off = if k == 6 { 0.1 } else { 0.001 * ((k * k) % 7) as f64 };
             let normal = u * angle.cos() + v * angle.sin();
-            let axis = cylinder.axis.point + cylinder.axis.direction * along;
+            let axis = cylinder.axis.at(along);
             let point = axis + normal * (cylinder.radius + off);
             let (x, y, w) = (point.x / point.z, point.y / point.z, 1.0 / point.z);
             Cell { x, y, w, point, sigma: 0.002 + 1e-4 * k as f64, fill: 1.0 }

@@ -195,8 +195,7 @@ impl Scene<'_> {
             Some((difference + penalty, other.surface))
         };
         let middle = middle(&self.grid.cells, cells);
-        let on_axis = cylinder.axis.point
-            + cylinder.axis.direction * (middle - cylinder.axis.point).dot(&cylinder.axis.direction);
+        let on_axis = cylinder.axis.nearest_to(&middle);
         let sphere = fitted(Surface::Sphere(on_axis, cylinder.radius));
         if let Some(sphere) = &sphere {
             // What it explains besides these cells is more evidence for it.

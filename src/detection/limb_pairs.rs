@@ -100,9 +100,7 @@ impl ImageEdges {
         let mut support = Support::default();
         let frame = LimbFrame::new(cylinder)?;
         for limb in frame.limb_lines() {
-            let at = |along: f64| {
-                image(&limb.nearest_to(&(cylinder.axis.point + cylinder.axis.direction * along)))
-            };
+            let at = |along: f64| image(&limb.nearest_to(&cylinder.axis.at(along)));
             let (start, end) = (at(first)?, at(last)?);
             let across = passes(cylinder, start.x, start.y)?;
             let side = usize::from(across > 0.0);

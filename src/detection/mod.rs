@@ -145,9 +145,7 @@ impl Detections {
     #[must_use]
     pub fn covered(&self, detection: &Detection, cylinder: &Cylinder) -> [f64; 2] {
         let axis = &detection.cylinder.axis;
-        let mut range = detection.along.map(|along| {
-            (axis.point + axis.direction * along - cylinder.axis.point).dot(&cylinder.axis.direction)
-        });
+        let mut range = detection.along.map(|along| cylinder.axis.position_of(&axis.at(along)));
         range.sort_by(f64::total_cmp);
         let support = self.image.as_ref().and_then(|image| image.support(cylinder, range, ON_LIMB));
         support.unwrap_or_default().covered

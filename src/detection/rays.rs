@@ -75,5 +75,5 @@ pub(crate) fn meets(cylinder: &Cylinder, ray: &Vector3<f64>) -> f64 {
     let axis = &cylinder.axis;
     // The foot of the common perpendicular on the axis, where the ray passes.
     let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
-    (point - axis.point).dot(&axis.direction)
+    axis.position_of(&point)
 }

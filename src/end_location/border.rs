@@ -38,7 +38,7 @@ pub(super) fn last_inside(silhouette: &Silhouette<'_>, outward: f64) -> Option<f
     for (column, row) in pixels {
         let ray = surface.camera.ray_of_pixel(column, row);
         let Some(point) = ray.and_then(|ray| surface.cylinder.first_hit(&ray)) else { continue };
-        let position = (point - axis.point).dot(&axis.direction);
+        let position = axis.position_of(&point);
         let beyond = (position - silhouette.middle()) * outward;
         let farther = beyond > 0.0 && last.is_none_or(|last| (position - last) * outward > 0.0);
         if farther && near_mask.contains(column, row) {

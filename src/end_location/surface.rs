@@ -36,7 +36,7 @@ impl<'a> Surface<'a> {
     /// A point of the surface.
     pub fn point(&self, angle: f64, position: f64) -> Vector3<f64> {
         let Cylinder { axis, radius } = self.cylinder;
-        axis.point + axis.direction * position + self.normal(angle) * *radius
+        axis.at(position) + self.normal(angle) * *radius
     }
 
     /// Its pixel, when the camera model has one; it may lie outside the image.
@@ -92,7 +92,7 @@ impl Generator<'_> {
     /// A point of the surface.
     pub fn point(&self, position: f64) -> Vector3<f64> {
         let Cylinder { axis, .. } = self.surface.cylinder;
-        axis.point + axis.direction * position + self.from_axis
+        axis.at(position) + self.from_axis
     }
 
     /// Its pixel, when the camera model has one; it may lie outside the image.

@@ -75,7 +75,7 @@ impl Surroundings<'_> {
         });
         point.is_some_and(|point| {
             let axis = &self.cylinder.axis;
-            let beyond = outward * ((point - axis.point).dot(&axis.direction) - end);
+            let beyond = outward * (axis.position_of(&point) - end);
             self.cylinder.distance(&point) <= self.tolerance && beyond <= self.tolerance
         })
     }
@@ -122,7 +122,7 @@ impl Surroundings<'_> {
     /// Points of the visible arc of the surface around the axis point at a position.
     fn rim(&self, position: f64) -> impl Iterator<Item = Vector3<f64>> {
         let Cylinder { axis, radius } = *self.cylinder;
-        let end = axis.point + axis.direction * position;
+        let end = axis.at(position);
         let across = end - axis.direction * end.dot(&axis.direction);
         let distance = across.norm();
         let inside = self.cylinder.contains_origin();

@@ -138,13 +138,13 @@ impl Fitter {
         let fit = model.is_none().then(|| self.result()?.uncertainty).flatten();
         let of_views = [&start, &end].map(|(end, of_view)| (end, of_view.into_view));
         let uncertainty = fit.and_then(|fit| uncertainty::of_ends(&cylinder, &fit, of_views));
-        let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
+        let axis = &cylinder.axis;
         let ((start, start_view), (end, end_view)) = (start, end);
         let extent = Extent {
-            center: at(0.5 * (start.position + end.position)),
+            center: axis.at(0.5 * (start.position + end.position)),
             length: end.position - start.position,
-            start: at(start.position),
-            end: at(end.position),
+            start: axis.at(start.position),
+            end: axis.at(end.position),
             start_state: start.state,
             end_state: end.state,
             start_source: start.source,

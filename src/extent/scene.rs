@@ -55,7 +55,7 @@ impl Scene {
         }
         let Cylinder { axis, radius } = self.cylinder;
         if let Some(point) = self.cylinder.first_hit(&ray) {
-            let position = (point - axis.point).dot(&axis.direction);
+            let position = axis.position_of(&point);
             if self.ends.0 <= position && position <= self.ends.1 {
                 let outward = (point - axis.point - axis.direction * position) / radius;
                 return (
@@ -66,7 +66,7 @@ impl Scene {
             }
         }
         for end in [self.ends.0, self.ends.1] {
-            let middle = axis.point + axis.direction * end;
+            let middle = axis.at(end);
             let point = ray * (middle.dot(&axis.direction) / ray.dot(&axis.direction));
             if (point - middle).norm() <= radius {
                 return (Thing::Cap, point.z, 100.0);

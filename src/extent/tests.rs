@@ -11,8 +11,8 @@ use nalgebra::Vector2;
 /// The errors of start and end in pixels, outward positive.
 fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
     let axis = scene.cylinder.axis;
-    let position = |point: Vector3<f64>| (point - axis.point).dot(&axis.direction);
-    [scene.ends.0 - position(extent.start), position(extent.end) - scene.ends.1].map(|e| e * Scene::PIXELS)
+    let [start, end] = [extent.start, extent.end].map(|point| axis.position_of(&point));
+    [scene.ends.0 - start, end - scene.ends.1].map(|e| e * Scene::PIXELS)
 }
 
 fn extent(scene: &Scene, mask_bias: i64, rule: ExtentRule, with_image: bool) -> Extent {
@@ -112,7 +112,7 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
     for (column, row) in (0..SIZE.0).flat_map(|column| (0..SIZE.1).map(move |row| (column, row))) {
         let ray = camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
         if let Some(point) = scene.cylinder.first_hit(&ray) {
-            last = last.max((point - axis.point).dot(&axis.direction));
+            last = last.max(axis.position_of(&point));
         }
     }
     scene.ends.1 = last;
@@ -120,7 +120,7 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
     let found = extent(&rendered, 2, ExtentRule::Located, true);
     assert_eq!((found.start_state, found.end_state), (EndState::Seen, EndState::Cut));
     assert_eq!(found.end_source, EndSource::Border);
-    assert!(((found.end - axis.point).dot(&axis.direction) - last).abs() < 1e-12);
+    assert!((axis.position_of(&found.end) - last).abs() < 1e-12);
 }
 
 /// Where each pixel of the border looked at all that the mask may be off by, and generators were followed as far or by steps
@@ -194,7 +194,7 @@ fn offsets_of_rims(tilt: f64, blur: bool) -> [[Vec<f64>; 2]; 2] {
             let offset = |sample: &ArcSample| {
                 let ray = camera.unproject(&sample.pixel).unwrap();
                 let (position, normal) = on_wall(&scene.cylinder, &ray, rim).unwrap();
-                let point = axis.point + axis.direction * position + normal * scene.cylinder.radius;
+                let point = axis.at(position) + normal * scene.cylinder.radius;
                 let on_circle = camera.project(&(point + axis.direction * (end - position))).unwrap();
                 (sample.pixel - on_circle).dot(&sample.normal)
             };

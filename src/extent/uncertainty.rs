@@ -48,8 +48,7 @@ pub(super) fn of_ends(
             position_on(&into_view.cylinder(cylinder), rays)
         };
         let [start, end] = [position(&at_start)?, position(&at_end)?];
-        let at = |position: f64| cylinder.axis.point + cylinder.axis.direction * position;
-        let ends = [at(start), at(end)];
+        let ends = [start, end].map(|position| cylinder.axis.at(position));
         let numbers = ends.iter().flatten().copied().chain([end - start]);
         Some(SVector::<f64, 7>::from_iterator(numbers))
     })?;
@@ -67,7 +66,7 @@ pub(super) fn of_ends(
 
 /// The rays to the arc of an end: to the generators that are evenly spaced between the limbs.
 fn rays(cylinder: &Cylinder, frame: &LimbFrame, position: f64) -> [Vector3<f64>; GENERATORS] {
-    let middle = cylinder.axis.point + cylinder.axis.direction * position;
+    let middle = cylinder.axis.at(position);
     let ray = |k: usize| {
         let part = WIDTH_PART * (2.0 * (k as f64 + 0.5) / GENERATORS as f64 - 1.0);
         // The limbs are at the sine cos γ of the angle from the side that faces the camera.
@@ -108,7 +107,7 @@ mod tests {
         let frame = LimbFrame::new(truth).unwrap();
         let arcs = [scene.ends.0, scene.ends.1].map(|position| rays(truth, &frame, position));
         let [start, end] = arcs.each_ref().map(|rays| position_on(&scene.cylinder, rays).unwrap());
-        let center = scene.cylinder.axis.point + scene.cylinder.axis.direction * (0.5 * (start + end));
+        let center = scene.cylinder.axis.at(0.5 * (start + end));
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let (mut length_held, mut center_held) = (0, 0);
         for _ in 0..TRIALS {
@@ -117,7 +116,7 @@ mod tests {
                     let (angle, part) = (0.31 * f64::from(k % 9 - 4), f64::from(k) / 299.0);
                     let along = scene.ends.0 + part * (scene.ends.1 - scene.ends.0);
                     let outward = frame.sideways * angle.sin() - frame.toward * angle.cos();
-                    let point = truth.axis.point + truth.axis.direction * along + outward * truth.radius;
+                    let point = truth.axis.at(along) + outward * truth.radius;
                     point.map(|x| x + DEVIATION * normal(&mut rng)).into()
                 })
                 .collect();
@@ -146,7 +145,7 @@ mod tests {
             let error = (ends[1].position - ends[0].position).abs() - (end - start);
             length_held += usize::from(error.abs() <= 1.960 * uncertainty.length);
             let axis = result.cylinder.axis;
-            let off = axis.point + axis.direction * (0.5 * (ends[0].position + ends[1].position)) - center;
+            let off = axis.at(0.5 * (ends[0].position + ends[1].position)) - center;
             let chi = off.dot(&uncertainty.center.cholesky().unwrap().solve(&off));
             center_held += usize::from(chi <= 7.815);
         }

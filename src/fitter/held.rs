@@ -4,7 +4,7 @@ use super::data::{Data, ViewData};
 use super::result::Flags;
 use super::scales::Scales;
 use crate::end_location::LastArc;
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::Cylinder;
 use crate::limb_location::{Appearance, LimbObservation};
 use crate::memory::List;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, Rim};
@@ -123,14 +123,12 @@ pub(super) struct EndPlace {
 impl EndPlace {
     /// Of an arc on a cylinder in the reference frame.
     pub fn new(arc: &LastArc, cylinder: &Cylinder) -> Self {
-        let Line { point, direction } = cylinder.axis;
-        Self { middle: point + direction * arc.position, blur: arc.blur }
+        Self { middle: cylinder.axis.at(arc.position), blur: arc.blur }
     }
 
     /// The arc on another cylinder.
     pub fn on(&self, cylinder: &Cylinder) -> LastArc {
-        let Line { point, direction } = cylinder.axis;
-        LastArc { position: (self.middle - point).dot(&direction), blur: self.blur }
+        LastArc { position: cylinder.axis.position_of(&self.middle), blur: self.blur }
     }
 }
 

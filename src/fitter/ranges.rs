@@ -22,7 +22,7 @@ impl ViewData<'_> {
     pub fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
         let axis = self.seen(cylinder).axis;
         let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
-        let positions = self.view.cloud.points().map(|p| (p - axis.point).dot(&axis.direction));
+        let positions = self.view.cloud.points().map(|p| axis.position_of(&p));
         let mut along = List::with_capacity(last + 1);
         Arch::new().dispatch(|| along.extend(positions));
         at_both_ends(&along, (POINTS_TRIM * last as f64) as usize)
@@ -31,10 +31,6 @@ impl ViewData<'_> {
 
 /// A range along the axis of one cylinder on that of another.
 pub(super) fn moved(range: &[f64; 2], from: &Cylinder, to: &Cylinder) -> [f64; 2] {
-    let at = |position: f64| {
-        let point = from.axis.point + from.axis.direction * position;
-        (point - to.axis.point).dot(&to.axis.direction)
-    };
-    let [a, b] = range.map(at);
+    let [a, b] = range.map(|position| to.axis.position_of(&from.axis.at(position)));
     [a.min(b), a.max(b)]
 }

@@ -33,8 +33,7 @@ impl Fitter {
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;
         let axis = &cylinder.axis;
-        let positions: Vec<f64> =
-            self.cloud().points().map(|p| (p - axis.point).dot(&axis.direction)).collect();
+        let positions: Vec<f64> = self.cloud().points().map(|p| axis.position_of(&p)).collect();
         if positions.is_empty() {
             return Err(missing("points", "push points or a depth image first"));
         }

@@ -78,8 +78,8 @@ fn mask_disagrees(
     let (camera, mask) = (view.camera()?, view.view.mask.as_ref()?);
     let silhouette = Silhouette { camera, mask, depth: view.view.depth(), cylinder, nearer };
     let Cylinder { axis, radius } = cylinder;
-    let position = |point: Vector3<f64>| (point - axis.point).dot(&axis.direction);
-    let positions: List<f64> = view.view.cloud.sampled(SAMPLE).map(position).collect();
+    let positions: List<f64> =
+        view.view.cloud.sampled(SAMPLE).map(|point| axis.position_of(&point)).collect();
     let [low, high] = at_both_ends(&positions, BEYOND.min(positions.len().checked_sub(1)? / 2));
     let noise = &view.noise;
     let usual = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
@@ -87,8 +87,8 @@ fn mask_disagrees(
     let disagrees = lines.into_iter().any(|line| {
         let counts = (0..PLACES).fold([0; 3], |mut counts, k| {
             let along = low + (high - low) * (k as f64 + 0.5) / PLACES as f64;
-            let middle = axis.point + axis.direction * along;
-            let limb = line.point + line.direction * (middle - line.point).dot(&line.direction);
+            let middle = axis.at(along);
+            let limb = line.nearest_to(&middle);
             let beside = silhouette.beside([&middle, &limb], usual, DEVIATIONS * deviation / radius);
             counts[beside.map_or(0, |beside| beside as usize)] += usize::from(beside.is_some());
             counts

@@ -87,7 +87,7 @@ impl LocalFrame {
         // Where the other axis crosses the plane across this one at its point.
         let along =
             (axis.point - other.axis.point).dot(&axis.direction) / other.axis.direction.dot(&axis.direction);
-        let shift = other.axis.point + other.axis.direction * along - axis.point;
+        let shift = other.axis.at(along) - axis.point;
         let tilt = other.axis.direction * other.axis.direction.dot(&axis.direction).signum();
         Tangent::new(
             shift.dot(&self.u) / self.unit,

@@ -29,10 +29,24 @@ impl Line {
         Self { direction: if direction[direction.iamax()] < 0.0 { -direction } else { direction }, ..self }
     }
 
+    /// Where along the line the point nearest to `p` lies, from `point` on.
+    #[inline]
+    #[must_use]
+    pub fn position_of(&self, p: &Vector3<f64>) -> f64 {
+        (p - self.point).dot(&self.direction)
+    }
+
+    /// The point at a position along the line.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, position: f64) -> Vector3<f64> {
+        self.point + self.direction * position
+    }
+
     /// The point of the line nearest to `p`.
     #[must_use]
     pub fn nearest_to(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.point + self.direction * (p - self.point).dot(&self.direction)
+        self.at(self.position_of(p))
     }
 
     /// The point c of the line nearest to the origin.

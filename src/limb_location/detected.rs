@@ -120,7 +120,7 @@ pub fn edges_on_limbs(
     }
     let start = rough.axis.point.dot(&rough.axis.direction);
     let visible = limbs.limb_lines().map(|line| {
-        let end = |position: f64| camera.ideal_pixel(&(line.point + line.direction * (start + position)));
+        let end = |position: f64| camera.ideal_pixel(&line.at(start + position));
         Some((end(range[1])? - end(range[0])?).norm())
     });
     let [first, second] = candidates;
@@ -174,8 +174,7 @@ mod tests {
     /// A piece of a limb in the distorted image, moved across by some pixels.
     fn piece(cylinder: &Cylinder, limb: usize, range: [f64; 2], shift: f64) -> EdgeSegment {
         let line = LimbFrame::new(cylinder).unwrap().limb_lines()[limb];
-        let endpoints = range
-            .map(|s| camera().project(&(line.point + line.direction * s)).unwrap() + Vector2::x() * shift);
+        let endpoints = range.map(|s| camera().project(&line.at(s)).unwrap() + Vector2::x() * shift);
         EdgeSegment { endpoints, weight: 1.0 }
     }
 

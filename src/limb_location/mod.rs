@@ -376,13 +376,13 @@ fn baselines(camera: &Camera, model: &Cylinder, ranges: &[[f64; 2]; 2]) -> Optio
     let limbs = LimbFrame::new(model)?;
     let axis = &model.axis;
     let [first, second] = ranges.map(|[low, high]| f64::midpoint(low, high));
-    let inner = camera.ideal_pixel(&(axis.point + axis.direction * f64::midpoint(first, second)))?;
+    let inner = camera.ideal_pixel(&axis.at(f64::midpoint(first, second)))?;
     // Limb lines are given by their point nearest to the origin, ranges from the point of the axis.
     let start = axis.point.dot(&axis.direction);
     let lines = limbs.limb_lines();
     let [first, second] = [0, 1].map(|k| {
         let (line, [low, high]) = (&lines[k], ranges[k]);
-        let end = |position: f64| camera.ideal_pixel(&(line.point + line.direction * (start + position)));
+        let end = |position: f64| camera.ideal_pixel(&line.at(start + position));
         Baseline::new(&[end(low)?, end(high)?], &inner)
     });
     let (first, second) = (first?, second?);

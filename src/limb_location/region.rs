@@ -52,7 +52,7 @@ pub fn axial_range(
             let across = ray - axis.direction * ray.dot(&axis.direction);
             ray * (center.dot(&across) / across.norm_squared())
         });
-        Some((hit - axis.point).dot(&axis.direction)).filter(|position| position.is_finite())
+        Some(axis.position_of(&hit)).filter(|position| position.is_finite())
     };
     let positions: List<f64> = pixels.filter_map(position).collect();
     if positions.is_empty() {

@@ -68,7 +68,7 @@ impl Scene {
             let hard = if pixels < self.hard_shadow { 0.75 } else { 1.0 };
             return self.background * hard * (1.0 - self.shadow * (1.0 - pixels / SHADOW).max(0.0));
         };
-        let position = (p - axis.point).dot(&axis.direction);
+        let position = axis.position_of(&p);
         if !(self.range[0]..=self.range[1]).contains(&position) {
             return self.background;
         }
@@ -151,7 +151,7 @@ impl Scene {
         let truth = LimbFrame::new(&self.cylinder).unwrap().limb_lines()[limb];
         let middle = (line.ends[0] + line.ends[1]) / 2.0;
         self.range.map(|position| {
-            let q = self.camera.ideal_pixel(&(truth.point + truth.direction * (start + position))).unwrap();
+            let q = self.camera.ideal_pixel(&truth.at(start + position)).unwrap();
             let s = (q - middle).dot(&along) / length;
             let covariance = line.covariance();
             let deviation = (covariance[(0, 0)] + covariance[(1, 1)] * s * s).sqrt();
@@ -379,7 +379,7 @@ fn a_mask_and_segments_say_where_to_search() {
     let on_surface = |x: usize, y: usize| {
         let ray = scene.camera.unproject(&Vector2::new(x as f64, y as f64)).unwrap();
         let hit = scene.cylinder.first_hit(&ray);
-        hit.is_some_and(|p| (p - axis.point).dot(&axis.direction).abs() <= scene.range[1])
+        hit.is_some_and(|p| axis.position_of(&p).abs() <= scene.range[1])
     };
     let bytes: Vec<u8> = (0..SIZE.0 * SIZE.1).map(|k| u8::from(on_surface(k % SIZE.0, k / SIZE.0))).collect();
     let mask = Mask::copy(&MaskView::from_u8(&bytes, SIZE).unwrap()).unwrap();
@@ -415,7 +415,7 @@ fn sides_behind(covers: impl Fn(usize, usize, &dyn Fn(usize, usize) -> bool) -> 
     let hit = |x: usize, y: usize| {
         let ray = scene.camera.unproject(&Vector2::new(x as f64, y as f64)).unwrap();
         let hit = scene.cylinder.first_hit(&ray);
-        hit.filter(|p| (p - axis.point).dot(&axis.direction).abs() <= scene.range[1])
+        hit.filter(|p| axis.position_of(p).abs() <= scene.range[1])
     };
     let in_front = |x: usize, y: usize| covers(x, y, &|x, y| hit(x, y).is_some());
     let pixels = (0..SIZE.0 * SIZE.1).map(|k| (k % SIZE.0, k / SIZE.0));

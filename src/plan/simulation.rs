@@ -124,7 +124,7 @@ impl Plan {
         let cosine = found.axis.direction.dot(&truth.axis.direction);
         let direction = found.axis.direction * cosine.signum();
         let along = (self.center() - found.axis.point).dot(&truth.axis.direction) / cosine;
-        let position = found.axis.point + found.axis.direction * along - self.center();
+        let position = found.axis.at(along) - self.center();
         let both = |vector: Vector3<f64>| [vector.dot(&limbs.toward), vector.dot(&limbs.sideways)];
         let length = fitter.extent(None, None).ok().map(|extent| extent.length - self.length);
         Ok(Trial {

@@ -36,7 +36,7 @@ impl Plan {
             // The ray has the depth 1.
             let across = -normal.dot(&ray);
             if position.abs() <= 0.5 * self.length && across >= LEAST_SINE_OF_DEPTH * ray.norm() {
-                let point = cylinder.axis.point + cylinder.axis.direction * position + normal * self.radius;
+                let point = cylinder.axis.at(position) + normal * self.radius;
                 points.push(SeenPoint { point, across });
             }
         }
@@ -70,7 +70,7 @@ impl Plan {
     /// The two ends of what the image shows of a limb, in ideal pixels; `None` where it shows nothing.
     pub(super) fn limb_in_image(&self, limbs: &LimbFrame, limb: usize) -> Option<[Vector2<f64>; 2]> {
         let line = limbs.limb_lines()[limb];
-        let middle = line.point + line.direction * (self.center() - line.point).dot(&line.direction);
+        let middle = line.nearest_to(&self.center());
         let at = |k: usize| middle + line.direction * ((k as f64 / LIMB_PLACES as f64 - 0.5) * self.length);
         let in_image =
             |k: &usize| self.camera.project(&at(*k)).is_some_and(|pixel| self.camera.contains(&pixel));

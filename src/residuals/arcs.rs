@@ -138,7 +138,7 @@ mod tests {
         let place = |position: f64, k: i32, rim: Rim| {
             let angle = 0.2 * f64::from(k) + if rim == Rim::Far { PI } else { 0.0 };
             let normal = toward * angle.cos() + sideways * angle.sin();
-            let ray = cylinder.axis.point + cylinder.axis.direction * position + normal * cylinder.radius;
+            let ray = cylinder.axis.at(position) + normal * cylinder.radius;
             let widening = if rim == Rim::Far || position > 0.0 { (0.7 * f64::from(k)).sin() } else { 0.0 };
             ArcRay {
                 ray,

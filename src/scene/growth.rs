@@ -37,8 +37,7 @@ const LEAST_BEND: f64 = 2.0;
 
 /// Which slice a point belongs to.
 fn slice_of(cylinder: &Cylinder, point: &Vector3<f64>) -> i64 {
-    let Cylinder { axis, radius } = cylinder;
-    ((point - axis.point).dot(&axis.direction) / (SLICE * radius)).floor() as i64
+    (cylinder.axis.position_of(point) / (SLICE * cylinder.radius)).floor() as i64
 }
 
 /// The direction from the axis to a point.

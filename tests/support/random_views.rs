@@ -100,7 +100,7 @@ impl View {
                 continue;
             };
             let Some(hit) = cylinder.first_hit(&ray) else { continue };
-            let along = (hit - cylinder.axis.point).dot(&cylinder.axis.direction);
+            let along = cylinder.axis.position_of(&hit);
             if along.abs() > half || hit.z <= 0.0 {
                 continue;
             }

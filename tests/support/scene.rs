@@ -78,7 +78,7 @@ impl Seen {
     fn hit(&self, pixel: &Vector2<f64>) -> Option<Vector3<f64>> {
         let axis = &self.cylinder.axis;
         let hit = self.cylinder.first_hit(&self.camera.unproject(pixel)?)?;
-        ((hit - axis.point).dot(&axis.direction).abs() <= HALF_LENGTH).then_some(hit)
+        (axis.position_of(&hit).abs() <= HALF_LENGTH).then_some(hit)
     }
 
     fn pixels<T>(&self, value: impl Fn(Vector2<f64>) -> T) -> Vec<T> {

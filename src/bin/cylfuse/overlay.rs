@@ -131,7 +131,7 @@ impl Overlay<'_> {
     fn draw_lines(&self, cylinder: &Cylinder, canvas: &mut Canvas) {
         let axis = cylinder.axis;
         let [from, to] = self.ends().map_or_else(
-            || [-1.0, 1.0].map(|side| axis.point + axis.direction * (side * ENDLESS * axis.point.norm())),
+            || [-1.0, 1.0].map(|side| axis.at(side * ENDLESS * axis.point.norm())),
             |ends| ends.map(|(center, _)| center),
         );
         let mut draw = |line: &Line, pen| {

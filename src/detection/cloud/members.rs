@@ -35,7 +35,7 @@ impl Surface {
     /// How far a point lies from the surface, in parts of the reach; `None` beyond it, and beyond its ends.
     fn distance(&self, point: &Vector3<f64>) -> Option<f64> {
         let distance = self.cylinder.distance(point).abs();
-        let along = (point - self.cylinder.axis.point).dot(&self.cylinder.axis.direction);
+        let along = self.cylinder.axis.position_of(point);
         let holds = distance <= self.reach && (self.along[0]..=self.along[1]).contains(&along);
         holds.then(|| distance / self.reach)
     }
