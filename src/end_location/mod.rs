@@ -230,16 +230,14 @@ pub fn extreme_ends(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<[End;
 }
 
 fn extreme(position: f64, outward: f64, surroundings: &Surroundings<'_>) -> End {
-    let state = surroundings.state(position, outward);
-    End {
-        position,
-        deviation: None,
-        state,
-        source: EndSource::Extreme,
-        rim: false,
-        samples: List::new(),
-        far_rim: List::new(),
-        arc: None,
+    End::new(position, None, surroundings.state(position, outward), EndSource::Extreme)
+}
+
+impl End {
+    /// One without a rim, of which no image showed anything.
+    fn new(position: f64, deviation: Option<f64>, state: EndState, source: EndSource) -> Self {
+        let (samples, far_rim) = (List::new(), List::new());
+        Self { position, deviation, state, source, rim: false, samples, far_rim, arc: None }
     }
 }
 
@@ -265,75 +263,38 @@ fn locate(
     outward: f64,
 ) -> End {
     let of_depth = told.and_then(|end| silhouette.of_depth(end));
+    let rim = told.is_some();
     let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
-        let extreme = extreme(silhouette.extreme(outward), outward, surroundings);
-        return End { rim: told.is_some(), ..extreme };
+        return End { rim, ..extreme(silhouette.extreme(outward), outward, surroundings) };
     };
     let state = surroundings.state(rough.position, outward);
     let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
     if let Some(position) = cut {
         // The last pixel lies within a pixel of the border.
-        let deviation = Some(rough.pixel);
-        return End {
-            position,
-            deviation,
-            state,
-            source: EndSource::Border,
-            rim: told.is_some(),
-            samples: List::new(),
-            far_rim: List::new(),
-            arc: None,
-        };
+        return End { rim, ..End::new(position, Some(rough.pixel), state, EndSource::Border) };
     }
     // A shoulder has no rim that an image could show.
     let rounded = told.is_some_and(|end| end.sign == EndSign::Shoulder);
     match (state != EndState::Hidden && !rounded).then(|| arc(&rough)).flatten() {
         Some(arc) => {
-            let Together { position, deviation, part } = together(&rough, &arc);
+            let [position, deviation, part] = together(&rough, &arc);
+            let source = if part >= 0.5 { EndSource::Image } else { EndSource::Mask };
             let [samples, far_rim] = arc.samples;
-            End {
-                position,
-                deviation: Some(deviation),
-                state,
-                source: if part >= 0.5 { EndSource::Image } else { EndSource::Mask },
-                rim: told.is_some(),
-                samples,
-                far_rim,
-                arc: Some(LastArc { position: arc.position, blur: arc.blur }),
-            }
+            let arc = Some(LastArc { position: arc.position, blur: arc.blur });
+            End { rim, samples, far_rim, arc, ..End::new(position, Some(deviation), state, source) }
         }
-        None => End {
-            position: rough.position,
-            deviation: Some(rough.deviation),
-            state,
-            source: EndSource::Mask,
-            rim: told.is_some(),
-            samples: List::new(),
-            far_rim: List::new(),
-            arc: None,
-        },
+        None => End { rim, ..End::new(rough.position, Some(rough.deviation), state, EndSource::Mask) },
     }
 }
 
-/// What an arc and the rough end say together.
-struct Together {
-    position: f64,
-    /// Its standard deviation.
-    deviation: f64,
-    /// The part that the arc has in the position.
-    part: f64,
-}
-
-/// The mean of an arc and the rough end by their variances. What the model of the arc leaves out is added afterwards: an
-/// arc that is good to a tenth of a pixel would otherwise be drawn to a mask that is drawn to half of one.
-fn together(rough: &RoughEnd, arc: &ArcEnd) -> Together {
+/// The mean of an arc and the rough end by their variances, its standard deviation, and the part that the arc has in it.
+/// What the model of the arc leaves out is added afterwards: an arc that is good to a tenth of a pixel would otherwise be
+/// drawn to a mask that is drawn to half of one.
+fn together(rough: &RoughEnd, arc: &ArcEnd) -> [f64; 3] {
     let [of_rough, of_arc] = [rough.deviation, arc.deviation].map(|deviation| deviation * deviation);
     let part = of_rough / (of_rough + of_arc);
-    Together {
-        position: rough.position + part * (arc.position - rough.position),
-        deviation: (part * of_arc).sqrt().hypot(arc.model),
-        part,
-    }
+    let position = rough.position + part * (arc.position - rough.position);
+    [position, (part * of_arc).sqrt().hypot(arc.model), part]
 }
 
 #[cfg(test)]
@@ -350,10 +311,10 @@ mod tests {
             samples: [List::new(), List::new()],
             blur: 1.0,
         };
-        let Together { position, deviation, part } = together(&rough, &arc(1e-4));
+        let [position, deviation, part] = together(&rough, &arc(1e-4));
         assert!((position - 0.104).abs() < 5e-5 && part > 0.98, "{position} {part}");
         assert!((3e-4..3.3e-4).contains(&deviation), "{deviation}");
-        let Together { position, deviation, part } = together(&rough, &arc(2e-3));
+        let [position, deviation, part] = together(&rough, &arc(2e-3));
         assert!((position - 0.1008).abs() < 1e-6 && (part - 0.2).abs() < 1e-9, "{position} {part}");
         assert!((9e-4..1e-3).contains(&deviation), "{deviation}");
     }
