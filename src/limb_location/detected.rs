@@ -75,14 +75,7 @@ pub fn edges_on_limbs(
     noise: &ImageNoise,
 ) -> Option<[Vec<usize>; 2]> {
     let limbs = LimbFrame::new(rough)?;
-    // (a, b, c) with a² + b² = 1: signed distances in pixels.
-    let lines = limbs.limb_plane_normals().map(|normal| {
-        let line = camera.line_projection() * normal;
-        line / line.x.hypot(line.y)
-    });
-    if !lines.iter().flatten().all(|x| x.is_finite()) {
-        return None;
-    }
+    let lines = camera.limb_lines(rough).ok()?;
     let reach = match reach {
         Some(reach) => reach,
         None => {
