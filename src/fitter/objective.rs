@@ -108,10 +108,7 @@ impl Data<'_> {
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let scales = before.scales.clone();
-        let mut after =
-            self.minimise_robust(held, before.cylinder(), scales, [Precision::Rough, precision], run)?;
-        self.check_radius(after.cylinder())?;
+        let mut after = self.minimise_near(held, before.cylinder(), before.scales.clone(), precision, run)?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
     }
