@@ -117,7 +117,7 @@ impl<'a> Data<'a> {
         start: Option<&'a Cylinder>,
     ) -> Result<Self> {
         let fused = options.method == Method::Fused;
-        let paper = fused && options.objective == ObjectiveKind::Paper;
+        let paper = options.has_edge_weight();
         if options.chart == ChartChoice::Orthonormal && !options.cylinder_limits.is_none() {
             return Err(Error::Unsupported {
                 what: "the orthonormal chart knows no limits of radius or axis".into(),
@@ -284,14 +284,9 @@ impl<'a> Data<'a> {
         Ok((origin + mean, covariance))
     }
 
-    /// Whether the objective has the weight w_L.
-    pub fn has_edge_weight(&self) -> bool {
-        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Paper
-    }
-
     /// Whether the objective is the robust one.
     pub fn is_robust(&self) -> bool {
-        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Robust
+        self.options.is_robust()
     }
 
     /// Whether the objective is that of the paper (or its points alone).

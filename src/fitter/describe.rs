@@ -158,7 +158,7 @@ pub(super) fn describe(
         cost: equations.cost * squared,
         energy_points,
         energy_edges: energy_of_edges(data, held, cylinder),
-        edge_weight: data.has_edge_weight().then_some(held.edge_weight),
+        edge_weight: data.options.has_edge_weight().then_some(held.edge_weight),
         points_used: count,
         points_given: clouds().map(crate::observations::PointCloud::given).sum(),
         dropped,

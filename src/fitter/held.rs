@@ -58,7 +58,7 @@ impl Held {
             edge_weight: data.edge_weight,
             settled: true,
         };
-        let counted = !data.has_edge_weight() || data.edge_weight > 0.0;
+        let counted = !data.options.has_edge_weight() || data.edge_weight > 0.0;
         for (held, view) in held.views.iter_mut().zip(&data.views) {
             held.given = if counted { view.edges.segments.len() } else { 0 };
         }

@@ -233,7 +233,7 @@ impl Fitter {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
         let (mut made_with, mut result, mut last) = self.fit_views(List::new(), run, &clock)?;
-        if self.takes_bodies() && self.views.iter().any(View::mask_ends_with_depth) {
+        if self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth) {
             for factor in outline::RADII {
                 let drawn = self.drawn_again(&result.cylinder, factor);
                 if drawn.iter().all(Option::is_none) {
@@ -444,15 +444,11 @@ impl Fitter {
         self.views.iter().map(again).collect()
     }
 
-    /// Whether a fit asks what in a mask is the body. The other objectives take the mask as it is.
-    fn takes_bodies(&self) -> bool {
-        self.options.method == Method::Fused && self.options.objective == ObjectiveKind::Robust
-    }
-
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
     /// its mask holds more, or the view that was drawn again.
     fn separated(&self, drawn: List<Option<View>>, run: &mut Run<'_>) -> Result<List<body::Separated>> {
-        if !self.takes_bodies() {
+        // The other objectives take the mask as it is.
+        if !self.options.is_robust() {
             return Ok(List::new());
         }
         let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());

@@ -172,10 +172,20 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Whether the objective is the robust one.
+    pub(crate) fn is_robust(&self) -> bool {
+        self.method == Method::Fused && self.objective == ObjectiveKind::Robust
+    }
+
+    /// Whether the objective has the weight w_L.
+    pub(crate) fn has_edge_weight(&self) -> bool {
+        self.method == Method::Fused && self.objective == ObjectiveKind::Paper
+    }
+
     /// Whether the ends are located, or the extremes of the mask taken.
     pub(crate) fn locates_ends(&self) -> bool {
         match self.extent_rule {
-            ExtentRule::Auto => self.method == Method::Fused && self.objective == ObjectiveKind::Robust,
+            ExtentRule::Auto => self.is_robust(),
             ExtentRule::Extremes => false,
             ExtentRule::Located => true,
         }
