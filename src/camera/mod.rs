@@ -239,6 +239,11 @@ impl Camera {
         &self.intrinsics
     }
 
+    /// How large a pixel is at the distance 1.
+    pub(crate) fn pixel_size(&self) -> f64 {
+        0.5 * (1.0 / self.intrinsics.fx + 1.0 / self.intrinsics.fy)
+    }
+
     /// The camera of an image whose pixels are boxes of `factor` columns and rows of this one's, those that the border
     /// cuts left out.
     #[must_use]

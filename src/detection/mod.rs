@@ -183,8 +183,7 @@ pub(crate) fn detect_until(
 ) -> Result<Detections> {
     options.check()?;
     let (width, height) = camera.size();
-    let intrinsics = camera.intrinsics();
-    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let pixel = camera.pixel_size();
     let rays = camera.rays_by_column_and_row();
     let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| match &rays {
         Some((x, y)) => {

@@ -50,8 +50,7 @@ pub(crate) fn detect_in_mask(
     limits: &CylinderLimits,
     stopped: &dyn Fn() -> bool,
 ) -> Result<Option<Cylinder>> {
-    let intrinsics = camera.intrinsics();
-    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let pixel = camera.pixel_size();
     let side = side_of_cells(camera.size(), pixel);
     let (mut grid, [left, top]) = cells_around(camera, depth, mask, pixel, side);
     let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };

@@ -185,8 +185,7 @@ fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
     let Some(camera) = view.camera().filter(|_| view.observed && view.view.mask_is_drawn()) else {
         return 0.0;
     };
-    let intrinsics = camera.intrinsics();
-    let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+    let pixel = camera.pixel_size();
     let distance = view.into_view.point(&cylinder.axis.nearest_to(&data.center)).z;
     LEFT_OF_SHIFT * MOST_SHIFTED * view.noise.pixel * pixel * distance.max(0.0)
 }

@@ -53,8 +53,7 @@ impl Data<'_> {
     pub fn taper(&self, limbs: &[LimbObservation; 2], cylinder: &Cylinder, scales: &Scales) -> Option<Taper> {
         let [view] = &self.views[..] else { return None };
         let (camera, cylinder) = (view.camera()?, view.seen(cylinder));
-        let intrinsics = camera.intrinsics();
-        let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+        let pixel = camera.pixel_size();
         let ends_of = |limb: &LimbObservation| {
             let line = limb.line.as_ref().ok()?;
             let end = |q| {

@@ -61,8 +61,7 @@ impl<'a> Beyond<'a> {
         half_width: f64,
         noise: &'a ImageNoise,
     ) -> Self {
-        let intrinsics = camera.intrinsics();
-        let pixel = 0.5 * (1.0 / intrinsics.fx + 1.0 / intrinsics.fy);
+        let pixel = camera.pixel_size();
         let radius = half_width * pixel;
         let behind = rough.radius / rough.axis.nearest_to_origin().norm() - radius;
         Self { camera, depth, axis: &rough.axis, noise, pixel, radius, behind }
