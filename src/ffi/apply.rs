@@ -1,5 +1,6 @@
 //! What follows a fit: completion, extent, the choice of edges.
 
+use super::camera::check_room;
 use super::constants::cylfuse_layout;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
@@ -371,12 +372,7 @@ pub unsafe extern "C" fn cylfuse_fitter_select_edges(
             let model = optional_cylinder(model)?;
             let segments = views::segments(&read(segments, "segments")?)?;
             let needed = segments.len();
-            if needed > capacity {
-                return Err(Failure::BufferTooSmall { name: "out_limbs", capacity, needed });
-            }
-            if needed > 0 && out_limbs.is_null() {
-                return Err(Failure::NullPointer { name: "out_limbs" });
-            }
+            check_room(needed, out_limbs, capacity, "out_limbs")?;
             let found = content.fitter.select_edges(&segments, model.as_ref(), reach)?;
             // As many as there are segments, which is at most the capacity; bytes need no alignment.
             out_limbs.write_bytes(0, needed);

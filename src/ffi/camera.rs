@@ -80,7 +80,13 @@ pub unsafe extern "C" fn cylfuse_intrinsics_unproject(
     }
 }
 
-fn check_room(needed: usize, out: *const f64, capacity: usize, name: &'static str) -> Result<(), Failure> {
+/// Refuses an output without room for what is needed.
+pub(super) fn check_room<T>(
+    needed: usize,
+    out: *const T,
+    capacity: usize,
+    name: &'static str,
+) -> Result<(), Failure> {
     if needed > capacity {
         return Err(Failure::BufferTooSmall { name, capacity, needed });
     }

@@ -1,5 +1,6 @@
 //! Geometry and plans without a fitter: `cylfuse_fitter_last_error(NULL)` tells the thread what was wrong.
 
+use super::camera::check_room;
 use super::handle::stateless;
 use super::sized::read;
 use super::status::{Failure, cylfuse_status};
@@ -32,12 +33,7 @@ pub unsafe extern "C" fn cylfuse_cylinder_distances(
             let points = views::points_view(&read(points, "points")?)?;
             let (width, height) = (points.width(), points.height());
             let needed = width * height;
-            if needed > capacity {
-                return Err(Failure::BufferTooSmall { name: "out", capacity, needed });
-            }
-            if needed > 0 && out.is_null() {
-                return Err(Failure::NullPointer { name: "out" });
-            }
+            check_room(needed, out, capacity, "out")?;
             for index in 0..needed {
                 let point = points.points.at(index % width, index / width);
                 let distance = cylinder.distance(&point);
