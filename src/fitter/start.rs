@@ -100,7 +100,6 @@ impl Data<'_> {
             threshold: self.options.ransac_threshold,
             seed: self.options.seed,
             limits: self.limits_of_iteration(),
-            ..RansacOptions::default()
         }
     }
 

@@ -3,7 +3,7 @@
 //! Hypotheses come from small samples: two points with normals, or six points fitted by
 //! [`Moments`]. Each is scored by the truncated squares of its orthogonal distances (MSAC), and every new
 //! best one is improved by Levenberg–Marquardt steps on its inliers. Samples are drawn until one without an
-//! outlier has come up with the confidence asked for.
+//! outlier has come up with high confidence.
 //!
 //! Measured on partial arcs with up to 75 % outliers and on frames of a depth camera: six points need far
 //! fewer draws than eight and are as good after the local optimisation; drawing half of the samples from a
@@ -69,6 +69,9 @@ const EXPLAINED_PART: f64 = 0.9;
 /// a part of one that is several times as large.
 const CLEAR_PART: f64 = 0.1;
 
+/// Probability that a sample without outliers has been drawn when the search stops before the largest number of samples.
+const CONFIDENCE: f64 = 0.99;
+
 /// Threshold in standard deviations of the noise, when it comes from the data: 1 % of the normal
 /// distribution is outside.
 const THRESHOLD_DEVIATIONS: f64 = 2.5;
@@ -87,9 +90,6 @@ pub struct RansacOptions {
     /// with the least median distance gives a scale (least median of squares), and this is narrowed on its
     /// inliers until it is 2.5 standard deviations of their noise.
     pub threshold: f64,
-    /// Probability, above 0 and below 1, that a sample without outliers has been drawn when the search stops
-    /// before `max_iterations`.
-    pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u64,
     /// What the cylinder keeps. With a largest radius a plane may be the cylinder of that radius.
@@ -98,13 +98,7 @@ pub struct RansacOptions {
 
 impl Default for RansacOptions {
     fn default() -> Self {
-        Self {
-            max_iterations: 1000,
-            threshold: 0.0,
-            confidence: 0.99,
-            seed: 0,
-            limits: CylinderLimits::default(),
-        }
+        Self { max_iterations: 1000, threshold: 0.0, seed: 0, limits: CylinderLimits::default() }
     }
 }
 
@@ -116,8 +110,6 @@ pub struct RansacFit {
     /// Points within the threshold, and on the wall that the observer sees when it is known; out of all
     /// points that were given.
     pub inliers: usize,
-    /// Samples that were drawn after the threshold was known.
-    pub iterations: usize,
     /// Mean over the scored points of min(e², threshold²) / threshold² for the distance e: 0 when all lie on
     /// the cylinder, 1 when none is within the threshold.
     pub score: f64,
@@ -160,13 +152,7 @@ pub fn ransac(
         if inliers < FEWEST_POINTS {
             return Err(nothing());
         }
-        Ok(RansacFit {
-            cylinder: best.cylinder,
-            inliers,
-            iterations,
-            score: best.score,
-            threshold: scorer.threshold,
-        })
+        Ok(RansacFit { cylinder: best.cylinder, inliers, score: best.score, threshold: scorer.threshold })
     })
 }
 
@@ -351,7 +337,7 @@ impl Search<'_> {
         }
     }
 
-    /// log(1 − confidence) / log(1 − wᵐ) samples of m points hold one without outliers, for the part w of
+    /// log(1 − [`CONFIDENCE`]) / log(1 − wᵐ) samples of m points hold one without outliers, for the part w of
     /// the points that the best cylinder explains.
     fn needed_iterations(&self) -> usize {
         let most = self.options.max_iterations;
@@ -362,7 +348,7 @@ impl Search<'_> {
             (PLAIN_SAMPLE as i32, FEWEST_ITERATIONS)
         };
         let inliers = self.scorer.inlier_fraction(&best.cylinder);
-        let needed = (1.0 - self.options.confidence).ln() / (-inliers.powi(size)).ln_1p();
+        let needed = (1.0 - CONFIDENCE).ln() / (-inliers.powi(size)).ln_1p();
         // Without inliers this is infinite, with no outliers 0: the cast saturates.
         (needed.ceil() as usize).max(fewest).min(most)
     }
@@ -426,7 +412,7 @@ fn check_arguments(
     normals: Option<&[Vector3<f64>]>,
     options: &RansacOptions,
 ) -> Result<()> {
-    let RansacOptions { max_iterations, threshold, confidence, limits, .. } = *options;
+    let RansacOptions { max_iterations, threshold, limits, .. } = *options;
     if let Some(normals) = normals.filter(|normals| normals.len() != points.len()) {
         let requirement = format!("be {}, the number of points", points.len());
         return Err(Error::argument("number of normals", normals.len(), requirement));
@@ -436,9 +422,6 @@ fn check_arguments(
         return Err(Error::argument("ransac_max_iterations", max_iterations, requirement));
     }
     not_negative("threshold", threshold)?;
-    if !(confidence > 0.0 && confidence < 1.0) {
-        return Err(Error::argument("confidence", confidence, "be greater than 0 and less than 1"));
-    }
     limits.check()
 }
 
