@@ -395,6 +395,8 @@ fn inputs_are_forgotten_one_by_one() {
     fitter.fit().unwrap();
     fitter.clear();
     assert_eq!((fitter.view_count(), fitter.selected_view()), (1, 0));
-    assert!(held(&fitter) == [false; 4] && fitter.result().is_none() && fitter.pose().is_identity());
+    assert!(
+        held(&fitter) == [false; 4] && fitter.result().is_none() && *fitter.pose() == RigidMotion::identity()
+    );
     assert!(matches!(fitter.select_view(2), Err(Error::InvalidArgument { .. })));
 }

@@ -264,12 +264,6 @@ impl Camera {
         Self::with_lens(intrinsics, self.lens.clone())
     }
 
-    /// Whether the two remember rays together.
-    #[cfg(test)]
-    pub(crate) fn shares_rays_with(&self, other: &Self) -> bool {
-        self.rays.as_ref().zip(other.rays.as_ref()).is_some_and(|(own, other)| Arc::ptr_eq(own, other))
-    }
-
     /// Columns and rows of the image.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {

@@ -2,6 +2,13 @@
 
 use super::*;
 
+impl Camera {
+    /// Whether the two remember rays together.
+    pub(crate) fn shares_rays_with(&self, other: &Self) -> bool {
+        self.rays.as_ref().zip(other.rays.as_ref()).is_some_and(|(own, other)| Arc::ptr_eq(own, other))
+    }
+}
+
 fn pinhole() -> Intrinsics {
     let distortion = Distortion::None;
     Intrinsics { width: 1280, height: 720, fx: 612.25, fy: 611.75, cx: 640.5, cy: 360.25, distortion }

@@ -68,12 +68,6 @@ impl RigidMotion {
         &self.translation
     }
 
-    /// Whether the motion leaves everything where it is.
-    #[must_use]
-    pub fn is_identity(&self) -> bool {
-        self.identity
-    }
-
     /// The motion back.
     #[must_use]
     pub fn inverse(&self) -> Self {

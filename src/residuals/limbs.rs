@@ -84,18 +84,6 @@ impl LimbTerm {
         self.cost(&frame)
     }
 
-    /// Distances in ideal pixels of the endpoints from the projected limb lines they go with, by segment.
-    #[cfg(test)]
-    pub fn pixel_distances(&self, cylinder: &Cylinder) -> Option<[[f64; 2]; 2]> {
-        let limbs = LimbFrame::new(cylinder)?;
-        let direct = self.associate(&limbs);
-        let lines = limbs.limb_plane_normals().map(|moment| self.line_projection * moment);
-        Some([0, 1].map(|segment: usize| {
-            let line = lines[if direct { segment } else { 1 - segment }];
-            self.pair.pixels[segment].map(|q| line.dot(&q.push(1.0)) / line.x.hypot(line.y))
-        }))
-    }
-
     /// The residuals of the endpoints by observed segment, with their Jacobians.
     pub(super) fn endpoints(&self, frame: &LocalFrame) -> Option<[[LimbRow; 2]; 2]> {
         let limbs = LimbFrame::new(&frame.cylinder)?;

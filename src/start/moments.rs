@@ -103,22 +103,6 @@ impl Moments {
         (!is_flat(&moments.covariance())).then_some(moments)
     }
 
-    /// The best cylinder with the axis along `direction`, which need not have unit length.
-    ///
-    /// `None` when the direction vanishes or is not finite.
-    #[cfg(test)]
-    pub fn evaluate(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
-        Some(self.fit(&self.slice(&unit_direction(direction)?)?))
-    }
-
-    /// The minimum of G that Newton's method reaches from `direction`, which need not have unit length.
-    ///
-    /// `None` when the direction vanishes or is not finite.
-    #[cfg(test)]
-    pub fn refine(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
-        Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?, CONVERGED)))
-    }
-
     /// The minima of G that are reached from the lowest local minima of a grid of `seeds` directions on the
     /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
     /// the thinner of two cylinders. The search of the grid takes time with the square of `seeds`; a hundred

@@ -113,7 +113,7 @@ fn images_of_one_frame_have_the_sizes_of_their_cameras() {
     use crate::error::Result;
 
     let mut frame = Frame::default();
-    assert!(frame.camera().is_none() && frame.depth().is_none() && frame.pose().is_identity());
+    assert!(frame.camera().is_none() && frame.depth().is_none() && *frame.pose() == RigidMotion::identity());
     assert_eq!(
         text(frame.set_depth(&of_size((4, 3)), &all)),
         "pushing a depth image needs intrinsics; set the intrinsics first"

@@ -1,6 +1,22 @@
 use super::*;
 use crate::start::clouds::{Arc, oblique};
 
+impl Moments {
+    /// The best cylinder with the axis along `direction`, which need not have unit length.
+    ///
+    /// `None` when the direction vanishes or is not finite.
+    fn evaluate(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
+        Some(self.fit(&self.slice(&unit_direction(direction)?)?))
+    }
+
+    /// The minimum of G that Newton's method reaches from `direction`, which need not have unit length.
+    ///
+    /// `None` when the direction vanishes or is not finite.
+    fn refine(&self, direction: &Vector3<f64>) -> Option<AlgebraicFit> {
+        Some(self.fit(&self.newton(self.slice(&unit_direction(direction)?)?, CONVERGED)))
+    }
+}
+
 fn moments_of(points: &[Vector3<f64>]) -> Option<Moments> {
     Moments::new(points.iter().map(|p| (*p, 1.0)))
 }
