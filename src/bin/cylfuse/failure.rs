@@ -2,7 +2,7 @@
 
 use cylfuse::error::Error;
 use serde::Serialize;
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::path::Path;
 
 /// Why there is no result, as it stands in the JSON output.
@@ -96,6 +96,12 @@ pub fn in_words(error: &Error) -> String {
             format!("{} is {value}; it must {requirement}", flag.replace('_', "-"))
         }
         _ => error.to_string(),
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.status, self.message)
     }
 }
 

@@ -37,6 +37,14 @@ impl Input {
     }
 }
 
+/// The clouds of files, or without any the frames.
+pub fn of(clouds: &[PathBuf], frames: &[PathBuf]) -> Vec<Input> {
+    match clouds {
+        [] => find_frames(frames),
+        _ => clouds.iter().cloned().map(Input::Cloud).collect(),
+    }
+}
+
 /// The frames of files and folders, folders searched for frame.json in the order of names.
 pub fn find_frames(paths: &[PathBuf]) -> Vec<Input> {
     paths.iter().flat_map(|path| if path.is_dir() { search(path) } else { vec![frame(path)] }).collect()

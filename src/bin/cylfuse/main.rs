@@ -39,6 +39,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use inputs::Input;
 use plan_arguments::PlanArguments;
 use report::{Outcome, Report};
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -60,7 +61,7 @@ fn main() -> ExitCode {
         // Whoever reads the output has seen enough, as `head` does.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&format!("the output cannot be written: {error}"));
+            complain(format_args!("the output cannot be written: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -81,11 +82,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         Ok(settings) => settings,
         Err(error) => usage_error("fit", ErrorKind::ValueValidation, &option_error(&error)),
     };
-    let inputs = if arguments.points.is_empty() {
-        inputs::find_frames(&arguments.frames)
-    } else {
-        arguments.points.iter().cloned().map(Input::Cloud).collect()
-    };
+    let inputs = inputs::of(&arguments.points, &arguments.frames);
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
     let progress = progress_bar(inputs.len());
     let mut failed = false;
@@ -126,11 +123,7 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     };
     let illustrate = arguments.common.report.is_some();
     let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };
-    let inputs = if arguments.points.is_empty() {
-        inputs::find_frames(&arguments.frames)
-    } else {
-        arguments.points.iter().cloned().map(Input::Cloud).collect()
-    };
+    let inputs = inputs::of(&arguments.points, &arguments.frames);
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
     let progress = progress_bar(inputs.len());
     let mut failed = false;
@@ -165,8 +158,8 @@ fn print_scene(report: &SceneReport) -> io::Result<()> {
         SceneOutcome::Searched(scene) => {
             writeln!(io::stdout(), "{}", table::render_scene(&report.frame, scene))
         }
-        SceneOutcome::Failed { error: Failure { status, message } } => {
-            complain(&format!("{status}: {message}"));
+        SceneOutcome::Failed { error } => {
+            complain(error);
             Ok(())
         }
     }
@@ -185,8 +178,8 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
             )?;
             Ok(false)
         }
-        Err(Failure { status, message }) => {
-            complain(&format!("{status}: {message}"));
+        Err(failure) => {
+            complain(failure);
             Ok(true)
         }
     }
@@ -194,14 +187,15 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
 
 /// Prints what a camera will measure; tells whether some row failed.
 fn print_plan(arguments: &PlanArguments) -> io::Result<bool> {
-    let (base, rows) = match arguments.plan().and_then(|base| Ok((base, plan::rows(arguments)?))) {
-        Ok(found) => found,
+    let base = match arguments.plan() {
+        Ok(base) => base,
         Err(failure) if plan::of_command_line(&failure) => bad_plan(&failure),
-        Err(Failure { status, message }) => {
-            complain(&format!("{status}: {message}"));
+        Err(failure) => {
+            complain(failure);
             return Ok(true);
         }
     };
+    let rows = plan::rows(arguments, &base);
     // A mistake of the command line that every row has is none of the varied value: it ends with the code of such mistakes.
     let mut failures = rows.iter().map(|row| row.expected.as_ref().err());
     if let Some(Some(first)) = failures.next()
@@ -258,9 +252,7 @@ fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
     })
     .map_err(io::Error::other)?;
     progress.finish_and_clear();
-    for Failure { status, message } in &failures {
-        complain(&format!("{status}: {message}"));
-    }
+    failures.iter().for_each(complain);
     let made = seeds.len() - failures.len();
     writeln!(io::stdout(), "{made} frames in {}", arguments.out.display())?;
     Ok(!failures.is_empty())
@@ -271,8 +263,8 @@ fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
 fn run_bench(arguments: &bench::BenchArguments) -> io::Result<bool> {
     match bench::run(arguments) {
         Ok(said) => writeln!(io::stdout(), "{said}").map(|()| false),
-        Err(Failure { status, message }) => {
-            complain(&format!("{status}: {message}"));
+        Err(failure) => {
+            complain(failure);
             Ok(true)
         }
     }
@@ -286,11 +278,11 @@ fn print_json(report: &impl serde::Serialize) -> io::Result<()> {
 fn print_table(reports: &[Report]) -> io::Result<()> {
     write!(io::stdout(), "{}", table::render(reports))?;
     for report in reports {
-        if let Outcome::Failed { error: Failure { status, message } } = &report.outcome {
+        if let Outcome::Failed { error } = &report.outcome {
             // Most messages start with the path of a file of the frame.
             let name = table::short_name(&report.frame);
-            let whose = if message.starts_with(name) { String::new() } else { format!("{name}: ") };
-            complain(&format!("{whose}{status}: {message}"));
+            let whose = if error.message.starts_with(name) { String::new() } else { format!("{name}: ") };
+            complain(format_args!("{whose}{error}"));
         }
     }
     Ok(())
@@ -318,13 +310,13 @@ fn usage_error(name: &str, kind: ErrorKind, message: &str) -> ! {
 /// Tells on stderr of a failure; whether there was one.
 fn complained(outcome: Result<(), Failure>) -> bool {
     let failure = outcome.err();
-    if let Some(Failure { status, message }) = &failure {
-        complain(&format!("{status}: {message}"));
+    if let Some(failure) = &failure {
+        complain(failure);
     }
     failure.is_some()
 }
 
 /// A line on stderr. When even that is gone, nobody is left to be told.
-fn complain(message: &str) {
+fn complain(message: impl Display) {
     let _ = writeln!(io::stderr(), "cylfuse: {message}");
 }

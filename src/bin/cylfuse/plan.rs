@@ -43,16 +43,15 @@ pub struct Captures {
     pub of: Option<[Deviations; 2]>,
 }
 
-/// The rows that a command line asks for, without captures.
-pub fn rows(arguments: &PlanArguments) -> Result<Vec<Row>, Failure> {
-    let base = arguments.plan()?;
+/// The rows that a command line asks for about its plan, without captures.
+pub fn rows(arguments: &PlanArguments, base: &Plan) -> Vec<Row> {
     let row = |value: Option<f64>, plan: Plan| {
         let expected = plan.expected().map_err(Failure::from);
         Row { value, plan, expected, captures: None }
     };
-    let Some(vary) = &arguments.vary else { return Ok(vec![row(None, base)]) };
+    let Some(vary) = &arguments.vary else { return vec![row(None, base.clone())] };
     let values = (0..vary.rows).map(|k| vary.value(k));
-    Ok(values.map(|value| row(Some(value), vary.quantity.set(&base, value))).collect())
+    values.map(|value| row(Some(value), vary.quantity.set(base, value))).collect()
 }
 
 /// Whether a value of the command line is at fault, not what the camera sees.
