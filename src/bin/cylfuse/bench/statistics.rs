@@ -1,5 +1,7 @@
 //! Means and quantiles of errors.
 
+use super::page::shown;
+
 /// What a list of errors comes to. Values that are not finite are those of fits that failed, or that have no truth.
 #[derive(Debug, Clone, Copy)]
 pub struct Summary {
@@ -47,6 +49,11 @@ impl Summary {
             ninety: at(0.9),
             worst: at(1.0),
         }
+    }
+
+    /// Mean and standard deviation for a table.
+    pub fn cell(&self) -> String {
+        format!("{} ± {}", shown(self.mean), shown(self.deviation))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Figure 7: noise on the endpoints of the edges.
 
-use super::{mark, panels, series_of};
+use super::{head, mark, panels, series_of};
 use crate::bench::Bench;
 use crate::bench::methods::{Errors, METRICS, Method, Variation, errors_of, fit_with};
-use crate::bench::page::{Csv, Section, digits, paragraph, pictures, shown, table};
+use crate::bench::page::{Csv, Section, digits, paragraph, pictures, table};
 use crate::bench::plot::{Axis, Mark, Series};
 use crate::bench::published::ENDPOINTS;
 use crate::bench::statistics::Summary;
@@ -57,7 +57,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
                 let s = Summary::of(of_method.iter().map(|errors| errors[index]));
                 let numbers = [s.mean, s.deviation, s.median, s.ninety, s.worst].map(digits).join(",");
                 csv.push(&format!("{level},{},{},{numbers},{}", method.name(), metric.symbol, s.count));
-                cells.push(format!("{} ± {}", shown(s.mean), shown(s.deviation)));
+                cells.push(s.cell());
             }
             table_rows.push(cells);
         }
@@ -92,7 +92,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
         samples.len()
     )) + &legend
         + &pictures(&plots)
-        + &table(&["mean ± deviation", "E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)"], &table_rows);
+        + &table(&head("mean ± deviation"), &table_rows);
     Ok(Section {
         name: "endpoints",
         title: "Noise of the edges (Fig. 7)".into(),

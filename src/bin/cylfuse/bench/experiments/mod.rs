@@ -147,12 +147,14 @@ fn summary_row(name: String, errors: &[Errors]) -> Vec<String> {
     std::iter::once(name).chain(cells).collect()
 }
 
-/// The head of tables of [`summary_row`].
-const SUMMARY_HEAD: [&str; 5] = ["E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)", "failed"];
+/// The head of a table of the four errors.
+fn head(first: &str) -> [&str; 5] {
+    [first, "E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)"]
+}
 
 /// A table of [`summary_row`]s.
 pub fn summary_table(first: &str, rows: &[(String, Vec<Errors>)]) -> String {
-    let head: Vec<&str> = std::iter::once(first).chain(SUMMARY_HEAD).collect();
+    let head = [&head(first)[..], &["failed"]].concat();
     let rows: Vec<Vec<String>> =
         rows.iter().map(|(name, errors)| summary_row(name.clone(), errors)).collect();
     format!("<p>mean / median / 90 % / worst</p>\n{}", super::page::table(&head, &rows))

@@ -58,7 +58,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             csv.push(&format!("{},{radius},{},{numbers},{}", &name[..5], method.name(), s.count));
             table_rows.push(vec![
                 format!("{name}, {}", method.name()),
-                format!("{} ± {}", shown(s.mean), shown(s.deviation)),
+                s.cell(),
                 shown(s.worst),
                 shown(axis.mean),
                 format!("{} of {}", own.len() - s.count, own.len()),

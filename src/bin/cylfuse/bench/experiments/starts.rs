@@ -1,9 +1,9 @@
 //! Figure 8: disturbed starts.
 
-use super::{mark, panels};
+use super::{head, mark, panels};
 use crate::bench::Bench;
 use crate::bench::methods::{Errors, METRICS, Method, Variation, errors_of, fit_with};
-use crate::bench::page::{Csv, Section, digits, paragraph, pictures, shown, table};
+use crate::bench::page::{Csv, Section, digits, paragraph, pictures, table};
 use crate::bench::plot::{Axis, Series};
 use crate::bench::published::{PICTURE_ONLY, STARTS, STARTS_SAID};
 use crate::bench::sample::Sample;
@@ -77,7 +77,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
                 let s = Summary::of(errors(severity, row).iter().map(|errors| errors[index]));
                 let numbers = [s.mean, s.deviation, s.median, s.ninety, s.worst].map(digits).join(",");
                 csv.push(&format!("{},{method},{},{numbers},{}", severity + 1, metric.symbol, s.count));
-                cells.push(format!("{} ± {}", shown(s.mean), shown(s.deviation)));
+                cells.push(s.cell());
             }
             table_rows.push(cells);
         }
@@ -100,7 +100,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
         samples.len()
     )) + &legend
         + &pictures(&plots)
-        + &table(&["mean ± deviation", "E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)"], &table_rows);
+        + &table(&head("mean ± deviation"), &table_rows);
     Ok(Section {
         name: "starts",
         title: "Disturbed starts (Fig. 8)".into(),

@@ -1,8 +1,8 @@
 //! One quantity at a time: distance, tilt, the part of the width that is seen, the part of the length that is hidden.
 
-use super::{mark, panels, series_of};
+use super::{head, mark, panels, series_of};
 use crate::bench::methods::{Errors, METRICS, Method, errors_of, fit};
-use crate::bench::page::{Csv, Section, digits, paragraph, pictures, shown, table};
+use crate::bench::page::{Csv, Section, digits, paragraph, pictures, table};
 use crate::bench::plot::Axis;
 use crate::bench::sample::Sample;
 use crate::bench::stage::{self, DISTANCE as PAPERS, Hidden, OnBoard};
@@ -164,7 +164,7 @@ impl Sweep {
                             "{millimetres:.0},{value},{name},{},{numbers},{}",
                             metric.symbol, s.count
                         ));
-                        cells.push(format!("{} ± {}", shown(s.mean), shown(s.deviation)));
+                        cells.push(s.cell());
                     }
                     cells.push(format!("{failed} of {}", own.len()));
                     table_rows.push(cells);
@@ -187,7 +187,7 @@ impl Sweep {
         body.push_str(&explained);
         body.push_str(&pictures(&plots));
         let first = format!("radius, {}, method", self.axis);
-        let head = [&first, "E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)", "failed"];
+        let head = [&head(&first)[..], &["failed"]].concat();
         let rows = table(&head, &table_rows);
         body.push_str(&format!("<details><summary>the numbers</summary>\n{rows}</details>\n"));
         Ok(Section { name: self.name, title: self.title.into(), body, numbers: vec![csv], said: None })

@@ -1,6 +1,6 @@
 //! Figure 6: the weight w_L of the edges in the paper's objective.
 
-use super::panels;
+use super::{head, panels};
 use crate::bench::Bench;
 use crate::bench::methods::{Errors, METRICS, Method, Variation, errors_of, fit, fit_with};
 use crate::bench::page::{Csv, Section, digits, paragraph, pictures, shown, table};
@@ -93,7 +93,7 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
             &weights,
             &rows,
         )
-        + &table(&["frame", "E_o (°)", "E_p (mm)", "E_r (%)", "E_l (%)"], &rows_of_table);
+        + &table(&head("frame"), &rows_of_table);
     Ok(Section {
         name: "weights",
         title: "Weight of the edges (Fig. 6)".into(),
