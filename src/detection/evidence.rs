@@ -2,8 +2,9 @@
 
 use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
 use super::distances::{self, LANES, Sight};
-use super::grid::{Cell, Grid};
+use super::grid::Grid;
 use super::outline::{Beyond, Side};
+use super::planes::PlaneSums;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
@@ -222,12 +223,12 @@ impl Scene<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
         // The sums of all before an edge are those of the edge before it, and some more.
-        let all = PlaneSums::default().with(&self.grid.cells, &sorted);
+        let all = self.plane_sums(&sorted);
         let (mut before, mut first) = (PlaneSums::default(), 0);
         (2..=6)
             .map(|eighths| {
                 let edge = sorted.len() * eighths / 8;
-                before = before.with(&self.grid.cells, &sorted[first..edge]);
+                sorted[first..edge].iter().for_each(|&k| before.add(&self.grid.cells[k]));
                 first = edge;
                 let (left, right) = sorted.split_at(edge);
                 self.gain_of_plane(&before, left) + self.gain_of_plane(&all.without(&before), right)
@@ -237,7 +238,13 @@ impl Scene<'_> {
 
     /// The gain of the plane through cells.
     fn plane_gain(&self, cells: &[usize]) -> f64 {
-        self.gain_of_plane(&PlaneSums::default().with(&self.grid.cells, cells), cells)
+        self.gain_of_plane(&self.plane_sums(cells), cells)
+    }
+
+    fn plane_sums(&self, cells: &[usize]) -> PlaneSums {
+        let mut sums = PlaneSums::default();
+        cells.iter().for_each(|&k| sums.add(&self.grid.cells[k]));
+        sums
     }
 
     /// The same with the sums over the cells.
@@ -307,34 +314,6 @@ impl Scene<'_> {
             }
         }
         evidence.seen_through = through / f64::max(through + on, 1.0);
-    }
-}
-
-/// Sums over cells for the plane w = a + b x + c y through them: their number, and those of x, y, x², xy, y², w, xw and yw.
-#[derive(Clone, Copy, Default)]
-struct PlaneSums([f64; 9]);
-
-impl PlaneSums {
-    /// These and those of some cells.
-    fn with(self, cells: &[Cell], which: &[usize]) -> Self {
-        let mut sums = self.0;
-        for Cell { x, y, w, .. } in which.iter().map(|&k| &cells[k]) {
-            let numbers = [1.0, *x, *y, x * x, x * y, y * y, *w, x * w, y * w];
-            sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
-        }
-        Self(sums)
-    }
-
-    /// These but for those of some cells.
-    fn without(&self, some: &Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] - some.0[k]))
-    }
-
-    /// (a, b, c).
-    fn plane(&self) -> Option<Vector3<f64>> {
-        let [count, x, y, xx, xy, yy, w, xw, yw] = self.0;
-        let matrix = nalgebra::Matrix3::new(count, x, y, x, xx, xy, y, xy, yy);
-        Some(matrix.cholesky()?.solve(&Vector3::new(w, xw, yw)))
     }
 }
 

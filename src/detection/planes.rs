@@ -2,7 +2,7 @@
 
 use super::candidate::Marks;
 use super::effort::Effort;
-use super::grid::Grid;
+use super::grid::{Cell, Grid};
 use super::moments::Moments;
 use super::noise::Noise;
 use crate::memory::List;
@@ -37,47 +37,60 @@ const WIDE: f64 = 60.0;
 /// up to 125 pixels, but narrower than this.
 const NARROWEST: f64 = 10.0;
 
-/// Sums for w = a + b x + c y.
-#[derive(Clone, Copy)]
-struct Sums {
-    matrix: Matrix3<f64>,
-    vector: Vector3<f64>,
-    squares: f64,
-    count: f64,
-}
+/// Sums over cells for the plane w = a + b x + c y through them: their number, and those of x, y, x², xy, y², w, xw, yw
+/// and w².
+#[derive(Clone, Copy, Default)]
+pub(super) struct PlaneSums([f64; 10]);
 
-impl Sums {
-    fn none() -> Self {
-        Self { matrix: Matrix3::zeros(), vector: Vector3::zeros(), squares: 0.0, count: 0.0 }
-    }
-
-    fn add(&mut self, x: f64, y: f64, w: f64) {
-        let row = Vector3::new(1.0, x, y);
-        self.matrix += row * row.transpose();
-        self.vector += row * w;
-        self.squares += w * w;
-        self.count += 1.0;
+impl PlaneSums {
+    pub fn add(&mut self, &Cell { x, y, w, .. }: &Cell) {
+        self.join(&Self([1.0, x, y, x * x, x * y, y * y, w, x * w, y * w, w * w]));
     }
 
     fn join(&mut self, other: &Self) {
-        self.matrix += other.matrix;
-        self.vector += other.vector;
-        self.squares += other.squares;
-        self.count += other.count;
+        self.0.iter_mut().zip(other.0).for_each(|(sum, number)| *sum += number);
+    }
+
+    /// These but for those of some cells.
+    pub fn without(&self, some: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - some.0[k]))
+    }
+
+    /// The plane (a, b, c).
+    pub fn plane(&self) -> Option<Vector3<f64>> {
+        Some(self.matrix().cholesky()?.solve(&self.vector()))
     }
 
     /// The plane, and the root mean square residual.
     fn solve(&self) -> Option<(Vector3<f64>, f64)> {
-        let plane = self.matrix.cholesky()?.solve(&self.vector);
-        let rest = (self.squares - plane.dot(&self.vector)).max(0.0);
-        Some((plane, (rest / (self.count - 3.0).max(1.0)).sqrt()))
+        let plane = self.plane()?;
+        let rest = (self.squares() - plane.dot(&self.vector())).max(0.0);
+        Some((plane, (rest / (self.count() - 3.0).max(1.0)).sqrt()))
+    }
+
+    fn matrix(&self) -> Matrix3<f64> {
+        let [count, x, y, xx, xy, yy, ..] = self.0;
+        Matrix3::new(count, x, y, x, xx, xy, y, xy, yy)
+    }
+
+    fn vector(&self) -> Vector3<f64> {
+        let [.., w, xw, yw, _] = self.0;
+        Vector3::new(w, xw, yw)
+    }
+
+    fn squares(&self) -> f64 {
+        self.0[9]
+    }
+
+    fn count(&self) -> f64 {
+        self.0[0]
     }
 }
 
 /// For each cell of a grid the number of its plane from 1 on, or 0.
 pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Vec<u16> {
     let (columns, rows) = (grid.columns / BLOCK, grid.rows / BLOCK);
-    let blocks: List<Option<(Sums, f64)>> =
+    let blocks: List<Option<(PlaneSums, f64)>> =
         (0..columns * rows).map(|k| block(grid, k % columns, k / columns, noise)).collect();
     let mut order: List<usize> = (0..blocks.len()).filter(|&k| blocks[k].is_some()).collect();
     let rms = |k: usize| blocks[k].map_or(f64::INFINITY, |(_, rms)| rms);
@@ -118,17 +131,17 @@ pub(super) fn open(grid: &Grid, planes: &[u16]) -> Vec<bool> {
 }
 
 /// The sums of a block of cells without a step, if a plane explains them.
-fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(Sums, f64)> {
-    let mut sums = Sums::none();
+fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(PlaneSums, f64)> {
+    let mut sums = PlaneSums::default();
     for y in row * BLOCK..(row + 1) * BLOCK {
         for x in column * BLOCK..(column + 1) * BLOCK {
             let cell = grid.at(x, y);
             if cell.measured() {
-                sums.add(cell.x, cell.y, cell.w);
+                sums.add(cell);
             }
         }
     }
-    if 4.0 * sums.count < 3.0 * (BLOCK * BLOCK) as f64 {
+    if 4.0 * sums.count() < 3.0 * (BLOCK * BLOCK) as f64 {
         return None;
     }
     let (_, rms) = sums.solve()?;
@@ -137,7 +150,7 @@ fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(Sums,
 
 /// Grows a plane over neighbouring blocks.
 fn grow(
-    blocks: &[Option<(Sums, f64)>],
+    blocks: &[Option<(PlaneSums, f64)>],
     (columns, rows): (usize, usize),
     seed: usize,
     taken: &[bool],
@@ -167,8 +180,9 @@ fn grow(
             }
             let Some((block, _)) = &blocks[neighbour] else { continue };
             // The mean square distance of the block from the plane, by its sums.
-            let square = block.squares - 2.0 * plane.dot(&block.vector) + plane.dot(&(block.matrix * plane));
-            if square / block.count <= (2.0 * noise.deviation).powi(2) {
+            let square =
+                block.squares() - 2.0 * plane.dot(&block.vector()) + plane.dot(&(block.matrix() * plane));
+            if square / block.count() <= (2.0 * noise.deviation).powi(2) {
                 seen.set(neighbour);
                 members.push(neighbour);
                 sums.join(block);
