@@ -9,6 +9,12 @@ pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 /// The lower quartile of the absolute values of normal errors, in standard deviations.
 pub(crate) const LOWER_QUARTILE: f64 = 0.3186;
 
+/// The least and the largest of some numbers.
+pub(crate) fn ends(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
+}
+
 /// The upper median, 0 for no values; they come out in another order.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
@@ -95,7 +101,8 @@ const SIGN: u64 = 1 << 63;
 /// The bits of a number, in the order of `f64::total_cmp`: those of negative ones are turned round.
 pub(crate) fn ordered(number: f64) -> u64 {
     let bits = number.to_bits();
-    if bits & SIGN == 0 { bits | SIGN } else { !bits }
+    // All bits of those below zero are turned, of others the sign alone.
+    bits ^ ((bits.cast_signed() >> 63).cast_unsigned() | SIGN)
 }
 
 /// The numbers at some places of the ordered list, of which there must be as many.

@@ -10,7 +10,7 @@ use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::median;
+use crate::statistics::{ends, median};
 
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
@@ -298,11 +298,6 @@ impl Scene<'_> {
         let look = self.look_by(&surface, &cells, misfits, mark);
         Some((Candidate { surface, cells, gain: look.worth, sides }, look))
     }
-}
-
-/// The least and the largest of some numbers.
-pub(super) fn ends(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
-    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
 }
 
 /// Which cells were visited, without clearing between visits.

@@ -15,6 +15,7 @@ use crate::error::{Error, Result, cancelled_if};
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
+use crate::statistics::ordered;
 pub(crate) use looks::Looks;
 pub(crate) use members::reach;
 use nalgebra::Vector3;
@@ -180,13 +181,8 @@ fn is_in_front(x: f64, y: f64, z: f64, widest: f64) -> bool {
 
 /// The numbers at two places of the order of many that are spread over some orders of magnitude; what is none comes last.
 fn in_order(numbers: &[f64], places: [usize; 2], asked: &Asked<'_>) -> Result<[f64; 2]> {
-    // They are ordered as their bits are, those below zero the other way round: counted by the upper quarter of these, then
-    // looked for among those that share it.
-    let upper = |number: f64| {
-        let bits = number.to_bits();
-        let turned = bits ^ ((bits.cast_signed() >> 63).cast_unsigned() | 1 << 63);
-        (turned >> 48) as usize
-    };
+    // Counted by the upper quarter of their bits in order, then looked for among those that share it.
+    let upper = |number: f64| (ordered(number) >> 48) as usize;
     let mut counts = vec![0_u32; 1 << 16];
     numbers.iter().for_each(|number| counts[upper(*number)] += 1);
     let mut found = [0.0; 2];

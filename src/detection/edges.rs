@@ -4,6 +4,7 @@
 use crate::camera::Camera;
 use crate::memory::List;
 use crate::observations::GreyImage;
+use crate::statistics::ends;
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -364,8 +365,7 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     let least = eigen.eigenvalues.imin();
     let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
     let along = places.iter().map(|place| (place - middle).dot(&direction));
-    let (low, high) =
-        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)));
+    let [low, high] = ends(along);
     (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
         .then(|| [middle + direction * low, middle + direction * high])
 }

@@ -1,6 +1,6 @@
 //! What speaks for a cylinder and against it: other surfaces, its limbs, and what is seen where it should be.
 
-use super::candidate::{Candidate, Look, Marks, Scene, Sides, ends};
+use super::candidate::{Candidate, Look, Marks, Scene, Sides};
 use super::distances::{self, LANES, Sight};
 use super::grid::Grid;
 use super::outline::{Beyond, Side};
@@ -9,6 +9,7 @@ use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
+use crate::statistics::ends;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -273,20 +274,13 @@ impl Scene<'_> {
         evidence: &mut Evidence,
     ) {
         let grid = self.grid;
-        // The cells around the support, as far as the cylinder may reach.
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        for &k in &candidate.cells {
-            let (x, y) = (k % grid.columns, k / grid.columns);
-            low = [low[0].min(x), low[1].min(y)];
-            high = [high[0].max(x), high[1].max(y)];
-        }
         let depth = grid.cells[candidate.cells[0]].point.z;
         let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         let (mut through, mut on) = (0.0, 0.0);
         let seen = Band::new(cylinder, SEEN_PART);
         let inset = 0.1 * (last - first);
-        let rows = low[1].saturating_sub(margin)..(high[1] + margin + 1).min(grid.rows);
-        let columns = low[0].saturating_sub(margin)..(high[0] + margin + 1).min(grid.columns);
+        // The cells around the support, as far as the cylinder may reach.
+        let [columns, rows] = grid.around(&candidate.cells, margin);
         let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
         let columns = grid.within(0, columns, in_view.low[0], in_view.high[0]);
         let rows = grid.within(1, rows, in_view.low[1], in_view.high[1]);

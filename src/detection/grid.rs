@@ -6,7 +6,7 @@
 use super::distances::LANES;
 use super::row::Points;
 use crate::memory::List;
-use crate::statistics::median;
+use crate::statistics::{ends, median};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -121,13 +121,6 @@ impl Sums {
     }
 }
 
-/// The least and the largest of some numbers of measured cells.
-fn ends<'a>(cells: impl Iterator<Item = &'a Cell>, number: impl Fn(&Cell) -> f64) -> [f64; 2] {
-    let numbers = cells.filter(|cell| cell.measured()).map(number);
-    numbers
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
-}
-
 /// How far depths about one in the middle may differ from it.
 fn reach_at(middle: f64, spacing: f64) -> f64 {
     0.5 * STEEPEST * spacing * middle
@@ -231,14 +224,28 @@ impl Grid {
         let within = |k: usize, count: usize| k > 0 && k + 1 < count;
         let row = |y: usize| (0..columns).map(move |x| within(x, columns) && within(y, rows));
         let inner = (0..rows).flat_map(row).collect();
-        let column = |x: usize| ends(cells.iter().skip(x).step_by(columns), |cell| cell.x);
-        let row = |y: usize| ends(cells[y * columns..][..columns].iter(), |cell| cell.y);
+        let measured = |cell: &&Cell| cell.measured();
+        let column =
+            |x: usize| ends(cells.iter().skip(x).step_by(columns).filter(measured).map(|cell| cell.x));
+        let row = |y: usize| ends(cells[y * columns..][..columns].iter().filter(measured).map(|cell| cell.y));
         let bounds = [(0..columns).map(column).collect(), (0..rows).map(row).collect()];
         Self { columns, rows, side, spacing, cells, rays, bounds, inner }
     }
 
+    /// Columns and rows of some cells with a margin, which may go over the grid.
+    pub fn around(&self, cells: &[usize], margin: usize) -> [Range<usize>; 2] {
+        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+        for &k in cells {
+            let (x, y) = (k % self.columns, k / self.columns);
+            low = [low[0].min(x), low[1].min(y)];
+            high = [high[0].max(x), high[1].max(y)];
+        }
+        [0, 1].map(|axis| low[axis].saturating_sub(margin)..high[axis] + margin + 1)
+    }
+
     /// Of some columns (axis 0) or rows (axis 1) those from the first to the last with a measured cell between two positions.
     pub fn within(&self, axis: usize, some: Range<usize>, low: f64, high: f64) -> Range<usize> {
+        let some = some.start..some.end.min(self.bounds[axis].len());
         let meets = |k: &usize| self.bounds[axis][*k][0] <= high && self.bounds[axis][*k][1] >= low;
         let end = some.clone().rev().find(meets).map_or(some.start, |last| last + 1);
         some.clone().find(meets).map_or(end..end, |first| first..end)

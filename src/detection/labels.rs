@@ -10,6 +10,7 @@ use super::surface::{REACH, Surface};
 use super::{Detection, Detections};
 use crate::geometry::Cylinder;
 use crate::memory::List;
+use crate::statistics::ends;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
@@ -45,26 +46,17 @@ pub(super) fn label(
         }
         let surface = &judged.candidate.surface;
         let Surface::Cylinder(cylinder, _) = surface else { continue };
-        let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut depth: f64 = 0.0;
-        let mut sigma: f64 = 0.0;
-        for &k in &judged.candidate.cells {
-            let (x, y) = (k % grid.columns, k / grid.columns);
-            low = [low[0].min(x), low[1].min(y)];
-            high = [high[0].max(x), high[1].max(y)];
-            let along = surface.place(&grid.cells[k].point).along;
-            (first, last) = (first.min(along), last.max(along));
-            depth = depth.max(grid.cells[k].point.z);
-            sigma = sigma.max(grid.cells[k].sigma);
-        }
+        let cells = || judged.candidate.cells.iter().map(|&k| &grid.cells[k]);
+        let [first, last] = ends(cells().map(|cell| surface.place(&cell.point).along));
+        let depth = cells().map(|cell| cell.point.z).fold(0.0, f64::max);
+        let sigma = cells().map(|cell| cell.sigma).fold(0.0, f64::max);
         let body = Band::new(cylinder, 1.0);
         let pad = 0.5 * grid.spacing * depth;
         let range = [first - pad, last + pad];
         let margin = 2 + (cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
-        let columns =
-            low[0].saturating_sub(margin) * grid.side..((high[0] + margin + 1) * grid.side).min(width);
-        for y in low[1].saturating_sub(margin) * grid.side..((high[1] + margin + 1) * grid.side).min(height) {
+        let [columns, rows] = grid.around(&judged.candidate.cells, margin);
+        let columns = columns.start * grid.side..(columns.end * grid.side).min(width);
+        for y in rows.start * grid.side..(rows.end * grid.side).min(height) {
             // One cylinder may fill the image.
             if y % ROWS_BETWEEN_QUESTIONS == 0 && effort.ask() {
                 break;

@@ -1,10 +1,11 @@
 //! One cylinder in several parts, and several cylinders in one.
 
 use super::DetectionOptions;
-use super::candidate::{Candidate, Look, Marks, Scene, ends};
+use super::candidate::{Candidate, Look, Marks, Scene};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
 use crate::memory::List;
+use crate::statistics::ends;
 use nalgebra::Vector3;
 
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.

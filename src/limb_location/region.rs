@@ -7,7 +7,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
-use crate::statistics::{at_both_ends, median};
+use crate::statistics::{at_both_ends, ends, median};
 use nalgebra::Vector2;
 use smallvec::SmallVec;
 
@@ -130,11 +130,7 @@ impl<'a> Outline<'a> {
             let from_center = pixel.position - center;
             (from_center.dot(&along), from_center.dot(&normal))
         };
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (s, _) in self.pixels.iter().map(coordinates) {
-            low = low.min(s);
-            high = high.max(s);
-        }
+        let [low, high] = ends(self.pixels.iter().map(|pixel| coordinates(pixel).0));
         let margin = MARGIN.get() * (high - low);
         let (low, high) = (low + margin, high - margin);
         let count = (high - low).floor();

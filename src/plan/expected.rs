@@ -14,6 +14,7 @@ use crate::noise::NoiseModel;
 use crate::residuals::{
     ArcRay, ArcTerm, PixelResiduals, PixelSegment, PixelTerm, PointRows, Rim, SharedErrors, on_wall,
 };
+use crate::statistics::median;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// What a located limb scatters by in units of the Cramér–Rao bound: blur, levels and shading are found from the same pixels.
@@ -152,7 +153,7 @@ impl Plan {
             .collect();
         // A fit takes all points for alike, with the median of their deviations.
         let mut sorted: Vec<f64> = points.iter().map(|point| point.1).collect();
-        let scale = *sorted.select_nth_unstable_by(points.len() / 2, f64::total_cmp).1;
+        let scale = median(&mut sorted);
         // How the axis moves with the radius of the points.
         let square: TangentMap = points.iter().map(|(jacobian, _)| jacobian * jacobian.transpose()).sum();
         let inverse = square.fixed_view::<2, 2>(0, 0).try_inverse().ok_or_else(undetermined)?;

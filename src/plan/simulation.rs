@@ -2,7 +2,7 @@
 
 use super::{Deviations, Plan};
 use crate::error::{Error, Result};
-use crate::fitter::{Fitter, Options};
+use crate::fitter::{Fitter, Options, larger_deviation};
 use crate::geometry::{LimbFrame, RigidMotion, any_orthogonal};
 use crate::observations::{DepthRange, DepthView, Frame, ImageView, MaskView};
 use crate::twin::{
@@ -171,5 +171,5 @@ fn of_pairs(values: &[Vector2<f64>]) -> (f64, f64) {
     let mean = values.iter().sum::<Vector2<f64>>() / values.len() as f64;
     let square: Matrix2<f64> = values.iter().map(|value| (value - mean) * (value - mean).transpose()).sum();
     let covariance = square / (values.len() - 1) as f64;
-    (mean.norm(), covariance.symmetric_eigenvalues().max().max(0.0).sqrt())
+    (mean.norm(), larger_deviation(&covariance))
 }

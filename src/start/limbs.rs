@@ -17,6 +17,7 @@ mod votes;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale};
+use crate::statistics::ends;
 use nalgebra::Vector3;
 use votes::Points;
 
@@ -105,11 +106,8 @@ impl LimbPair {
         let sum = a + b + c + d;
         let forward = (sum - normal * sum.dot(&normal)).try_normalize(1e-9)?;
         let across = normal.cross(&forward);
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for ray in [a, b, c, d] {
-            let angle = ray.dot(&across).atan2(ray.dot(&forward));
-            (low, high) = (low.min(angle), high.max(angle));
-        }
+        let angle = |ray: Vector3<f64>| ray.dot(&across).atan2(ray.dot(&forward));
+        let [low, high] = ends([a, b, c, d].into_iter().map(angle));
         let tilt_range = (high + LEAST_ANGLE, low + std::f64::consts::PI - LEAST_ANGLE);
         (tilt_range.0 < tilt_range.1).then_some(Self {
             rays: [[a, b], [c, d]],

@@ -52,6 +52,7 @@ pub(super) fn of(points: &PointsView<'_>, level: u32, asked: &Asked<'_>) -> Resu
 mod tests {
     use super::*;
     use crate::error::Error;
+    use crate::statistics::ends;
 
     #[test]
     fn each_point_is_in_one_tile_with_those_near_it() {
@@ -65,8 +66,8 @@ mod tests {
         let mut counts = vec![0; points.len()];
         for tile in &tiles {
             let range = |axis: usize| {
-                let values = tile.iter().map(|&k| points[k as usize][axis]);
-                values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+                let [low, high] = ends(tile.iter().map(|&k| points[k as usize][axis]));
+                high - low
             };
             assert!([0, 1, 2].into_iter().all(|axis| range(axis) <= 14.5));
             tile.iter().for_each(|&k| counts[k as usize] += 1);
