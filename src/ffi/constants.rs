@@ -6,8 +6,40 @@ use crate::fitter::{
 };
 use crate::observations::{ImageFormat, Pixels, Scalar};
 
-fn unknown<T>(field: &str, value: i32, known: &str) -> Result<T, Failure> {
-    Err(Failure::argument(field, value, format!("be {known}")))
+/// Refuses a number with the ones that are known and their names.
+fn unknown<T>(field: &str, value: i32, known: &[(i32, &str)]) -> Result<T, Failure> {
+    let mut requirement = String::from("be");
+    for (place, (number, name)) in known.iter().enumerate() {
+        let joint = match place {
+            0 => " ",
+            _ if place + 1 < known.len() => ", ",
+            _ => " or ",
+        };
+        requirement += &format!("{joint}{number} ({name})");
+    }
+    Err(Failure::argument(field, value, requirement))
+}
+
+/// Reads constants as what they stand for in the library, and the other way round.
+macro_rules! stands_for {
+    ($constant:ident, $kind:ident { $($name:ident = $value:ident),+ }) => {
+        impl $constant {
+            pub(super) fn read(self, field: &str) -> Result<$kind, Failure> {
+                match self {
+                    $(Self::$name => Ok($kind::$value),)+
+                    _ => unknown(field, self.0, &[$((Self::$name.0, stringify!($name))),+]),
+                }
+            }
+        }
+
+        impl From<$kind> for $constant {
+            fn from(value: $kind) -> Self {
+                match value {
+                    $($kind::$value => Self::$name,)+
+                }
+            }
+        }
+    };
 }
 
 /// The type of a coordinate.
@@ -20,15 +52,9 @@ impl cylfuse_scalar {
     pub const F32: cylfuse_scalar = cylfuse_scalar(1);
     /// `double`.
     pub const F64: cylfuse_scalar = cylfuse_scalar(2);
-
-    pub(super) fn read(self, field: &str) -> Result<Scalar, Failure> {
-        match self {
-            Self::F32 => Ok(Scalar::F32),
-            Self::F64 => Ok(Scalar::F64),
-            _ => unknown(field, self.0, "1 (F32) or 2 (F64)"),
-        }
-    }
 }
+
+stands_for!(cylfuse_scalar, Scalar { F32 = F32, F64 = F64 });
 
 /// How a depth is stored in a pixel.
 #[repr(transparent)]
@@ -40,15 +66,9 @@ impl cylfuse_depth_format {
     pub const U16: cylfuse_depth_format = cylfuse_depth_format(1);
     /// `float`; 0, negative or not finite = no measurement.
     pub const F32: cylfuse_depth_format = cylfuse_depth_format(2);
-
-    pub(super) fn read(self, field: &str) -> Result<Pixels, Failure> {
-        match self {
-            Self::U16 => Ok(Pixels::U16),
-            Self::F32 => Ok(Pixels::F32),
-            _ => unknown(field, self.0, "1 (U16) or 2 (F32)"),
-        }
-    }
 }
+
+stands_for!(cylfuse_depth_format, Pixels { U16 = U16, F32 = F32 });
 
 /// How a pixel of an image is stored: one grey value, or three colours and perhaps a fourth byte (alpha), which is
 /// ignored.
@@ -71,22 +91,12 @@ impl cylfuse_image_format {
     pub const RGBA8: cylfuse_image_format = cylfuse_image_format(6);
     /// Blue, green, red, alpha, each `uint8_t`.
     pub const BGRA8: cylfuse_image_format = cylfuse_image_format(7);
-
-    pub(super) fn read(self, field: &str) -> Result<ImageFormat, Failure> {
-        match self {
-            Self::U8 => Ok(ImageFormat::U8),
-            Self::U16 => Ok(ImageFormat::U16),
-            Self::F32 => Ok(ImageFormat::F32),
-            Self::RGB8 => Ok(ImageFormat::Rgb8),
-            Self::BGR8 => Ok(ImageFormat::Bgr8),
-            Self::RGBA8 => Ok(ImageFormat::Rgba8),
-            Self::BGRA8 => Ok(ImageFormat::Bgra8),
-            _ => {
-                unknown(field, self.0, "1 (U8), 2 (U16), 3 (F32), 4 (RGB8), 5 (BGR8), 6 (RGBA8) or 7 (BGRA8)")
-            }
-        }
-    }
 }
+
+stands_for!(
+    cylfuse_image_format,
+    ImageFormat { U8 = U8, U16 = U16, F32 = F32, RGB8 = Rgb8, BGR8 = Bgr8, RGBA8 = Rgba8, BGRA8 = Bgra8 }
+);
 
 /// The distortion of the lens. What the numbers in `cylfuse_intrinsics::distortion` mean.
 #[repr(transparent)]
@@ -120,7 +130,7 @@ impl cylfuse_layout {
         match self {
             Self::PACKED => Ok(false),
             Self::ORGANISED => Ok(true),
-            _ => unknown(field, self.0, "0 (PACKED) or 1 (ORGANISED)"),
+            _ => unknown(field, self.0, &[(0, "PACKED"), (1, "ORGANISED")]),
         }
     }
 }
@@ -139,28 +149,9 @@ impl cylfuse_method {
     pub const RANSAC: cylfuse_method = cylfuse_method(2);
     /// Eberly's algebraic fit by the moments of the points, without a final iteration.
     pub const EBERLY: cylfuse_method = cylfuse_method(3);
-
-    pub(super) fn read(self, field: &str) -> Result<Method, Failure> {
-        match self {
-            Self::FUSED => Ok(Method::Fused),
-            Self::POINTS => Ok(Method::Points),
-            Self::RANSAC => Ok(Method::Ransac),
-            Self::EBERLY => Ok(Method::Eberly),
-            _ => unknown(field, self.0, "0 (FUSED), 1 (POINTS), 2 (RANSAC) or 3 (EBERLY)"),
-        }
-    }
 }
 
-impl From<Method> for cylfuse_method {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Fused => Self::FUSED,
-            Method::Points => Self::POINTS,
-            Method::Ransac => Self::RANSAC,
-            Method::Eberly => Self::EBERLY,
-        }
-    }
-}
+stands_for!(cylfuse_method, Method { FUSED = Fused, POINTS = Points, RANSAC = Ransac, EBERLY = Eberly });
 
 /// What `CYLFUSE_METHOD_FUSED` minimises.
 #[repr(transparent)]
@@ -174,24 +165,9 @@ impl cylfuse_objective {
     /// F = (1 - w) E_P + w E_L of Zhang, Liu and Wang (Sensors 2026, 26(5), 1687), exactly, with the weight
     /// w = `edge_weight`. Takes exactly two segments, or w = 0.
     pub const PAPER: cylfuse_objective = cylfuse_objective(1);
-
-    pub(super) fn read(self, field: &str) -> Result<ObjectiveKind, Failure> {
-        match self {
-            Self::ROBUST => Ok(ObjectiveKind::Robust),
-            Self::PAPER => Ok(ObjectiveKind::Paper),
-            _ => unknown(field, self.0, "0 (ROBUST) or 1 (PAPER)"),
-        }
-    }
 }
 
-impl From<ObjectiveKind> for cylfuse_objective {
-    fn from(objective: ObjectiveKind) -> Self {
-        match objective {
-            ObjectiveKind::Robust => Self::ROBUST,
-            ObjectiveKind::Paper => Self::PAPER,
-        }
-    }
-}
+stands_for!(cylfuse_objective, ObjectiveKind { ROBUST = Robust, PAPER = Paper });
 
 /// Where the iteration starts.
 #[repr(transparent)]
@@ -214,35 +190,12 @@ impl cylfuse_start {
     /// search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
     /// fit, as AUTO, with that cylinder or the start model one of the candidates.
     pub const LAST: cylfuse_start = cylfuse_start(5);
-
-    pub(super) fn read(self, field: &str) -> Result<StartKind, Failure> {
-        match self {
-            Self::AUTO => Ok(StartKind::Auto),
-            Self::LIMBS => Ok(StartKind::Limbs),
-            Self::MOMENTS => Ok(StartKind::Moments),
-            Self::RANSAC => Ok(StartKind::Ransac),
-            Self::MODEL => Ok(StartKind::Model),
-            Self::LAST => Ok(StartKind::Last),
-            _ => {
-                let known = "0 (AUTO), 1 (LIMBS), 2 (MOMENTS), 3 (RANSAC), 4 (MODEL) or 5 (LAST)";
-                unknown(field, self.0, known)
-            }
-        }
-    }
 }
 
-impl From<StartKind> for cylfuse_start {
-    fn from(start: StartKind) -> Self {
-        match start {
-            StartKind::Auto => Self::AUTO,
-            StartKind::Limbs => Self::LIMBS,
-            StartKind::Moments => Self::MOMENTS,
-            StartKind::Ransac => Self::RANSAC,
-            StartKind::Model => Self::MODEL,
-            StartKind::Last => Self::LAST,
-        }
-    }
-}
+stands_for!(
+    cylfuse_start,
+    StartKind { AUTO = Auto, LIMBS = Limbs, MOMENTS = Moments, RANSAC = Ransac, MODEL = Model, LAST = Last }
+);
 
 /// Whether the points must lie on the wall of the cylinder that a camera at the origin sees. There is often a
 /// second minimum with the cylinder between camera and surface; this rule refuses it.
@@ -257,26 +210,9 @@ impl cylfuse_near_wall {
     pub const ON: cylfuse_near_wall = cylfuse_near_wall(1);
     /// Off: the minimum nearest to the start stays.
     pub const OFF: cylfuse_near_wall = cylfuse_near_wall(2);
-
-    pub(super) fn read(self, field: &str) -> Result<NearWall, Failure> {
-        match self {
-            Self::AUTO => Ok(NearWall::Auto),
-            Self::ON => Ok(NearWall::On),
-            Self::OFF => Ok(NearWall::Off),
-            _ => unknown(field, self.0, "0 (AUTO), 1 (ON) or 2 (OFF)"),
-        }
-    }
 }
 
-impl From<NearWall> for cylfuse_near_wall {
-    fn from(rule: NearWall) -> Self {
-        match rule {
-            NearWall::Auto => Self::AUTO,
-            NearWall::On => Self::ON,
-            NearWall::Off => Self::OFF,
-        }
-    }
-}
+stands_for!(cylfuse_near_wall, NearWall { AUTO = Auto, ON = On, OFF = Off });
 
 /// The coordinates in which the iteration steps. All reach the same optima.
 #[repr(transparent)]
@@ -291,26 +227,9 @@ impl cylfuse_chart {
     /// The orthonormal representation about the origin of coordinates, as in the paper: singular for an axis
     /// through the origin.
     pub const ORTHONORMAL: cylfuse_chart = cylfuse_chart(2);
-
-    pub(super) fn read(self, field: &str) -> Result<ChartChoice, Failure> {
-        match self {
-            Self::AUTO => Ok(ChartChoice::Auto),
-            Self::LOCAL => Ok(ChartChoice::Local),
-            Self::ORTHONORMAL => Ok(ChartChoice::Orthonormal),
-            _ => unknown(field, self.0, "0 (AUTO), 1 (LOCAL) or 2 (ORTHONORMAL)"),
-        }
-    }
 }
 
-impl From<ChartChoice> for cylfuse_chart {
-    fn from(chart: ChartChoice) -> Self {
-        match chart {
-            ChartChoice::Auto => Self::AUTO,
-            ChartChoice::Local => Self::LOCAL,
-            ChartChoice::Orthonormal => Self::ORTHONORMAL,
-        }
-    }
-}
+stands_for!(cylfuse_chart, ChartChoice { AUTO = Auto, LOCAL = Local, ORTHONORMAL = Orthonormal });
 
 /// What given edge segments are for the objective ROBUST. No other looks for limbs in the image.
 #[repr(transparent)]
@@ -322,24 +241,9 @@ impl cylfuse_edge_use {
     pub const REFINE: cylfuse_edge_use = cylfuse_edge_use(0);
     /// The measurement: no limbs are looked for in the image. The arcs of the ends are.
     pub const AS_GIVEN: cylfuse_edge_use = cylfuse_edge_use(1);
-
-    pub(super) fn read(self, field: &str) -> Result<EdgeUse, Failure> {
-        match self {
-            Self::REFINE => Ok(EdgeUse::Refine),
-            Self::AS_GIVEN => Ok(EdgeUse::AsGiven),
-            _ => unknown(field, self.0, "0 (REFINE) or 1 (AS_GIVEN)"),
-        }
-    }
 }
 
-impl From<EdgeUse> for cylfuse_edge_use {
-    fn from(edge_use: EdgeUse) -> Self {
-        match edge_use {
-            EdgeUse::Refine => Self::REFINE,
-            EdgeUse::AsGiven => Self::AS_GIVEN,
-        }
-    }
-}
+stands_for!(cylfuse_edge_use, EdgeUse { REFINE = Refine, AS_GIVEN = AsGiven });
 
 /// Whether a detector looks at the image of a frame.
 #[repr(transparent)]
@@ -357,7 +261,7 @@ impl cylfuse_image_use {
         match self {
             Self::AUTO => Ok(true),
             Self::IGNORE => Ok(false),
-            _ => unknown(field, self.0, "0 (AUTO) or 1 (IGNORE)"),
+            _ => unknown(field, self.0, &[(0, "AUTO"), (1, "IGNORE")]),
         }
     }
 }
@@ -375,26 +279,9 @@ impl cylfuse_extent_rule {
     /// From all lines along the surface together, in the mask and, when there is one, in the image; from
     /// inside a pipe as EXTREMES.
     pub const LOCATED: cylfuse_extent_rule = cylfuse_extent_rule(2);
-
-    pub(super) fn read(self, field: &str) -> Result<ExtentRule, Failure> {
-        match self {
-            Self::AUTO => Ok(ExtentRule::Auto),
-            Self::EXTREMES => Ok(ExtentRule::Extremes),
-            Self::LOCATED => Ok(ExtentRule::Located),
-            _ => unknown(field, self.0, "0 (AUTO), 1 (EXTREMES) or 2 (LOCATED)"),
-        }
-    }
 }
 
-impl From<ExtentRule> for cylfuse_extent_rule {
-    fn from(rule: ExtentRule) -> Self {
-        match rule {
-            ExtentRule::Auto => Self::AUTO,
-            ExtentRule::Extremes => Self::EXTREMES,
-            ExtentRule::Located => Self::LOCATED,
-        }
-    }
-}
+stands_for!(cylfuse_extent_rule, ExtentRule { AUTO = Auto, EXTREMES = Extremes, LOCATED = Located });
 
 /// Data of a view, one bit each.
 #[repr(transparent)]
@@ -428,15 +315,9 @@ impl cylfuse_residual_kind {
     pub const POINTS: cylfuse_residual_kind = cylfuse_residual_kind(1);
     /// Signed distance of both endpoints of every used segment from its limb line, in ideal pixels.
     pub const EDGES: cylfuse_residual_kind = cylfuse_residual_kind(2);
-
-    pub(super) fn read(self, field: &str) -> Result<ResidualKind, Failure> {
-        match self {
-            Self::POINTS => Ok(ResidualKind::Points),
-            Self::EDGES => Ok(ResidualKind::Edges),
-            _ => unknown(field, self.0, "1 (POINTS) or 2 (EDGES)"),
-        }
-    }
 }
+
+stands_for!(cylfuse_residual_kind, ResidualKind { POINTS = Points, EDGES = Edges });
 
 /// How much a log line matters.
 #[repr(transparent)]
@@ -458,7 +339,9 @@ impl cylfuse_log_level {
     pub(super) fn check(self, field: &str) -> Result<(), Failure> {
         match self.0 {
             0..=4 => Ok(()),
-            _ => unknown(field, self.0, "0 (OFF), 1 (ERROR), 2 (WARNING), 3 (INFO) or 4 (DEBUG)"),
+            _ => {
+                unknown(field, self.0, &[(0, "OFF"), (1, "ERROR"), (2, "WARNING"), (3, "INFO"), (4, "DEBUG")])
+            }
         }
     }
 }
