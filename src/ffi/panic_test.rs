@@ -6,7 +6,7 @@ use super::status::cylfuse_status;
 /// Panics inside a call on the fitter; the guard turns it into the status.
 ///
 /// # Safety
-/// As any call on a fitter: NULL, or one that `cylfuse_fitter_new` has made and nobody has freed.
+/// As any call on a fitter: NULL, or one that `cylfuse_fitter_create` has made and nobody has freed.
 #[doc(hidden)]
 #[must_use]
 pub unsafe fn panic_in_a_call(fitter: *mut cylfuse_fitter) -> cylfuse_status {
