@@ -183,10 +183,10 @@ pub fn locate_ends(
             .filter(|parts| !parts.all_body())
     });
     check()?;
-    let body = parts.as_ref().and_then(|parts| parts.body(search.camera, search.mask));
+    let body = parts.as_ref().and_then(|parts| parts.shown(search.camera, search.mask, Parts::within));
     let whole = search.mask;
     let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
-    let told = parts.map_or([None, None], |parts| parts.ends);
+    let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search) };
@@ -215,7 +215,10 @@ pub fn locate_ends(
         ControlFlow::Continue(locate(&silhouette, &surroundings, &arc, told, outward))
     };
     let [first, second] = search.last;
-    let ends = [end(-1.0, told[0].as_ref(), first)?, end(1.0, told[1].as_ref(), second)?];
+    let mut ends = [end(-1.0, told[0].as_ref(), first)?, end(1.0, told[1].as_ref(), second)?];
+    for (end, collar) in ends.iter_mut().zip(collars) {
+        end.rim |= collar.is_some();
+    }
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }
 }

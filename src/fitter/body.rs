@@ -10,6 +10,7 @@ use crate::detection::detect_in_mask;
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::memory::List;
+use crate::parts::Parts;
 use crate::start::moments::Moments;
 use std::cell::RefCell;
 
@@ -68,11 +69,11 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
     if parts.all_body() {
         return None;
     }
-    let cloud = view.cloud.chosen(|index| parts.within(&view.cloud.point(index)));
+    let cloud = view.cloud.chosen(|index| parts.within_body(&view.cloud.point(index)));
     if (cloud.len() as f64) < LEAST_PART * view.cloud.len() as f64 {
         return None;
     }
-    let body = parts.body(camera, mask)?;
+    let body = parts.shown(camera, mask, Parts::within_body)?;
     Some(view.with_points(cloud, Some(body)))
 }
 

@@ -75,11 +75,11 @@ pub(super) struct GuidedView {
 
 impl Guided {
     /// The fit to the points alone as the first one, with what the sides of the mask of a single view tell but where they are;
-    /// `None` where no sides alone held it.
+    /// `None` where no sides held it, or given segments that they confirm.
     pub fn without_sides(&self, data: &Data<'_>, run: &mut Run<'_>) -> Result<Option<Self>> {
         let ([view], [of_data]) = (&self.views[..], &data.views[..]) else { return Ok(None) };
         let guides = &view.guides;
-        let by_sides = guides.given.is_empty() && !guides.sides.is_empty();
+        let by_sides = !guides.sides.is_empty() && (guides.given.is_empty() || view.unconfirmed);
         // What detection fits has been looked for in many places.
         let Some(camera) = of_data.view.camera().filter(|_| by_sides && !of_data.view.mask_is_body) else {
             return Ok(None);

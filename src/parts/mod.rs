@@ -4,6 +4,7 @@
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
 //! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
 
+mod collar;
 mod outline;
 mod shoulder;
 mod sight;
@@ -14,6 +15,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{LOWER_QUARTILE, lower_quartile_size, median_and_deviation, ordered};
+use collar::{Collar, collars};
 use nalgebra::Vector3;
 use outline::Rims;
 use shoulder::shoulder;
@@ -71,7 +73,7 @@ const PER_STRETCH: usize = 4;
 /// The constants of the parts of a mask.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    [CONSTANTS, outline::CONSTANTS, shoulder::CONSTANTS].concat()
+    [CONSTANTS, collar::CONSTANTS, outline::CONSTANTS, shoulder::CONSTANTS].concat()
 }
 
 /// What a point or pixel of a mask belongs to.
@@ -121,6 +123,8 @@ pub struct Parts {
     reach: f64,
     /// Against and along the axis; `None` where the mask ends with the body.
     pub ends: [Option<BodyEnd>; 2],
+    /// Lids and rims that are wider than the body, against and along the axis; `None` for none.
+    pub collars: [Option<Collar>; 2],
 }
 
 /// A pixel of the mask that was looked at.
@@ -158,8 +162,7 @@ impl Parts {
         let (first, last) = most(&votes)?;
         // A strip as wide as the surface and as long as the boundary of a mask may be off.
         let near = sights[first].point.z.min(sights[last].point.z);
-        let pixel = 0.5 * (camera.intrinsics().fx + camera.intrinsics().fy);
-        let width = 2.0 * WIDTH_PART.get() * cylinder.radius * pixel / near;
+        let width = 2.0 * WIDTH_PART.get() * cylinder.radius * focal_length(camera) / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
         let rims = OnceCell::new();
@@ -214,7 +217,8 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
         });
-        Some(Self { cylinder: *cylinder, reach, ends })
+        let collars = collars(camera, mask, &sights, cylinder, ends.map(|end| Some(end?.position)));
+        Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
     /// The same of points alone, which do not tell where the body ends.
@@ -223,38 +227,50 @@ impl Parts {
         // Without a mask most of them may be of the background, which says nothing of the noise.
         let near = |distance: &f64| distance.abs() <= cylinder.radius;
         let reach = reach(cylinder, points.map(|point| cylinder.distance(&point)).filter(near));
-        Self { cylinder: *cylinder, reach, ends: [None, None] }
+        Self { cylinder: *cylinder, reach, ends: [None, None], collars: [None, None] }
     }
 
     /// Whether the whole mask is the body.
     #[must_use]
     pub fn all_body(&self) -> bool {
-        self.ends.iter().all(Option::is_none)
+        self.ends.iter().all(Option::is_none) && self.collars.iter().all(Option::is_none)
     }
 
-    /// Whether a ray passes the cylinder between its ends.
+    /// Whether a ray passes the cylinder between its ends, lids and rims among them.
     #[must_use]
     pub fn within(&self, ray: &Vector3<f64>) -> bool {
-        let axis = &self.cylinder.axis;
-        let point = self.cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
-        let position = (point - axis.point).dot(&axis.direction);
-        let [first, last] = self.ends;
-        first.is_none_or(|end| position >= end.position) && last.is_none_or(|end| position <= end.position)
+        passes_between(&self.cylinder, ray, self.ends.map(|end| Some(end?.position)))
     }
 
-    /// The pixels of a mask that show the body; `None` when there are none.
+    /// The same without lids and rims that are wider than the body.
     #[must_use]
-    pub fn body(&self, camera: &Camera, mask: &Mask) -> Option<Mask> {
-        mask.chosen(|column, row| {
-            let ray = camera.ray_of_pixel(column, row);
-            ray.is_some_and(|ray| self.within(&ray))
-        })
+    pub fn within_body(&self, ray: &Vector3<f64>) -> bool {
+        let before = |collar: &Collar, ends: [Option<f64>; 2]| {
+            // The collar hides some of the body, too.
+            let wider = Cylinder { radius: collar.radius, ..self.cylinder };
+            [&self.cylinder, &wider].into_iter().all(|cylinder| passes_between(cylinder, ray, ends))
+        };
+        let [first, last] = &self.collars;
+        self.within(ray)
+            && first.as_ref().is_none_or(|collar| before(collar, [Some(collar.position), None]))
+            && last.as_ref().is_none_or(|collar| before(collar, [None, Some(collar.position)]))
+    }
+
+    /// The pixels of a mask whose rays are chosen; `None` when there are none.
+    #[must_use]
+    pub fn shown(
+        &self,
+        camera: &Camera,
+        mask: &Mask,
+        choose: fn(&Self, &Vector3<f64>) -> bool,
+    ) -> Option<Mask> {
+        mask.chosen(|column, row| camera.ray_of_pixel(column, row).is_some_and(|ray| choose(self, &ray)))
     }
 
     /// What a measured point belongs to.
     #[must_use]
     pub fn of_point(&self, point: &Vector3<f64>) -> Part {
-        let Self { cylinder, reach, ends } = self;
+        let Self { cylinder, reach, ends, .. } = self;
         let axis = &cylinder.axis;
         let distance = cylinder.distance(point);
         if !self.within(point) {
@@ -264,7 +280,7 @@ impl Parts {
                 return Part::Cap;
             }
         } else if distance.abs() <= *reach && faces(cylinder, point) {
-            return Part::Body;
+            return if self.within_body(point) { Part::Body } else { Part::Other };
         }
         let surface = cylinder.first_hit(point).unwrap_or_else(|| axis.nearest_to(point));
         if point.norm_squared() < surface.norm_squared() {
@@ -322,6 +338,18 @@ fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: 
         deviation: gap.hypot(DEPTH_PIXELS.get() * pixel),
         sign: EndSign::Depth,
     }
+}
+
+/// Whether a ray meets a cylinder, or passes it, between positions along the axis.
+fn passes_between(cylinder: &Cylinder, ray: &Vector3<f64>, [first, last]: [Option<f64>; 2]) -> bool {
+    let axis = &cylinder.axis;
+    let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
+    let position = (point - axis.point).dot(&axis.direction);
+    first.is_none_or(|end| position >= end) && last.is_none_or(|end| position <= end)
+}
+
+fn focal_length(camera: &Camera) -> f64 {
+    0.5 * (camera.intrinsics().fx + camera.intrinsics().fy)
 }
 
 /// The length along the axis that one pixel shows of the middle of the visible surface.

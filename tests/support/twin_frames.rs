@@ -5,6 +5,7 @@ use super::frames::Inputs;
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::fitter::FitResult;
 use cylfuse::geometry::RigidMotion;
+use cylfuse::observations::EdgeSegment;
 use cylfuse::twin::{
     Body, Capture, CaptureOptions, DEPTH_UNIT, DepthSensor, Material, PictureOptions, Scene, Shape,
     StructuredLight, capture,
@@ -48,6 +49,11 @@ pub fn captured_by(sensor: DepthSensor, scene: &Scene, focal: f64, seed: u64) ->
 
 /// The fit within a mask, with the image and without edges.
 pub fn fit_within(frame: &Capture, focal: f64, mask: Vec<u8>) -> FitResult {
+    fit_with_edges(frame, focal, mask, &[])
+}
+
+/// The fit within a mask, with the image and edges.
+pub fn fit_with_edges(frame: &Capture, focal: f64, mask: Vec<u8>, edges: &[EdgeSegment]) -> FitResult {
     let inputs = Inputs {
         intrinsics: intrinsics(focal),
         size: SIZE,
@@ -59,5 +65,6 @@ pub fn fit_within(frame: &Capture, focal: f64, mask: Vec<u8>) -> FitResult {
     };
     let mut fitter = inputs.fitter();
     inputs.push_image(&mut fitter);
+    fitter.push_edges(edges).unwrap();
     fitter.fit().unwrap()
 }
