@@ -5,6 +5,10 @@ use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::memory::List;
 
+/// What an error that all sides of a mask share is in the stated uncertainty, as a multiple of what it weighs in the fit: 1.25 pixels, as
+/// the noise model says of drawn masks.
+const STATED_GROWTH: f64 = 4.0;
+
 /// A residual in pixels with its weight and its Jacobian in the tangent of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelRow {
@@ -77,6 +81,7 @@ fn whiten(rows: &mut [PixelRow], deviation: f64) {
     for row in rows {
         row.residual -= part * residual * row.shared;
         row.jacobian -= jacobian * (part * row.shared);
+        row.shared /= (1.0 + square).sqrt();
     }
 }
 
@@ -103,10 +108,12 @@ impl Term for InPixels<'_> {
     }
 
     /// Every residual is weighed by its own variance, so that the cost is a negative log-likelihood times 2 ℓ², and the
-    /// covariance of its gradient is its second derivative times ℓ².
+    /// covariance of its gradient is its second derivative times ℓ². An error that rows share is stated as larger than it weighs.
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
         let NormalEquations { gradient, hessian, .. } = self.linearise(frame)?;
-        let covariance = hessian * (self.scale.length / frame.unit).powi(2);
+        let shared: Tangent = self.scaled(frame)?.iter().map(|row| row.jacobian * row.shared).sum();
+        let beyond = shared * shared.transpose() * (STATED_GROWTH.powi(2) - 1.0);
+        let covariance = (hessian + beyond) * (self.scale.length / frame.unit).powi(2);
         Some(SandwichPart { gradient, derivative: hessian, covariance })
     }
 }
