@@ -101,11 +101,11 @@ impl Scene {
         let Cylinder { axis, radius } = self.cylinder;
         let lid = Cylinder { axis, radius: LID_WIDER * radius };
         let wall = ray * lid.intersect_ray(ray)?.0;
-        let along = (wall - axis.point).dot(&axis.direction);
+        let along = axis.position_of(&wall);
         if (HALF_LENGTH - LID..=HALF_LENGTH).contains(&along) {
             return Some((Some(Part::Other), wall.z));
         }
-        let middle = axis.point + axis.direction * HALF_LENGTH;
+        let middle = axis.at(HALF_LENGTH);
         let top = ray * (middle.dot(&axis.direction) / ray.dot(&axis.direction));
         ((top - middle).norm() <= lid.radius).then_some((Some(Part::Cap), top.z))
     }

@@ -244,6 +244,11 @@ impl Camera {
         0.5 * (1.0 / self.intrinsics.fx + 1.0 / self.intrinsics.fy)
     }
 
+    /// The mean of the focal lengths along rows and columns, in pixels.
+    pub(crate) fn focal_length(&self) -> f64 {
+        0.5 * (self.intrinsics.fx + self.intrinsics.fy)
+    }
+
     /// The camera of an image whose pixels are boxes of `factor` columns and rows of this one's, those that the border
     /// cuts left out.
     #[must_use]

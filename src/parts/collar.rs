@@ -4,7 +4,7 @@
 //! axis is tilted. A collar adds a step, and so it does to the sides of the mask. Waves in the depth look like
 //! steps, too, but not in depth and sides alike.
 
-use super::{Sight, focal_length, pixel_length};
+use super::{Sight, pixel_length};
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -101,7 +101,7 @@ fn clearest(
     };
     let seen = sights.iter().filter(|sight| sight.facing && sight.distance.abs() <= NEAR.get() * radius);
     let depth: List<[f64; 2]> = seen
-        .map(|sight| [(sight.point - axis.point).dot(&axis.direction), sight.distance])
+        .map(|sight| [axis.position_of(&sight.point), sight.distance])
         .filter(|[along, _]| inside(*along))
         .collect();
     let alongs: List<f64> = depth.iter().map(|[along, _]| *along).collect();
@@ -111,7 +111,7 @@ fn clearest(
     let [low, high] = at_both_ends(&alongs, (TRIM * alongs.len() as f64) as usize);
     let middle = f64::midpoint(low, high);
     let pixel = pixel_length(camera, cylinder, middle)?;
-    let across = (axis.point + axis.direction * middle).z / focal_length(camera);
+    let across = axis.at(middle).z * camera.pixel_size();
     let count = ((high - low) / (radius / SLICES_OF_RADIUS).max(LEAST_PIXELS * pixel)) as usize;
     if count < LEAST_SLICES {
         return None;
@@ -156,7 +156,7 @@ fn sides(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> [List<[f64; 2]>; 
         let across = normal.dot(&axis.point) / normal.norm();
         let beyond = across.abs() - radius;
         if beyond.abs() <= NEAR.get() * radius {
-            let along = (ray * axis.nearest_on_ray(&ray) - axis.point).dot(&axis.direction);
+            let along = axis.position_of(&(ray * axis.nearest_on_ray(&ray)));
             sides[usize::from(across > 0.0)].push([along, beyond]);
         }
     }

@@ -162,7 +162,7 @@ impl Parts {
         let (first, last) = most(&votes)?;
         // A strip as wide as the surface and as long as the boundary of a mask may be off.
         let near = sights[first].point.z.min(sights[last].point.z);
-        let width = 2.0 * WIDTH_PART.get() * cylinder.radius * focal_length(camera) / near;
+        let width = 2.0 * WIDTH_PART.get() * cylinder.radius * camera.focal_length() / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
         let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
         let rims = OnceCell::new();
@@ -274,7 +274,7 @@ impl Parts {
         let axis = &cylinder.axis;
         let distance = cylinder.distance(point);
         if !self.within(point) {
-            let along = (point - axis.point).dot(&axis.direction);
+            let along = axis.position_of(point);
             let in_plane = |end: &BodyEnd| end.sign == EndSign::Cap && (along - end.position).abs() <= *reach;
             if distance <= *reach && ends.iter().flatten().any(in_plane) {
                 return Part::Cap;
@@ -344,12 +344,8 @@ fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: 
 fn passes_between(cylinder: &Cylinder, ray: &Vector3<f64>, [first, last]: [Option<f64>; 2]) -> bool {
     let axis = &cylinder.axis;
     let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
-    let position = (point - axis.point).dot(&axis.direction);
+    let position = axis.position_of(&point);
     first.is_none_or(|end| position >= end) && last.is_none_or(|end| position <= end)
-}
-
-fn focal_length(camera: &Camera) -> f64 {
-    0.5 * (camera.intrinsics().fx + camera.intrinsics().fy)
 }
 
 /// The length along the axis that one pixel shows of the middle of the visible surface.
@@ -369,7 +365,7 @@ fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64
 /// The points of the circle at a position along the axis that are nearest to the observer and farthest from it.
 fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 2]> {
     let axis = &cylinder.axis;
-    let center = axis.point + axis.direction * position;
+    let center = axis.at(position);
     let across = center - axis.direction * center.dot(&axis.direction);
     let away = across.try_normalize(0.0)? * cylinder.radius;
     Some([center - away, center + away])
@@ -419,7 +415,7 @@ fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> 
     let axis = &cylinder.axis;
     let inner = |sight: &&Sight| sight.distance <= (CAP_PART.get() - 1.0) * cylinder.radius;
     let mut along: List<f64> =
-        beyond.iter().filter(inner).map(|sight| (sight.point - axis.point).dot(&axis.direction)).collect();
+        beyond.iter().filter(inner).map(|sight| axis.position_of(&sight.point)).collect();
     if along.len() < LEAST_CAP.count() {
         return None;
     }

@@ -95,7 +95,7 @@ impl<'a> Rims<'a> {
     fn walls(&self, ray: &Vector3<f64>) -> Option<[f64; 2]> {
         let axis = &self.cylinder.axis;
         let (near, far) = self.cylinder.intersect_ray(ray)?;
-        (near > 0.0).then(|| [near, far].map(|t| (ray * t - axis.point).dot(&axis.direction)))
+        (near > 0.0).then(|| [near, far].map(|t| axis.position_of(&(ray * t))))
     }
 
     /// The position of an end whose far rim ends the mask towards `outward` (± 1, along the axis); `None` where its near rim
@@ -170,6 +170,6 @@ fn width(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> f64 {
     let middle = [columns, rows].map(|range| 0.5 * (range.start + range.end) as f64);
     let ray = camera.unproject(&Vector2::new(middle[0], middle[1])).unwrap_or_else(Vector3::z);
     let depth = cylinder.first_hit(&ray).map_or(cylinder.axis.nearest_to_origin().norm(), |hit| hit.z);
-    let pixel = 0.5 * (camera.intrinsics().fx + camera.intrinsics().fy);
+    let pixel = camera.focal_length();
     2.0 * WIDTH_PART.get() * cylinder.radius * pixel / depth.abs().max(f64::MIN_POSITIVE)
 }
