@@ -69,7 +69,7 @@ fn the_paper_takes_two_segments_or_no_weight() {
 }
 
 #[test]
-fn a_radius_whose_interval_reaches_down_to_nothing_is_weak() {
+fn a_radius_whose_interval_reaches_half_of_it_is_weak() {
     let can = can();
     let mut noise = Noise::new(1);
     let faces = |p: &Vector3<f64>| (p - can.axis.nearest_to(p)).normalize().dot(&-p.normalize()) > 0.85;
@@ -80,12 +80,12 @@ fn a_radius_whose_interval_reaches_down_to_nothing_is_weak() {
         .map(|p| (p * (1.0 + 0.002 * noise.normal())).into())
         .collect();
     let mut fitter = fitter_with(&points);
-    // Independent points tell the radius; where ten in all are, it may be anything.
-    for (independent_points, weak) in [(points.len() as f64, false), (10.0, true)] {
+    // Independent points tell the radius; where few in all are, it may be anything.
+    for (independent_points, weak) in [(points.len() as f64, false), (30.0, true), (10.0, true)] {
         fitter.set_options(Options { independent_points, ..Options::default() }).unwrap();
         let fit = fitter.fit().unwrap();
         let deviation = fit.uncertainty.unwrap().radius() / fit.cylinder.radius;
-        assert_eq!(deviation > 0.5, weak, "{deviation}");
+        assert_eq!(deviation > 0.25, weak, "{deviation}");
         assert_eq!(fit.flags.contains(Flags::WEAK_RADIUS), weak, "{deviation}");
     }
 }

@@ -212,9 +212,9 @@ pub(super) fn describe_beside_minimum(
     Ok(result)
 }
 
-/// Whether the 95 % interval of what is stated reaches down to nothing.
+/// Whether the 95 % interval of what is stated reaches down to half of the radius.
 fn hides_radius(uncertainty: Option<&Uncertainty>, cylinder: &Cylinder) -> bool {
-    uncertainty.is_some_and(|stated| 2.0 * stated.radius() >= cylinder.radius)
+    uncertainty.is_some_and(|stated| 4.0 * stated.radius() >= cylinder.radius)
 }
 
 /// The largest scale of points that lie on a cylinder: that of the view whose noise may be largest.

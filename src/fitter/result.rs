@@ -24,7 +24,7 @@ bitflags::bitflags! {
         /// The edges alone (w_L = 1) do not tell the scale: that of the start was kept.
         const SCALE_HELD = 1 << 5;
         /// The data hardly determine the radius: its standard deviation would be more than 5 % of it if all errors were independent, or
-        /// is at least half of it as stated, or the scale was held.
+        /// is at least a quarter of it as stated, or the scale was held.
         const WEAK_RADIUS = 1 << 6;
         /// The coordinates are coarser than 0.01 % of the radius: an f32 cloud far from the origin.
         const RESOLUTION_LOST = 1 << 7;
