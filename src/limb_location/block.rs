@@ -1,10 +1,10 @@
 //! What one short block of a limb says about its line.
 
-use super::gather::{Gathered, blocks};
-use super::profile::{FLAT, FUNCTIONS, Functions, SHADED, ShadedProfile, ShadedRow, Table};
-use super::strip::Strip;
+use super::gather::{Gathered, Near};
+use super::profile::{FLAT, FUNCTIONS, Functions, SHADED, ShadedProfile, Table};
 use crate::memory::List;
-use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix3, Matrix4, SMatrix, SVector, Vector2, Vector4};
+use std::array;
 
 constants! {
     /// How far the profile reaches outside the limb, in pixels: more meets other things in the background.
@@ -73,7 +73,7 @@ impl Window {
 }
 
 /// A line across a strip: u = offset + slope · s.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct StripLine {
     pub offset: f64,
     pub slope: f64,
@@ -123,134 +123,124 @@ impl Block {
     }
 }
 
-/// What the blocks of a limb say with a given line, from the pixels in a window about the line `near`, which is within
-/// [`super::profile::MARGIN`] of it.
-pub(super) fn shaded_sums(
-    strip: &Strip,
-    profile: &ShadedProfile,
-    line: &StripLine,
-    near: &StripLine,
-    window: Window,
-) -> List<ShadedSums> {
+/// What the blocks of a limb say with a given line, from the pixels near one that is within [`super::profile::MARGIN`] of it.
+pub(super) fn shaded_sums(profile: &ShadedProfile, line: &StripLine, near: &Near) -> ShadedSums {
     // Where the profile does not reach they are of no pixels: the lines that are asked about lie next to each other, so that it
     // reaches all parts of a window or none.
     match profile {
         ShadedProfile::Flat(table) => {
-            let sums = Gathered::of_blocks::<{ FLAT.len() }>(strip, table, line, near, window);
-            sums.map(|sums| sums.map_or_else(ShadedSums::default, ShadedSums::of_flat)).collect()
+            let sums = Gathered::of_blocks::<{ FLAT.len() }>(table, line, near);
+            ShadedSums::Flat(sums.map(|sums| sums.unwrap_or_else(Gathered::none)).collect())
         }
         ShadedProfile::Sloped(table) => {
-            let sums = Gathered::of_blocks::<SHADED>(strip, table, line, near, window);
-            sums.map(|sums| sums.map_or_else(ShadedSums::default, ShadedSums::of_sloped)).collect()
+            let sums = Gathered::of_blocks::<SHADED>(table, line, near);
+            ShadedSums::Sloped(sums.map(|sums| sums.unwrap_or_else(Gathered::none)).collect())
         }
     }
 }
 
 /// The blocks that have enough pixels. `noise` is the standard deviation of a pixel.
-pub(super) fn fit_blocks(sums: &[ShadedSums], noise: f64, background: Background) -> List<Block> {
-    let enough = sums.iter().filter(|sums| sums.count >= LEAST_PIXELS.count() as f64);
-    enough.filter_map(|sums| sums.fit(noise, background)).collect()
+pub(super) fn fit_blocks(sums: &ShadedSums, noise: f64, background: Background) -> List<Block> {
+    match sums {
+        ShadedSums::Flat(sums) => {
+            sums.iter().filter_map(|sums| block::<_, 2>(sums, noise, background)).collect()
+        }
+        ShadedSums::Sloped(sums) => {
+            sums.iter().filter_map(|sums| block::<_, LEVELS>(sums, noise, background)).collect()
+        }
+    }
 }
 
-/// What the blocks say about levels and shading with a given line, from the pixels about the line `near`: the
-/// costs of different lines can be compared over the same pixels only.
-pub(super) fn sums_of_blocks(
-    strip: &Strip,
-    profile: &Table<Functions>,
-    line: &StripLine,
-    near: &StripLine,
-) -> List<BlockSums> {
-    let sums = Gathered::of_blocks::<FUNCTIONS>(strip, profile, line, near, Window::full());
-    let mut of_blocks = List::with_capacity(blocks(strip).len());
-    of_blocks.extend(sums.filter_map(|sums| BlockSums::new(&sums?)));
-    of_blocks
+/// What the blocks say about levels and shading with a given line, from some pixels near it: the costs of different lines can be
+/// compared over the same pixels only.
+pub(super) fn sums_of_blocks(profile: &Table<Functions>, line: &StripLine, near: &Near) -> List<BlockSums> {
+    let sums = Gathered::of_blocks::<FUNCTIONS>(profile, line, near);
+    sums.filter_map(|sums| BlockSums::new(&sums?)).collect()
 }
 
-/// Sums over the pixels of a block of the products of what the profile says there, and of that with the values: they
-/// tell everything about levels, line, blur and shading.
-#[derive(Clone, Default)]
-pub(super) struct ShadedSums {
-    count: f64,
-    /// Of the positions along the strip.
-    s: f64,
-    /// The products; each stands once, in the upper right half. The last row and column are those of the values.
-    products: [ShadedRow; SHADED + 1],
+/// By block, sums over its pixels of the products of what the profile says there, and of that with the values: they tell everything
+/// about levels, line, blur and shading.
+#[derive(Clone)]
+pub(super) enum ShadedSums {
+    /// Without the distance in the background.
+    Flat(List<Gathered<{ FLAT.len() }>>),
+    Sloped(List<Gathered<12>>),
 }
 
 impl ShadedSums {
-    fn of_sloped(Gathered { products, count, s, .. }: Gathered<12>) -> Self {
-        Self { count, s, products }
-    }
-
-    /// Those with the distance in the background are 0.
-    fn of_flat(Gathered { products, right, squares, count, s }: Gathered<{ FLAT.len() }>) -> Self {
-        let mut sums = Self { count, s, ..Self::default() };
-        for (i, (row, right)) in FLAT.into_iter().zip(right).enumerate() {
-            for (column, product) in FLAT.into_iter().zip(products[i]).skip(i) {
-                sums.products[row][column] = product;
-            }
-            sums.products[row][SHADED] = right;
-        }
-        sums.products[SHADED][SHADED] = squares;
-        sums
-    }
-
-    /// Adds those over other pixels of the block.
+    /// Adds those over other pixels beside the same background.
     pub fn add(&mut self, other: &Self) {
-        self.count += other.count;
-        self.s += other.s;
-        for (row, other) in self.products.iter_mut().zip(&other.products) {
-            for (product, other) in row.iter_mut().zip(other) {
-                *product += other;
+        match (self, other) {
+            (Self::Flat(sums), Self::Flat(other)) => {
+                sums.iter_mut().zip(other).for_each(|(sums, other)| sums.add(other));
             }
+            (Self::Sloped(sums), Self::Sloped(other)) => {
+                sums.iter_mut().zip(other).for_each(|(sums, other)| sums.add(other));
+            }
+            _ => {}
         }
-    }
-
-    /// `None` where the levels are not determined.
-    fn fit(&self, noise: f64, background: Background) -> Option<Block> {
-        let products = SMatrix::<f64, SHADED, SHADED>::from_fn(|i, k| self.products[i.min(k)][i.max(k)]);
-        let stiffness = background.stiffness(products[(0, 0)], self.products[0][SHADED], noise);
-        let right = SVector::<f64, SHADED>::from_fn(|i, _| self.products[i][SHADED]);
-        let of_levels = right.fixed_rows::<LEVELS>(0);
-        let mut between_levels = products.fixed_view::<LEVELS, LEVELS>(0, 0).into_owned();
-        between_levels[(1, 1)] += stiffness;
-        let inverse = between_levels.try_inverse()?;
-        let levels: Vector3<f64> = inverse * of_levels;
-        let by_unknowns = of_unknowns(&levels, &products).transpose();
-        let cross = by_unknowns.fixed_rows::<LEVELS>(0);
-        let square: Matrix4<f64> = of_unknowns(&levels, &by_unknowns);
-        let gradient: Vector4<f64> = of_unknowns(&levels, &right) - cross.tr_mul(&levels);
-        let squares = (self.products[SHADED][SHADED] - of_levels.dot(&levels)).max(0.0);
-        let variance_of_pixel = squares / (self.count - (LEVELS + 2) as f64);
-        let variance = variance_of_pixel.max(noise * noise);
-        let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
-        let gradient = gradient / variance;
-        let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
-        Some(Block {
-            s: self.s / self.count,
-            shift: gradient[0] / of_line,
-            sigma: (1.0 / of_line).sqrt(),
-            weight: 1.0,
-            variance_of_pixel,
-            information,
-            gradient,
-        })
     }
 }
 
-/// What sums over what the profile says become in (line, blur, shading): the derivatives of the brightness are combinations
-/// of what the profile says.
-fn of_unknowns<const COLUMNS: usize>(
-    levels: &Vector3<f64>,
-    sums: &SMatrix<f64, SHADED, COLUMNS>,
-) -> SMatrix<f64, 4, COLUMNS> {
-    let [outside, slope, inside] = [levels[0], levels[1], levels[2]];
-    SMatrix::from_fn(|unknown, k| match unknown {
-        0 => -outside * sums[(3, k)] - slope * sums[(4, k)] - inside * sums[(5, k)],
-        1 => outside * sums[(6, k)] + slope * sums[(7, k)] + inside * sums[(8, k)],
-        2 => inside * sums[(9, k)],
-        _ => inside * sums[(10, k)],
+/// What a block says by the sums over its pixels; `None` where it has too few, or the levels are not determined. Of the levels there
+/// are `COUNT`, without the slope outside if that is one less.
+fn block<const WIDTH: usize, const COUNT: usize>(
+    sums: &Gathered<WIDTH>,
+    noise: f64,
+    background: Background,
+) -> Option<Block> {
+    if sums.count < LEAST_PIXELS.count() as f64 {
+        return None;
+    }
+    let product = |i: usize, k: usize| sums.products[i.min(k)][i.max(k)];
+    let level = |k: usize| if COUNT < LEVELS { 2 * k } else { k };
+    let mut between_levels = Matrix3::zeros();
+    for i in 0..COUNT {
+        for k in 0..COUNT {
+            between_levels[(level(i), level(k))] = product(i, k);
+        }
+    }
+    between_levels[(1, 1)] += background.stiffness(product(0, 0), sums.right[0], noise);
+    let inverse = between_levels.try_inverse()?;
+    let inverse = SMatrix::<f64, COUNT, COUNT>::from_fn(|i, k| inverse[(level(i), level(k))]);
+    let right = SVector::<f64, COUNT>::from_fn(|i, _| sums.right[i]);
+    let levels = inverse * right;
+    let by_unknowns: [[f64; WIDTH]; 4] = {
+        let columns: [[f64; 4]; WIDTH] = array::from_fn(|k| of_unknowns(&levels, |i| product(i, k)));
+        array::from_fn(|unknown| columns.map(|column| column[unknown]))
+    };
+    let cross = SMatrix::<f64, COUNT, 4>::from_fn(|i, unknown| by_unknowns[unknown][i]);
+    let square = by_unknowns.map(|row| of_unknowns(&levels, |i| row[i]));
+    let square = Matrix4::from_fn(|i, k| square[k][i]);
+    let gradient = Vector4::from(of_unknowns(&levels, |i| sums.right[i])) - cross.tr_mul(&levels);
+    let squares = (sums.squares - right.dot(&levels)).max(0.0);
+    let variance_of_pixel = squares / (sums.count - (LEVELS + 2) as f64);
+    let variance = variance_of_pixel.max(noise * noise);
+    let information = (square - cross.tr_mul(&(inverse * cross))) / variance;
+    let gradient = gradient / variance;
+    let of_line = information[(0, 0)].max(f64::MIN_POSITIVE);
+    Some(Block {
+        s: sums.s / sums.count,
+        shift: gradient[0] / of_line,
+        sigma: (1.0 / of_line).sqrt(),
+        weight: 1.0,
+        variance_of_pixel,
+        information,
+        gradient,
     })
+}
+
+/// What numbers of what the profile says become in (line, blur, shading): the derivatives of the brightness are combinations of what
+/// the profile says, which stands in the order of the levels, their derivatives in u and in the blur, sin θ and 1 − cos θ.
+#[inline(always)]
+fn of_unknowns<const COUNT: usize>(levels: &SVector<f64, COUNT>, number: impl Fn(usize) -> f64) -> [f64; 4] {
+    let (mut line, mut blur) = (-levels[0] * number(COUNT), levels[0] * number(2 * COUNT));
+    for k in 1..COUNT {
+        line -= levels[k] * number(COUNT + k);
+        blur += levels[k] * number(2 * COUNT + k);
+    }
+    let inside = levels[COUNT - 1];
+    [line, blur, inside * number(3 * COUNT), inside * number(3 * COUNT + 1)]
 }
 
 /// Sums over the pixels of a block, which tell everything about levels and shading.

@@ -9,6 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// The sums of a block.
+#[derive(Clone)]
 pub(super) struct Gathered<const WIDTH: usize> {
     /// Of the products of the numbers of a row with each other; the right half is enough.
     pub products: [[f64; WIDTH]; WIDTH],
@@ -22,22 +23,105 @@ pub(super) struct Gathered<const WIDTH: usize> {
 }
 
 impl<const WIDTH: usize> Gathered<WIDTH> {
-    /// Those of each block; `None` where the profile does not reach.
+    /// Those of no pixels.
+    pub fn none() -> Self {
+        Self { products: [[0.0; WIDTH]; WIDTH], right: [0.0; WIDTH], squares: 0.0, count: 0.0, s: 0.0 }
+    }
+
+    /// Adds those over other pixels of the block.
+    pub fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.s += other.s;
+        self.squares += other.squares;
+        let rows = self.products.iter_mut().zip(&other.products).chain([(&mut self.right, &other.right)]);
+        for (row, other) in rows {
+            row.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
+        }
+    }
+
+    /// Those of each block with a given line, from pixels near it; `None` where the profile does not reach.
     pub fn of_blocks<const COUNT: usize>(
-        strip: &Strip,
         profile: &Table<[f64; WIDTH]>,
         line: &StripLine,
-        near: &StripLine,
-        window: Window,
+        near: &Near,
     ) -> impl Iterator<Item = Option<Self>> {
-        let pixels = strip.pixels_of_block();
-        let (mut rows, mut values) = (List::with_capacity(pixels), List::with_capacity(pixels));
-        blocks(strip).map(move |runs| {
-            let (rows, values) = (&mut rows, &mut values);
-            let gather = Gather::<WIDTH, COUNT> { strip, profile, line, near, window, runs, rows, values };
+        let most = near.blocks.iter().map(|block| block.pixels.len()).max().unwrap_or_default();
+        let (mut rows, mut places) = (List::filled([0.0; WIDTH], most), List::filled(0.0, most));
+        near.blocks.iter().map(move |block| {
+            let (rows, places) = (&mut rows[..], &mut places[..]);
+            let gather = Gather::<WIDTH, COUNT> { profile, line, near, block, rows, places };
             // Rows of twelve are whole numbers of four alone.
             if WIDTH.is_multiple_of(8) { Arch::new().dispatch(gather) } else { by_fours(gather) }
         })
+    }
+}
+
+/// The pixels of a strip in a window about a line, block by block: most lines are asked about over the same ones.
+#[derive(Default)]
+pub(super) struct Near {
+    /// The line; `None` before any is looked at.
+    line: Option<StripLine>,
+    /// Where each of them is along the strip and across it, and its value.
+    s: List<f64>,
+    u: List<f64>,
+    values: List<f64>,
+    blocks: List<OfBlock>,
+}
+
+/// The pixels of a block, and sums over them of what no line changes: of the positions along the strip, and of the squares of the
+/// values.
+struct OfBlock {
+    pixels: Range<usize>,
+    s: f64,
+    squares: f64,
+}
+
+impl Near {
+    pub fn new(strip: &Strip, line: &StripLine, window: Window) -> Self {
+        let mut near = Self::default();
+        near.look(strip, line, window);
+        near
+    }
+
+    /// Looks at the pixels about a line, unless it has done so. The window is the same each time.
+    pub fn look(&mut self, strip: &Strip, line: &StripLine, window: Window) {
+        if self.line == Some(*line) {
+            return;
+        }
+        self.line = Some(*line);
+        [&mut self.s, &mut self.u, &mut self.values].into_iter().for_each(|list| list.clear());
+        self.blocks.clear();
+        for runs in blocks(strip) {
+            let first = self.s.len();
+            for run in runs {
+                let run = strip.run(run);
+                let [from, to] = counts_before(run, line, [window.from, window.to]);
+                let run = run.get(from..to).unwrap_or_default().iter();
+                // Where white was cut off the profile is not what the light was.
+                if strip.is_saturated() {
+                    self.extend(run.filter(|pixel| !pixel.saturated));
+                } else {
+                    self.extend(run);
+                }
+            }
+            let pixels = first..self.s.len();
+            let (mut s, mut squares) = ([0.0; 4], [0.0; 4]);
+            for (some, values) in self.s[pixels.clone()].chunks(4).zip(self.values[pixels.clone()].chunks(4))
+            {
+                for (k, (position, value)) in some.iter().zip(values).enumerate() {
+                    s[k] += position;
+                    squares[k] += value * value;
+                }
+            }
+            let [s, squares] = [s, squares].map(|sums| sums.iter().sum());
+            self.blocks.push(OfBlock { pixels, s, squares });
+        }
+    }
+
+    fn extend<'a>(&mut self, pixels: impl Iterator<Item = &'a StripPixel> + Clone) {
+        self.s.extend(pixels.clone().map(|pixel| pixel.s));
+        self.u.extend(pixels.clone().map(|pixel| pixel.u));
+        self.values.extend(pixels.map(|pixel| pixel.value));
     }
 }
 
@@ -54,38 +138,38 @@ fn place(pixel: &StripPixel, line: &StripLine) -> f64 {
     pixel.u - line.at(pixel.s)
 }
 
-/// How many of the first pixels of a run are not as far inside a line as a distance. The pixels of a run are about evenly
-/// spread: a straight line tells the number nearly.
+/// How many of the first pixels of a run are not as far inside a line as either of two distances. The pixels of a run are about
+/// evenly spread: a straight line tells the numbers nearly.
 #[inline(always)]
-fn count_before(run: &[StripPixel], line: &StripLine, distance: f64) -> usize {
-    let (Some(first), Some(last)) = (run.first(), run.last()) else { return 0 };
-    let (first, last) = (place(first, line) - distance, place(last, line) - distance);
-    // The conversion holds what is below 0 at 0.
-    let mut count = (1.0 + (run.len() - 1) as f64 * first / (first - last)) as u32 as usize;
-    count = count.min(run.len());
-    while count > 0 && !(place(&run[count - 1], line) - distance < 0.0) {
-        count -= 1;
-    }
-    while count < run.len() && place(&run[count], line) - distance < 0.0 {
-        count += 1;
-    }
-    count
+fn counts_before(run: &[StripPixel], line: &StripLine, distances: [f64; 2]) -> [usize; 2] {
+    let (Some(first), Some(last)) = (run.first(), run.last()) else { return [0; 2] };
+    let first = place(first, line);
+    let per_step = (run.len() - 1) as f64 / (place(last, line) - first);
+    distances.map(|distance| {
+        // The conversion holds what is below 0 at 0.
+        let mut count = (1.0 + (distance - first) * per_step) as u32 as usize;
+        count = count.min(run.len());
+        while count > 0 && !(place(&run[count - 1], line) - distance < 0.0) {
+            count -= 1;
+        }
+        while count < run.len() && place(&run[count], line) - distance < 0.0 {
+            count += 1;
+        }
+        count
+    })
 }
 
 /// Sums over the pixels of a block with vector instructions, which all round alike. No closure: what is not inlined here does
 /// without them.
 struct Gather<'a, const WIDTH: usize, const COUNT: usize> {
-    strip: &'a Strip,
     /// Its rows have so many functions. The value of a pixel stands behind them where there is room.
     profile: &'a Table<[f64; WIDTH]>,
     line: &'a StripLine,
-    /// The line that the pixels are near.
-    near: &'a StripLine,
-    window: Window,
-    runs: Range<usize>,
-    /// Room for a row and a value a pixel.
-    rows: &'a mut List<[f64; WIDTH]>,
-    values: &'a mut List<f64>,
+    near: &'a Near,
+    block: &'a OfBlock,
+    /// Room for a row and a place a pixel.
+    rows: &'a mut [[f64; WIDTH]],
+    places: &'a mut [f64],
 }
 
 /// Works with instructions of four numbers on machines with wider ones, too.
@@ -103,44 +187,25 @@ impl<const WIDTH: usize, const COUNT: usize> WithSimd for Gather<'_, WIDTH, COUN
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { strip, profile, line, near, window, runs, rows, values } = self;
-        let (mut count, mut s) = (0, 0.0);
-        for run in runs {
-            let run = strip.run(run);
-            let run = &run[count_before(run, near, window.from)..];
-            // Room for all of them at once: in the loop the call would cost more than the pixels.
-            if rows.len() < count + run.len() {
-                rows.resize(count + run.len(), [0.0; WIDTH]);
+        let Self { profile, line: StripLine { offset, slope }, near, block, rows, places } = self;
+        let OfBlock { pixels, s, squares } = block;
+        let (along, across) = (&near.s[pixels.clone()], &near.u[pixels.clone()]);
+        let values = &near.values[pixels.clone()];
+        for ((place, s), u) in places.iter_mut().zip(along).zip(across) {
+            *place = profile.steps_to(u - (offset + slope * s));
+        }
+        for ((row, place), value) in rows.iter_mut().zip(&*places).zip(values) {
+            let (below, above, part) = profile.beside(*place)?;
+            let (below, above) = (S::as_simd_f64s(below).0, S::as_simd_f64s(above).0);
+            let part = simd.splat_f64s(part);
+            for ((number, below), above) in S::as_mut_simd_f64s(row).0.iter_mut().zip(below).zip(above) {
+                *number = simd.add_f64s(*below, simd.mul_f64s(simd.sub_f64s(*above, *below), part));
             }
-            if COUNT == WIDTH && values.len() < rows.len() {
-                values.resize(rows.len(), 0.0);
-            }
-            let mut room = rows[count..].iter_mut();
-            for pixel in run {
-                if place(pixel, near) >= window.to {
-                    break;
-                }
-                // Where white was cut off the profile is not what the light was.
-                if pixel.saturated {
-                    continue;
-                }
-                let Some(row) = room.next() else { break };
-                let (below, above, part) = profile.beside(place(pixel, line))?;
-                let (below, above) = (S::as_simd_f64s(below).0, S::as_simd_f64s(above).0);
-                let part = simd.splat_f64s(part);
-                for ((number, below), above) in S::as_mut_simd_f64s(row).0.iter_mut().zip(below).zip(above) {
-                    *number = simd.add_f64s(*below, simd.mul_f64s(simd.sub_f64s(*above, *below), part));
-                }
-                if COUNT < WIDTH {
-                    row[COUNT] = pixel.value;
-                } else {
-                    values[count] = pixel.value;
-                }
-                s += pixel.s;
-                count += 1;
+            if COUNT < WIDTH {
+                row[COUNT] = *value;
             }
         }
-        let rows = &rows[..count];
+        let rows = &rows[..values.len()];
         let mut products = [[0.0; WIDTH]; WIDTH];
         if S::F64_LANES > 4 {
             add_products::<S, WIDTH, COUNT, 0, WIDTH>(simd, rows, &mut products);
@@ -151,20 +216,15 @@ impl<const WIDTH: usize, const COUNT: usize> WithSimd for Gather<'_, WIDTH, COUN
                 add_products::<S, WIDTH, COUNT, 8, 4>(simd, rows, &mut products);
             }
         }
-        let (mut right, mut squares) = ([0.0; WIDTH], 0.0);
+        let mut right = [0.0; WIDTH];
         if COUNT < WIDTH {
             for k in 0..COUNT {
                 right[k] = products[k][COUNT];
             }
-            squares = products[COUNT][COUNT];
         } else {
-            let values = &values[..count];
             add_values(simd, rows, values, &mut right);
-            for value in values {
-                squares += value * value;
-            }
         }
-        Some(Gathered { products, right, squares, count: count as f64, s })
+        Some(Gathered { products, right, squares: *squares, count: values.len() as f64, s: *s })
     }
 }
 
@@ -228,7 +288,8 @@ mod tests {
         let (line, near) = (StripLine { offset: 0.13, slope: 0.01 }, StripLine { offset: 0.1, slope: 0.01 });
         let near_to = |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-6 * size, "{a} {b}");
         let window = Window::full();
-        let found: Vec<_> = Gathered::of_blocks::<COUNT>(strip, table, &line, &near, window).collect();
+        let looked = Near::new(strip, &near, window);
+        let found: Vec<_> = Gathered::of_blocks::<COUNT>(table, &line, &looked).collect();
         assert_eq!(found.len(), blocks(strip).count());
         for (runs, found) in blocks(strip).zip(found) {
             let found = found.unwrap();
@@ -238,7 +299,7 @@ mod tests {
             };
             let (mut rows, mut s) = (Vec::new(), 0.0);
             for pixel in runs.flat_map(|run| strip.run(run)).filter(looked_at) {
-                let (below, above, part) = table.beside(place(pixel, &line)).unwrap();
+                let (below, above, part) = table.beside(table.steps_to(place(pixel, &line))).unwrap();
                 let mut row: Vec<f64> = (0..COUNT).map(|k| below[k] + (above[k] - below[k]) * part).collect();
                 row.push(pixel.value);
                 rows.push(row);
@@ -288,9 +349,10 @@ mod tests {
             for length in [0, 1, 2, 15] {
                 let run: List<StripPixel> = (0..length).map(|k| pixel(place(k))).collect();
                 for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
-                    let found = run.partition_point(|pixel| pixel.u - limit < 0.0);
+                    let found =
+                        [0.0, 1.3].map(|far| run.partition_point(|pixel| pixel.u - limit - far < 0.0));
                     let line = StripLine { offset: limit, slope: 0.0 };
-                    assert_eq!(count_before(&run, &line, 0.0), found);
+                    assert_eq!(counts_before(&run, &line, [0.0, 1.3]), found);
                 }
             }
         }

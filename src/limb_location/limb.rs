@@ -3,6 +3,7 @@
 
 use super::block::{Background, Block, BlockSums, LimbState, StripLine, sums_of_blocks};
 use super::consensus::RoughLine;
+use super::gather::Near;
 use super::profile::{Kernel, SharpProfile};
 use super::shading::LimbShading;
 use super::strip::Strip;
@@ -183,15 +184,16 @@ impl<'a> Limb<'a> {
         sum * sum / squares
     }
 
-    /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse.
-    pub fn scan(&mut self, kernel: &Kernel) -> List<LimbState> {
+    /// The parallel lines whose profiles explain the blocks best, one or two, from better to worse; `near` are the pixels about the
+    /// limb as it is.
+    pub fn scan(&mut self, kernel: &Kernel, near: &Near) -> List<LimbState> {
         let profile = &self.sharp.blurred(kernel);
         let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
         let sums: List<(LimbState, List<BlockSums>)> = (-count..=count)
             .map(|k| {
                 let mut limb = self.state;
                 limb.line.offset += f64::from(k) * SCAN_STEP.get();
-                (limb, sums_of_blocks(self.strip, profile, &limb.line, &self.state.line))
+                (limb, sums_of_blocks(profile, &limb.line, near))
             })
             .collect();
         let places_on = |background: Background| -> List<(f64, LimbState)> {

@@ -307,10 +307,16 @@ fn window(margin: f64) -> (i32, i32) {
 }
 
 impl<Row: Send + 'static> Table<Row> {
-    /// The two rows beside u, and the part of the way from the first to the second; `None` outside the table.
+    /// How many rows u is from the first one.
     #[inline(always)]
-    pub fn beside(&self, u: f64) -> Option<(&Row, &Row, f64)> {
-        let x = (u - self.first) / STEP.get();
+    pub fn steps_to(&self, u: f64) -> f64 {
+        (u - self.first) / STEP.get()
+    }
+
+    /// The two rows beside a place so many rows from the first one, and the part of the way from the first to the second; `None`
+    /// outside the table.
+    #[inline(always)]
+    pub fn beside(&self, x: f64) -> Option<(&Row, &Row, f64)> {
         // Rounds towards zero: a negative x is off by its sign alone.
         let k = x as u32;
         let [below, above] = self.rows.get(k as usize..k as usize + 2)? else { return None };

@@ -6,6 +6,7 @@
 //! lines, shading and blur; in every step the blocks that disagree with the others about the line lose weight.
 
 use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
+use super::gather::Near;
 use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
 use super::profile::{Kernel, MARGIN, ShadedProfile};
 use crate::memory::List;
@@ -50,6 +51,9 @@ const LEAST_BLUR: f64 = 0.29;
 /// One over the variance of a blur that was told: no image says otherwise.
 const TOLD: f64 = 1e12;
 
+/// One of something for each limb.
+type Several<T> = SmallVec<[T; 2]>;
+
 /// What is common to the limbs when they are refined.
 pub(super) struct RefinedImage {
     /// The blur, which is the told one where that is above 0.
@@ -62,7 +66,10 @@ pub(super) struct RefinedImage {
 pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
     let blur = ExpectedBlur::new(told_blur);
     let kernel = Kernel::new(blur.value, SCAN_REACH.get());
-    let scans: List<List<LimbState>> = limbs.iter_mut().map(|limb| limb.scan(&kernel)).collect();
+    let windows: Several<Near> =
+        limbs.iter().map(|limb| Near::new(limb.strip, &limb.state.line, Window::full())).collect();
+    let scans: List<List<LimbState>> =
+        limbs.iter_mut().zip(&windows).map(|(limb, near)| limb.scan(&kernel, near)).collect();
     let mut starts: List<List<LimbState>> = List::from([List::new()]);
     for scan in &scans {
         let extended = |start: &List<LimbState>| {
@@ -70,7 +77,6 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
         };
         starts = starts.iter().flat_map(extended).collect();
     }
-    let windows: List<StripLine> = limbs.iter().map(|limb| limb.state.line).collect();
     let several = starts.len() > 1;
     let mut modes: SmallVec<[Mode<'_>; 1]> = SmallVec::new();
     for start in &starts {
@@ -113,9 +119,10 @@ pub(super) fn refine_again(
     let settling = if rest { FIRST_STEPS.count() } else { 0 };
     let expected = ExpectedBlur::new(told_blur);
     let mut blur = if told_blur > 0.0 { expected.value } else { last_blur };
+    let mut near = looked_at_by(limbs);
     for count in 1..=STEPS.count() {
-        look_about(limbs, settling + count);
-        let moved = step(limbs, &profiles(limbs, blur), &expected, &mut blur);
+        look_about(limbs, &mut near, settling + count);
+        let moved = step(limbs, &near, &profiles(limbs, blur), &expected, &mut blur);
         if limbs.iter().zip(reach).any(|(limb, reach)| limb.is_beyond(reach)) {
             return None;
         }
@@ -131,11 +138,11 @@ pub(super) fn refine_again(
 /// another body comes in they move, by about as much as they are wrong. The difference of an efficient estimate and of one
 /// from a part of the same data has the difference of their variances (Hausman, Econometrica 46, 1978).
 fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
-    let of_parts: List<[List<ShadedSums>; 3]> = limbs
+    let of_parts: List<[ShadedSums; 3]> = limbs
         .iter()
         .zip(&profiles(limbs, blur))
         .map(|(Limb { strip, state: LimbState { line, .. }, .. }, profile)| {
-            Window::parts().map(|window| shaded_sums(strip, profile, line, line, window))
+            Window::parts().map(|window| shaded_sums(profile, line, &Near::new(strip, line, window)))
         })
         .collect();
     for (outer, inner) in [(false, true), (true, false), (false, false)] {
@@ -145,7 +152,7 @@ fn see_less(limbs: &mut [Limb<'_>], expected: &ExpectedBlur, blur: f64) {
             for (_, part) in
                 [(outer, background), (inner, surface)].into_iter().filter(|(looked_at, _)| *looked_at)
             {
-                sums.iter_mut().zip(part.iter()).for_each(|(sums, part)| sums.add(part));
+                sums.add(part);
             }
             limb.blocks = fit_blocks(&sums, limb.noise, limb.background);
         }
@@ -199,10 +206,11 @@ impl Mode<'_> {
         if !sloped {
             return;
         }
+        let mut near = looked_at_by(&limbs);
         for _ in 1..=STEPS.count() {
-            look_about(&mut limbs, FIRST_STEPS.count() + 1);
+            look_about(&mut limbs, &mut near, FIRST_STEPS.count() + 1);
             let profiles = profiles(&limbs, blur);
-            if step(&mut limbs, &profiles, expected, &mut blur) < SETTLED.get() {
+            if step(&mut limbs, &near, &profiles, expected, &mut blur) < SETTLED.get() {
                 break;
             }
         }
@@ -225,11 +233,11 @@ impl Mode<'_> {
 }
 
 /// The cost of the limbs over the pixels of some windows.
-fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[StripLine]) -> f64 {
+fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[Near]) -> f64 {
     let kernel = Kernel::new(blur, SCAN_REACH.get());
-    let cost = |(limb, window): (&Limb<'_>, &StripLine)| {
+    let cost = |(limb, window): (&Limb<'_>, &Near)| {
         let profile = limb.sharp.blurred(&kernel);
-        let sums = sums_of_blocks(limb.strip, &profile, &limb.state.line, window);
+        let sums = sums_of_blocks(&profile, &limb.state.line, window);
         limb.cost(&sums, &limb.state, limb.background)
     };
     limbs.iter().zip(windows).map(cost).sum()
@@ -240,14 +248,15 @@ fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[StripLine]) -> f64 {
 fn follow(
     limbs: &mut [Limb<'_>],
     expected: &ExpectedBlur,
-    windows: &[StripLine],
+    windows: &[Near],
     known: &[Mode<'_>],
 ) -> Option<(f64, List<List<StripLine>>)> {
     let mut blur = expected.value;
     let mut path = List::new();
+    let mut near = looked_at_by(limbs);
     for count in 1..=STEPS.count() {
-        look_about(limbs, count);
-        let moved = step(limbs, &profiles(limbs, blur), expected, &mut blur);
+        look_about(limbs, &mut near, count);
+        let moved = step(limbs, &near, &profiles(limbs, blur), expected, &mut blur);
         if known.iter().any(|mode| mode.leads_from(limbs)) {
             return None;
         }
@@ -268,12 +277,18 @@ fn follow(
 /// Looks at the pixels about the lines before a step. A pixel that enters or leaves moves a faint line by up to a tenth of a
 /// pixel, and one that does so with every step lets it never settle. So the first steps look about where the lines are,
 /// later ones at the same pixels until a line leaves them.
-fn look_about(limbs: &mut [Limb<'_>], count: usize) {
-    for limb in limbs {
+fn look_about(limbs: &mut [Limb<'_>], near: &mut [Near], count: usize) {
+    for (limb, near) in limbs.iter_mut().zip(near) {
         if count <= FIRST_STEPS.count() || !limb.is_along(&limb.near, MARGIN) {
             limb.near = limb.state.line;
         }
+        near.look(limb.strip, &limb.near, Window::full());
     }
+}
+
+/// Room for the pixels that limbs look at, none yet.
+fn looked_at_by(limbs: &[Limb<'_>]) -> Several<Near> {
+    limbs.iter().map(|_| Near::default()).collect()
 }
 
 /// The profiles of limbs.
@@ -284,9 +299,15 @@ fn profiles(limbs: &[Limb<'_>], blur: f64) -> List<ShadedProfile> {
 
 /// A Gauss–Newton step on lines, shading and blur from where the limbs have these profiles; returns by how many pixels it
 /// moved them, 0 where nothing is determined.
-fn step(limbs: &mut [Limb<'_>], profiles: &[ShadedProfile], expected: &ExpectedBlur, blur: &mut f64) -> f64 {
-    for (limb, profile) in limbs.iter_mut().zip(profiles) {
-        let sums = shaded_sums(limb.strip, profile, &limb.state.line, &limb.near, Window::full());
+fn step(
+    limbs: &mut [Limb<'_>],
+    near: &[Near],
+    profiles: &[ShadedProfile],
+    expected: &ExpectedBlur,
+    blur: &mut f64,
+) -> f64 {
+    for ((limb, near), profile) in limbs.iter_mut().zip(near).zip(profiles) {
+        let sums = shaded_sums(profile, &limb.state.line, near);
         limb.blocks = fit_blocks(&sums, limb.noise, limb.background);
     }
     solve(limbs, expected, blur)
@@ -391,10 +412,11 @@ mod tests {
         let mut limbs = [limb];
         let expected = ExpectedBlur::new(0.0);
         let (mut blur, mut moved) = (expected.value, f64::INFINITY);
+        let mut near = looked_at_by(&limbs);
         for count in 1..=STEPS.count() {
-            look_about(&mut limbs, count);
+            look_about(&mut limbs, &mut near, count);
             let profiles = profiles(&limbs, blur);
-            moved = moved.min(step(&mut limbs, &profiles, &expected, &mut blur));
+            moved = moved.min(step(&mut limbs, &near, &profiles, &expected, &mut blur));
         }
         moved
     }
@@ -404,7 +426,8 @@ mod tests {
         let scanned = |shadow: f64, beside: f64| {
             let scene = Scene { contrast: 100.0, noise: 1.0, shadow };
             with_limb(&scene.image(1), scene.noise, |mut limb| {
-                limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()))[0];
+                let near = Near::new(limb.strip, &limb.state.line, Window::full());
+                limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()), &near)[0];
                 limb.state.line.offset += beside;
                 limb.take_slopes()
             })

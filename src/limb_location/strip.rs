@@ -4,7 +4,6 @@
 //! its ideal pixel. Interpolation would blur the image by an amount that changes with the position between
 //! pixel centres, and the location of an edge to a few hundredths of a pixel hangs on the blur.
 
-use super::consensus::BLOCK_RUNS;
 use crate::camera::Camera;
 use crate::memory::List;
 use crate::noise::ImageNoise;
@@ -95,6 +94,8 @@ pub(super) struct Strip {
     pixels: List<StripPixel>,
     /// Where each run ends in `pixels`.
     ends: List<usize>,
+    /// Whether any pixel is saturated.
+    saturated: bool,
 }
 
 impl Strip {
@@ -102,7 +103,11 @@ impl Strip {
     pub fn gather(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Self {
         let runs = runs(grid, baseline, half_width);
         let count = runs.iter().map(|run| run.pixels.len()).sum();
-        let mut strip = Self { pixels: List::with_capacity(count), ends: List::with_capacity(runs.len()) };
+        let mut strip = Self {
+            pixels: List::with_capacity(count),
+            ends: List::with_capacity(runs.len()),
+            saturated: false,
+        };
         for run in &runs {
             let begin = strip.pixels.len();
             strip.pixels.extend(run.pixels.clone().map(|cross| run.pixel(&grid.image, cross)));
@@ -111,6 +116,7 @@ impl Strip {
             }
             strip.ends.push(strip.pixels.len());
         }
+        strip.saturated = strip.pixels.iter().fold(false, |any, pixel| any | pixel.saturated);
         strip
     }
 
@@ -127,8 +133,9 @@ impl Strip {
     /// Of runs that are given.
     #[cfg(test)]
     pub fn of_runs(runs: impl Iterator<Item = Vec<StripPixel>>) -> Self {
-        let mut strip = Self { pixels: List::new(), ends: List::new() };
+        let mut strip = Self { pixels: List::new(), ends: List::new(), saturated: false };
         for run in runs {
+            strip.saturated |= run.iter().any(|pixel| pixel.saturated);
             strip.pixels.extend(run);
             strip.ends.push(strip.pixels.len());
         }
@@ -140,14 +147,14 @@ impl Strip {
         (0..self.ends.len()).map(|k| self.run(k))
     }
 
+    /// Whether any pixel is saturated.
+    pub fn is_saturated(&self) -> bool {
+        self.saturated
+    }
+
     /// How many runs there are.
     pub fn len(&self) -> usize {
         self.ends.len()
-    }
-
-    /// About the most pixels of a block.
-    pub fn pixels_of_block(&self) -> usize {
-        self.runs().take(BLOCK_RUNS.count()).map(<[StripPixel]>::len).sum()
     }
 
     /// One run.
