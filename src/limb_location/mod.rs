@@ -20,6 +20,7 @@ mod consensus;
 mod contact;
 mod detected;
 mod gather;
+mod lamps;
 mod limb;
 mod profile;
 mod refine;
@@ -41,6 +42,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
         consensus::CONSTANTS,
         contact::CONSTANTS,
         detected::CONSTANTS,
+        lamps::CONSTANTS,
         limb::CONSTANTS,
         profile::CONSTANTS,
         refine::CONSTANTS,

@@ -9,12 +9,12 @@
 
 use super::block::INSIDE;
 use super::consensus::BLOCK_RUNS;
+use super::lamps::{Fit, Lamp, fits};
 use super::strip::{Strip, StripPixel};
 use crate::memory::List;
-use crate::residuals::{Progress, Reweighting, Scale, TUKEY_EFFICIENT};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 constants! {
     /// Fewest blocks that have a median.
@@ -34,25 +34,6 @@ constants! {
     /// Largest deviation of a block from the medians, relative to that of the median block.
     MOST_ODDNESS = 3.0, "";
 
-    /// Standard deviation of d and of b and c, relative to the brightness. One lamp and light from everywhere explain
-    /// most scenes; others are weak beside them.
-    MAIN_LAMP = 3.0, "";
-    OTHER_LAMPS = 0.1, "";
-
-    /// Standard deviation of g, and the exponent of the lobe: common paints and plastics have some tens. The weight
-    /// `MATT` holds g at 0.
-    GLOSS = 0.5, "";
-    GLOSS_EXPONENT = 40.0, "";
-
-    /// Directions φ₀ that are tried, all around.
-    LIGHTS = 48.0, "";
-
-    /// Most rounds of reweighting for each of them.
-    REWEIGHTINGS = 6.0, "";
-
-    /// The rounds end when no median moves by more.
-    SETTLED = 0.01, "σ";
-
     /// Standard deviation of what the brightness does near a limb for reasons that the inner part does not show, in
     /// units of the brightness there: dust, coats of paint, several lamps at once.
     NEAR_LIMB = 0.05, "";
@@ -61,8 +42,6 @@ constants! {
     /// mean little.
     DARKEST = 0.05, "";
 }
-
-const MATT: f64 = 1e12;
 
 /// The brightness around a cylinder, 1 on the median of the inner part.
 #[derive(Debug, Clone, Copy)]
@@ -100,13 +79,13 @@ impl LimbShading {
 
 /// An angle with its cosine and sine.
 #[derive(Debug, Clone, Copy)]
-struct Angle {
-    cos: f64,
-    sin: f64,
+pub(super) struct Angle {
+    pub cos: f64,
+    pub sin: f64,
 }
 
 impl Angle {
-    fn new(angle: f64) -> Self {
+    pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { cos, sin }
     }
@@ -115,29 +94,6 @@ impl Angle {
     fn within(side: f64, w: f64) -> Self {
         let across = 1.0 - w.clamp(0.0, 1.0);
         Self { cos: ((1.0 - across) * (1.0 + across)).sqrt(), sin: side * across }
-    }
-
-    /// The cosine of the difference.
-    fn cos_to(&self, other: &Self) -> f64 {
-        self.cos * other.cos + self.sin * other.sin
-    }
-}
-
-/// A lamp: its angle φ₀, and that at which it is mirrored, where the normal halves the angle between it and the camera.
-#[derive(Debug, Clone, Copy)]
-struct Lamp {
-    at: Angle,
-    mirrored: Angle,
-}
-
-impl Lamp {
-    fn new(angle: f64) -> Self {
-        Self { at: Angle::new(angle), mirrored: Angle::new(angle / 2.0) }
-    }
-
-    fn functions(&self, angle: &Angle) -> Vector5<f64> {
-        let gloss = angle.cos_to(&self.mirrored).max(0.0).powi(GLOSS_EXPONENT.count() as i32);
-        Vector5::new(1.0, angle.cos, angle.sin, angle.cos_to(&self.at).max(0.0), gloss)
     }
 }
 
@@ -197,17 +153,18 @@ impl Shading {
         if rows.len() < LEAST_BINS.count() {
             return None;
         }
-        let fits: List<(f64, Self)> = lamps().filter_map(|lamp| fit(&rows, &lamp, true)).collect();
-        let (least, best) = *fits.iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let weights: List<f64> = fits.iter().map(|(cost, _)| ((least - cost) / 2.0).exp()).collect();
+        let fits = fits(&rows);
+        let best = fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let weights: List<f64> = fits.iter().map(|fit| ((best.cost - fit.cost) / 2.0).exp()).collect();
         let sum: f64 = weights.iter().sum();
         let spread = [-FRAC_PI_2, FRAC_PI_2].map(|limb| {
             let limb = Angle::new(limb);
-            let square = |other: &Self| (other.at(&limb) - best.at(&limb)).powi(2);
-            let squares = weights.iter().zip(&fits).map(|(weight, (_, other))| weight * square(other));
+            let square = |other: &Fit| (other.at(&limb) - best.at(&limb)).powi(2);
+            let squares = weights.iter().zip(&fits).map(|(weight, other)| weight * square(other));
             squares.sum::<f64>() / sum
         });
-        Some(Self { spread, ..best })
+        let Fit { coefficients, lamp, .. } = *best;
+        Some(Self { coefficients, lamp, covariance: best.covariance(), spread })
     }
 }
 
@@ -228,17 +185,11 @@ fn add_to_bins(run: &[StripPixel], limbs: &[(f64, f64); 2], limits: &[f64], sums
     }
 }
 
-/// The lamps that are tried.
-fn lamps() -> impl Iterator<Item = Lamp> {
-    let count = LIGHTS.count();
-    (0..count).map(move |k| Lamp::new(2.0 * PI * k as f64 / count as f64 - PI))
-}
-
 /// The median brightness at an angle.
-struct Median {
-    angle: Angle,
-    value: f64,
-    deviation: f64,
+pub(super) struct Median {
+    pub angle: Angle,
+    pub value: f64,
+    pub deviation: f64,
 }
 
 impl Median {
@@ -273,61 +224,6 @@ fn drop_odd(blocks: &mut List<List<Option<f64>>>) {
     blocks.retain(|_| each.next().is_some_and(|oddness| *oddness <= limit));
 }
 
-/// The best coefficients for one φ₀, and their cost.
-fn fit(rows: &[Median], lamp: &Lamp, glossy: bool) -> Option<(f64, Shading)> {
-    let other = OTHER_LAMPS.get().powi(-2);
-    let gloss = if glossy { GLOSS.get().powi(-2) } else { MATT };
-    let prior = Matrix5::from_diagonal(&Vector5::new(0.0, other, other, MAIN_LAMP.get().powi(-2), gloss));
-    let mut coefficients = Vector5::zeros();
-    let mut solved = None;
-    // In units of the deviation.
-    let scaled: List<(Vector5<f64>, f64)> = rows
-        .iter()
-        .map(|row| (lamp.functions(&row.angle) / row.deviation, row.value / row.deviation))
-        .collect();
-    let mut last = List::filled(f64::INFINITY, rows.len());
-    let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::AtLeast(1.0) };
-    let scale = reweighting.fit(rows.len(), |weights, residuals| {
-        let (mut normal, mut right) = (prior, Vector5::zeros());
-        for ((f, value), weight) in scaled.iter().zip(weights) {
-            let weighted = f * *weight;
-            // The lower half is enough.
-            for column in 0..5 {
-                for row in column..5 {
-                    normal[(row, column)] += weighted[row] * f[column];
-                }
-            }
-            right += weighted * *value;
-        }
-        let cholesky = normal.cholesky()?;
-        coefficients = cholesky.solve(&right);
-        solved = Some(cholesky);
-        let mut moved = 0.0_f64;
-        for (((f, value), residual), last) in scaled.iter().zip(&mut *residuals).zip(&mut last) {
-            *residual = value - f.dot(&coefficients);
-            moved = moved.max((*residual - *last).abs());
-            *last = *residual;
-        }
-        Some(if moved < SETTLED.get() { Progress::Settled } else { Progress::Moved })
-    });
-    let scale = scale?.scale;
-    let covariance = solved?.inverse();
-    // No lamp takes light away, nor does gloss.
-    if coefficients[3] < 0.0 {
-        return None;
-    }
-    if glossy && coefficients[4] < 0.0 {
-        return fit(rows, lamp, false);
-    }
-    // As far as a bin of the scale of its deviation counts.
-    let cost: f64 = last.iter().map(|residual| residual.abs().min(TUKEY_EFFICIENT).powi(2)).sum();
-    let cost = cost + coefficients.dot(&(prior * coefficients));
-    Some((
-        cost,
-        Shading { coefficients, lamp: *lamp, covariance: covariance * (scale * scale), spread: [0.0; 2] },
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -344,8 +240,10 @@ mod tests {
     fn one_lamp_is_found_and_continued_to_the_limbs() {
         for light in [-0.9_f64, 0.0, 0.5, 1.2] {
             let rows = rows(light);
-            let fits = lamps().filter_map(|lamp| fit(&rows, &lamp, true));
-            let (_, shading) = fits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let fits = fits(&rows);
+            let best = *fits.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).unwrap();
+            let Fit { lamp, coefficients, .. } = best;
+            let shading = Shading { lamp, coefficients, covariance: best.covariance(), spread: [0.0; 2] };
             for side in [-FRAC_PI_2, FRAC_PI_2] {
                 let expected = 0.4 + 0.7 * (side - light).cos().max(0.0);
                 let found = shading.at(&Angle::new(side));
