@@ -15,6 +15,19 @@ pub(crate) fn ends(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
 }
 
+/// The same of numbers in a list.
+pub(crate) fn ends_of(numbers: &[f64]) -> [f64; 2] {
+    // Several side by side: none waits for another.
+    let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+    for some in numbers.chunks(low.len()) {
+        for ((low, high), number) in low.iter_mut().zip(&mut high).zip(some) {
+            *low = if number < low { *number } else { *low };
+            *high = if number > high { *number } else { *high };
+        }
+    }
+    [low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+}
+
 /// The upper median, 0 for no values; they come out in another order.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

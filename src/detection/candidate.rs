@@ -1,6 +1,6 @@
 //! A surface and the cells that it explains: growth from a start, and what it gains.
 
-use super::distances;
+use super::distances::{self, Numbers};
 use super::effort::Effort;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB, Support};
@@ -10,7 +10,7 @@ use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::{ends, median};
+use crate::statistics::{ends_of, median};
 
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
@@ -24,6 +24,8 @@ const FITTED: usize = 8000;
 /// What the steps of the search work on.
 pub(super) struct Scene<'a> {
     pub grid: &'a Grid,
+    /// What is asked of its cells again and again.
+    pub numbers: List<Numbers>,
     pub noise: Noise,
     /// Whether a cell was measured and belongs to no plane.
     pub open: Vec<bool>,
@@ -91,7 +93,7 @@ impl Scene<'_> {
     /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
     pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> List<f64> {
         let mut misfits = List::new();
-        distances::misfits(surface, self.optics.pixel, &self.grid.cells, cells, &mut misfits);
+        distances::misfits(surface, self.optics.pixel, &self.numbers, cells, &mut misfits);
         misfits
     }
 
@@ -141,9 +143,9 @@ impl Scene<'_> {
             let worth = gain - penalty;
             return Look { worth, misfits, across, range: [0.0; 2], sides: List::new(), support: None };
         };
-        distances::across_and_along(cylinder, &self.grid.cells, cells, &mut across, &mut along);
-        let range = ends(along.iter().copied());
-        let sides = outline(self, cylinder, cells, (&across, &along), mark);
+        distances::across_and_along(cylinder, &self.numbers, cells, &mut across, &mut along);
+        let range = ends_of(&along);
+        let sides = outline(self, cylinder, cells, (&across, &along, range), mark);
         let insets = self.insets(cylinder, &sides);
         let outline: f64 = insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum();
         let support = self.support(cylinder, range, ON_LIMB);
@@ -165,7 +167,7 @@ impl Scene<'_> {
         asked.extend(seeds.iter().copied().filter(|&k| mark.set(k) && self.open[k]));
         // Ring by ring.
         while !asked.is_empty() {
-            distances::misfits(surface, self.optics.pixel, &grid.cells, &asked, &mut misfits);
+            distances::misfits(surface, self.optics.pixel, &self.numbers, &asked, &mut misfits);
             let first = cells.len();
             for (&k, &misfit) in asked.iter().zip(&misfits) {
                 if misfit <= REACH * REACH {
@@ -204,8 +206,8 @@ impl Scene<'_> {
             }
         }
         let (mut across, mut along) = (List::new(), List::new());
-        distances::across_and_along(cylinder, &self.grid.cells, cells, &mut across, &mut along);
-        let sides = outline(self, cylinder, cells, (&across, &along), mark);
+        distances::across_and_along(cylinder, &self.numbers, cells, &mut across, &mut along);
+        let sides = outline(self, cylinder, cells, (&across, &along, ends_of(&along)), mark);
         let rays: List<_> = sides.iter().filter_map(Side::limb).collect();
         // What a sensor does to an outline it does all along: each of the two sides is one measurement.
         let weight = 2.0 / rays.len() as f64;
@@ -215,8 +217,8 @@ impl Scene<'_> {
 
     /// Where cells begin and end along the axis of a cylinder, from its point.
     pub fn range(&self, cylinder: &Cylinder, cells: &[usize]) -> [f64; 2] {
-        let along = cells.iter().map(|&k| cylinder.axis.position_of(&self.grid.cells[k].point));
-        ends(along)
+        let along = |&k: &usize| cylinder.axis.position_of(&self.grid.cells[k].point);
+        ends_of(&cells.iter().map(along).collect::<List<f64>>())
     }
 
     /// Fits a surface to cells again, all of them within reach at first.
@@ -253,7 +255,7 @@ impl Scene<'_> {
         if self.effort.is_spent() {
             return None;
         }
-        fit(start, (&self.grid.cells, cells), tangents, self.optics, reach, steps)
+        fit(start, (&self.numbers, cells), tangents, self.optics, reach, steps)
     }
 
     /// The edges of the image on the limbs of a cylinder.
@@ -317,9 +319,7 @@ impl Marks {
 
     /// Marks a cell; whether it was not marked yet.
     pub fn set(&mut self, k: usize) -> bool {
-        let new = self.marks[k] != self.number;
-        self.marks[k] = self.number;
-        new
+        std::mem::replace(&mut self.marks[k], self.number) != self.number
     }
 
     pub fn has(&self, k: usize) -> bool {

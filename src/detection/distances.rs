@@ -7,6 +7,7 @@
 use super::grid::Cell;
 use super::surface::{LATERAL_PIXELS, Surface};
 use crate::geometry::Cylinder;
+use crate::memory::List;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -163,10 +164,24 @@ pub(super) fn residual<S: Simd>(
     ResidualOf { place, distance, information, shape }
 }
 
+/// What is asked of a cell again and again, in half of its memory: its point, its position on the plane z = 1 and the standard
+/// deviation of its depth.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct Numbers([f32; 8]);
+
+/// Those of all cells.
+pub(super) fn numbers(cells: &[Cell]) -> List<Numbers> {
+    let numbers = |Cell { x, y, point, sigma, .. }: &Cell| {
+        Numbers([point.x, point.y, point.z, *x, *y, *sigma, 0.0, 0.0].map(|number| number as f32))
+    };
+    cells.iter().map(numbers).collect()
+}
+
 /// The points of cells, their positions on the plane z = 1 and the standard deviations of their depths, side by side; the last
 /// one is repeated to the end of a group.
 #[inline(always)]
-pub(super) fn side_by_side(cells: &[Cell], which: &[usize]) -> [[f32; LANES]; 6] {
+pub(super) fn side_by_side(cells: &[Numbers], which: &[usize]) -> [[f32; LANES]; 6] {
     // Of a full group nothing is asked.
     match which.first_chunk::<LANES>() {
         Some(which) => gathered(|k| &cells[which[k]]),
@@ -177,16 +192,13 @@ pub(super) fn side_by_side(cells: &[Cell], which: &[usize]) -> [[f32; LANES]; 6]
 /// The same of the cells by their places in the group.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
-fn gathered<'a>(cell: impl Fn(usize) -> &'a Cell) -> [[f32; LANES]; 6] {
+fn gathered<'a>(cell: impl Fn(usize) -> &'a Numbers) -> [[f32; LANES]; 6] {
     let mut numbers = [[0.0; LANES]; 6];
     for k in 0..LANES {
-        let Cell { x, y, point, sigma, .. } = cell(k);
-        numbers[0][k] = point.x as f32;
-        numbers[1][k] = point.y as f32;
-        numbers[2][k] = point.z as f32;
-        numbers[3][k] = *x as f32;
-        numbers[4][k] = *y as f32;
-        numbers[5][k] = *sigma as f32;
+        let Numbers(own) = cell(k);
+        for i in 0..numbers.len() {
+            numbers[i][k] = own[i];
+        }
     }
     numbers
 }
@@ -196,7 +208,7 @@ fn gathered<'a>(cell: impl Fn(usize) -> &'a Cell) -> [[f32; LANES]; 6] {
 pub(super) fn misfits(
     surface: &Surface,
     pixel: f64,
-    cells: &[Cell],
+    cells: &[Numbers],
     which: &[usize],
     misfits: &mut Vec<f64>,
 ) {
@@ -212,7 +224,7 @@ struct Misfits<'a> {
     surface: &'a Surface,
     pixel: f64,
     inside: bool,
-    cells: &'a [Cell],
+    cells: &'a [Numbers],
     which: &'a [usize],
     misfits: &'a mut Vec<f64>,
 }
@@ -247,7 +259,7 @@ impl WithSimd for Misfits<'_> {
 /// for rays along it, and where their points lie along it. Both take the place of what is in the lists.
 pub(super) fn across_and_along(
     cylinder: &Cylinder,
-    cells: &[Cell],
+    cells: &[Numbers],
     which: &[usize],
     across: &mut Vec<f64>,
     along: &mut Vec<f64>,
@@ -262,7 +274,7 @@ pub(super) fn across_and_along(
 /// One pass over cells for their places.
 struct AcrossAndAlong<'a> {
     cylinder: &'a Cylinder,
-    cells: &'a [Cell],
+    cells: &'a [Numbers],
     which: &'a [usize],
     across: &'a mut Vec<f64>,
     along: &'a mut Vec<f64>,
@@ -312,7 +324,7 @@ pub(super) struct Sight {
 pub(super) fn sights(
     (surface, cylinder): (&Surface, &Cylinder),
     pixel: f64,
-    cells: &[Cell],
+    cells: &[Numbers],
     which: &[usize],
     sights: &mut Vec<Sight>,
 ) {
@@ -326,7 +338,7 @@ struct Sights<'a> {
     surface: &'a Surface,
     cylinder: &'a Cylinder,
     pixel: f64,
-    cells: &'a [Cell],
+    cells: &'a [Numbers],
     which: &'a [usize],
     sights: &'a mut Vec<Sight>,
 }
@@ -430,7 +442,7 @@ pub(super) mod tests {
                 let seen = outside != surface.contains_origin();
                 if seen { distance * distance * information } else { f64::INFINITY }
             });
-            misfits(&surface, pixel, &cells, &which, &mut found);
+            misfits(&surface, pixel, &numbers(&cells), &which, &mut found);
             assert!(
                 found.iter().zip(plain).all(|(found, plain)| alike(*found, plain)),
                 "{found:?} {plain:?}"
@@ -445,14 +457,14 @@ pub(super) mod tests {
         let (cells, pixel) = (cells(&cylinder), 1.0 / 570.0);
         let which = [4, 0, 7, 10, 2, 1, 3, 9, 8, 5, 4];
         let (mut across, mut along) = (vec![1.0; 3], Vec::new());
-        across_and_along(&cylinder, &cells, &which, &mut across, &mut along);
+        across_and_along(&cylinder, &numbers(&cells), &which, &mut across, &mut along);
         let surface = Surface::Cylinder(cylinder, 0.001);
         for ((k, across), along) in which.into_iter().zip(across).zip(along) {
             assert!(alike(across, passes(&cylinder, cells[k].x, cells[k].y).unwrap()));
             assert!(alike(along, surface.place(&cells[k].point).along));
         }
         let mut found = Vec::new();
-        sights((&surface, &cylinder), pixel, &cells, &which, &mut found);
+        sights((&surface, &cylinder), pixel, &numbers(&cells), &which, &mut found);
         let mut missed = 0;
         for (sight, k) in found.iter().zip(which) {
             let cell = &cells[k];

@@ -9,7 +9,7 @@ use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
-use crate::statistics::ends;
+use crate::statistics::ends_of;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -97,7 +97,7 @@ impl Scene<'_> {
         }
         let gain = self.gain_by(misfits) - self.penalty(&candidate.surface, candidate.cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
-        let [mut left, mut right] = ends(across.iter().copied());
+        let [mut left, mut right] = ends_of(across);
         let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
         if cylinder.contains_origin() {
             // From inside, rays pass the axis at any distance; the turn of the wall tells how much of it is seen.
@@ -220,9 +220,16 @@ impl Scene<'_> {
 
     /// The gain of the best two planes through cells that an edge along the axis divides.
     fn edge_gain(&self, across: &[f64], cells: &[usize]) -> f64 {
-        let mut order: List<(f64, usize)> = across.iter().copied().zip(cells.iter().copied()).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
+        // One number to compare: in its upper half where the cell is, which has 32 bits, and the sign of these turned as the order
+        // of whole numbers asks for; in its lower half which one it is.
+        let order = |(across, place): (&f64, u32)| {
+            let bits = (*across as f32).to_bits();
+            let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
+            u64::from(ordered) << 32 | u64::from(place)
+        };
+        let mut order: List<u64> = across.iter().zip(0..).map(order).collect();
+        order.sort_unstable();
+        let sorted: List<usize> = order.iter().map(|order| cells[*order as u32 as usize]).collect();
         // The sums of all before an edge are those of the edge before it, and some more.
         let all = self.plane_sums(&sorted);
         let (mut before, mut first) = (PlaneSums::default(), 0);
@@ -295,7 +302,7 @@ impl Scene<'_> {
             found: &mut asked,
         });
         let of_cylinder = (&candidate.surface, cylinder);
-        distances::sights(of_cylinder, self.optics.pixel, &grid.cells, &asked, &mut sights);
+        distances::sights(of_cylinder, self.optics.pixel, &self.numbers, &asked, &mut sights);
         for Sight { behind, information, along } in sights.iter().copied() {
             if along < first + inset || along > last - inset {
                 continue;

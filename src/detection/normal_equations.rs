@@ -3,8 +3,7 @@
 //! As in the sums over points, the sums run in [`LANES`] partial sums, and multiplications and additions are never fused:
 //! every machine gets the same bits.
 
-use super::distances::{LANES, PlaceOf, ResidualOf, dot, lanes, residual, side_by_side, splat};
-use super::grid::Cell;
+use super::distances::{LANES, Numbers, PlaceOf, ResidualOf, dot, lanes, residual, side_by_side, splat};
 use super::surface::{Optics, Surface};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -43,7 +42,7 @@ pub(super) struct NormalEquations {
 
 impl Cells {
     /// The cells `which`.
-    pub fn new(cells: &[Cell], which: &[usize], optics: Optics) -> Self {
+    pub fn new(cells: &[Numbers], which: &[usize], optics: Optics) -> Self {
         // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
         let mut groups = List::with_capacity(which.len().div_ceil(LANES));
         groups.extend(which.chunks(LANES).map(|which| {
@@ -225,6 +224,7 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detection::distances::numbers;
     use crate::detection::distances::tests::{cells, residual_of};
     use crate::geometry::{Cylinder, any_orthogonal};
 
@@ -270,7 +270,8 @@ mod tests {
             }
             assert!(count > 2 && count < cells.len(), "{count}");
             let all: Vec<usize> = (0..cells.len()).collect();
-            let found = Cells::new(&cells, &all, optics).normal_equations(&surface, (&u, &v), reach);
+            let found =
+                Cells::new(&numbers(&cells), &all, optics).normal_equations(&surface, (&u, &v), reach);
             assert_eq!(found.count, count);
             assert!((found.vector - vector).amax() <= 1e-5 * vector.amax(), "{} {vector}", found.vector);
             let difference = (found.matrix - matrix).lower_triangle();

@@ -65,22 +65,21 @@ impl Side {
 }
 
 /// The ends of lines across the axis at either side of the cells of a cylinder, line by line; the rays of the cells pass, and their
-/// points lie, at the places `across` and `along` the axis.
+/// points lie, at the places `across` and `along` the axis, the latter from `first` to `last`.
 pub(super) fn outline(
     scene: &Scene<'_>,
     cylinder: &Cylinder,
     cells: &[usize],
-    (across, along): (&[f64], &[f64]),
+    (across, along, [first, last]): (&[f64], &[f64], [f64; 2]),
     mark: &mut Marks,
 ) -> List<Side> {
     let grid = scene.grid;
     scene.effort.spend(2 * cells.len());
     mark.next();
-    let (mut depth, mut first, mut last) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-    for (&k, &along) in cells.iter().zip(along) {
+    let mut depth = 0.0;
+    for &k in cells {
         mark.set(k);
         depth += grid.cells[k].point.z;
-        (first, last) = (first.min(along), last.max(along));
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
     let step = 1.5 * grid.spacing * depth / cells.len() as f64;
@@ -90,7 +89,7 @@ pub(super) fn outline(
     let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
     for ((&k, &across), along) in cells.iter().zip(across).zip(along) {
         // Comparisons with NaN are false, so NaN is never outermost.
-        let line = &mut outermost[(((along - first) * per_width) as usize).min(count - 1)];
+        let line = &mut outermost[(((along - first) * per_width) as u32 as usize).min(count - 1)];
         if -across > line[0].0 {
             line[0] = (-across, k);
         }

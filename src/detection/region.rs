@@ -8,7 +8,7 @@ use super::noise::Noise;
 use super::outline::Normals;
 use super::search::{Judged, LEAST_SCORE, candidates, distinct};
 use super::surface::{Optics, Surface};
-use super::{caps, parts, planes, row};
+use super::{caps, distances, parts, planes, row};
 use crate::camera::Camera;
 use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, CylinderLimits};
@@ -66,6 +66,7 @@ pub(crate) fn detect_in_mask(
     effort.limit(VISITS_OF_PATCHES);
     let scene = Scene {
         grid,
+        numbers: distances::numbers(&grid.cells),
         noise,
         open: open.collect(),
         normals: Normals::new(grid.cells.len()),

@@ -8,7 +8,7 @@ use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::noise::Noise;
 use super::outline::Normals;
 use super::surface::{Optics, Surface};
-use super::{DetectionOptions, parts, patch, planes};
+use super::{DetectionOptions, distances, parts, patch, planes};
 use crate::error::{Result, cancelled_if};
 use crate::geometry::Cylinder;
 use nalgebra::Vector2;
@@ -84,6 +84,7 @@ pub(super) fn search(
     cancelled()?;
     let scene = Scene {
         grid,
+        numbers: distances::numbers(&grid.cells),
         noise,
         open: planes::open(grid, &planes),
         normals: Normals::new(grid.cells.len()),

@@ -1,7 +1,7 @@
 //! Cylinders, cones and spheres through cells: signed distances, and their fits by Gauss–Newton steps.
 
 use super::cone::ToCone;
-use super::distances;
+use super::distances::{self, Numbers};
 use super::grid::Cell;
 use super::normal_equations::{Cells, NormalEquations};
 use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
@@ -209,7 +209,7 @@ pub(super) fn slope(
 /// [`REACH`] within the steps.
 pub(super) fn fit(
     start: &Surface,
-    (cells, which): (&[Cell], &[usize]),
+    (cells, which): (&[Numbers], &[usize]),
     tangents: &[Tangent],
     optics: Optics,
     mut reach: f64,

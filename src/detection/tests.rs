@@ -207,6 +207,7 @@ fn the_edge_of_what_hides_a_body_is_no_limb_of_it() {
     let noise = noise::Noise::estimate(&mut grid).unwrap();
     let scene = candidate::Scene {
         grid: &grid,
+        numbers: distances::numbers(&grid.cells),
         noise,
         open: grid.cells.iter().map(grid::Cell::measured).collect(),
         normals: outline::Normals::new(grid.cells.len()),

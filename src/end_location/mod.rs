@@ -22,7 +22,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::parts::{self, BodyEnd, EndSign, Parts};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
 use nalgebra::{Vector2, Vector3};
@@ -164,8 +164,8 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     if points().filter(is_near).nth(enough).is_some() {
         return least;
     }
-    let mut distances: List<f64> = points().map(|point| cylinder.distance(&point).abs()).collect();
-    (3.0 * DEVIATION_OF_MEDIAN * median(&mut distances)).max(least)
+    let median = median_size(points().map(|point| cylinder.distance(&point)));
+    (3.0 * DEVIATION_OF_MEDIAN * median).max(least)
 }
 
 /// The ends against and along the direction of the axis, located from all generators. From inside a pipe, which
