@@ -1,7 +1,7 @@
 //! How a surface ends at its two sides.
 
 use super::candidate::{Marks, Scene};
-use super::grid::Cell;
+use super::grid::{Cell, Grid};
 use super::noise::second_difference;
 use super::rays::passes;
 use super::surface::Surface;
@@ -17,6 +17,9 @@ const BESIDE: usize = 4;
 /// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-neighbours.md.
 const VALLEY: f64 = 4.0;
 const TURN: f64 = 0.7;
+
+/// Cells beyond the limb over which matching windows draw a body out: half of a window of 11 pixels.
+const DRAWN_OUT: usize = 2;
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,6 +130,15 @@ fn depth_below(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
     -second_difference([a.x, b.x, c.x], [a.y, b.y, c.y])
 }
 
+impl Grid {
+    /// The cell so many cells away from one in a direction.
+    fn toward(&self, k: usize, [dx, dy]: [f64; 2], distance: usize) -> Option<usize> {
+        let (column, row, distance) = ((k % self.columns) as f64, (k / self.columns) as f64, distance as f64);
+        let [x, y] = nearest([column + dx * distance, row + dy * distance], [self.columns, self.rows])?;
+        Some(y * self.columns + x)
+    }
+}
+
 impl Scene<'_> {
     /// What follows the outermost cell of a line across the axis.
     fn beyond(&self, cylinder: &Cylinder, k: usize, sign: f64, mark: &Marks) -> Side {
@@ -150,27 +162,20 @@ impl Scene<'_> {
             cell: k,
             outward: [dx, dy],
         };
-        let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
         let mut before = k;
         let mut smooth = 0;
         for distance in 1..=4 {
-            let place = [column + dx * f64::from(distance), row + dy * f64::from(distance)];
-            let Some([x, y]) = nearest(place, [grid.columns, grid.rows]) else {
+            let Some(next) = grid.toward(k, [dx, dy], distance) else {
                 return end(Beyond::Hidden, before);
             };
-            let next = y * grid.columns + x;
             if next == before || mark.has(next) {
                 before = next;
                 continue;
             }
+            if let Some(beyond) = self.step(before, next) {
+                return end(beyond, before);
+            }
             let cell = &grid.cells[next];
-            if !cell.measured() {
-                return end(Beyond::Missing, before);
-            }
-            if !grid.connected(before, next) {
-                let farther = cell.point.z > grid.cells[before].point.z;
-                return end(if farther { Beyond::Farther } else { Beyond::Hidden }, before);
-            }
             let Some(normal) = self.normals.at(next, || self.normal(next)) else {
                 before = next;
                 continue;
@@ -183,12 +188,37 @@ impl Scene<'_> {
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
                 if smooth >= 2 {
-                    return end(Beyond::Smooth, k);
+                    return end(self.end_of_strip(next, [dx, dy]).unwrap_or(Beyond::Smooth), k);
                 }
             }
             before = next;
         }
         end(Beyond::Hidden, before)
+    }
+
+    /// How a surface ends between a cell and the next one; `None` where it goes on.
+    fn step(&self, before: usize, next: usize) -> Option<Beyond> {
+        let [cell, other] = [before, next].map(|k| &self.grid.cells[k]);
+        if !other.measured() {
+            return Some(Beyond::Missing);
+        }
+        let farther = other.point.z > cell.point.z;
+        (!self.grid.connected(before, next)).then_some(if farther { Beyond::Farther } else { Beyond::Hidden })
+    }
+
+    /// What follows where the surface that seems to go on at a cell beside the limb is a strip that a matching window drew out, and a
+    /// filter smoothed the edge between the two: such a strip soon ends, in something farther or nothing. `None` where it goes on.
+    fn end_of_strip(&self, cell: usize, outward: [f64; 2]) -> Option<Beyond> {
+        let mut before = cell;
+        for distance in 1..=DRAWN_OUT {
+            let next = self.grid.toward(cell, outward, distance)?;
+            match self.step(before, next) {
+                Some(Beyond::Hidden) => return None,
+                None => before = next,
+                end => return end,
+            }
+        }
+        None
     }
 
     /// Whether the surface falls and rises again on the way out over the limb: whether, in the section across the axis, a cell next to
