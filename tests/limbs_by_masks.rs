@@ -9,14 +9,14 @@ mod support;
 mod twin_frames;
 
 use cylfuse::camera::Camera;
-use cylfuse::fitter::FitResult;
+use cylfuse::fitter::{FitResult, Flags};
 use cylfuse::geometry::{Cylinder, RigidMotion};
 use cylfuse::twin::{
     Body, Capture, Kind, Material, Scene, Shape, Style, TrueCylinder, drawn_mask, random_scene,
 };
 use nalgebra::{Matrix3, Vector3};
 use support::limb_segments;
-use twin_frames::{SIZE, captured, fit_with_edges, fit_within, intrinsics};
+use twin_frames::{SIZE, captured, fit_with_edges, fit_within, fit_without_image, intrinsics};
 
 const FOCAL: f64 = 569.6;
 
@@ -80,6 +80,18 @@ fn a_mask_far_within_the_outline_does_not_hide_edges_on_the_limbs() {
         let result = fit_with_edges(&frame, FOCAL, eroded(&frame.body, 6), &edges);
         let (relative, deviations) = errors(&result, &truth);
         assert!(result.limbs_located == 2 && relative < 0.005, "{seed}: {relative} {deviations}");
+    }
+}
+
+/// Without an image nothing but the points contests the mask.
+#[test]
+fn points_contest_a_mask_far_within_the_outline() {
+    for seed in [83101, 83102, 83103, 83105] {
+        let frame = frame(Kind::Single, seed);
+        for (by, disagrees) in [(0, false), (10, true)] {
+            let result = fit_without_image(&frame, FOCAL, eroded(&frame.body, by));
+            assert_eq!(result.flags.contains(Flags::MASK_DISAGREES), disagrees, "{seed}, {by} px");
+        }
     }
 }
 

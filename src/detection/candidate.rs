@@ -25,7 +25,7 @@ const FITTED: usize = 8000;
 pub(super) struct Scene<'a> {
     pub grid: &'a Grid,
     /// What is asked of its cells again and again.
-    pub numbers: List<Numbers>,
+    pub numbers: Vec<Numbers>,
     pub noise: Noise,
     /// Whether a cell was measured and belongs to no plane.
     pub open: Vec<bool>,

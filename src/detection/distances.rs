@@ -7,7 +7,6 @@
 use super::grid::Cell;
 use super::surface::{LATERAL_PIXELS, Surface};
 use crate::geometry::Cylinder;
-use crate::memory::List;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -171,7 +170,7 @@ pub(super) fn residual<S: Simd>(
 pub(super) struct Numbers([f32; 8]);
 
 /// Those of all cells.
-pub(super) fn numbers(cells: &[Cell]) -> List<Numbers> {
+pub(super) fn numbers(cells: &[Cell]) -> Vec<Numbers> {
     let numbers = |Cell { x, y, point, sigma, .. }: &Cell| {
         Numbers([point.x, point.y, point.z, *x, *y, *sigma, 0.0, 0.0].map(|number| number as f32))
     };

@@ -18,8 +18,8 @@ const BESIDE: usize = 4;
 const VALLEY: f64 = 4.0;
 const TURN: f64 = 0.7;
 
-/// Cells beyond the limb over which matching windows draw a body out: half of a window of 11 pixels.
-const DRAWN_OUT: usize = 2;
+/// The pixels beyond the limb over which matching windows draw a body out: half of a window of 11.
+const DRAWN_OUT: f64 = 5.5;
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,7 +210,8 @@ impl Scene<'_> {
     /// filter smoothed the edge between the two: such a strip soon ends, in something farther or nothing. `None` where it goes on.
     fn end_of_strip(&self, cell: usize, outward: [f64; 2]) -> Option<Beyond> {
         let mut before = cell;
-        for distance in 1..=DRAWN_OUT {
+        let cells = (DRAWN_OUT / self.grid.side as f64).ceil() as usize;
+        for distance in 1..=cells {
             let next = self.grid.toward(cell, outward, distance)?;
             match self.step(before, next) {
                 Some(Beyond::Hidden) => return None,

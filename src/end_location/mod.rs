@@ -115,7 +115,7 @@ pub struct End {
     pub state: EndState,
     /// What the position was taken from.
     pub source: EndSource,
-    /// Whether the mask goes on beyond it: over a cap or an inner wall, whose rim or lid may be wider than the body.
+    /// Whether its circle may be wider than the body: the mask goes on beyond it, over a cap or an inner wall, or a lid or rim ends there.
     pub rim: bool,
     /// The places of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,

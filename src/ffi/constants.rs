@@ -20,8 +20,8 @@ fn unknown<T>(field: &str, value: i32, known: &[(i32, &str)]) -> Result<T, Failu
     Err(Failure::argument(field, value, requirement))
 }
 
-/// Reads constants as what they stand for in the library, and the other way round.
-macro_rules! stands_for {
+/// Reads constants as what they stand for in the library.
+macro_rules! reads {
     ($constant:ident, $kind:ident { $($name:ident = $value:ident),+ }) => {
         impl $constant {
             pub(super) fn read(self, field: &str) -> Result<$kind, Failure> {
@@ -31,6 +31,13 @@ macro_rules! stands_for {
                 }
             }
         }
+    };
+}
+
+/// The same, and the other way round.
+macro_rules! stands_for {
+    ($constant:ident, $kind:ident { $($name:ident = $value:ident),+ }) => {
+        reads!($constant, $kind { $($name = $value),+ });
 
         impl From<$kind> for $constant {
             fn from(value: $kind) -> Self {
@@ -54,7 +61,7 @@ impl cylfuse_scalar {
     pub const F64: cylfuse_scalar = cylfuse_scalar(2);
 }
 
-stands_for!(cylfuse_scalar, Scalar { F32 = F32, F64 = F64 });
+reads!(cylfuse_scalar, Scalar { F32 = F32, F64 = F64 });
 
 /// How a depth is stored in a pixel.
 #[repr(transparent)]
@@ -68,7 +75,7 @@ impl cylfuse_depth_format {
     pub const F32: cylfuse_depth_format = cylfuse_depth_format(2);
 }
 
-stands_for!(cylfuse_depth_format, Pixels { U16 = U16, F32 = F32 });
+reads!(cylfuse_depth_format, Pixels { U16 = U16, F32 = F32 });
 
 /// How a pixel of an image is stored: one grey value, or three colours and perhaps a fourth byte (alpha), which is
 /// ignored.
@@ -93,7 +100,7 @@ impl cylfuse_image_format {
     pub const BGRA8: cylfuse_image_format = cylfuse_image_format(7);
 }
 
-stands_for!(
+reads!(
     cylfuse_image_format,
     ImageFormat { U8 = U8, U16 = U16, F32 = F32, RGB8 = Rgb8, BGR8 = Bgr8, RGBA8 = Rgba8, BGRA8 = Bgra8 }
 );
@@ -317,7 +324,7 @@ impl cylfuse_residual_kind {
     pub const EDGES: cylfuse_residual_kind = cylfuse_residual_kind(2);
 }
 
-stands_for!(cylfuse_residual_kind, ResidualKind { POINTS = Points, EDGES = Edges });
+reads!(cylfuse_residual_kind, ResidualKind { POINTS = Points, EDGES = Edges });
 
 /// How much a log line matters.
 #[repr(transparent)]

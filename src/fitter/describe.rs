@@ -112,6 +112,8 @@ pub(super) fn describe(
         true => (None, None, None),
         false => data.uncertainty(held, &frame, scales, &objective),
     };
+    // A mask is a hint: the radius by its sides is none by limbs.
+    let (radii, by_sides) = if held.has_limbs() { (radii, None) } else { (None, radii) };
     let mut flags = held.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     let unknown = hides_radius(uncertainty.as_ref(), cylinder);
@@ -130,7 +132,9 @@ pub(super) fn describe(
     let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(&frame, scales);
     flags.set(Flags::POOR_FIT, count > 0 && poor);
     let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
-    flags.set(Flags::MASK_DISAGREES, uncertainty.as_ref().is_some_and(disagrees));
+    let contests = by_sides.is_some_and(|radii| radii.disagree_by_mask())
+        && data.views.iter().any(|view| view.view.mask_is_drawn());
+    flags.set(Flags::MASK_DISAGREES, contests || uncertainty.as_ref().is_some_and(disagrees));
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
     flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));

@@ -11,6 +11,8 @@ use crate::memory::List;
 use crate::observations::Mask;
 use crate::statistics::{at_both_ends, independent_part, median};
 use nalgebra::{Matrix3, Vector2, Vector3};
+use std::cell::OnceCell;
+use std::ops::Range;
 
 constants! {
     /// Depth and sides farther from the surface are something else.
@@ -32,6 +34,12 @@ constants! {
     /// The sides show it within this length of where the depth does: the edge of a collar is an ellipse in the image.
     APART = 0.3, "radius";
 
+    /// A step of the sides against that of the depth beyond this contradicts it.
+    AGAINST = 2.0, "σ";
+
+    /// What is left out beside an end that is known.
+    MARGIN = 0.083, "radius";
+
     /// Standard deviation of a slice of the depth at least, and of one of a side.
     DEPTH_FLOOR = 0.002, "radius";
     SIDES_FLOOR = 0.2, "px";
@@ -46,7 +54,7 @@ const SLICES_OF_RADIUS: f64 = 24.0;
 /// The length of a slice in pixels at least: each has pixels of both sides then.
 const LEAST_PIXELS: f64 = 1.5;
 
-/// Fewest sights of a slice, fewest slices, of a collar and of the rest, and the part of the slices that a side must have.
+/// Fewest sights of a slice, fewest slices, fewest of a collar and of the rest by their weights, and the part of the slices that must be full.
 const LEAST_SIGHTS: usize = 4;
 const LEAST_SLICES: usize = 8;
 const LEAST_OF_COLLAR: f64 = 2.0;
@@ -65,85 +73,104 @@ pub struct Collar {
     pub radius: f64,
 }
 
-/// The collars at the ends against and along the axis, of what is seen between the ends that are known.
+/// The collars at the ends against and along the axis, of what is seen between the ends that are known. Sights are so many pixels
+/// apart.
 pub(super) fn collars(
     camera: &Camera,
     mask: &Mask,
-    sights: &[Sight],
+    (sights, apart): (&[Sight], usize),
     cylinder: &Cylinder,
     ends: [Option<f64>; 2],
 ) -> [Option<Collar>; 2] {
-    let mut found: [Option<Collar>; 2] = [None; 2];
+    let sides = OnceCell::new();
+    let search =
+        Search { camera, cylinder, apart, sides: &|| sides.get_or_init(|| sides_of(camera, mask, cylinder)) };
+    let mut found = [None; 2];
     // One at a time, the clearest first: what a collar at one end leaves shows one at the other.
-    let rest = |found: &[Option<Collar>; 2]| {
-        [0, 1].map(|end| found[end].map(|collar| collar.position).or(ends[end]))
-    };
-    while let Some((end, collar)) = clearest(camera, mask, sights, cylinder, rest(&found))
-        && found[end].is_none()
-    {
+    while let Some((end, collar)) = search.clearest(sights, ends, &found) {
         found[end] = Some(collar);
     }
     found
 }
 
-/// The clearest collar, and the number of its end.
-fn clearest(
-    camera: &Camera,
-    mask: &Mask,
-    sights: &[Sight],
-    cylinder: &Cylinder,
-    ends: [Option<f64>; 2],
-) -> Option<(usize, Collar)> {
-    let Cylinder { axis, radius } = cylinder;
-    let margin = 2.0 * radius / SLICES_OF_RADIUS;
-    let inside = |along: f64| {
-        ends[0].is_none_or(|end| along > end + margin) && ends[1].is_none_or(|end| along < end - margin)
-    };
-    let seen = sights.iter().filter(|sight| sight.facing && sight.distance.abs() <= NEAR.get() * radius);
-    let depth: List<[f64; 2]> = seen
-        .map(|sight| [axis.position_of(&sight.point), sight.distance])
-        .filter(|[along, _]| inside(*along))
-        .collect();
-    let alongs: List<f64> = depth.iter().map(|[along, _]| *along).collect();
-    if alongs.len() < LEAST_SIGHTS * LEAST_SLICES {
-        return None;
+/// Where collars are looked for.
+struct Search<'a> {
+    camera: &'a Camera,
+    cylinder: &'a Cylinder,
+    /// How many pixels the sights are apart.
+    apart: usize,
+    sides: &'a dyn Fn() -> &'a [List<[f64; 2]>; 2],
+}
+
+impl Search<'_> {
+    /// The clearest collar at an end that has none yet, and the number of that end.
+    fn clearest(
+        &self,
+        sights: &[Sight],
+        ends: [Option<f64>; 2],
+        found: &[Option<Collar>; 2],
+    ) -> Option<(usize, Collar)> {
+        let Cylinder { axis, radius } = self.cylinder;
+        let [low, high] = [0, 1].map(|end| found[end].map(|collar: Collar| collar.position).or(ends[end]));
+        // Beside the rim of a cap depth is rounded.
+        let margin = MARGIN.get() * radius;
+        let inside = |along: f64| {
+            low.is_none_or(|end| along > end + margin) && high.is_none_or(|end| along < end - margin)
+        };
+        let seen = sights.iter().filter(|sight| sight.facing && sight.distance.abs() <= NEAR.get() * radius);
+        let depth: List<[f64; 2]> = seen
+            .map(|sight| [axis.position_of(&sight.point), sight.distance])
+            .filter(|[along, _]| inside(*along))
+            .collect();
+        let slices = self.slices(&depth)?;
+        let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
+        let sides = OnceCell::new();
+        let sides = || {
+            let floor = SIDES_FLOOR.get() * self.camera.pixel_size() * axis.at(slices.middle()).z;
+            sides.get_or_init(|| (self.sides)().each_ref().map(|side| Profile::new(&slices, side, 1, floor)))
+        };
+        let longest = (LONGEST.get() * slices.count as f64) as usize;
+        let near = (APART.get() * radius / slices.length) as usize;
+        let clearest = |(end, places): (usize, Range<usize>)| {
+            let places = places.filter_map(|slice| Some((slice, depth.step(end, slice, DEPTH_RATIO.get())?)));
+            let steps = places.filter(|(_, step)| step.size >= LEAST_STEP.get() * radius);
+            let (slice, step) = steps.max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()))?;
+            let beside = slice.saturating_sub(near).max(1)..(slice + near + 1).min(slices.count);
+            let of_sides = |slice| {
+                Step::mean(
+                    sides().iter().flatten().filter_map(|side| side.step(end, slice, f64::NEG_INFINITY)),
+                )
+            };
+            let of_sides = beside.filter_map(of_sides).max_by(|a, b| a.ratio().total_cmp(&b.ratio()));
+            step.is_confirmed(of_sides).then_some((end, slice, step))
+        };
+        let places = [(0, 1..longest + 1), (1, slices.count - longest..slices.count)];
+        let free = places.into_iter().filter(|(end, _)| found[*end].is_none());
+        let (end, slice, step) =
+            free.filter_map(clearest).max_by(|a, b| a.2.ratio().total_cmp(&b.2.ratio()))?;
+        let position = slices.low + slice as f64 * slices.length;
+        Some((end, Collar { position, radius: radius + step.size }))
     }
-    let [low, high] = at_both_ends(&alongs, (TRIM * alongs.len() as f64) as usize);
-    let middle = f64::midpoint(low, high);
-    let pixel = pixel_length(camera, cylinder, middle)?;
-    let across = axis.at(middle).z * camera.pixel_size();
-    let count = ((high - low) / (radius / SLICES_OF_RADIUS).max(LEAST_PIXELS * pixel)) as usize;
-    if count < LEAST_SLICES {
-        return None;
+
+    /// Slices of the part of the axis along which the depth shows the surface; `None` for too few.
+    fn slices(&self, depth: &[[f64; 2]]) -> Option<Slices> {
+        let alongs: List<f64> = depth.iter().map(|[along, _]| *along).collect();
+        if alongs.len() < LEAST_SIGHTS * LEAST_SLICES {
+            return None;
+        }
+        let [low, high] = at_both_ends(&alongs, (TRIM * alongs.len() as f64) as usize);
+        let pixel = pixel_length(self.camera, self.cylinder, f64::midpoint(low, high))?;
+        let shortest = LEAST_PIXELS.max(self.apart as f64) * pixel;
+        let count = ((high - low) / (self.cylinder.radius / SLICES_OF_RADIUS).max(shortest)) as usize;
+        // More slices than the sights can fill are none.
+        let most = alongs.len() as f64 / (LEAST_PART * LEAST_SIGHTS as f64);
+        let enough = count >= LEAST_SLICES && count as f64 <= most;
+        enough.then(|| Slices { low, length: (high - low) / count as f64, count })
     }
-    let slices = Slices { low, length: (high - low) / count as f64, count };
-    let depth = Profile::new(&slices, depth.into_iter(), LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
-    let floor = SIDES_FLOOR.get() * across;
-    let sides = sides(camera, mask, cylinder).map(|side| Profile::new(&slices, side.into_iter(), 1, floor));
-    let of_sides = |end: usize, slice: usize| {
-        Step::mean(sides.iter().flatten().filter_map(|side| side.step(end, slice)))
-    };
-    let longest = (LONGEST.get() * count as f64) as usize;
-    let places = [(0, 1..longest + 1), (1, count - longest..count)];
-    let steps = places.into_iter().flat_map(|(end, slices)| slices.map(move |slice| (end, slice)));
-    let steps = steps.filter_map(|(end, slice)| Some((end, slice, depth.step(end, slice)?)));
-    let (end, slice, step) = steps.max_by(|a, b| a.2.ratio().total_cmp(&b.2.ratio()))?;
-    let apart = (APART.get() * radius / slices.length) as usize;
-    let near = slice.saturating_sub(apart).max(1)..(slice + apart + 1).min(count);
-    let beside = near.filter_map(|slice| of_sides(end, slice)).max_by(|a, b| a.ratio().total_cmp(&b.ratio()));
-    let agrees = |side: Step| {
-        let part = side.size / step.size;
-        side.ratio() >= SIDES_RATIO.get() && (AGREEMENT.get().recip()..AGREEMENT.get()).contains(&part)
-    };
-    let is_collar = step.size >= LEAST_STEP.get() * radius
-        && (step.ratio() >= DEPTH_RATIO.get() && beside.is_some_and(agrees)
-            || step.ratio() >= ALONE_RATIO.get() && beside.is_none_or(|side| side.ratio() > -2.0));
-    let collar = Collar { position: low + slice as f64 * slices.length, radius: radius + step.size };
-    is_collar.then_some((end, collar))
 }
 
 /// How far the rays of the outline of a mask pass beyond the surface on either side, with where along the axis they do.
-fn sides(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> [List<[f64; 2]>; 2] {
+fn sides_of(camera: &Camera, mask: &Mask, cylinder: &Cylinder) -> [List<[f64; 2]>; 2] {
     let Cylinder { axis, radius } = cylinder;
     let mut sides: [List<[f64; 2]>; 2] = Default::default();
     for &(column, row) in mask.outline() {
@@ -170,6 +197,12 @@ struct Slices {
     count: usize,
 }
 
+impl Slices {
+    fn middle(&self) -> f64 {
+        self.low + 0.5 * self.length * self.count as f64
+    }
+}
+
 /// Sums over slices of 1, x, x², y, xy and y², by their weights, of the number x of a slice and what is seen there.
 type Sums = [f64; 6];
 
@@ -183,25 +216,26 @@ struct Profile {
 
 impl Profile {
     /// The medians of the slices that hold enough; `None` where too few do.
-    fn new(slices: &Slices, seen: impl Iterator<Item = [f64; 2]>, least: usize, floor: f64) -> Option<Self> {
+    fn new(slices: &Slices, seen: &[[f64; 2]], least: usize, floor: f64) -> Option<Self> {
         let mut values: List<List<f64>> = (0..slices.count).map(|_| List::new()).collect();
         for [along, value] in seen {
             let slice = (along - slices.low) / slices.length;
             if (0.0..slices.count as f64).contains(&slice) {
-                values[slice as usize].push(value);
+                values[slice as usize].push(*value);
             }
         }
-        let full = values.iter().filter(|values| values.len() >= least).count();
+        let is_full = |values: &List<f64>| values.len() >= least;
+        let full = values.iter().filter(|values| is_full(values)).count();
         if full < LEAST_SLICES || (full as f64) < LEAST_PART * slices.count as f64 {
             return None;
         }
-        let all: usize = values.iter().map(|values| values.len()).sum();
+        let all: usize = values.iter().filter(|values| is_full(values)).map(|values| values.len()).sum();
         let mut sum = Sums::default();
         let (mut medians, mut sums) = (List::new(), List::from([sum]));
         for (slice, values) in values.iter_mut().enumerate() {
             // Weights of 1 in the mean.
             let weight = (values.len() * full) as f64 / all as f64;
-            let found = (values.len() >= least).then(|| median(values));
+            let found = is_full(values).then(|| median(values));
             if let Some(y) = found {
                 let x = slice as f64;
                 let terms = [1.0, x, x * x, y, x * y, y * y];
@@ -213,8 +247,9 @@ impl Profile {
         Some(Self { medians, sums, floor })
     }
 
-    /// The step before a slice at an end that explains a line with a step best.
-    fn step(&self, end: usize, slice: usize) -> Option<Step> {
+    /// The step before a slice at an end that explains a line with a step best; `None` where too little is on either side of it, or its
+    /// ratio is less than so much even if the slices are independent.
+    fn step(&self, end: usize, slice: usize, least: f64) -> Option<Step> {
         let all = *self.sums.last()?;
         let before = self.sums[slice];
         let after = [0, 1, 2, 3, 4, 5].map(|k| all[k] - before[k]);
@@ -229,17 +264,21 @@ impl Profile {
         let solved = inverse * right;
         // Two of the line, the step and its place.
         let variance = ((yy - solved.dot(&right)) / (n - 4.0)).max(self.floor * self.floor);
+        let mut step = Step { size: solved[2], deviation: (variance * inverse[(2, 2)]).sqrt() };
+        if step.ratio() < least {
+            return None;
+        }
         let residuals = self.medians.iter().enumerate().filter_map(|(x, median)| {
             let step = if (x < slice) == (end == 0) { solved[2] } else { 0.0 };
             Some((*median)? - (solved[0] + solved[1] * x as f64 + step))
         });
-        let independent = independent_part(&residuals.collect::<List<f64>>());
-        Some(Step { size: solved[2], deviation: (variance * inverse[(2, 2)] / independent).sqrt() })
+        step.deviation /= independent_part(&residuals.collect::<List<f64>>()).sqrt();
+        (step.ratio() >= least).then_some(step)
     }
 }
 
 /// A step with its standard deviation.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Step {
     size: f64,
     deviation: f64,
@@ -250,6 +289,16 @@ impl Step {
         self.size / self.deviation
     }
 
+    /// Whether a step of the depth is that of a collar, by the clearest one of the sides near it.
+    fn is_confirmed(&self, sides: Option<Self>) -> bool {
+        let agrees = |side: Self| {
+            let part = side.size / self.size;
+            side.ratio() >= SIDES_RATIO.get() && (AGREEMENT.get().recip()..AGREEMENT.get()).contains(&part)
+        };
+        let alone = self.ratio() >= ALONE_RATIO.get();
+        sides.is_some_and(agrees) || alone && sides.is_none_or(|side| side.ratio() > -AGAINST.get())
+    }
+
     /// The weighted mean, at least as uncertain as the steps differ.
     fn mean(steps: impl Iterator<Item = Self>) -> Option<Self> {
         let steps: List<Self> = steps.collect();
@@ -258,5 +307,68 @@ impl Step {
         let size = sum / weight;
         let differ = steps.iter().map(|step| (step.size - size).abs()).fold(0.0, f64::max);
         (!steps.is_empty()).then(|| Self { size, deviation: weight.sqrt().recip().max(differ) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SLICES: Slices = Slices { low: 0.0, length: 0.04, count: 50 };
+
+    /// What is seen of a surface of radius 1 that is off by a function of the slice, with noise that slices do not share.
+    fn profile(off: impl Fn(f64) -> f64) -> Profile {
+        let noise = |k: usize| 0.004 * ((k * 7919 % 101) as f64 / 50.0 - 1.0);
+        let seen: Vec<[f64; 2]> = (0..1000)
+            .map(|k| {
+                let slice = (k / 20) as f64;
+                [(slice + 0.5) * SLICES.length, off(slice) + noise(k)]
+            })
+            .collect();
+        Profile::new(&SLICES, &seen, LEAST_SIGHTS, 1e-4).unwrap()
+    }
+
+    fn clearest(profile: &Profile, end: usize) -> (usize, Step) {
+        let steps = (1..50).filter_map(|slice| Some((slice, profile.step(end, slice, f64::NEG_INFINITY)?)));
+        steps.max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio())).unwrap()
+    }
+
+    #[test]
+    fn a_step_is_found_where_it_is_whatever_the_line() {
+        for slope in [-2e-3, 0.0, 3e-3] {
+            for (end, begins) in [(1, 38), (0, 9)] {
+                let is_collar = |slice: f64| (slice < f64::from(begins)) == (end == 0);
+                let profile = profile(|slice| slope * slice + if is_collar(slice) { 0.03 } else { 0.0 });
+                let (slice, step) = clearest(&profile, end);
+                assert_eq!(slice, begins as usize);
+                assert!((step.size - 0.03).abs() < 4.0 * step.deviation && step.ratio() > 12.0, "{step:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn lines_and_waves_have_no_clear_step() {
+        for waves in [0.0, 1.5, 2.5, 4.0] {
+            let profile = profile(|slice| 2e-3 * slice + 0.02 * (waves * slice / 50.0 * 6.2832).sin());
+            for end in [0, 1] {
+                let (slice, step) = clearest(&profile, end);
+                assert!(step.ratio() < ALONE_RATIO.get(), "{waves}, {slice}: {step:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_of_two_sides_that_differ_are_uncertain() {
+        let step = |size: f64| Step { size, deviation: 0.001 };
+        let alike = Step::mean([step(0.03), step(0.03)].into_iter()).unwrap();
+        let unlike = Step::mean([step(0.0), step(0.06)].into_iter()).unwrap();
+        assert!(alike.ratio() > 40.0 && unlike.ratio() < 1.1, "{alike:?} {unlike:?}");
+        assert!(Step::mean([].into_iter()).is_none());
+        let depth = step(0.03);
+        assert!(depth.is_confirmed(None) && !Step { deviation: 0.005, ..depth }.is_confirmed(None));
+        assert!(
+            Step { deviation: 0.005, ..depth }.is_confirmed(Some(alike))
+                && !depth.is_confirmed(Some(step(-0.01)))
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! What in a mask is the lateral surface of a cylinder, its body, and what is not: caps, inner walls, things in front.
+//! What in a mask is the lateral surface of a cylinder, its body, and what is not: caps, inner walls, lids and rims that are wider, things
+//! in front.
 //!
 //! Masks drawn by people or networks cover whole objects. Along the axis the pixels of such a mask see the body, then
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
@@ -15,7 +16,8 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{LOWER_QUARTILE, lower_quartile_size, median_and_deviation, ordered};
-use collar::{Collar, collars};
+pub use collar::Collar;
+use collar::collars;
 use nalgebra::Vector3;
 use outline::Rims;
 use shoulder::shoulder;
@@ -217,7 +219,8 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
         });
-        let collars = collars(camera, mask, &sights, cylinder, ends.map(|end| Some(end?.position)));
+        let places = ends.map(|end| Some(end?.position));
+        let collars = collars(camera, mask, (&sights, stride), cylinder, places);
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 

@@ -4,10 +4,7 @@ use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent};
 use crate::memory::List;
-
-/// What an error that all sides of a mask share is in the stated uncertainty, as a multiple of what it weighs in the fit: 1.25 pixels, as
-/// the noise model says of drawn masks.
-const STATED_GROWTH: f64 = 4.0;
+use crate::noise::{MASK_COMMON, MASK_COMMON_STATED};
 
 /// A residual in pixels with its weight and its Jacobian in the tangent of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,6 +82,14 @@ fn whiten(rows: &mut [PixelRow], deviation: f64) {
     }
 }
 
+fn equations(rows: &[PixelRow]) -> NormalEquations {
+    let mut equations = NormalEquations::zero();
+    for PixelRow { weight, residual, jacobian, .. } in rows {
+        equations.add_residual(*weight, *residual, jacobian);
+    }
+    equations
+}
+
 impl Term for InPixels<'_> {
     fn source(&self) -> Source {
         Source::Image
@@ -95,11 +100,7 @@ impl Term for InPixels<'_> {
     }
 
     fn linearise(&self, frame: &LocalFrame) -> Option<NormalEquations> {
-        let mut equations = NormalEquations::zero();
-        for PixelRow { weight, residual, jacobian, .. } in &self.scaled(frame)? {
-            equations.add_residual(*weight, *residual, jacobian);
-        }
-        Some(equations)
+        Some(equations(&self.scaled(frame)?))
     }
 
     fn rows(&self, frame: &LocalFrame) -> Option<Vec<Row>> {
@@ -110,9 +111,11 @@ impl Term for InPixels<'_> {
     /// Every residual is weighed by its own variance, so that the cost is a negative log-likelihood times 2 ℓ², and the
     /// covariance of its gradient is its second derivative times ℓ². An error that rows share is stated as larger than it weighs.
     fn sandwich(&self, frame: &LocalFrame) -> Option<SandwichPart> {
-        let NormalEquations { gradient, hessian, .. } = self.linearise(frame)?;
-        let shared: Tangent = self.scaled(frame)?.iter().map(|row| row.jacobian * row.shared).sum();
-        let beyond = shared * shared.transpose() * (STATED_GROWTH.powi(2) - 1.0);
+        let rows = self.scaled(frame)?;
+        let NormalEquations { gradient, hessian, .. } = equations(&rows);
+        let shared: Tangent = rows.iter().map(|row| row.jacobian * row.shared).sum();
+        let stated = MASK_COMMON_STATED.get() / MASK_COMMON.get();
+        let beyond = shared * shared.transpose() * (stated * stated - 1.0);
         let covariance = (hessian + beyond) * (self.scale.length / frame.unit).powi(2);
         Some(SandwichPart { gradient, derivative: hessian, covariance })
     }
@@ -148,5 +151,10 @@ mod tests {
         assert!((cost - residuals.dot(&(&inverse * &residuals))).abs() < 1e-12 * cost);
         let expected = jacobian.transpose() * inverse * residuals;
         assert!(after.iter().all(|row| row.weight == 1.0) && (gradient - expected).norm() < 1e-12 * cost);
+        // What the shared error does to the gradient: Jᵀ V⁻¹ s.
+        let of_shared: Tangent = after.iter().map(|row| row.jacobian * row.shared).sum();
+        let shared = DVector::from_iterator(6, (0..6).map(|k| row(k).shared));
+        let expected = jacobian.transpose() * &inverse * shared / deviation;
+        assert!((of_shared - expected).norm() < 1e-12 * of_shared.norm());
     }
 }

@@ -54,7 +54,20 @@ pub fn fit_within(frame: &Capture, focal: f64, mask: Vec<u8>) -> FitResult {
 
 /// The fit within a mask, with the image and edges.
 pub fn fit_with_edges(frame: &Capture, focal: f64, mask: Vec<u8>, edges: &[EdgeSegment]) -> FitResult {
-    let inputs = Inputs {
+    let inputs = inputs(frame, focal, mask);
+    let mut fitter = inputs.fitter();
+    inputs.push_image(&mut fitter);
+    fitter.push_edges(edges).unwrap();
+    fitter.fit().unwrap()
+}
+
+/// The fit to the depth within a mask.
+pub fn fit_without_image(frame: &Capture, focal: f64, mask: Vec<u8>) -> FitResult {
+    inputs(frame, focal, mask).fitter().fit().unwrap()
+}
+
+fn inputs(frame: &Capture, focal: f64, mask: Vec<u8>) -> Inputs {
+    Inputs {
         intrinsics: intrinsics(focal),
         size: SIZE,
         depth: frame.depth.clone(),
@@ -62,9 +75,5 @@ pub fn fit_with_edges(frame: &Capture, focal: f64, mask: Vec<u8>, edges: &[EdgeS
         mask,
         image: frame.image.clone(),
         edges: Vec::new(),
-    };
-    let mut fitter = inputs.fitter();
-    inputs.push_image(&mut fitter);
-    fitter.push_edges(edges).unwrap();
-    fitter.fit().unwrap()
+    }
 }
