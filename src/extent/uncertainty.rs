@@ -178,7 +178,8 @@ mod tests {
                 let cylinder = fit.displaced(&deviations);
                 find(Some(&cylinder)).length
             };
-            of_fit += ((at(1.0) - at(-1.0)) / 2.0).powi(2);
+            // Near enough for first order: the fit is uncertain by more than a pixel.
+            of_fit += (at(0.5) - at(-0.5)).powi(2);
         }
         let predicted = uncertainty.length.powi(2) - of_ends;
         assert!((of_fit / predicted - 1.0).abs() < 0.2, "{of_fit} {predicted}");

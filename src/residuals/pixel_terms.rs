@@ -149,12 +149,12 @@ mod tests {
         let cost: f64 = after.iter().map(|row| row.residual * row.residual).sum();
         let gradient: Tangent = after.iter().map(|row| row.jacobian * row.residual).sum();
         assert!((cost - residuals.dot(&(&inverse * &residuals))).abs() < 1e-12 * cost);
-        let expected = jacobian.transpose() * inverse * residuals;
+        let expected = jacobian.transpose() * &inverse * residuals;
         assert!(after.iter().all(|row| row.weight == 1.0) && (gradient - expected).norm() < 1e-12 * cost);
         // What the shared error does to the gradient: Jᵀ V⁻¹ s.
         let of_shared: Tangent = after.iter().map(|row| row.jacobian * row.shared).sum();
         let shared = DVector::from_iterator(6, (0..6).map(|k| row(k).shared));
-        let expected = jacobian.transpose() * &inverse * shared / deviation;
+        let expected = jacobian.transpose() * inverse * shared / deviation;
         assert!((of_shared - expected).norm() < 1e-12 * of_shared.norm());
     }
 }
