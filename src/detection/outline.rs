@@ -188,7 +188,8 @@ impl Scene<'_> {
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
                 if smooth >= 2 {
-                    return end(self.end_of_strip(next, [dx, dy]).unwrap_or(Beyond::Smooth), k);
+                    let is_strip = self.is_strip(next, [dx, dy]);
+                    return end(if is_strip { Beyond::Farther } else { Beyond::Smooth }, k);
                 }
             }
             before = next;
@@ -206,20 +207,19 @@ impl Scene<'_> {
         (!self.grid.connected(before, next)).then_some(if farther { Beyond::Farther } else { Beyond::Hidden })
     }
 
-    /// What follows where the surface that seems to go on at a cell beside the limb is a strip that a matching window drew out, and a
-    /// filter smoothed the edge between the two: such a strip soon ends, in something farther or nothing. `None` where it goes on.
-    fn end_of_strip(&self, cell: usize, outward: [f64; 2]) -> Option<Beyond> {
+    /// Whether the surface that seems to go on at a cell beside the limb is a strip that a matching window drew out, and a filter
+    /// smoothed the edge between the two: such a strip soon ends in something farther.
+    fn is_strip(&self, cell: usize, outward: [f64; 2]) -> bool {
         let mut before = cell;
         let cells = (DRAWN_OUT / self.grid.side as f64).ceil() as usize;
         for distance in 1..=cells {
-            let next = self.grid.toward(cell, outward, distance)?;
+            let Some(next) = self.grid.toward(cell, outward, distance) else { return false };
             match self.step(before, next) {
-                Some(Beyond::Hidden) => return None,
                 None => before = next,
-                end => return end,
+                end => return end == Some(Beyond::Farther),
             }
         }
-        None
+        false
     }
 
     /// Whether the surface falls and rises again on the way out over the limb: whether, in the section across the axis, a cell next to
