@@ -349,7 +349,8 @@ mod tests {
     #[test]
     fn lines_and_waves_have_no_clear_step() {
         for waves in [0.0, 1.5, 2.5, 4.0] {
-            let profile = profile(|slice| 2e-3 * slice + 0.02 * (waves * slice / 50.0 * 6.2832).sin());
+            let profile =
+                profile(|slice| 2e-3 * slice + 0.02 * (waves * slice / 50.0 * std::f64::consts::TAU).sin());
             for end in [0, 1] {
                 let (slice, step) = clearest(&profile, end);
                 assert!(step.ratio() < ALONE_RATIO.get(), "{waves}, {slice}: {step:?}");
