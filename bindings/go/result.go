@@ -78,7 +78,7 @@ const (
 	// body is no cylinder, or one of the lines is no limb.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
 	// FlagMaskDisagrees: the mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and
-	// the deviation of the radius says.
+	// the deviation of the radius says; or no limb was seen, and the points contest the mask.
 	FlagMaskDisagrees Flags = C.CYLFUSE_RESULT_FLAGS_MASK_DISAGREES
 )
 

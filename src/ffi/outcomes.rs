@@ -280,6 +280,7 @@ impl cylfuse_result_flags {
     /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of an
     /// image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
     /// border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
-    /// something else. Only where fewer than two limbs of a view were located or given.
+    /// something else. Only where fewer than two limbs of a view were located or given. Or no limb was seen, and the points
+    /// contest the radius by the sides of the mask.
     pub const MASK_DISAGREES: cylfuse_result_flags = cylfuse_result_flags(1048576);
 }

@@ -67,7 +67,8 @@ bitflags::bitflags! {
         const BODY_TAPERS = 1 << 19;
         /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
         /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image
-        /// ends it. Only where fewer than two limbs were located or given.
+        /// ends it. Only where fewer than two limbs were located or given. Or no limb was seen, and the points contest the radius by the
+        /// sides of the mask.
         const MASK_DISAGREES = 1 << 20;
     }
 }
