@@ -41,7 +41,7 @@ constants! {
     /// drawn, large or small all round. See docs/measurements-masks.md.
     pub(crate) MASK_COMMON = 0.2, "side";
 
-    /// The same as the stated uncertainty knows it: 1.25 pixels for the default of `mask_side`.
+    /// The same as the stated uncertainty knows it: 1.3 pixels for the default of `mask_side`, as drawn masks are.
     pub(crate) MASK_COMMON_STATED = 0.8, "side";
 
     /// The default of [`NoiseModel::mask_boundary`].

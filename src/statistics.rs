@@ -118,6 +118,12 @@ pub(crate) fn ordered(number: f64) -> u64 {
     bits ^ ((bits.cast_signed() >> 63).cast_unsigned() | SIGN)
 }
 
+/// The same of a number of 32 bits.
+pub(crate) fn ordered_single(number: f32) -> u32 {
+    let bits = number.to_bits();
+    bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | 1 << 31)
+}
+
 /// The numbers at some places of the ordered list, of which there must be as many.
 pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
     let mut ordered: List<u64> = numbers.map(ordered).collect();

@@ -9,7 +9,7 @@ use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
-use crate::statistics::ends_of;
+use crate::statistics::{ends_of, ordered_single};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -220,13 +220,9 @@ impl Scene<'_> {
 
     /// The gain of the best two planes through cells that an edge along the axis divides.
     fn edge_gain(&self, across: &[f64], cells: &[usize]) -> f64 {
-        // One number to compare: in its upper half where the cell is, which has 32 bits, and the sign of these turned as the order
-        // of whole numbers asks for; in its lower half which one it is.
-        let order = |(across, place): (&f64, u32)| {
-            let bits = (*across as f32).to_bits();
-            let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
-            u64::from(ordered) << 32 | u64::from(place)
-        };
+        // One number to compare: in its upper half where the cell is, which has 32 bits, in its lower half which one it is.
+        let order =
+            |(across, place): (&f64, u32)| u64::from(ordered_single(*across as f32)) << 32 | u64::from(place);
         let mut order: List<u64> = across.iter().zip(0..).map(order).collect();
         order.sort_unstable();
         let sorted: List<usize> = order.iter().map(|order| cells[*order as u32 as usize]).collect();
@@ -333,7 +329,7 @@ impl InView {
         // The corners of a box around it: what is seen of it lies between them.
         for corner in 0..8 {
             let sign = |bit: u32| if corner >> bit & 1 == 0 { -radius } else { *radius };
-            let point = axis.point + axis.direction * along[corner & 1] + u * sign(1) + v * sign(2);
+            let point = axis.at(along[corner & 1]) + u * sign(1) + v * sign(2);
             if point.z <= 0.0 {
                 return Self { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
             }

@@ -183,7 +183,9 @@ pub fn locate_ends(
             .filter(|parts| !parts.all_body())
     });
     check()?;
-    let body = parts.as_ref().and_then(|parts| parts.shown(search.camera, search.mask, Parts::within));
+    // Without an end all of it is.
+    let ended = parts.as_ref().filter(|parts| parts.ends.iter().any(Option::is_some));
+    let body = ended.and_then(|parts| parts.shown(search.camera, search.mask, Parts::within));
     let whole = search.mask;
     let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));

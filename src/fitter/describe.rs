@@ -7,7 +7,7 @@ use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
 use super::taper::Taper;
-use super::uncertainty::{DISAGREEMENT, Uncertainty};
+use super::uncertainty::{DISAGREEMENT, MASK_DISAGREEMENT, Uncertainty};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
@@ -125,14 +125,14 @@ pub(super) fn describe(
     flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
     flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
     flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
-    if radii.is_some_and(|radii| radii.disagree()) || leaves_lines(data, held, cylinder) {
+    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder) {
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(&frame, scales);
     flags.set(Flags::POOR_FIT, count > 0 && poor);
     let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
-    let contests = by_sides.is_some_and(|radii| radii.disagree_by_mask())
+    let contests = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
         && data.views.iter().any(|view| view.view.mask_is_drawn());
     flags.set(Flags::MASK_DISAGREES, contests || uncertainty.as_ref().is_some_and(disagrees));
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());

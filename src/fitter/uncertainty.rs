@@ -24,7 +24,7 @@ pub(super) const DISAGREEMENT: f64 = 4.0;
 
 /// Points and the sides of a drawn mask, where no limb is seen, disagree from here on. What both are taken to be off is generous: of 244
 /// frames without an image the largest is 2.2, and where masks are 5 px too small it is 2.8 in the median.
-const MASK_DISAGREEMENT: f64 = 2.5;
+pub(super) const MASK_DISAGREEMENT: f64 = 2.5;
 
 /// Standard deviation of the shift between depth and image of a camera that is calibrated, in pixels of the drawing:
 /// registrations are good to half a pixel.
@@ -283,14 +283,9 @@ impl RadiusComparison {
         (self.from_points - self.from_limbs) / self.from_points_deviation.hypot(self.from_limbs_deviation)
     }
 
-    /// Whether the difference is more than noise.
-    pub(super) fn disagree(&self) -> bool {
-        self.z_score().abs() > DISAGREEMENT
-    }
-
-    /// Whether it is where the sides of a mask take the place of limbs.
-    pub(super) fn disagree_by_mask(&self) -> bool {
-        self.z_score().abs() > MASK_DISAGREEMENT
+    /// Whether the difference is more than so many standard deviations.
+    pub(super) fn disagree(&self, most: f64) -> bool {
+        self.z_score().abs() > most
     }
 
     /// `None` where the points alone determine no cylinder or the limbs add nothing to the radius.

@@ -177,6 +177,7 @@ impl ShadedSums {
             (Self::Sloped(sums), Self::Sloped(other)) => {
                 sums.iter_mut().zip(other).for_each(|(sums, other)| sums.add(other));
             }
+            // A limb has one profile, and so its sums are of one kind.
             _ => {}
         }
     }

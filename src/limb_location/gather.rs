@@ -59,7 +59,7 @@ impl<const WIDTH: usize> Gathered<WIDTH> {
 /// The pixels of a strip in a window about a line, block by block: most lines are asked about over the same ones.
 #[derive(Default)]
 pub(super) struct Near {
-    /// The line; `None` before any is looked at.
+    /// The line in the full window that was looked at last.
     line: Option<StripLine>,
     /// Where each of them is along the strip and across it, and its value.
     s: List<f64>,
@@ -79,16 +79,19 @@ struct OfBlock {
 impl Near {
     pub fn new(strip: &Strip, line: &StripLine, window: Window) -> Self {
         let mut near = Self::default();
-        near.look(strip, line, window);
+        near.fill(strip, line, window);
         near
     }
 
-    /// Looks at the pixels about a line, unless it has done so. The window is the same each time.
-    pub fn look(&mut self, strip: &Strip, line: &StripLine, window: Window) {
-        if self.line == Some(*line) {
-            return;
+    /// Looks at the pixels about a line in the full window, unless it has done so.
+    pub fn look(&mut self, strip: &Strip, line: &StripLine) {
+        if self.line != Some(*line) {
+            self.fill(strip, line, Window::full());
+            self.line = Some(*line);
         }
-        self.line = Some(*line);
+    }
+
+    fn fill(&mut self, strip: &Strip, line: &StripLine, window: Window) {
         [&mut self.s, &mut self.u, &mut self.values].into_iter().for_each(|list| list.clear());
         self.blocks.clear();
         for runs in blocks(strip) {

@@ -282,7 +282,7 @@ fn look_about(limbs: &mut [Limb<'_>], near: &mut [Near], count: usize) {
         if count <= FIRST_STEPS.count() || !limb.is_along(&limb.near, MARGIN) {
             limb.near = limb.state.line;
         }
-        near.look(limb.strip, &limb.near, Window::full());
+        near.look(limb.strip, &limb.near);
     }
 }
 

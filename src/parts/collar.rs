@@ -11,7 +11,7 @@ use crate::memory::List;
 use crate::observations::Mask;
 use crate::statistics::{at_both_ends, independent_part, median};
 use nalgebra::{Matrix3, Vector2, Vector3};
-use std::cell::OnceCell;
+use std::cell::{LazyCell, OnceCell};
 use std::ops::Range;
 
 constants! {
@@ -82,9 +82,7 @@ pub(super) fn collars(
     cylinder: &Cylinder,
     ends: [Option<f64>; 2],
 ) -> [Option<Collar>; 2] {
-    let sides = OnceCell::new();
-    let search =
-        Search { camera, cylinder, apart, sides: &|| sides.get_or_init(|| sides_of(camera, mask, cylinder)) };
+    let search = Search { camera, mask, cylinder, apart, sides: OnceCell::new() };
     let mut found = [None; 2];
     // One at a time, the clearest first: what a collar at one end leaves shows one at the other.
     while let Some((end, collar)) = search.clearest(sights, ends, &found) {
@@ -96,10 +94,12 @@ pub(super) fn collars(
 /// Where collars are looked for.
 struct Search<'a> {
     camera: &'a Camera,
+    mask: &'a Mask,
     cylinder: &'a Cylinder,
     /// How many pixels the sights are apart.
     apart: usize,
-    sides: &'a dyn Fn() -> &'a [List<[f64; 2]>; 2],
+    /// What [`sides_of`] tells, once it is asked for.
+    sides: OnceCell<[List<[f64; 2]>; 2]>,
 }
 
 impl Search<'_> {
@@ -124,11 +124,12 @@ impl Search<'_> {
             .collect();
         let slices = self.slices(&depth)?;
         let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
-        let sides = OnceCell::new();
-        let sides = || {
+        // Most bodies have no step that they are asked about.
+        let sides = LazyCell::new(|| {
+            let seen = self.sides.get_or_init(|| sides_of(self.camera, self.mask, self.cylinder));
             let floor = SIDES_FLOOR.get() * self.camera.pixel_size() * axis.at(slices.middle()).z;
-            sides.get_or_init(|| (self.sides)().each_ref().map(|side| Profile::new(&slices, side, 1, floor)))
-        };
+            seen.each_ref().map(|side| Profile::new(&slices, side, 1, floor))
+        });
         let longest = (LONGEST.get() * slices.count as f64) as usize;
         let near = (APART.get() * radius / slices.length) as usize;
         let clearest = |(end, places): (usize, Range<usize>)| {
@@ -137,9 +138,7 @@ impl Search<'_> {
             let (slice, step) = steps.max_by(|a, b| a.1.ratio().total_cmp(&b.1.ratio()))?;
             let beside = slice.saturating_sub(near).max(1)..(slice + near + 1).min(slices.count);
             let of_sides = |slice| {
-                Step::mean(
-                    sides().iter().flatten().filter_map(|side| side.step(end, slice, f64::NEG_INFINITY)),
-                )
+                Step::mean(sides.iter().flatten().filter_map(|side| side.step(end, slice, f64::NEG_INFINITY)))
             };
             let of_sides = beside.filter_map(of_sides).max_by(|a, b| a.ratio().total_cmp(&b.ratio()));
             step.is_confirmed(of_sides).then_some((end, slice, step))

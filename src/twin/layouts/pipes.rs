@@ -54,7 +54,7 @@ pub fn scene(stream: &mut Stream) -> Result<Scene> {
             let style = if stream.chance(0.3) { Style::Open } else { Style::Plain };
             let length = stream.between(0.5, 1.6);
             let pipe = Cylindrical::random(style, radius, length, stream);
-            let middle = line.point + line.direction * stream.between(-0.15, 0.15);
+            let middle = line.at(stream.between(-0.15, 0.15));
             room.cylinder(&pipe, (middle, line.direction), random_material(stream), None)?;
             break;
         }
