@@ -170,7 +170,11 @@ impl Parts {
         let rims = OnceCell::new();
         let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
             let pixel = pixel_length(camera, cylinder, inner.position)?;
-            let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach) {
+            // A plane deeper inside than the surface was measured is the bottom of an open end.
+            let measured = cylinder.axis.position_of(&inner.point);
+            let at_end =
+                |(position, _): &(f64, f64)| (measured - position) * outward <= SURPLUS.get() * pixel;
+            let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach).filter(at_end) {
                 Some((position, spread)) => {
                     // Matching windows draw the depth of two rims that are near to each other over the end.
                     let apart =
