@@ -52,6 +52,7 @@ impl Edge {
 /// The gradient of an image: its parts along rows and columns, and its magnitudes.
 struct Gradient {
     width: usize,
+    height: usize,
     x: Vec<f32>,
     y: Vec<f32>,
     magnitudes: Vec<f32>,
@@ -63,16 +64,19 @@ impl Gradient {
     #[inline(always)]
     fn stands_out(&self, [column, row]: [usize; 2]) -> bool {
         let k = row * self.width + column;
-        let height = self.magnitudes.len() / self.width;
         let unit = self.unit(k);
         for step in BESIDE {
             let x = nearest(column as f32 + unit.x * step, self.width);
-            let y = nearest(row as f32 + unit.y * step, height);
+            let y = nearest(row as f32 + unit.y * step, self.height);
             if !(2.0 * self.magnitudes[k] >= self.magnitudes[y * self.width + x]) {
                 return false;
             }
         }
         true
+    }
+
+    fn lists(&mut self) -> [&mut Vec<f32>; 3] {
+        [&mut self.x, &mut self.y, &mut self.magnitudes]
     }
 
     /// The direction of a gradient.
@@ -204,18 +208,18 @@ fn reduced(image: &GreyImage, factor: usize) -> Vec<f32> {
 
 /// Scharr's derivatives; zero along the border.
 fn gradient(values: &[f32], width: usize, height: usize) -> Gradient {
-    let none = || vec![0.0; values.len()];
-    let mut gradient = Gradient { width, x: none(), y: none(), magnitudes: none() };
+    let room = || Vec::with_capacity(values.len());
+    let mut gradient = Gradient { width, height, x: room(), y: room(), magnitudes: room() };
     if width > 2 {
-        Arch::new().dispatch(Derivatives { values, height, gradient: &mut gradient });
+        Arch::new().dispatch(Derivatives { values, gradient: &mut gradient });
     }
+    gradient.lists().into_iter().for_each(|list| list.resize(values.len(), 0.0));
     gradient
 }
 
 /// The derivatives of all rows but the first and the last, with the widest vector instructions of the machine.
 struct Derivatives<'a> {
     values: &'a [f32],
-    height: usize,
     gradient: &'a mut Gradient,
 }
 
@@ -225,16 +229,18 @@ impl WithSimd for Derivatives<'_> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "eight places of the image and three of the gradient")]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { values, height, gradient } = self;
+        let Self { values, gradient } = self;
         let width = gradient.width;
         let inner = width - 2;
-        for row in 1..height.saturating_sub(1) {
+        for row in 1..gradient.height.saturating_sub(1) {
             let line = |row: usize| {
                 let line = &values[row * width..(row + 1) * width];
                 [0, 1, 2].map(|first| &line[first..first + inner])
             };
             let ([a, b, c], [d, _, f], [g, h, i]) = (line(row - 1), line(row), line(row + 1));
             let own = row * width + 1..row * width + 1 + inner;
+            // Row by row, while they are at hand, they are cleared at once.
+            gradient.lists().into_iter().for_each(|list| list.resize((row + 1) * width, 0.0));
             let x = &mut gradient.x[own.clone()];
             let y = &mut gradient.y[own.clone()];
             let magnitudes = &mut gradient.magnitudes[own];
