@@ -164,7 +164,7 @@ impl Scene<'_> {
         let grid = self.grid;
         let (mut asked, mut misfits) = (List::new(), List::new());
         let (mut cells, mut of_cells) = (List::new(), List::new());
-        asked.extend(seeds.iter().copied().filter(|&k| mark.set(k) && self.open[k]));
+        asked.extend(seeds.iter().copied().filter(|&k| mark.set(k)));
         // Ring by ring.
         while !asked.is_empty() {
             distances::misfits(surface, self.optics.pixel, &self.numbers, &asked, &mut misfits);
@@ -178,7 +178,7 @@ impl Scene<'_> {
             asked.clear();
             for &k in &cells[first..] {
                 for next in grid.neighbours(k) {
-                    if mark.set(next) && self.open[next] {
+                    if mark.set(next) {
                         asked.push(next);
                     }
                 }
@@ -313,13 +313,26 @@ impl Marks {
         Self { marks: vec![0; cells], number: 0 }
     }
 
+    /// Those of open cells: others are never new.
+    pub fn of_open(open: &[bool]) -> Self {
+        Self { marks: open.iter().map(|open| if *open { 0 } else { u32::MAX }).collect(), number: 0 }
+    }
+
     pub fn next(&mut self) {
         self.number += 1;
     }
 
-    /// Marks a cell; whether it was not marked yet.
+    /// Marks a cell; whether it was new.
     pub fn set(&mut self, k: usize) -> bool {
-        std::mem::replace(&mut self.marks[k], self.number) != self.number
+        let mark = &mut self.marks[k];
+        let is_new = *mark < self.number;
+        *mark = if is_new { self.number } else { *mark };
+        is_new
+    }
+
+    /// Whether a cell is not marked yet.
+    pub fn is_new(&self, k: usize) -> bool {
+        self.marks[k] < self.number
     }
 
     pub fn has(&self, k: usize) -> bool {

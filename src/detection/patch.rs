@@ -13,14 +13,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, Vector4};
 const SIGNIFICANT: f64 = 3.0;
 
 /// The open cells connected with a seed within a window of `half` cells to each side.
-pub(super) fn collect(
-    grid: &Grid,
-    seed: usize,
-    half: usize,
-    open: &[bool],
-    mark: &mut Marks,
-    cells: &mut Vec<usize>,
-) {
+pub(super) fn collect(grid: &Grid, seed: usize, half: usize, mark: &mut Marks, cells: &mut Vec<usize>) {
     let (column, row) = (seed % grid.columns, seed / grid.columns);
     let (left, right) = (column.saturating_sub(half), (column + half).min(grid.columns - 1));
     let (top, bottom) = (row.saturating_sub(half), (row + half).min(grid.rows - 1));
@@ -40,7 +33,7 @@ pub(super) fn collect(
             (y < bottom, k + grid.columns),
         ];
         for (_, neighbour) in around.into_iter().filter(|(within, _)| *within) {
-            if !mark.has(neighbour) && open[neighbour] && grid.connected(k, neighbour) {
+            if mark.is_new(neighbour) && grid.connected(k, neighbour) {
                 mark.set(neighbour);
                 cells.push(neighbour);
             }

@@ -81,7 +81,7 @@ pub(crate) fn detect_in_mask(
         min_score: 0.0,
         ..DetectionOptions::default()
     };
-    let mut marks = Marks::new(grid.cells.len());
+    let mut marks = Marks::of_open(&scene.open);
     let mut explained = vec![false; grid.cells.len()];
     let open: List<usize> = (0..planes.len()).filter(|&k| scene.open[k]).collect();
     let bodies = caps::bodies(grid, &planes, inside, &options.limits);

@@ -93,7 +93,7 @@ pub(super) fn search(
         pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
         effort,
     };
-    let mut marks = Marks::new(grid.cells.len());
+    let mut marks = Marks::of_open(&scene.open);
     let mut explained = vec![false; grid.cells.len()];
     effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
@@ -193,7 +193,7 @@ pub(super) fn candidates(
                 if !scene.open[seed] || explained[seed] || visits[seed] >= MOST_VISITS {
                     continue;
                 }
-                patch::collect(grid, seed, half, &scene.open, marks, &mut cells);
+                patch::collect(grid, seed, half, marks, &mut cells);
                 if cells.len() < FEWEST {
                     continue;
                 }
