@@ -34,7 +34,7 @@ pub(super) enum Beyond {
     Hidden,
 }
 
-/// The normals at the cells of a grid, each once it is asked for.
+/// The normals at the cells of a grid, each once it is asked for; `None` where the surface is not known or steep.
 pub(super) struct Normals(Vec<OnceCell<Option<Vector3<f64>>>>);
 
 impl Normals {
@@ -131,9 +131,14 @@ fn depth_below(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
 }
 
 impl Grid {
-    /// The cell so many cells away from one in a direction.
-    fn toward(&self, k: usize, [dx, dy]: [f64; 2], distance: usize) -> Option<usize> {
-        let (column, row, distance) = ((k % self.columns) as f64, (k / self.columns) as f64, distance as f64);
+    /// The column and the row of a cell.
+    fn place_of(&self, k: usize) -> [f64; 2] {
+        [(k % self.columns) as f64, (k / self.columns) as f64]
+    }
+
+    /// The cell so many cells away from the column and the row of one in a direction.
+    fn toward(&self, [column, row]: [f64; 2], [dx, dy]: [f64; 2], distance: usize) -> Option<usize> {
+        let distance = distance as f64;
         let [x, y] = nearest([column + dx * distance, row + dy * distance], [self.columns, self.rows])?;
         Some(y * self.columns + x)
     }
@@ -162,10 +167,11 @@ impl Scene<'_> {
             cell: k,
             outward: [dx, dy],
         };
+        let from = grid.place_of(k);
         let mut before = k;
         let mut smooth = 0;
         for distance in 1..=4 {
-            let Some(next) = grid.toward(k, [dx, dy], distance) else {
+            let Some(next) = grid.toward(from, [dx, dy], distance) else {
                 return end(Beyond::Hidden, before);
             };
             if next == before || mark.has(next) {
@@ -181,9 +187,7 @@ impl Scene<'_> {
                 continue;
             };
             let place = Surface::Cylinder(*cylinder, 0.0).place(&cell.point);
-            // Steep ramps between an outline and the background are no surface.
-            let steep = normal.dot(&cell.point.normalize()).abs() < 0.3;
-            if place.distance > 0.0 && !steep && -normal.dot(&place.normal) > 0.3 {
+            if place.distance > 0.0 && -normal.dot(&place.normal) > 0.3 {
                 // A single cell within the outline may be the last of the cylinder itself.
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
@@ -211,9 +215,10 @@ impl Scene<'_> {
     /// smoothed the edge between the two: such a strip soon ends in something farther.
     fn is_strip(&self, cell: usize, outward: [f64; 2]) -> bool {
         let mut before = cell;
+        let from = self.grid.place_of(cell);
         let cells = (DRAWN_OUT / self.grid.side as f64).ceil() as usize;
         for distance in 1..=cells {
-            let Some(next) = self.grid.toward(cell, outward, distance) else { return false };
+            let Some(next) = self.grid.toward(from, outward, distance) else { return false };
             match self.step(before, next) {
                 None => before = next,
                 end => return end == Some(Beyond::Farther),
@@ -229,7 +234,7 @@ impl Scene<'_> {
         let Side { cell: k, outward: [dx, dy], sign, .. } = *side;
         let grid = self.grid;
         let cell = &grid.cells[k];
-        let (column, row) = ((k % grid.columns) as f64, (k / grid.columns) as f64);
+        let [column, row] = grid.place_of(k);
         // Along the axis depth may change as well, so that cells to this or that side of the line would make valleys in it.
         let axis = &cylinder.axis.direction;
         let ray = cell.point.normalize();
@@ -275,7 +280,8 @@ impl Scene<'_> {
         })
     }
 
-    /// The normal at a cell, away from the observer, by the plane through its connected neighbours.
+    /// The normal at a cell, away from the observer, by the plane through its connected neighbours; `None` where they are few, and
+    /// where the surface is steep.
     fn normal(&self, k: usize) -> Option<Vector3<f64>> {
         let grid = self.grid;
         let (column, row) = (k % grid.columns, k / grid.columns);
@@ -301,6 +307,8 @@ impl Scene<'_> {
         let plane = matrix.cholesky()?.solve(&vector);
         let here = &grid.cells[k];
         let (wx, wy) = (plane[1] / grid.spacing, plane[2] / grid.spacing);
-        Some(Vector3::new(wx, wy, plane[0] - here.x * wx - here.y * wy).normalize())
+        let normal = Vector3::new(wx, wy, plane[0] - here.x * wx - here.y * wy).normalize();
+        // Steep ramps between an outline and the background are no surface.
+        (normal.dot(&here.point.normalize()).abs() >= 0.3).then_some(normal)
     }
 }
