@@ -163,8 +163,8 @@ pub(super) fn residual<S: Simd>(
     ResidualOf { place, distance, information, shape }
 }
 
-/// What is asked of a cell again and again, in half of its memory: its point, its position on the plane z = 1 and the standard
-/// deviation of its depth.
+/// What is asked of a cell again and again, in half of its memory: its point, its position on the plane z = 1, the standard
+/// deviation of its depth, and 1.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Numbers([f32; 8]);
@@ -172,34 +172,34 @@ pub(super) struct Numbers([f32; 8]);
 /// Those of all cells.
 pub(super) fn numbers(cells: &[Cell]) -> Vec<Numbers> {
     let numbers = |Cell { x, y, point, sigma, .. }: &Cell| {
-        Numbers([point.x, point.y, point.z, *x, *y, *sigma, 0.0, 0.0].map(|number| number as f32))
+        Numbers([point.x, point.y, point.z, *x, *y, *sigma, 1.0, 0.0].map(|number| number as f32))
     };
     cells.iter().map(numbers).collect()
 }
 
-/// The points of cells, their positions on the plane z = 1 and the standard deviations of their depths, side by side; the last
-/// one is repeated to the end of a group.
+/// So many of the [`Numbers`] of some cells, side by side.
+pub(super) type Group<const COUNT: usize> = [[f32; LANES]; COUNT];
+
+/// Puts cells side by side; the last one is repeated to the end of the group.
 #[inline(always)]
-pub(super) fn side_by_side(cells: &[Numbers], which: &[usize]) -> [[f32; LANES]; 6] {
+pub(super) fn gather<const COUNT: usize>(cells: &[Numbers], which: &[usize], group: &mut Group<COUNT>) {
     // Of a full group nothing is asked.
     match which.first_chunk::<LANES>() {
-        Some(which) => gathered(|k| &cells[which[k]]),
-        None => gathered(|k| &cells[which[k.min(which.len() - 1)]]),
+        Some(which) => gather_each(|k| &cells[which[k]], group),
+        None => gather_each(|k| &cells[which[k.min(which.len() - 1)]], group),
     }
 }
 
 /// The same of the cells by their places in the group.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
-fn gathered<'a>(cell: impl Fn(usize) -> &'a Numbers) -> [[f32; LANES]; 6] {
-    let mut numbers = [[0.0; LANES]; 6];
+fn gather_each<'a, const COUNT: usize>(cell: impl Fn(usize) -> &'a Numbers, group: &mut Group<COUNT>) {
     for k in 0..LANES {
         let Numbers(own) = cell(k);
-        for i in 0..numbers.len() {
-            numbers[i][k] = own[i];
+        for i in 0..COUNT {
+            group[i][k] = own[i];
         }
     }
-    numbers
 }
 
 /// The squared distances of the cells `which` from a surface in standard deviations, infinite on the wall that is not seen.
@@ -236,12 +236,14 @@ impl WithSimd for Misfits<'_> {
         let Self { surface, pixel, inside, cells, which, misfits } = self;
         let (zero, hidden) = (simd.splat_f32s(0.0), simd.splat_f32s(f32::INFINITY));
         for chunk in which.chunks(LANES) {
-            let [px, py, pz, x, y, sigma] = side_by_side(cells, chunk);
+            let mut group = [[0.0; LANES]; 6];
+            gather(cells, chunk, &mut group);
+            let [px, py, pz, x, y, sigma] = &group;
             let mut squares = [0.0; LANES];
             for part in 0..LANES / S::F32_LANES {
-                let point = [lanes(simd, &px, part), lanes(simd, &py, part), lanes(simd, &pz, part)];
-                let position = [lanes(simd, &x, part), lanes(simd, &y, part)];
-                let sigma = lanes(simd, &sigma, part);
+                let point = [lanes(simd, px, part), lanes(simd, py, part), lanes(simd, pz, part)];
+                let position = [lanes(simd, x, part), lanes(simd, y, part)];
+                let sigma = lanes(simd, sigma, part);
                 let residual = residual(simd, surface, pixel, point, position, sigma);
                 let distance = residual.distance;
                 let square = simd.mul_f32s(simd.mul_f32s(distance, distance), residual.information);
@@ -289,11 +291,13 @@ impl WithSimd for AcrossAndAlong<'_> {
         let (radius, one) = (simd.splat_f32s(cylinder.radius as f32), simd.splat_f32s(1.0));
         let (least, none) = (simd.splat_f32s(1e-9), simd.splat_f32s(f32::NAN));
         for chunk in which.chunks(LANES) {
-            let [px, py, pz, x, y, _] = side_by_side(cells, chunk);
+            let mut group = [[0.0; LANES]; 5];
+            gather(cells, chunk, &mut group);
+            let [px, py, pz, x, y] = &group;
             let mut found = [[0.0; LANES]; 2];
             for part in 0..LANES / S::F32_LANES {
-                let place = [lanes(simd, &px, part), lanes(simd, &py, part), lanes(simd, &pz, part)];
-                let ray = [lanes(simd, &x, part), lanes(simd, &y, part), one];
+                let place = [lanes(simd, px, part), lanes(simd, py, part), lanes(simd, pz, part)];
+                let ray = [lanes(simd, x, part), lanes(simd, y, part), one];
                 let normal = cross(simd, ray, direction);
                 let norm = simd.sqrt_f32s(dot(simd, normal, normal));
                 let passing = simd.div_f32s(dot(simd, normal, point), simd.mul_f32s(norm, radius));
@@ -352,11 +356,13 @@ impl WithSimd for Sights<'_> {
         let none = simd.splat_f32s(f32::INFINITY);
         let (point, direction) = (splat(simd, &cylinder.axis.point), splat(simd, &cylinder.axis.direction));
         for chunk in which.chunks(LANES) {
-            let [_, _, depth, x, y, sigma] = side_by_side(cells, chunk);
+            let mut group = [[0.0; LANES]; 6];
+            gather(cells, chunk, &mut group);
+            let [_, _, depth, x, y, sigma] = &group;
             let mut found = [[0.0; LANES]; 3];
             for part in 0..LANES / S::F32_LANES {
-                let (x, y) = (lanes(simd, &x, part), lanes(simd, &y, part));
-                let (depth, sigma) = (lanes(simd, &depth, part), lanes(simd, &sigma, part));
+                let (x, y) = (lanes(simd, x, part), lanes(simd, y, part));
+                let (depth, sigma) = (lanes(simd, depth, part), lanes(simd, sigma, part));
                 let ray = [x, y, one];
                 let t = first_hits(simd, cylinder, ray);
                 let hit = times(simd, ray, t);

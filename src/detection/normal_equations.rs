@@ -3,7 +3,7 @@
 //! As in the sums over points, the sums run in [`LANES`] partial sums, and multiplications and additions are never fused:
 //! every machine gets the same bits.
 
-use super::distances::{LANES, Numbers, PlaceOf, ResidualOf, dot, lanes, residual, side_by_side, splat};
+use super::distances::{self, LANES, Numbers, PlaceOf, ResidualOf, dot, gather, lanes, residual, splat};
 use super::surface::{Optics, Surface};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -20,7 +20,7 @@ const SUMS: usize = PRODUCTS + 1;
 
 /// Cells side by side: points, positions on the plane z = 1, standard deviations of the depths, and 1, or 0 for the rest
 /// of the last group.
-type Group = [[f32; LANES]; 7];
+type Group = distances::Group<7>;
 
 /// The cells that a surface is fitted to.
 pub(super) struct Cells {
@@ -44,13 +44,11 @@ impl Cells {
     /// The cells `which`.
     pub fn new(cells: &[Numbers], which: &[usize], optics: Optics) -> Self {
         // What fills the last group up is a cell, too: of no weight, but with numbers that can be divided by.
-        let mut groups = List::with_capacity(which.len().div_ceil(LANES));
-        groups.extend(which.chunks(LANES).map(|which| {
-            let [px, py, pz, x, y, sigma] = side_by_side(cells, which);
-            let mut given = [1.0; LANES];
-            given[which.len()..].fill(0.0);
-            [px, py, pz, x, y, sigma, given]
-        }));
+        let mut groups = List::filled([[0.0; LANES]; 7], which.len().div_ceil(LANES));
+        for (group, which) in groups.iter_mut().zip(which.chunks(LANES)) {
+            gather(cells, which, group);
+            group[6][which.len()..].fill(0.0);
+        }
         Self { groups, count: which.len(), optics }
     }
 
