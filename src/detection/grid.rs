@@ -6,7 +6,7 @@
 use super::distances::LANES;
 use super::row::Points;
 use crate::memory::List;
-use crate::statistics::{ends, median};
+use crate::statistics::median;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -25,6 +25,9 @@ const CELLS_TO_A_RADIAN: f64 = 190.0;
 
 /// So much coarser than by the size of the image at most: a camera for small things may be narrow and fine.
 const MOST_COARSER: f64 = 2.0;
+
+/// The least and the largest of no numbers.
+const NO_BOUNDS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// A mean of pixels that see one surface.
 #[derive(Debug, Clone, Copy)]
@@ -224,11 +227,15 @@ impl Grid {
         let within = |k: usize, count: usize| k > 0 && k + 1 < count;
         let row = |y: usize| (0..columns).map(move |x| within(x, columns) && within(y, rows));
         let inner = (0..rows).flat_map(row).collect();
-        let measured = |cell: &&Cell| cell.measured();
-        let column =
-            |x: usize| ends(cells.iter().skip(x).step_by(columns).filter(measured).map(|cell| cell.x));
-        let row = |y: usize| ends(cells[y * columns..][..columns].iter().filter(measured).map(|cell| cell.y));
-        let bounds = [(0..columns).map(column).collect(), (0..rows).map(row).collect()];
+        // Row by row, as the cells lie in memory.
+        let mut bounds = [vec![NO_BOUNDS; columns], vec![NO_BOUNDS; rows]];
+        let [of_columns, of_rows] = &mut bounds;
+        for (cells, of_row) in cells.chunks_exact(columns.max(1)).zip(of_rows) {
+            for (cell, of_column) in cells.iter().zip(&mut *of_columns).filter(|(cell, _)| cell.measured()) {
+                *of_column = [of_column[0].min(cell.x), of_column[1].max(cell.x)];
+                *of_row = [of_row[0].min(cell.y), of_row[1].max(cell.y)];
+            }
+        }
         Self { columns, rows, side, spacing, cells, rays, bounds, inner }
     }
 

@@ -304,10 +304,17 @@ fn flood(
 /// The cells of blocks of which more than half belong to them.
 fn core(grid: &Grid, cells: &[usize]) -> List<usize> {
     let columns = grid.columns.div_ceil(BLOCK);
-    let block = |k: usize| k / grid.columns / BLOCK * columns + k % grid.columns / BLOCK;
+    // Divisions of 32 bits take less; there are fewer cells.
+    let (width, side) = (grid.columns as u32, BLOCK as u32);
+    let block = |&k: &usize| {
+        let k = k as u32;
+        (k / width / side) as usize * columns + (k % width / side) as usize
+    };
+    let blocks: List<usize> = cells.iter().map(block).collect();
     let mut counts = List::filled(0_usize, columns * grid.rows.div_ceil(BLOCK));
-    cells.iter().for_each(|&k| counts[block(k)] += 1);
-    cells.iter().copied().filter(|&k| 2 * counts[block(k)] > BLOCK * BLOCK).collect()
+    blocks.iter().for_each(|&block| counts[block] += 1);
+    let inner = cells.iter().zip(&blocks).filter(|(_, block)| 2 * counts[**block] > BLOCK * BLOCK);
+    inner.map(|(&k, _)| k).collect()
 }
 
 /// The width of cells, in cells: that of a uniform stretch is 2 √3 standard deviations. NaN where rounding leaves a negative

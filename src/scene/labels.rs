@@ -29,5 +29,9 @@ pub(super) fn renumber(labels: &mut [u16], order: impl Iterator<Item = u16>) {
     for (number, label) in (1..).zip(order) {
         new[usize::from(label)] = number;
     }
-    labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
+    // Most blocks have none.
+    let has_any = |labels: &&mut [u16]| labels.iter().fold(0, |any, label| any | label) != 0;
+    for labels in labels.chunks_mut(BLOCK).filter(has_any) {
+        labels.iter_mut().for_each(|label| *label = new[usize::from(*label)]);
+    }
 }
