@@ -6,7 +6,7 @@ use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
 use super::noise::Noise;
 use super::outline::Normals;
-use super::search::{Judged, LEAST_SCORE, candidates, distinct};
+use super::search::{Judged, LEAST_SCORE, Seeds, candidates, distinct};
 use super::surface::{Optics, Surface};
 use super::{caps, distances, parts, planes, row};
 use crate::camera::Camera;
@@ -27,8 +27,8 @@ const VISITS_OF_PATCHES: u64 = 2_500_000;
 const VISITS: u64 = 3_000_000;
 
 /// Seeds lie half the side of a patch divided by this apart: in a scene one, but a mask is small, and of a body of which little is
-/// seen few patches lie on nothing else.
-const SEEDS: usize = 4;
+/// seen few patches lie on nothing else. With three candidates a cell radii were worse: docs/performance-history.md.
+const SEEDS: Seeds = Seeds { density: 4, most_visits: 4 };
 
 /// By how much limits are widened: the cylinder is only to tell the body from the rest. Depth makes the radius up to a third
 /// too large, and caps tell the direction to 0.15 radians.

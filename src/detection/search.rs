@@ -35,8 +35,17 @@ pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 
 /// better explanation wins, unless it is no cylinder.
 const LEAST_SAY: f64 = 0.25;
 
-/// A cell that so many candidates hold starts none: a bound on the time.
-const MOST_VISITS: u8 = 4;
+/// Where patches begin.
+#[derive(Clone, Copy)]
+pub(super) struct Seeds {
+    /// They lie half the side of a patch divided by this apart, and at least two cells.
+    pub density: usize,
+    /// A cell that so many candidates hold starts none: a bound on the time.
+    pub most_visits: u8,
+}
+
+/// Those of a whole scene.
+const SEEDS: Seeds = Seeds { density: 1, most_visits: 3 };
 
 /// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
 const ALIKE: f64 = 0.08;
@@ -98,7 +107,7 @@ pub(super) fn search(
     effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
     effort.limit(LIMITS[1]);
-    let by_depth = candidates(&scene, options, 1, &mut explained, &mut marks);
+    let by_depth = candidates(&scene, options, SEEDS, &mut explained, &mut marks);
     effort.limit(LIMITS[2]);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
@@ -172,12 +181,11 @@ impl Judged {
     }
 }
 
-/// Candidates by patches of the depth, among cells that are not explained yet. Seeds lie half the side of a
-/// patch divided by `seeds` apart, and at least two cells.
+/// Candidates by patches of the depth, among cells that are not explained yet.
 pub(super) fn candidates(
     scene: &Scene<'_>,
     options: &DetectionOptions,
-    seeds: usize,
+    Seeds { density, most_visits }: Seeds,
     explained: &mut [bool],
     marks: &mut Marks,
 ) -> Vec<Judged> {
@@ -186,11 +194,11 @@ pub(super) fn candidates(
     let mut cells = Vec::new();
     let mut visits = vec![0_u8; grid.cells.len()];
     for half in SIZES {
-        let stride = (half / seeds).max(2);
+        let stride = (half / density).max(2);
         for row in (stride / 2..grid.rows).step_by(stride) {
             for column in (stride / 2..grid.columns).step_by(stride) {
                 let seed = row * grid.columns + column;
-                if !scene.open[seed] || explained[seed] || visits[seed] >= MOST_VISITS {
+                if !scene.open[seed] || explained[seed] || visits[seed] >= most_visits {
                     continue;
                 }
                 patch::collect(grid, seed, half, marks, &mut cells);
