@@ -30,6 +30,8 @@ enum Top {
     Neck,
     /// A lid that is wider than the body, whose last part is in it.
     Lid,
+    /// A ring about the body, and no lid.
+    Ring,
 }
 
 /// Length of a shoulder, and of the neck on it.
@@ -39,6 +41,10 @@ const NECK: f64 = 0.05;
 /// How much wider a lid is, and how high.
 const LID_WIDER: f64 = 1.06;
 const LID: f64 = 0.025;
+
+/// How much wider a ring is, and where it is along the axis.
+const RING_WIDER: f64 = 1.3;
+const RING: [f64; 2] = [-0.02, 0.0];
 
 struct Scene {
     camera: Camera,
@@ -71,9 +77,11 @@ impl Scene {
     fn look(&self, column: usize, row: usize) -> (Option<Part>, f64) {
         let ray = self.camera.unproject(&Vector2::new(column as f64, row as f64)).unwrap();
         let axis = &self.cylinder.axis;
-        if self.top == Top::Lid
-            && let Some(seen) = self.look_at_lid(&ray)
-        {
+        if let Some(seen) = match self.top {
+            Top::Lid => self.look_at_ring(&ray, LID_WIDER, [HALF_LENGTH - LID, HALF_LENGTH], Part::Cap),
+            Top::Ring => self.look_at_ring(&ray, RING_WIDER, RING, Part::Other),
+            _ => None,
+        } {
             return seen;
         }
         let Some((near, far)) = self.cylinder.intersect_ray(&ray) else { return (None, WALL) };
@@ -90,24 +98,32 @@ impl Scene {
             return (None, WALL);
         }
         match self.top {
-            Top::Closed => (Some(Part::Cap), cap.z),
+            Top::Closed | Top::Ring => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
             Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z),
         }
     }
 
-    /// The wall or the top of the lid, if a ray meets them.
-    fn look_at_lid(&self, ray: &Vector3<f64>) -> Option<(Option<Part>, f64)> {
+    /// The wall or the top of a lid or ring, if a ray meets them and nothing is before them.
+    fn look_at_ring(
+        &self,
+        ray: &Vector3<f64>,
+        wider: f64,
+        stretch: [f64; 2],
+        top: Part,
+    ) -> Option<(Option<Part>, f64)> {
         let Cylinder { axis, radius } = self.cylinder;
-        let lid = Cylinder { axis, radius: LID_WIDER * radius };
-        let wall = ray * lid.intersect_ray(ray)?.0;
+        let ring = Cylinder { axis, radius: wider * radius };
+        let wall = ray * ring.intersect_ray(ray)?.0;
         let along = axis.position_of(&wall);
-        if (HALF_LENGTH - LID..=HALF_LENGTH).contains(&along) {
+        if (stretch[0]..=stretch[1]).contains(&along) {
             return Some((Some(Part::Other), wall.z));
         }
-        let middle = axis.at(HALF_LENGTH);
-        let top = ray * (middle.dot(&axis.direction) / ray.dot(&axis.direction));
-        ((top - middle).norm() <= lid.radius).then_some((Some(Part::Cap), top.z))
+        let middle = axis.at(stretch[1]);
+        let on_top = ray * (middle.dot(&axis.direction) / ray.dot(&axis.direction));
+        let outer = (on_top - middle).norm() <= ring.radius;
+        let body = || self.cylinder.intersect_ray(ray).is_some_and(|(near, _)| near < on_top.z);
+        (outer && (top == Part::Cap || !body())).then_some((Some(top), on_top.z))
     }
 
     /// The depth at which a ray meets shoulder or neck, step by step.
@@ -227,6 +243,33 @@ fn a_lid_that_is_wider_does_not_tilt_the_axis() {
             parts.filter(|(part, _)| *part == Part::Other).map(|(_, told)| told).collect();
         let told = of_lid.iter().filter(|told| **told == Part::Other).count();
         assert!(told as f64 > 0.9 * of_lid.len() as f64, "{told} of {}", of_lid.len());
+    }
+}
+
+/// The sides of the mask follow a ring, and the radius lay between that of the body and that of the ring.
+#[test]
+fn a_ring_that_is_wider_is_no_body() {
+    for direction in [Vector3::new(0.1, -0.97, -0.1), Vector3::new(-0.2, -0.97, -0.15)] {
+        let scene = Scene::with_axis(Top::Ring, direction);
+        let mut noise = Noise::new(1);
+        let depth = scene.pixels(|_, depth| depth as f32);
+        let depth: Vec<f32> = depth.into_iter().map(|depth| depth + 5e-4 * noise.normal() as f32).collect();
+        let mut fitter = scene.fitter_with(|_| true, &depth);
+        let fit = fitter.fit().unwrap();
+        let difference = scene.cylinder.compare(&fit.cylinder);
+        assert!(
+            difference.angle < 0.01 && difference.radius_relative.abs() < 0.03,
+            "{} {}",
+            difference.angle,
+            difference.radius_relative
+        );
+        let length = fitter.extent(None, None).unwrap().length / (2.0 * HALF_LENGTH) - 1.0;
+        assert!(length.abs() < 0.05, "{length}");
+        let parts = scene.parts().into_iter().zip(fitter.point_parts(None).unwrap());
+        let of_ring: Vec<Part> =
+            parts.filter(|(part, _)| *part == Part::Other).map(|(_, told)| told).collect();
+        let told = of_ring.iter().filter(|told| **told == Part::Other).count();
+        assert!(told as f64 > 0.9 * of_ring.len() as f64, "{told} of {}", of_ring.len());
     }
 }
 

@@ -189,6 +189,7 @@ pub fn locate_ends(
     let whole = search.mask;
     let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
+    let collared = [0, 1].map(|end| collars.iter().any(|collar| collar.stretch[end].is_infinite()));
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search) };
@@ -218,8 +219,8 @@ pub fn locate_ends(
     };
     let [first, second] = search.last;
     let mut ends = [end(-1.0, told[0].as_ref(), first)?, end(1.0, told[1].as_ref(), second)?];
-    for (end, collar) in ends.iter_mut().zip(collars) {
-        end.rim |= collar.is_some();
+    for (end, collared) in ends.iter_mut().zip(collared) {
+        end.rim |= collared;
     }
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }

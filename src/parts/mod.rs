@@ -1,5 +1,5 @@
-//! What in a mask is the lateral surface of a cylinder, its body, and what is not: caps, inner walls, lids and rims that are wider, things
-//! in front.
+//! What in a mask is the lateral surface of a cylinder, its body, and what is not: caps, inner walls, lids, rims and rings that are wider,
+//! things in front.
 //!
 //! Masks drawn by people or networks cover whole objects. Along the axis the pixels of such a mask see the body, then
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
@@ -118,15 +118,15 @@ pub enum EndSign {
 }
 
 /// What the depth says of the parts of a mask.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Parts {
     cylinder: Cylinder,
     /// How far from the surface a depth may be.
     reach: f64,
     /// Against and along the axis; `None` where the mask ends with the body.
     pub ends: [Option<BodyEnd>; 2],
-    /// Lids and rims that are wider than the body, against and along the axis; `None` for none.
-    pub collars: [Option<Collar>; 2],
+    /// Lids, rims and rings that are wider than the body.
+    pub collars: List<Collar>,
 }
 
 /// A pixel of the mask that was looked at.
@@ -224,7 +224,7 @@ impl Parts {
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
         });
         let places = ends.map(|end| Some(end?.position));
-        let collars = collars(camera, mask, (&sights, stride), cylinder, places);
+        let collars = collars(camera, mask, (&sights, stride), cylinder, places).unwrap_or_default();
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
@@ -234,33 +234,33 @@ impl Parts {
         // Without a mask most of them may be of the background, which says nothing of the noise.
         let near = |distance: &f64| distance.abs() <= cylinder.radius;
         let reach = reach(cylinder, points.map(|point| cylinder.distance(&point)).filter(near));
-        Self { cylinder: *cylinder, reach, ends: [None, None], collars: [None, None] }
+        Self { cylinder: *cylinder, reach, ends: [None, None], collars: List::new() }
     }
 
     /// Whether the whole mask is the body.
     #[must_use]
     pub fn all_body(&self) -> bool {
-        self.ends.iter().all(Option::is_none) && self.collars.iter().all(Option::is_none)
+        self.ends.iter().all(Option::is_none) && self.collars.is_empty()
     }
 
-    /// Whether a ray passes the cylinder between its ends, lids and rims among them.
+    /// Whether a ray passes the cylinder between its ends, lids, rims and rings among them.
     #[must_use]
     pub fn within(&self, ray: &Vector3<f64>) -> bool {
         passes_between(&self.cylinder, ray, self.ends.map(|end| Some(end?.position)))
     }
 
-    /// The same without lids and rims that are wider than the body.
+    /// The same without lids, rims and rings that are wider than the body.
     #[must_use]
     pub fn within_body(&self, ray: &Vector3<f64>) -> bool {
-        let before = |collar: &Collar, ends: [Option<f64>; 2]| {
+        let beside = |collar: &Collar| {
             // The collar hides some of the body, too.
             let wider = Cylinder { radius: collar.radius, ..self.cylinder };
-            [&self.cylinder, &wider].into_iter().all(|cylinder| passes_between(cylinder, ray, ends))
+            let [begin, end] = collar.stretch.map(Some);
+            [[None, begin], [end, None]].into_iter().any(|ends| {
+                [&self.cylinder, &wider].into_iter().all(|cylinder| passes_between(cylinder, ray, ends))
+            })
         };
-        let [first, last] = &self.collars;
-        self.within(ray)
-            && first.as_ref().is_none_or(|collar| before(collar, [Some(collar.position), None]))
-            && last.as_ref().is_none_or(|collar| before(collar, [None, Some(collar.position)]))
+        self.within(ray) && self.collars.iter().all(beside)
     }
 
     /// The pixels of a mask whose rays are chosen; `None` when there are none.
