@@ -134,7 +134,9 @@ pub(super) fn describe(
     let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
     let contests = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
         && data.views.iter().any(|view| view.view.mask_is_drawn());
-    flags.set(Flags::MASK_DISAGREES, contests || uncertainty.as_ref().is_some_and(disagrees));
+    if contests || uncertainty.as_ref().is_some_and(disagrees) {
+        flags |= Flags::MASK_DISAGREES;
+    }
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
     flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));

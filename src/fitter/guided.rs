@@ -27,7 +27,7 @@ use crate::start::limbs::from_limbs;
 pub(super) const CONTRADICTION: f64 = 1.5;
 
 /// The same for segments that a person set: those are believed against more bias.
-const GIVEN_CONTRADICTION: f64 = 3.0;
+pub(super) const GIVEN_CONTRADICTION: f64 = 3.0;
 
 /// The radius by the points contradicts that of edges as they were given when it is surely so many times as large or as
 /// small. Depth that is smeared at the limbs makes the points alone overestimate it by up to a third.
