@@ -23,6 +23,7 @@ const WALL: f64 = 1.2;
 #[derive(Clone, Copy, PartialEq)]
 enum Top {
     Closed,
+    /// Its bottom is seen, too, from far enough above.
     Open,
     /// Closed, and no depth is measured on it.
     Dark,
@@ -97,10 +98,11 @@ impl Scene {
         if (cap - rim).norm() > self.cylinder.radius {
             return (None, WALL);
         }
+        let bottom = ray * (axis.at(-HALF_LENGTH).dot(&axis.direction) / ray.dot(&axis.direction));
         match self.top {
             Top::Closed | Top::Ring => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
-            Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z),
+            Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z.min(bottom.z)),
         }
     }
 
@@ -314,6 +316,16 @@ fn a_body_seen_along_its_axis_is_found_by_its_cap() {
             assert!(difference.axis_distance < 0.1 * radius, "{seed}: {}", difference.axis_distance);
         }
     }
+}
+
+/// The bottom was taken for a cap at the near end, nothing of the body was left, and the axis came out across.
+#[test]
+fn the_bottom_of_an_open_body_is_no_cap() {
+    let scene = Scene::with_axis(Top::Open, Vector3::new(0.1, -0.45, -0.89));
+    let mut fitter = scene.fitter(|_| true);
+    let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
+    assert!(difference.angle < 1e-3, "{}", difference.angle);
+    assert!(difference.radius_relative.abs() < 1e-3, "{}", difference.radius_relative);
 }
 
 /// Most of the points are of a wall far behind, which says nothing of the noise of the surface.
