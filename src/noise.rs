@@ -244,12 +244,12 @@ impl ImageNoise {
     /// Columns and rows of the boxes that lose nothing of an image of some blur: the told blur, else a measured one,
     /// else that of an image which shows no more than the drawing. They are no larger than a pixel of the drawing: on the
     /// grid on which edges and masks are known to a pixel there is time enough, and where a limb is hardly to be seen the
-    /// measured blur may be anything.
+    /// measured blur may be anything. Or they are no larger than `most`, where it is known that all is blurred.
     #[must_use]
-    pub fn factor(&self, measured: Option<f64>) -> usize {
+    pub fn factor(&self, measured: Option<f64>, most: usize) -> usize {
         let blur = if self.blur > 0.0 { Some(self.blur) } else { measured };
         let factor = blur.map_or(self.pixel, |blur| blur / RESOLVED_BLUR);
-        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(1))
+        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(most))
     }
 
     /// How far beyond the boundary of a mask, and within it, its surroundings are looked at: past the reach of a boundary

@@ -196,7 +196,7 @@ pub fn locate_ends(
     check()?;
     let surroundings = surroundings(search, cylinder);
     let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
-    let factor = search.noise.factor(search.blur);
+    let factor = search.noise.factor(search.blur, 1);
     let camera = search.camera.reduced(factor);
     let arcs = search.image.map(|image| ArcSearch {
         image: ReducedImage::new(image, factor),

@@ -24,6 +24,10 @@ constants! {
     /// hundredths.
     WORSE = 1.5, "";
 
+    /// Where the last image was so blurred that its grid was made coarser, and this one has less blur, in pixels of that grid, a finer
+    /// grid shows more: sharp images have about 0.4 on boxes of two and three pixels.
+    SHARPER = 0.5, "px";
+
     /// When the axis, or the direction from the camera to it, has turned by more, in radians, the light is looked at again:
     /// half the distance of the lamps that are tried.
     TURNED = 0.065, "rad";
@@ -106,6 +110,7 @@ pub fn locate_limbs_again(
     rest: bool,
 ) -> Option<SeenLimbs> {
     let factor = last.factor;
+    let finest = search.noise.factor(None, 1);
     let (camera, search) = (camera.reduced(factor), search.reduced(factor));
     let lit_alike = last.light.is_that_of(model);
     // Only the shading asks for it.
@@ -143,8 +148,8 @@ pub fn locate_limbs_again(
     drop_same_line(&mut seen, search.noise.apart());
     let [first, second] = &limbs;
     let appearance = Appearance::new(factor, blur, light, [first, second], &seen)?;
-    appearance
-        .is_as_good_as(last)
+    let is_sharper = factor > finest && blur < SHARPER.get();
+    (appearance.is_as_good_as(last) && !is_sharper)
         .then(|| SeenLimbs { limbs: seen.map(|limb| limb.enlarged(factor)), appearance: Some(appearance) })
 }
 

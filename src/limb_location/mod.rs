@@ -11,7 +11,8 @@
 //! A limb that cannot be seen is reported, with the reason.
 //!
 //! All lengths in pixels are those of an image that is about as sharp as its grid allows. Where the limbs turn out to
-//! be more blurred they are located again on means of boxes of pixels, which lose nothing then.
+//! be more blurred they are located again on means of boxes of pixels, which lose nothing then. Where nothing about them is
+//! sharp they are located on such means to begin with: the smear of a wide blur is no edge for the filter, and shading for the model.
 
 mod again;
 mod block;
@@ -26,6 +27,7 @@ mod profile;
 mod refine;
 mod region;
 mod shading;
+mod sharpness;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -48,6 +50,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
         refine::CONSTANTS,
         region::CONSTANTS,
         shading::CONSTANTS,
+        sharpness::CONSTANTS,
         strip::CONSTANTS,
     ];
     files.concat()
@@ -70,10 +73,11 @@ use limb::{Expected, Limb, SHADING};
 use nalgebra::{Matrix2, Vector2};
 use refine::{MOST_BLUR, RefinedImage, refine};
 use shading::{LimbShading, Shading};
+use sharpness::{BLURRED, STILL_BLURRED, blurred_part};
 use smallvec::SmallVec;
 use strip::{Baseline, Grid, Strip};
 
-/// Most grids of pixels on which the limbs are located: the first by the size of the image, the second by the blur that
+/// Most grids of pixels on which the limbs are located: the first by the size of the image or its blur, the second by the blur that
 /// they show on it, and one more where that was hardly to be seen.
 const GRIDS: usize = 3;
 
@@ -89,6 +93,9 @@ constants! {
     /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
     /// and there.
     LEAST_SPREAD = 0.4, "";
+
+    /// No grid is so coarse that the radius of the cylinder is less, in its pixels: the profile reaches 3.5 pixels inside a limb.
+    LEAST_RADIUS = 5.0, "px";
 
     /// So many blocks are enough, however many there are: on a patterned surface some see the limb ten times as well as
     /// others.
@@ -244,6 +251,21 @@ pub struct SeenLimbs {
     pub appearance: Option<Appearance>,
 }
 
+impl SeenLimbs {
+    /// Neither, for a reason.
+    fn none(reason: NotVisible) -> Self {
+        Self { limbs: [(); 2].map(|()| LimbObservation::none(reason)), appearance: None }
+    }
+
+    /// Whether the same limbs are seen, within some pixels.
+    fn agrees_with(&self, other: &Self, within: f64) -> bool {
+        self.limbs.iter().zip(&other.limbs).all(|(one, other)| match (one.line, other.line) {
+            (Ok(one), Ok(other)) => other.ends.iter().all(|end| across(&one.ends, end).abs() < within),
+            (one, other) => one.is_err() && other.is_err(),
+        })
+    }
+}
+
 /// The blur of an image as the limbs show it, in pixels; `None` where none tells.
 #[must_use]
 pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
@@ -254,31 +276,55 @@ pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
 #[must_use]
 pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
     let least_noise = noise_of_compression(image);
-    let located = |factor: usize| {
+    // `None` where more than a part is blurred.
+    let located = |factor: usize, most_blurred: f64| {
         let (camera, search) = (camera.reduced(factor), search.reduced(factor));
         let image = ReducedImage::new(image, factor);
         let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
-        located_on(&grid, model, &search)
+        located_on(&grid, model, &search, most_blurred)
     };
-    let mut factor = search.noise.factor(None);
-    let mut seen = located(factor);
+    let radius = baselines(camera, model, &search.ranges).map_or(0.0, |(_, radius)| radius);
+    let is_large_on = |factor: usize| radius >= LEAST_RADIUS.get() * factor as f64;
+    let first = search.noise.factor(None, 1);
+    let mut factor = first;
+    // Shading of a small one is as steep as a blurred limb.
+    let mut most_blurred = if is_large_on(factor + 1) { BLURRED.get() } else { f64::INFINITY };
+    let mut seen = loop {
+        match located(factor, most_blurred) {
+            Some(seen) => break seen,
+            None if is_large_on(factor + 1) => factor += 1,
+            None => break SeenLimbs::none(NotVisible::Uncertain),
+        }
+        most_blurred = STILL_BLURRED.get();
+    };
     for _ in 1..GRIDS {
-        // Where no limb tells, a finer grid may.
-        let blur = blur_of(&seen.limbs);
-        let wanted = blur.map_or((factor - 1).max(1), |_| search.noise.factor(blur));
+        let (wanted, most_blurred) = match blur_of(&seen.limbs) {
+            Some(blur) => (search.noise.factor(Some(blur), factor), f64::INFINITY),
+            // Where no limb tells, a finer grid may.
+            None => ((factor - 1).max(1), most_blurred),
+        };
         if wanted == factor {
             break;
         }
-        factor = wanted;
-        seen = located(factor);
+        let Some(other) = located(wanted, most_blurred) else { break };
+        // What a blurred image shows on a finer grid has to be confirmed.
+        if factor > first && !seen.agrees_with(&other, factor as f64) {
+            break;
+        }
+        (factor, seen) = (wanted, other);
     }
     seen
 }
 
-/// Locates the limbs on one grid of pixels.
-fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
-    let mut observations = [(); 2].map(|()| LimbObservation::none(NotVisible::NoLimbs));
-    let without = |limbs| SeenLimbs { limbs, appearance: None };
+/// Locates the limbs on one grid of pixels; `None` where more than a part of what is seen there is blurred.
+fn located_on(
+    grid: &Grid<'_>,
+    model: &Cylinder,
+    search: &LimbSearch,
+    most_blurred: f64,
+) -> Option<SeenLimbs> {
+    let mut observations = SeenLimbs::none(NotVisible::NoLimbs).limbs;
+    let without = |limbs| Some(SeenLimbs { limbs, appearance: None });
     let Some((baselines, radius)) = baselines(grid.camera, model, &search.ranges) else {
         return without(observations);
     };
@@ -286,6 +332,11 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
         visible_strip(grid, &baselines[k], half_width)
     });
+    if most_blurred.is_finite()
+        && blurred_part(strips.iter().flatten().map(|(_, strip)| strip)) > most_blurred
+    {
+        return None;
+    }
     let mut roughs = [None, None];
     for (k, strip) in strips.iter().enumerate() {
         observations[k].line = Err(NotVisible::TooShort);
@@ -321,7 +372,7 @@ fn located_on(grid: &Grid<'_>, model: &Cylinder, search: &LimbSearch) -> SeenLim
             .and_then(|light| Appearance::new(factor, blur, light, [first, second], &observations)),
         _ => None,
     };
-    SeenLimbs { limbs: observations.map(|limb| limb.enlarged(factor)), appearance }
+    Some(SeenLimbs { limbs: observations.map(|limb| limb.enlarged(factor)), appearance })
 }
 
 /// What a refined limb shows.

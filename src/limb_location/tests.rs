@@ -257,6 +257,51 @@ fn what_is_sharp_is_located_on_its_own_grid() {
     assert_eq!(observations, scene.locate());
 }
 
+/// An image that moved evenly over some columns while it was taken.
+fn moved(image: &GreyImage, columns: usize) -> GreyImage {
+    let (width, height) = (image.width(), image.height());
+    let value = |k: usize| {
+        let beside = |d: usize| (k % width + d).saturating_sub(columns / 2).min(width - 1);
+        (0..columns).map(|d| image.value(beside(d), k / width)).sum::<f32>() / columns as f32
+    };
+    let values: Vec<f32> = (0..width * height).map(value).collect();
+    GreyImage::copy(&ImageView::from_f32(&values, (width, height)).unwrap()).unwrap()
+}
+
+#[test]
+fn limbs_of_what_moved_are_located() {
+    for background in [20.0, 220.0] {
+        let scene = Scene { background, ..Scene::new() };
+        let image = scene.render();
+        for columns in [5, 9] {
+            let image = moved(&image, columns);
+            let search = LimbSearch { reach: [8.0; 2], deviation: [2.0; 2], ..scene.search() };
+            let seen = locate_limbs(&image, &scene.camera, &scene.rough(), &search);
+            for (k, limb) in seen.limbs.iter().enumerate() {
+                // Of a wider smear a small radius may be left that no coarser grid shows.
+                let Ok(line) = limb.line else {
+                    assert!(columns > 5, "limb {k}: {:?}", limb.line);
+                    continue;
+                };
+                for (error, deviation) in scene.errors(k, &line) {
+                    let is_right = error.abs() < 0.1 * columns as f64 && error.abs() < 4.0 * deviation;
+                    assert!(is_right, "limb {k}, {columns} columns: {error} +- {deviation}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_rests_is_not_looked_at_as_what_moved() {
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let image = scene.render();
+    let last = locate_limbs(&moved(&image, 5), &scene.camera, &scene.rough(), &scene.search());
+    let last = last.appearance.unwrap();
+    let again = locate_limbs_again(&image, &scene.camera, &scene.cylinder, &scene.search(), &last, false);
+    assert!(again.is_none());
+}
+
 #[test]
 fn white_that_was_cut_off_does_not_move_the_limbs() {
     Scene { background: 600.0, ..Scene::new() }.check(0.1);
