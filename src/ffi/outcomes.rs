@@ -250,7 +250,7 @@ impl cylfuse_result_flags {
     /// wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges that were taken
     /// as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large or as small. Or a
     /// line that was located as a limb lies beside that of the result, by more than 4 of its standard deviations and a
-    /// pixel.
+    /// pixel. Or located limbs would raise the scale of the points 1.5 times, given edges 3 times, and were not followed.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
     /// The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
@@ -281,6 +281,6 @@ impl cylfuse_result_flags {
     /// image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
     /// border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
     /// something else. Only where fewer than two limbs of a view were located or given. Or no limb was seen, and the points
-    /// contest the radius by the sides of the mask.
+    /// contest the radius by the sides of the mask, or would scatter 3 times as much if these were followed.
     pub const MASK_DISAGREES: cylfuse_result_flags = cylfuse_result_flags(1048576);
 }

@@ -40,7 +40,8 @@ bitflags::bitflags! {
         /// The radius by the points alone and the radius by the limbs differ by more than 4 standard deviations: see
         /// [`FitResult::radii`]. Or the points alone, far from edges that were taken as given, would be another cylinder:
         /// one 1.5 times nearer to them, or surely 1.5 times as large or as small. Or a line that was located as a limb lies beside
-        /// that of the result, by more than 4 of its standard deviations and a pixel.
+        /// that of the result, by more than 4 of its standard deviations and a pixel. Or located limbs would raise the scale of the
+        /// points 1.5 times, given edges 3 times, and were not followed.
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
         /// The radius is at its limit, and the data fit better beyond it. Not for a fixed radius.
         const RADIUS_AT_LIMIT = 1 << 13;
@@ -68,7 +69,7 @@ bitflags::bitflags! {
         /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
         /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image
         /// ends it. Only where fewer than two limbs were located or given. Or no limb was seen, and the points contest the radius by the
-        /// sides of the mask.
+        /// sides of the mask, or would scatter 3 times as much if these were followed.
         const MASK_DISAGREES = 1 << 20;
     }
 }
