@@ -249,7 +249,7 @@ impl ImageNoise {
     pub fn factor(&self, measured: Option<f64>, most: usize) -> usize {
         let blur = if self.blur > 0.0 { Some(self.blur) } else { measured };
         let factor = blur.map_or(self.pixel, |blur| blur / RESOLVED_BLUR);
-        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(most))
+        (factor as usize).clamp(1, (self.pixel.ceil() as usize).max(most).max(1))
     }
 
     /// How far beyond the boundary of a mask, and within it, its surroundings are looked at: past the reach of a boundary

@@ -67,16 +67,20 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
                     robust(few, &candidates, run)?
                 }
             };
-            let minimise = |held: &Held, run: &mut Run<'_>| match few.count() == data.count() {
-                true => data.minimise_again(held, &located.minimum, Precision::Full, run),
-                false => data.minimise_with_all(held, &located.minimum, run),
+            let minimise = |held: &Held, from: &Minimum, run: &mut Run<'_>| match few.count() == data.count()
+            {
+                true => data.minimise_again(held, from, Precision::Full, run),
+                false => data.minimise_with_all(held, from, run),
             };
-            let minimum = minimise(&located.held, run)?;
+            let minimum = minimise(&located.held, &located.minimum, run)?;
             if minimum.scale() <= most_by_bend(&located.held) * located.minimum.scale() {
                 return Ok(ended(start, Located { minimum, ..located }));
             }
+            // From where it was, with the work that was done in vain.
+            let mut from = located.minimum;
+            from.convergence = Convergence { cylinder: *from.cylinder(), ..minimum.convergence };
             let held = contradicted(&located.held);
-            Ok(ended(start, Located { minimum: minimise(&held, run)?, held }))
+            Ok(ended(start, Located { minimum: minimise(&held, &from, run)?, held }))
         }
     }
 }

@@ -288,11 +288,13 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
     let first = search.noise.factor(None, 1);
     let mut factor = first;
     // Shading of a small one is as steep as a blurred limb.
-    let mut most_blurred = if is_large_on(factor + 1) { BLURRED.get() } else { f64::INFINITY };
+    let is_told = search.noise.blur > 0.0;
+    let mut most_blurred = if is_large_on(factor + 1) && !is_told { BLURRED.get() } else { f64::INFINITY };
     let mut seen = loop {
         match located(factor, most_blurred) {
             Some(seen) => break seen,
-            None if is_large_on(factor + 1) => factor += 1,
+            // By half: a large image has room for hundreds.
+            None if is_large_on(factor + factor.div_ceil(2)) => factor += factor.div_ceil(2),
             None => break SeenLimbs::none(NotVisible::Uncertain),
         }
         most_blurred = STILL_BLURRED.get();
@@ -300,7 +302,8 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
     for _ in 1..GRIDS {
         let (wanted, most_blurred) = match blur_of(&seen.limbs) {
             Some(blur) => (search.noise.factor(Some(blur), factor), f64::INFINITY),
-            // Where no limb tells, a finer grid may.
+            // Where no limb tells, a finer grid may, unless it was too fine.
+            None if factor > first => break,
             None => ((factor - 1).max(1), most_blurred),
         };
         if wanted == factor {

@@ -2,9 +2,8 @@
 //!
 //! The steps of brightness of a sharp image rise from one pixel to the next, those of a blurred one over several. So the
 //! differences of neighbours are compared with those some pixels farther: Sₖ is the sum of the products of differences k
-//! pixels apart. The strongest steps count most, by the square of their height. Noise that is independent in each pixel leaves
-//! nothing in S₀ + 2 S₁, nor in S₃. Shading and the
-//! fading edges of shadows leave much at all distances, and S₆ is taken off.
+//! pixels apart. The strongest steps count most, by the square of their height. Of noise that is independent in each pixel S₀ + 2 S₁ and S₃ have
+//! hardly anything. Shading and the fading edges of shadows leave much at all distances, and S₆ takes most of that off.
 
 use super::strip::Strip;
 use crate::memory::List;
@@ -21,8 +20,8 @@ constants! {
 /// How many pixels apart the differences are that are compared.
 const APART: [usize; 4] = [0, 1, 3, 6];
 
-/// The part of the square of a rise that is left three pixels away, 3 (S₃ − S₆) / (S₀ + 2 S₁ − 3 S₆), in some strips: 0 in a sharp
-/// image, 1 where all rises last far longer.
+/// The part of the square of a rise that is left three pixels away, 3 (S₃ − S₆) / (S₀ + 2 S₁ − 3 S₆), in some strips: about 0 in a sharp
+/// image, more than a half where rises last far longer.
 pub(super) fn blurred_part<'a>(strips: impl Iterator<Item = &'a Strip>) -> f64 {
     let mut sums = [0.0; APART.len()];
     let mut differences = List::new();

@@ -278,11 +278,8 @@ fn limbs_of_what_moved_are_located() {
             let search = LimbSearch { reach: [8.0; 2], deviation: [2.0; 2], ..scene.search() };
             let seen = locate_limbs(&image, &scene.camera, &scene.rough(), &search);
             for (k, limb) in seen.limbs.iter().enumerate() {
-                // Of a wider smear a small radius may be left that no coarser grid shows.
-                let Ok(line) = limb.line else {
-                    assert!(columns > 5, "limb {k}: {:?}", limb.line);
-                    continue;
-                };
+                let line =
+                    limb.line.unwrap_or_else(|reason| panic!("limb {k}, {columns} columns: {reason:?}"));
                 for (error, deviation) in scene.errors(k, &line) {
                     let is_right = error.abs() < 0.1 * columns as f64 && error.abs() < 4.0 * deviation;
                     assert!(is_right, "limb {k}, {columns} columns: {error} +- {deviation}");

@@ -38,7 +38,7 @@ constants! {
     /// Steps of depth and sides that differ by more contradict each other.
     AGAINST = 3.0, "σ";
 
-    /// What is left out beside an end that is known, and beside collars.
+    /// What is left out beside an end that is known, and beside collars, of these whole slices only.
     MARGIN = 0.083, "radius";
 
     /// Standard deviation of a slice of the depth at least, and of one of a side.
@@ -98,15 +98,17 @@ pub(super) fn collars(
     let slices = Slices::new(camera, cylinder, apart, &depth)?;
     let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
     let least = LEAST_STEP.get() * radius;
-    let [margin, near] = [margin, BESIDE_END.get() * radius].map(|length| (length / slices.length) as usize);
+    let [margin, near] = [(margin / slices.length) as usize, slices.near_end(*radius)];
     let stretches = depth.raised(slices.longest(), least, margin);
     if stretches.is_empty() {
         return None;
     }
     // Most bodies have no step that they are asked about.
-    let floor = SIDES_FLOOR.get() * camera.pixel_size() * axis.at(slices.middle()).z;
+    let middle = axis.at(slices.middle());
+    let floor = SIDES_FLOOR.get() * camera.pixel_size() * middle.z;
     let sides = sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, 1, floor));
-    let lean = axis.direction.z.abs() / axis.direction.xy().norm().max(f64::MIN_POSITIVE);
+    let lean =
+        axis.direction.dot(&middle).abs() / axis.direction.cross(&middle).norm().max(f64::MIN_POSITIVE);
     let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {
         let step = depth.without(&stretches, Some(k), margin)?.step(stretch)?;
         if stretch.len() > slices.longest() || step.size < least || step.ratio() < DEPTH_RATIO.get() {
@@ -115,7 +117,7 @@ pub(super) fn collars(
         // The edge of a collar is an ellipse in the image, which begins elsewhere at the sides than in the middle.
         let wider = step.size / radius;
         let moved = radius * (MARGIN.get() + lean * (wider * (2.0 + wider)).sqrt());
-        let moved = (moved / slices.length) as usize;
+        let moved = ((moved / slices.length) as usize).min(slices.count);
         let sides: List<Profile> =
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let at_end = stretch.start <= near || stretch.end + near >= slices.count;
@@ -205,6 +207,11 @@ impl Slices {
             return place..place + 1;
         }
         place.saturating_sub(near).max(1)..(place + near + 1).min(self.count)
+    }
+
+    /// How near to an end a collar closes it: of a short body an eighth.
+    fn near_end(&self, radius: f64) -> usize {
+        ((BESIDE_END.get() * radius / self.length) as usize).min(self.count / 8)
     }
 
     /// Where a stretch of them begins and ends along the axis; infinite beside an end.
@@ -471,6 +478,16 @@ mod tests {
                 assert!(step.ratio() < ALONE_RATIO.get(), "{waves}, {stretch:?}: {step:?}");
             }
         }
+    }
+
+    /// The ring in the middle of a short body was taken for a lid at both of its ends.
+    #[test]
+    fn a_collar_closes_the_end_that_it_is_at() {
+        let slices = Slices { low: 0.0, length: 1.0, count: 20 };
+        let near = slices.near_end(SLICES_OF_RADIUS);
+        assert_eq!(slices.along(&(7..14), near), [7.0, 14.0]);
+        assert_eq!(slices.along(&(1..9), near), [f64::NEG_INFINITY, 9.0]);
+        assert_eq!(slices.along(&(12..19), near), [12.0, f64::INFINITY]);
     }
 
     #[test]
