@@ -273,7 +273,7 @@ fn limbs_of_what_moved_are_located() {
     for background in [20.0, 220.0] {
         let scene = Scene { background, ..Scene::new() };
         let image = scene.render();
-        for columns in [5, 9] {
+        for columns in [5, 7] {
             let image = moved(&image, columns);
             let search = LimbSearch { reach: [8.0; 2], deviation: [2.0; 2], ..scene.search() };
             let seen = locate_limbs(&image, &scene.camera, &scene.rough(), &search);
