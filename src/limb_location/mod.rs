@@ -21,6 +21,7 @@ mod consensus;
 mod contact;
 mod detected;
 mod gather;
+mod grids;
 mod lamps;
 mod limb;
 mod profile;
@@ -44,6 +45,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
         consensus::CONSTANTS,
         contact::CONSTANTS,
         detected::CONSTANTS,
+        grids::CONSTANTS,
         lamps::CONSTANTS,
         limb::CONSTANTS,
         profile::CONSTANTS,
@@ -58,28 +60,24 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 
 pub use again::{Appearance, locate_limbs_again};
 pub use detected::edges_on_limbs;
+pub use grids::locate_limbs;
 pub use region::{Outline, Side, axial_range};
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame, across};
 use crate::memory::List;
 use crate::noise::{ImageNoise, box_blur};
-use crate::observations::{GreyImage, ReducedImage, from_reduced};
+use crate::observations::from_reduced;
 use again::Light;
 use block::{Block, INSIDE, OUTSIDE};
-use compression::noise_of_compression;
 use consensus::{FILTER_HALF, rough_line};
 use limb::{Expected, Limb, SHADING};
 use nalgebra::{Matrix2, Vector2};
 use refine::{MOST_BLUR, RefinedImage, refine};
 use shading::{LimbShading, Shading};
-use sharpness::{BLURRED, STILL_BLURRED, blurred_part};
+use sharpness::blurred_part;
 use smallvec::SmallVec;
 use strip::{Baseline, Grid, Strip};
-
-/// Most grids of pixels on which the limbs are located: the first by the size of the image or its blur, the second by the blur that
-/// they show on it, and one more where that was hardly to be seen.
-const GRIDS: usize = 3;
 
 constants! {
     /// Standard deviation of a located line for reasons that its pixels do not show, in pixels at either end: what is
@@ -93,9 +91,6 @@ constants! {
     /// The least part of the blocks that must carry a line: less is an edge beside the limb that the line meets here
     /// and there.
     LEAST_SPREAD = 0.4, "";
-
-    /// No grid is so coarse that the radius of the cylinder is less, in its pixels: the profile reaches 3.5 pixels inside a limb.
-    LEAST_RADIUS = 5.0, "px";
 
     /// So many blocks are enough, however many there are: on a patterned surface some see the limb ten times as well as
     /// others.
@@ -256,67 +251,12 @@ impl SeenLimbs {
     fn none(reason: NotVisible) -> Self {
         Self { limbs: [(); 2].map(|()| LimbObservation::none(reason)), appearance: None }
     }
-
-    /// Whether the same limbs are seen, within some pixels.
-    fn agrees_with(&self, other: &Self, within: f64) -> bool {
-        self.limbs.iter().zip(&other.limbs).all(|(one, other)| match (one.line, other.line) {
-            (Ok(one), Ok(other)) => other.ends.iter().all(|end| across(&one.ends, end).abs() < within),
-            (one, other) => one.is_err() && other.is_err(),
-        })
-    }
 }
 
 /// The blur of an image as the limbs show it, in pixels; `None` where none tells.
 #[must_use]
 pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
     limbs.iter().find_map(|limb| limb.blur)
-}
-
-/// Locates the limbs of a rough cylinder.
-#[must_use]
-pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
-    let least_noise = noise_of_compression(image);
-    // `None` where more than a part is blurred.
-    let located = |factor: usize, most_blurred: f64| {
-        let (camera, search) = (camera.reduced(factor), search.reduced(factor));
-        let image = ReducedImage::new(image, factor);
-        let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
-        located_on(&grid, model, &search, most_blurred)
-    };
-    let radius = baselines(camera, model, &search.ranges).map_or(0.0, |(_, radius)| radius);
-    let is_large_on = |factor: usize| radius >= LEAST_RADIUS.get() * factor as f64;
-    let first = search.noise.factor(None, 1);
-    let mut factor = first;
-    // Shading of a small one is as steep as a blurred limb.
-    let is_told = search.noise.blur > 0.0;
-    let mut most_blurred = if is_large_on(factor + 1) && !is_told { BLURRED.get() } else { f64::INFINITY };
-    let mut seen = loop {
-        match located(factor, most_blurred) {
-            Some(seen) => break seen,
-            // By half: a large image has room for hundreds.
-            None if is_large_on(factor + factor.div_ceil(2)) => factor += factor.div_ceil(2),
-            None => break SeenLimbs::none(NotVisible::Uncertain),
-        }
-        most_blurred = STILL_BLURRED.get();
-    };
-    for _ in 1..GRIDS {
-        let (wanted, most_blurred) = match blur_of(&seen.limbs) {
-            Some(blur) => (search.noise.factor(Some(blur), factor), f64::INFINITY),
-            // Where no limb tells, a finer grid may, unless it was too fine.
-            None if factor > first => break,
-            None => ((factor - 1).max(1), most_blurred),
-        };
-        if wanted == factor {
-            break;
-        }
-        let Some(other) = located(wanted, most_blurred) else { break };
-        // What a blurred image shows on a finer grid has to be confirmed.
-        if factor > first && !seen.agrees_with(&other, factor as f64) {
-            break;
-        }
-        (factor, seen) = (wanted, other);
-    }
-    seen
 }
 
 /// Locates the limbs on one grid of pixels; `None` where more than a part of what is seen there is blurred.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::camera::{Distortion, Intrinsics};
 use crate::noise::NoiseModel;
-use crate::observations::{DepthImage, DepthView, EdgeSegment, ImageView, Mask, MaskView};
+use crate::observations::{DepthImage, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView};
 use nalgebra::Vector3;
 
 fn noise() -> ImageNoise {
