@@ -67,34 +67,38 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
                     robust(few, &candidates, run)?
                 }
             };
-            let minimise = |held: &Held, from: &Minimum, run: &mut Run<'_>| match few.count() == data.count()
-            {
-                true => data.minimise_again(held, from, Precision::Full, run),
-                false => data.minimise_with_all(held, from, run),
-            };
-            let minimum = minimise(&located.held, &located.minimum, run)?;
-            if minimum.scale() <= most_by_bend(&located.held) * located.minimum.scale() {
-                return Ok(ended(start, Located { minimum, ..located }));
-            }
-            // From where it was, with the work that was done in vain.
-            let mut from = located.minimum;
-            from.convergence = Convergence { cylinder: *from.cylinder(), ..minimum.convergence };
-            let held = contradicted(&located.held);
-            Ok(ended(start, Located { minimum: minimise(&held, &from, run)?, held }))
+            Ok(ended(start, last_minimum(data, few, located, run)?))
         }
     }
 }
 
+/// The minimum with all points and in full, in which they give way to lines as far as bent points do.
+fn last_minimum(data: &Data<'_>, few: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
+    let mut minimise = |held: &Held, from: &Minimum| match few.count() == data.count() {
+        true => data.minimise_again(held, from, Precision::Full, run),
+        false => data.minimise_with_all(held, from, run),
+    };
+    let Located { minimum: mut from, held } = located;
+    let minimum = minimise(&held, &from)?;
+    if minimum.scale() <= most_by_bend(&held) * from.scale() {
+        return Ok(Located { minimum, held });
+    }
+    // From where it was, with the work that was done in vain.
+    from.convergence = Convergence { cylinder: *from.cylinder(), ..minimum.convergence };
+    let held = contradicted(held);
+    Ok(Located { minimum: minimise(&held, &from)?, held })
+}
+
 /// By how much the scale of the points rises at most where they give way to lines because they are bent. Limbs that an image shows hold
-/// the radius before that. Others leave more to it: by time of flight up to 2.3 times, of twenty frames whose noise was averaged away.
+/// the radius before that. Others leave more to it: by time of flight up to 2.3 times, where noise is averaged away.
 fn most_by_bend(held: &Held) -> f64 {
     if held.limbs_located() > 0 { CONTRADICTION } else { GIVEN_CONTRADICTION }
 }
 
-/// The same where it is not the points that are bent, but lines that are wrong: the points do not give way.
-fn contradicted(held: &Held) -> Held {
+/// What a cylinder is held to where it is not the points that are bent, but the lines that are wrong: the points do not give way.
+fn contradicted(held: Held) -> Held {
     let warning = if held.has_limbs() { Flags::POINTS_AND_LIMBS_DISAGREE } else { Flags::MASK_DISAGREES };
-    Held { settled: false, flags: held.flags | warning, ..held.clone() }
+    Held { settled: false, flags: held.flags | warning, ..held }
 }
 
 fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Result<Fit> {
