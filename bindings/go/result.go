@@ -57,7 +57,8 @@ const (
 	FlagCameraInside Flags = C.CYLFUSE_RESULT_FLAGS_CAMERA_INSIDE
 	// FlagPointsNotFinite: points with coordinates that are not finite were left out.
 	FlagPointsNotFinite Flags = C.CYLFUSE_RESULT_FLAGS_POINTS_NOT_FINITE
-	// FlagPointsAndLimbsDisagree: the radius by the points and that by the limbs differ by more than 4 deviations.
+	// FlagPointsAndLimbsDisagree: the radius by the points and that by the limbs differ by more than 4 deviations, or the
+	// points contradict limbs or edges, which were not followed.
 	FlagPointsAndLimbsDisagree Flags = C.CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE
 	// FlagRadiusAtLimit: a limit of the radius holds it.
 	FlagRadiusAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT

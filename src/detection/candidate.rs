@@ -326,7 +326,7 @@ impl Marks {
     pub fn set(&mut self, k: usize) -> bool {
         let mark = &mut self.marks[k];
         let is_new = *mark < self.number;
-        *mark = if is_new { self.number } else { *mark };
+        *mark = (*mark).max(self.number);
         is_new
     }
 

@@ -376,7 +376,11 @@ mod tests {
             let expected = equations.matrix.cholesky().map(|factor| factor.solve(&-vector));
             assert!(expected.is_some() && equations.step() == expected, "{seed}");
         }
-        let (matrix, vector) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
-        assert_eq!(NormalEquations { matrix, vector, count: 0 }.step(), None);
+        let vector = SVector::<f64, 6>::zeros();
+        for last in [0.0, -1.0, f64::NAN] {
+            let mut matrix = SMatrix::<f64, 6, 6>::identity();
+            matrix[(5, 5)] = last;
+            assert_eq!(NormalEquations { matrix, vector, count: 6 }.step(), None);
+        }
     }
 }

@@ -29,23 +29,25 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
         located_on(&grid, model, &search, most_blurred)
     };
     let radius = baselines(camera, model, &search.ranges).map_or(0.0, |(_, radius)| radius);
-    let is_large_on = |factor: usize| radius >= LEAST_RADIUS.get() * factor as f64;
+    // By half: a large image has room for hundreds.
+    let coarser = |factor: usize| {
+        Some(factor + factor.div_ceil(2)).filter(|&factor| radius >= LEAST_RADIUS.get() * factor as f64)
+    };
     let first = search.noise.factor(None, 1);
     let mut factor = first;
     // Shading of a small one is as steep as a blurred limb.
     let is_told = search.noise.blur > 0.0;
-    let mut most_blurred = if is_large_on(factor + 1) && !is_told { BLURRED.get() } else { f64::INFINITY };
+    let mut most_blurred = if coarser(first).is_some() && !is_told { BLURRED.get() } else { f64::INFINITY };
     let mut seen = loop {
-        match located(factor, most_blurred) {
-            Some(seen) => break seen,
-            // By half: a large image has room for hundreds.
-            None if is_large_on(factor + factor.div_ceil(2)) => factor += factor.div_ceil(2),
-            None => break SeenLimbs::none(NotVisible::Uncertain),
+        match (located(factor, most_blurred), coarser(factor)) {
+            (Some(seen), _) => break seen,
+            (None, Some(next)) => factor = next,
+            (None, None) => break SeenLimbs::none(NotVisible::Uncertain),
         }
         most_blurred = STILL_BLURRED.get();
     };
     for _ in 1..GRIDS {
-        let (wanted, most_blurred) = match blur_of(&seen.limbs) {
+        let (wanted, most) = match blur_of(&seen.limbs) {
             Some(blur) => (search.noise.factor(Some(blur), factor), f64::INFINITY),
             // Where no limb tells, a finer grid may, unless it was too fine.
             None if factor > first => break,
@@ -54,7 +56,7 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
         if wanted == factor {
             break;
         }
-        let Some(other) = located(wanted, most_blurred) else { break };
+        let Some(other) = located(wanted, most) else { break };
         // What a blurred image shows on a finer grid has to be confirmed.
         if factor > first && !agree(&seen, &other, factor as f64) {
             break;

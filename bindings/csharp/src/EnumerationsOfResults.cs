@@ -82,7 +82,8 @@ namespace Cylfuse
         /// deviations: <see cref="FitResult.RadiusFromPoints"/> and <see cref="FitResult.RadiusFromLimbs"/> say how. An
         /// offset of the depth, depth that is smeared or bent, wrong intrinsics or edges that are not the limbs do
         /// that. Or the points alone, far from edges that were taken as given, would be another cylinder: one 1.5 times
-        /// nearer to them, or surely 1.5 times as large or as small.</summary>
+        /// nearer to them, or surely 1.5 times as large or as small. Or the points contradict limbs or edges, which were
+        /// not followed.</summary>
         PointsAndLimbsDisagree = 4096,
         /// <summary>The radius is at its limit, and the data fit better beyond it. Not for a radius that is
         /// known.</summary>

@@ -343,7 +343,8 @@ class ResultFlags(IntFlag):
     CAMERA_INSIDE = 1024
     #: Points with coordinates that are not finite were left out.
     POINTS_NOT_FINITE = 2048
-    #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations.
+    #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations, or the points
+    #: contradict limbs or edges, which were not followed.
     POINTS_AND_LIMBS_DISAGREE = 4096
     #: The radius is at its limit, and the data fit better beyond it.
     RADIUS_AT_LIMIT = 8192

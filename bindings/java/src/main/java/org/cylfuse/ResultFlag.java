@@ -39,7 +39,7 @@ public enum ResultFlag {
      * FitResult#radiusFromPoints()} and {@link FitResult#radiusFromLimbs()} say how. An offset of the depth, depth that
      * is smeared or bent, wrong intrinsics or edges that are not the limbs do that. Or the points alone, far from edges
      * that were taken as given, would be another cylinder: one 1.5 times nearer to them, or surely 1.5 times as large
-     * or as small.
+     * or as small. Or the points contradict limbs or edges, which were not followed.
      */
     POINTS_AND_LIMBS_DISAGREE(4096),
     /** The radius is at its limit, and the data fit better beyond it. Not for a radius that is known. */
