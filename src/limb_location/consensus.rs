@@ -6,7 +6,7 @@
 //! block count for much more than another, and by the significance of all blocks together. Labels and a patterned
 //! background turn the polarity of a limb here and there: each turn along the line costs something.
 
-use super::strip::{Strip, StripPixel};
+use super::strip::{Pixels, Strip};
 use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::LN_2;
@@ -113,7 +113,7 @@ pub(super) fn rough_line(
 ) -> Option<RoughLine> {
     let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt() * noise;
     let mut room = Room::default();
-    let responses: List<Response> = strip.runs().filter_map(|run| respond(run, norm, &mut room)).collect();
+    let responses: List<Response> = strip.runs().filter_map(|run| respond(&run, norm, &mut room)).collect();
     if !is_long_enough(responses.len()) {
         return None;
     }
@@ -169,18 +169,18 @@ fn most_after(responses: &[Response]) -> List<[f64; 2]> {
 }
 
 /// The step filter at every place of a run between two pixels, in units of its noise.
-fn respond(run: &[StripPixel], norm: f64, room: &mut Room) -> Option<Response> {
-    let count = run.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
-    let step = (run[run.len() - 1].u - run[0].u) / (run.len() - 1) as f64;
-    let pairs = Arch::new().dispatch(Filter { run, norm, count, room });
-    let first_u = run[0].u + step * (FILTER_HALF as f64 - 0.5);
-    Some(Response { s: run[run.len() / 2].s, first_u, step, pairs })
+fn respond(run: &Pixels<'_>, norm: f64, room: &mut Room) -> Option<Response> {
+    let Pixels { s, u, values, .. } = *run;
+    let count = values.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
+    let step = (u[u.len() - 1] - u[0]) / (u.len() - 1) as f64;
+    let pairs = Arch::new().dispatch(Filter { values, norm, count, room });
+    let first_u = u[0] + step * (FILTER_HALF as f64 - 0.5);
+    Some(Response { s: s[s.len() / 2], first_u, step, pairs })
 }
 
 /// Room for the numbers of one run, which the next one has again.
 #[derive(Default)]
 struct Room {
-    values: List<f64>,
     /// What the filter responds; zeros on both sides.
     all: List<f64>,
     /// The same without lobes.
@@ -190,7 +190,7 @@ struct Room {
 /// The step filter along a run. Plain loops, which the compiler makes the widest instructions of the machine of; they all round
 /// alike.
 struct Filter<'a> {
-    run: &'a [StripPixel],
+    values: &'a [f64],
     norm: f64,
     /// How many places there are.
     count: usize,
@@ -203,11 +203,7 @@ impl WithSimd for Filter<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
-        let Self { run, norm, count, room: Room { values, all, own } } = self;
-        values.resize(run.len(), 0.0);
-        for (value, pixel) in values.iter_mut().zip(run) {
-            *value = pixel.value;
-        }
+        let Self { values, norm, count, room: Room { all, own } } = self;
         all.clear();
         all.resize(count + 2 * LOBE_DISTANCE, 0.0);
         for (response, values) in all[LOBE_DISTANCE..].iter_mut().zip(values.windows(2 * FILTER_HALF)) {
@@ -361,6 +357,7 @@ impl Logarithm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limb_location::strip::StripPixel;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -447,7 +444,8 @@ mod tests {
     fn evidence(strip: &Strip, u: f64) -> f64 {
         let norm = (2.0 * FILTER.iter().map(|w| w * w).sum::<f64>()).sqrt();
         let mut room = Room::default();
-        let responses: Vec<Response> = strip.runs().filter_map(|run| respond(run, norm, &mut room)).collect();
+        let responses: Vec<Response> =
+            strip.runs().filter_map(|run| respond(&run, norm, &mut room)).collect();
         evidence_of(&responses, 29.5, &[[u; 2]; LINES], f64::NEG_INFINITY)[0]
     }
 

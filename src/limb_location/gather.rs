@@ -3,7 +3,7 @@
 use super::block::{StripLine, Window};
 use super::consensus::runs_of_block;
 use super::profile::Table;
-use super::strip::{Strip, StripPixel};
+use super::strip::Strip;
 use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -98,13 +98,18 @@ impl Near {
             let first = self.s.len();
             for run in runs {
                 let run = strip.run(run);
-                let [from, to] = counts_before(run, line, [window.from, window.to]);
-                let run = run.get(from..to).unwrap_or_default().iter();
-                // Where white was cut off the profile is not what the light was.
+                let [from, to] = counts_before(run.s, run.u, line, [window.from, window.to]);
                 if strip.is_saturated() {
-                    self.extend(run.filter(|pixel| !pixel.saturated));
-                } else {
-                    self.extend(run);
+                    // Where white was cut off the profile is not what the light was.
+                    for k in (from..to).filter(|k| !run.saturated[*k]) {
+                        self.s.push(run.s[k]);
+                        self.u.push(run.u[k]);
+                        self.values.push(run.values[k]);
+                    }
+                } else if from < to {
+                    self.s.extend_from_slice(&run.s[from..to]);
+                    self.u.extend_from_slice(&run.u[from..to]);
+                    self.values.extend_from_slice(&run.values[from..to]);
                 }
             }
             let pixels = first..self.s.len();
@@ -120,12 +125,6 @@ impl Near {
             self.blocks.push(OfBlock { pixels, s, squares });
         }
     }
-
-    fn extend<'a>(&mut self, pixels: impl Iterator<Item = &'a StripPixel> + Clone) {
-        self.s.extend(pixels.clone().map(|pixel| pixel.s));
-        self.u.extend(pixels.clone().map(|pixel| pixel.u));
-        self.values.extend(pixels.map(|pixel| pixel.value));
-    }
 }
 
 /// The runs of each block.
@@ -135,31 +134,29 @@ pub(super) fn blocks(strip: &Strip) -> impl ExactSizeIterator<Item = Range<usize
     (0..count.div_ceil(of_block)).map(move |k| k * of_block..((k + 1) * of_block).min(count))
 }
 
-/// How far a pixel is inside a line.
+/// How many of the first pixels of a run, at these places, are not as far inside a line as either of two distances. The pixels of a
+/// run are about evenly spread: a straight line tells the numbers nearly.
 #[inline(always)]
-fn place(pixel: &StripPixel, line: &StripLine) -> f64 {
-    pixel.u - line.at(pixel.s)
-}
-
-/// How many of the first pixels of a run are not as far inside a line as either of two distances. The pixels of a run are about
-/// evenly spread: a straight line tells the numbers nearly.
-#[inline(always)]
-fn counts_before(run: &[StripPixel], line: &StripLine, distances: [f64; 2]) -> [usize; 2] {
-    let (Some(first), Some(last)) = (run.first(), run.last()) else { return [0; 2] };
-    let first = place(first, line);
-    let per_step = (run.len() - 1) as f64 / (place(last, line) - first);
-    distances.map(|distance| {
+fn counts_before(s: &[f64], u: &[f64], line: &StripLine, distances: [f64; 2]) -> [usize; 2] {
+    let Some(last) = u.len().checked_sub(1) else { return [0; 2] };
+    let s = &s[..=last];
+    let place = |k: usize| u[k] - line.at(s[k]);
+    let first = place(0);
+    let per_step = last as f64 / (place(last) - first);
+    let mut counts = [0; 2];
+    for (number, distance) in counts.iter_mut().zip(distances) {
         // The conversion holds what is below 0 at 0.
         let mut count = (1.0 + (distance - first) * per_step) as u32 as usize;
-        count = count.min(run.len());
-        while count > 0 && !(place(&run[count - 1], line) - distance < 0.0) {
+        count = count.min(u.len());
+        while count > 0 && !(place(count - 1) - distance < 0.0) {
             count -= 1;
         }
-        while count < run.len() && place(&run[count], line) - distance < 0.0 {
+        while count < u.len() && place(count) - distance < 0.0 {
             count += 1;
         }
-        count
-    })
+        *number = count;
+    }
+    counts
 }
 
 /// Sums over the pixels of a block with vector instructions, which all round alike. No closure: what is not inlined here does
@@ -284,6 +281,7 @@ mod tests {
     use crate::limb_location::block::Background;
     use crate::limb_location::profile::{FLAT, Kernel, SHADED, ShadedProfile, SharpProfile};
     use crate::limb_location::shading::LimbShading;
+    use crate::limb_location::strip::StripPixel;
     use nalgebra::Vector2;
 
     /// The sums of each block are to 1e-6 those of its pixels one by one.
@@ -296,17 +294,19 @@ mod tests {
         assert_eq!(found.len(), blocks(strip).count());
         for (runs, found) in blocks(strip).zip(found) {
             let found = found.unwrap();
-            let looked_at = |pixel: &&StripPixel| {
-                let place = place(pixel, &near);
-                !pixel.saturated && place >= window.from && place < window.to
-            };
             let (mut rows, mut s) = (Vec::new(), 0.0);
-            for pixel in runs.flat_map(|run| strip.run(run)).filter(looked_at) {
-                let (below, above, part) = table.beside(table.steps_to(place(pixel, &line))).unwrap();
-                let mut row: Vec<f64> = (0..COUNT).map(|k| below[k] + (above[k] - below[k]) * part).collect();
-                row.push(pixel.value);
-                rows.push(row);
-                s += pixel.s;
+            for run in runs.map(|run| strip.run(run)) {
+                let place = |k: usize, line: &StripLine| run.u[k] - line.at(run.s[k]);
+                let looked_at =
+                    |k: &usize| !run.saturated[*k] && (window.from..window.to).contains(&place(*k, &near));
+                for k in (0..run.u.len()).filter(looked_at) {
+                    let (below, above, part) = table.beside(table.steps_to(place(k, &line))).unwrap();
+                    let mut row: Vec<f64> =
+                        (0..COUNT).map(|k| below[k] + (above[k] - below[k]) * part).collect();
+                    row.push(run.values[k]);
+                    rows.push(row);
+                    s += run.s[k];
+                }
             }
             assert_eq!(found.count, rows.len() as f64);
             near_to(found.s, s, 1e3);
@@ -350,12 +350,12 @@ mod tests {
         let far_off = |k: usize| if k < 12 { -6.0 + 1e-3 * k as f64 } else { 1e6 };
         for place in [even, bent, far_off, |_| 2.0] {
             for length in [0, 1, 2, 15] {
-                let run: List<StripPixel> = (0..length).map(|k| pixel(place(k))).collect();
+                let strip = Strip::of_runs([(0..length).map(|k| pixel(place(k))).collect()].into_iter());
+                let run = strip.run(0);
                 for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
-                    let found =
-                        [0.0, 1.3].map(|far| run.partition_point(|pixel| pixel.u - limit - far < 0.0));
+                    let found = [0.0, 1.3].map(|far| run.u.partition_point(|u| u - limit - far < 0.0));
                     let line = StripLine { offset: limit, slope: 0.0 };
-                    assert_eq!(counts_before(&run, &line, [0.0, 1.3]), found);
+                    assert_eq!(counts_before(run.s, run.u, &line, [0.0, 1.3]), found);
                 }
             }
         }

@@ -10,10 +10,11 @@
 use super::block::INSIDE;
 use super::consensus::BLOCK_RUNS;
 use super::lamps::{Fit, Lamp, fits};
-use super::strip::{Strip, StripPixel};
+use super::strip::{Pixels, Strip};
 use crate::memory::List;
 use crate::statistics::{DEVIATION_OF_MEDIAN, median};
 use nalgebra::{Matrix5, Vector5};
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::FRAC_PI_2;
 
 constants! {
@@ -133,10 +134,13 @@ impl Shading {
         let limits: List<f64> =
             (0..=bins).map(|k| (widest * (2.0 * k as f64 / bins as f64 - 1.0)).sin()).collect();
         let mut blocks: List<List<Option<f64>>> = List::new();
+        let mut across = List::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
             let mut sums = List::filled((0.0, 0.0), bins);
             for run in first..(first + BLOCK_RUNS.count()).min(strip.len()) {
-                add_to_bins(strip.run(run), &limbs, &limits, &mut sums);
+                let run = strip.run(run);
+                Arch::new().dispatch(Across { run, limbs: &limbs, across: &mut across });
+                add_to_bins(&across, run.values, &limits, &mut sums);
             }
             let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
             let mut known: List<f64> = sums.iter().filter_map(mean).collect();
@@ -168,19 +172,40 @@ impl Shading {
     }
 }
 
-/// Adds the values of a run and their numbers to bins across the cylinder, which begin and end at some limits.
-fn add_to_bins(run: &[StripPixel], limbs: &[(f64, f64); 2], limits: &[f64], sums: &mut [(f64, f64)]) {
+/// Where the pixels of a run are across the cylinder, from −1 at the first limb to 1 at the second. A plain loop, which the compiler
+/// makes the widest instructions of the machine of; they all round alike.
+struct Across<'a> {
+    run: Pixels<'a>,
+    limbs: &'a [(f64, f64); 2],
+    across: &'a mut List<f64>,
+}
+
+impl WithSimd for Across<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { run: Pixels { s, u, .. }, limbs: [first, second], across } = self;
+        across.resize(s.len(), 0.0);
+        for ((across, s), u) in across.iter_mut().zip(s).zip(u) {
+            let (low, high) = (first.0 + first.1 * s, second.0 + second.1 * s);
+            *across = (2.0 * u - low - high) / (high - low);
+        }
+    }
+}
+
+/// Adds the values of a run, which are at some places across the cylinder, and their numbers to bins that begin and end at some
+/// limits.
+fn add_to_bins(across: &[f64], values: &[f64], limits: &[f64], sums: &mut [(f64, f64)]) {
     let mut bin = 0;
-    for pixel in run {
-        let [low, high] = limbs.map(|(offset, slope)| offset + slope * pixel.s);
-        let across = (2.0 * pixel.u - low - high) / (high - low);
+    for (&across, value) in across.iter().zip(values) {
         // The pixels of a run go one way.
         while bin + 1 < sums.len() && across >= limits[bin + 1] {
             bin += 1;
         }
         if limits[bin] <= across && across < limits[bin + 1] {
             let sum = &mut sums[bin];
-            *sum = (sum.0 + pixel.value, sum.1 + 1.0);
+            *sum = (sum.0 + value, sum.1 + 1.0);
         }
     }
 }

@@ -27,7 +27,7 @@ pub(super) fn blurred_part<'a>(strips: impl Iterator<Item = &'a Strip>) -> f64 {
     let mut differences = List::new();
     for run in strips.flat_map(Strip::runs) {
         differences.clear();
-        differences.extend(run.windows(2).map(|pair| pair[1].value - pair[0].value));
+        differences.extend(run.values.windows(2).map(|pair| pair[1] - pair[0]));
         for (sum, apart) in sums.iter_mut().zip(APART) {
             let others = differences.get(apart..).unwrap_or_default();
             *sum += differences.iter().zip(others).map(|(a, b)| a * b).sum::<f64>();

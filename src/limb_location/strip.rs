@@ -8,8 +8,9 @@ use crate::camera::Camera;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, ends_of, lower_quartile_size, median_size};
 use nalgebra::Vector2;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 constants! {
@@ -78,21 +79,34 @@ impl Baseline {
 }
 
 /// One pixel of a strip.
+#[cfg(test)]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripPixel {
     pub s: f64,
     pub u: f64,
     pub value: f64,
-    /// Whether the light may be any from the value on.
     pub saturated: bool,
+}
+
+/// The pixels of a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pixels<'a> {
+    pub s: &'a [f64],
+    pub u: &'a [f64],
+    pub values: &'a [f64],
+    /// Whether the light may be any from the value on.
+    pub saturated: &'a [bool],
 }
 
 /// The pixels within some distance of a baseline, in runs across it: pieces of image rows where the line is
 /// steep, pieces of columns where it is flat. Runs are ordered along the line, their pixels by rising u.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Strip {
-    pixels: List<StripPixel>,
-    /// Where each run ends in `pixels`.
+    s: List<f64>,
+    u: List<f64>,
+    values: List<f64>,
+    marked: List<bool>,
+    /// Where each run ends in these lists.
     ends: List<usize>,
     /// Whether any pixel is saturated.
     saturated: bool,
@@ -104,26 +118,39 @@ impl Strip {
         let runs = runs(grid, baseline, half_width);
         let count = runs.iter().map(|run| run.pixels.len()).sum();
         let mut strip = Self {
-            pixels: List::with_capacity(count),
+            s: List::with_capacity(count),
+            u: List::with_capacity(count),
+            values: List::with_capacity(count),
+            marked: List::with_capacity(count),
             ends: List::with_capacity(runs.len()),
             saturated: false,
         };
         for run in &runs {
-            let begin = strip.pixels.len();
-            strip.pixels.extend(run.pixels.clone().map(|cross| run.pixel(&grid.image, cross)));
+            let begin = strip.values.len();
+            Arch::new().dispatch(Places { run, s: &mut strip.s, u: &mut strip.u });
+            grid.image.read_line(
+                run.steep,
+                run.line,
+                run.pixels.clone(),
+                &mut strip.values,
+                &mut strip.marked,
+            );
             if run.is_reversed() {
-                strip.pixels[begin..].reverse();
+                for list in [&mut strip.s, &mut strip.u, &mut strip.values] {
+                    list[begin..].reverse();
+                }
+                strip.marked[begin..].reverse();
             }
-            strip.ends.push(strip.pixels.len());
+            strip.ends.push(strip.values.len());
         }
-        strip.saturated = strip.pixels.iter().fold(false, |any, pixel| any | pixel.saturated);
+        strip.saturated = strip.marked.iter().fold(false, |any, marked| any | marked);
         strip
     }
 
     /// The smallest and the largest s of any pixel that [`Strip::gather`] would gather; `None` without pixels.
     pub fn extent_of(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<[f64; 2]> {
         // Along a run s rises or falls, but for what is less than a hundredth of a pixel.
-        let ends = |run: &Run| [run.pixels.start, run.pixels.end - 1].map(|cross| run.place(cross).0);
+        let ends = |run: &Run| [run.pixels.start, run.pixels.end - 1].map(|cross| run.place(cross as f64).0);
         let runs = runs(grid, baseline, half_width);
         let s = || runs.iter().flat_map(ends);
         let extent = [s().fold(f64::INFINITY, f64::min), s().fold(f64::NEG_INFINITY, f64::max)];
@@ -133,17 +160,20 @@ impl Strip {
     /// Of runs that are given.
     #[cfg(test)]
     pub fn of_runs(runs: impl Iterator<Item = Vec<StripPixel>>) -> Self {
-        let mut strip = Self { pixels: List::new(), ends: List::new(), saturated: false };
+        let mut strip = Self::default();
         for run in runs {
             strip.saturated |= run.iter().any(|pixel| pixel.saturated);
-            strip.pixels.extend(run);
-            strip.ends.push(strip.pixels.len());
+            strip.s.extend(run.iter().map(|pixel| pixel.s));
+            strip.u.extend(run.iter().map(|pixel| pixel.u));
+            strip.values.extend(run.iter().map(|pixel| pixel.value));
+            strip.marked.extend(run.iter().map(|pixel| pixel.saturated));
+            strip.ends.push(strip.values.len());
         }
         strip
     }
 
     /// The runs in order along the line.
-    pub fn runs(&self) -> impl Iterator<Item = &[StripPixel]> {
+    pub fn runs(&self) -> impl Iterator<Item = Pixels<'_>> {
         (0..self.ends.len()).map(|k| self.run(k))
     }
 
@@ -158,9 +188,15 @@ impl Strip {
     }
 
     /// One run.
-    pub fn run(&self, k: usize) -> &[StripPixel] {
+    pub fn run(&self, k: usize) -> Pixels<'_> {
         let begin = if k == 0 { 0 } else { self.ends[k - 1] };
-        &self.pixels[begin..self.ends[k]]
+        let pixels = begin..self.ends[k];
+        Pixels {
+            s: &self.s[pixels.clone()],
+            u: &self.u[pixels.clone()],
+            values: &self.values[pixels.clone()],
+            saturated: &self.marked[pixels],
+        }
     }
 
     /// Standard deviation of the noise of a pixel, from second differences within the runs (their median, so
@@ -189,15 +225,19 @@ impl Strip {
 
     /// Second differences between pixels `step` apart in a run.
     fn second_differences(&self, step: usize) -> List<f64> {
-        let mut differences = List::with_capacity(self.pixels.len());
+        let mut differences = List::with_capacity(self.values.len());
         // Loops, as an iterator over iterators is slow to be asked one by one.
-        for run in self.runs() {
-            let (middle, last) =
-                (run.get(step..).unwrap_or_default(), run.get(2 * step..).unwrap_or_default());
-            for ((a, b), c) in run.iter().zip(middle).zip(last) {
-                if !(a.saturated | b.saturated | c.saturated) {
-                    differences.push(a.value - 2.0 * b.value + c.value);
-                }
+        for Pixels { values, saturated, .. } in self.runs() {
+            let last = values.get(2 * step..).unwrap_or_default();
+            let values = values.iter().zip(values.get(step..).unwrap_or_default()).zip(last);
+            let difference = |((a, b), c): ((&f64, &f64), &f64)| a - 2.0 * b + c;
+            if self.saturated {
+                let cut_off = |k: usize| saturated[k] | saturated[k + step] | saturated[k + 2 * step];
+                differences.extend(
+                    values.map(difference).enumerate().filter(|(k, _)| !cut_off(*k)).map(|(_, value)| value),
+                );
+            } else {
+                differences.extend(values.map(difference));
             }
         }
         differences
@@ -205,11 +245,7 @@ impl Strip {
 
     /// Range of the values.
     pub fn contrast(&self) -> f64 {
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for pixel in &self.pixels {
-            least = if pixel.value < least { pixel.value } else { least };
-            most = if pixel.value > most { pixel.value } else { most };
-        }
+        let [least, most] = ends_of(&self.values);
         most - least
     }
 }
@@ -291,19 +327,39 @@ impl Run {
     /// (s, u) of a pixel. Through the lens the coordinates change smoothly along a run: a parabola through three of them is
     /// exact to 1e-3 pixels.
     #[inline(always)]
-    fn place(&self, cross: usize) -> (f64, f64) {
+    fn place(&self, cross: f64) -> (f64, f64) {
         let [before, here, after] = self.places;
-        // An image has fewer rows and columns than that, and what has 32 bits is quicker to convert.
-        let x = (f64::from(cross as u32) - self.center) / self.reach;
+        let x = (cross - self.center) / self.reach;
         let parabola = |a: f64, b: f64, c: f64| b + (c - a) / 2.0 * x + ((a + c) / 2.0 - b) * x * x;
         (parabola(before.0, here.0, after.0), parabola(before.1, here.1, after.1))
     }
+}
+
+/// Places that are computed in one go.
+const BLOCK: usize = 32;
+
+/// Appends the places of the pixels of a run. Plain loops of a known length, which the compiler makes the widest instructions of
+/// the machine of; they all round alike.
+struct Places<'a> {
+    run: &'a Run,
+    s: &'a mut List<f64>,
+    u: &'a mut List<f64>,
+}
+
+impl WithSimd for Places<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn pixel(&self, image: &ReducedImage<'_>, cross: usize) -> StripPixel {
-        let (s, u) = self.place(cross);
-        let (column, row) = if self.steep { (cross, self.line) } else { (self.line, cross) };
-        let (value, saturated) = image.pixel(column, row);
-        StripPixel { s, u, value: f64::from(value), saturated }
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { run, s, u } = self;
+        let (mut some_s, mut some_u) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for first in run.pixels.clone().step_by(BLOCK) {
+            for k in 0..BLOCK {
+                (some_s[k], some_u[k]) = run.place(first as f64 + f64::from(k as u32));
+            }
+            let count = BLOCK.min(run.pixels.end - first);
+            s.extend_from_slice(&some_s[..count]);
+            u.extend_from_slice(&some_u[..count]);
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! The grey image that limbs and ends are located in, owned.
 
+use super::reduced::Squares;
 use super::views::{ImageFormat, ImageView};
 use crate::error::{Error, Result, with_room};
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// A grey image. Values are linear in light; their unit has no meaning.
@@ -123,27 +125,56 @@ impl GreyImage {
         (value, saturated)
     }
 
-    /// The values of a pixel, the next ones to the right, below, and below that, by rows, and whether any of them stands for
-    /// any light from there on.
-    #[inline(always)]
-    pub(super) fn square(&self, column: usize, row: usize) -> ([[f32; 2]; 2], bool) {
-        assert!(column + 1 < self.width, "column {} of {}", column + 1, self.width);
-        let place = row * self.width + column;
-        let pair = |place: usize| [self.values[place], self.values[place + 1]];
-        let values = [pair(place), pair(place + self.width)];
-        let saturated = match &self.saturation {
-            // Without branches.
+    /// Appends the values of some pixels of a row, or else of a column, and whether each stands for any light from there on.
+    pub(super) fn read_line(
+        &self,
+        is_row: bool,
+        line: usize,
+        pixels: Range<usize>,
+        values: &mut Vec<f64>,
+        saturated: &mut Vec<bool>,
+    ) {
+        let (first, step) = if is_row { (line * self.width, 1) } else { (line, self.width) };
+        let first = first + step * pixels.start;
+        let places = || (first..).step_by(step).take(pixels.len());
+        match is_row {
+            true => values.extend(self.row(line)[pixels.clone()].iter().map(|value| f64::from(*value))),
+            false => values.extend(places().map(|place| f64::from(self.values[place]))),
+        }
+        match &self.saturation {
             Saturation::From(white) => {
-                values.as_flattened().iter().fold(false, |any, value| any | (value >= white))
+                let own = &values[values.len() - pixels.len()..];
+                saturated.extend(own.iter().map(|value| *value >= f64::from(*white)));
+            }
+            Saturation::Marked(marked) => saturated.extend(places().map(|place| marked[place])),
+        }
+    }
+
+    /// The squares of pixels that some places x, y are in. All of them must be inside the image.
+    #[inline(always)]
+    pub(super) fn read_squares(&self, x: &[f64], y: &[f64], squares: &mut Squares) {
+        squares.resize(x.len());
+        let Squares { above, below, saturated } = squares;
+        // Not negative, numbers become those below them.
+        let place = |(x, y): (&f64, &f64)| *y as u32 as usize * self.width + *x as u32 as usize;
+        for ((place, above), below) in x.iter().zip(y).map(place).zip(above.iter_mut()).zip(below.iter_mut())
+        {
+            let pixels = &self.values[place..place + self.width + 2];
+            (*above, *below) = ([pixels[0], pixels[1]], [pixels[self.width], pixels[self.width + 1]]);
+        }
+        match &self.saturation {
+            Saturation::From(white) => {
+                for ((saturated, [a, b]), [c, d]) in saturated.iter_mut().zip(&above[..]).zip(&below[..]) {
+                    *saturated = (a >= white) | (b >= white) | (c >= white) | (d >= white);
+                }
             }
             Saturation::Marked(marked) => {
-                marked[place]
-                    | marked[place + 1]
-                    | marked[place + self.width]
-                    | marked[place + self.width + 1]
+                for (saturated, place) in saturated.iter_mut().zip(x.iter().zip(y).map(place)) {
+                    let below = place + self.width;
+                    *saturated = marked[place] | marked[place + 1] | marked[below] | marked[below + 1];
+                }
             }
-        };
-        (values, saturated)
+        }
     }
 
     /// What `find` finds out about the compression of the image, which is asked once.

@@ -27,6 +27,7 @@ use nalgebra::Vector2;
 pub(crate) use points::check_weights;
 pub(crate) use points::{ENOUGH, are_many};
 pub use points::{Offsets, PointCloud};
+pub(crate) use reduced::Squares;
 pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;

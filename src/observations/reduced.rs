@@ -1,6 +1,8 @@
 //! An image on a coarser grid, for what its blur leaves nothing to see on the finer one.
 
 use super::image::GreyImage;
+use crate::memory::List;
+use std::ops::Range;
 
 /// A grey image in boxes of some columns and rows each, whose mean is a pixel. Boxes that the border cuts are left out.
 /// Nothing is copied.
@@ -8,6 +10,25 @@ use super::image::GreyImage;
 pub struct ReducedImage<'a> {
     image: &'a GreyImage,
     factor: usize,
+}
+
+/// Squares of 2 × 2 pixels.
+#[derive(Default)]
+pub(crate) struct Squares {
+    /// The values of the pixels in their upper row and in their lower one.
+    pub above: List<[f32; 2]>,
+    pub below: List<[f32; 2]>,
+    /// Whether the light of any of their pixels may be any from its value on.
+    pub saturated: List<bool>,
+}
+
+impl Squares {
+    /// Makes them so many.
+    pub(super) fn resize(&mut self, count: usize) {
+        self.above.resize(count, [0.0; 2]);
+        self.below.resize(count, [0.0; 2]);
+        self.saturated.resize(count, false);
+    }
 }
 
 impl<'a> ReducedImage<'a> {
@@ -70,16 +91,42 @@ impl<'a> ReducedImage<'a> {
         (self.value(column, row), self.is_saturated(column, row))
     }
 
-    /// The values of 2 × 2 pixels by rows, this one at the upper left, and whether the light of any of them may be any
-    /// from there on.
-    #[inline(always)]
-    pub(crate) fn square(&self, column: usize, row: usize) -> ([[f32; 2]; 2], bool) {
+    /// Appends the values of some pixels of a row, or else of a column, and whether the light of each may be any from there on.
+    pub(crate) fn read_line(
+        &self,
+        is_row: bool,
+        line: usize,
+        pixels: Range<usize>,
+        values: &mut Vec<f64>,
+        saturated: &mut Vec<bool>,
+    ) {
         if self.factor == 1 {
-            return self.image.square(column, row);
+            self.image.read_line(is_row, line, pixels, values, saturated);
+            return;
         }
-        let line = |row: usize| [self.pixel(column, row), self.pixel(column + 1, row)];
-        let pixels = [line(row), line(row + 1)];
-        (pixels.map(|line| line.map(|pixel| pixel.0)), pixels.as_flattened().iter().any(|pixel| pixel.1))
+        for cross in pixels {
+            let (column, row) = if is_row { (cross, line) } else { (line, cross) };
+            values.push(f64::from(self.value(column, row)));
+            saturated.push(self.is_saturated(column, row));
+        }
+    }
+
+    /// The squares of pixels that some places x, y are in. All of them must be inside the image.
+    #[inline(always)]
+    pub(crate) fn read_squares(&self, x: &[f64], y: &[f64], squares: &mut Squares) {
+        if self.factor == 1 {
+            self.image.read_squares(x, y, squares);
+            return;
+        }
+        squares.resize(x.len());
+        let Squares { above, below, saturated } = squares;
+        for (k, (x, y)) in x.iter().zip(y).enumerate() {
+            let (column, row) = (*x as usize, *y as usize);
+            let line = |row: usize| [column, column + 1].map(|column| self.pixel(column, row));
+            let pixels = [line(row), line(row + 1)];
+            [above[k], below[k]] = pixels.map(|line| line.map(|pixel| pixel.0));
+            saturated[k] = pixels.as_flattened().iter().any(|pixel| pixel.1);
+        }
     }
 
     /// The values of a box.

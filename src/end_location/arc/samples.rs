@@ -3,7 +3,7 @@
 use super::SAMPLE_PIXELS;
 use crate::end_location::surface::Generator;
 use crate::memory::List;
-use crate::observations::ReducedImage;
+use crate::observations::{ReducedImage, Squares};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Room for the places of the samples of one generator, and for their pixels, which the next one has again.
@@ -12,6 +12,7 @@ pub(super) struct Room {
     places: List<f64>,
     x: List<f64>,
     y: List<f64>,
+    pixels: Squares,
 }
 
 /// Where samples are taken.
@@ -47,7 +48,7 @@ impl WithSimd for Take<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
-        let Self { sampled, room: Room { places, x, y } } = self;
+        let Self { sampled, room: Room { places, x, y, pixels } } = self;
         let &Sampled { image, generator, position, outward, across, reach } = sampled;
         let count = 2 * reach as usize + 1;
         for list in [&mut *places, x, y] {
@@ -67,25 +68,26 @@ impl WithSimd for Take<'_> {
         if !inside {
             return None;
         }
-        let (mut samples, mut cut_off) = (List::with_capacity(count), List::new());
-        for (k, (x, y)) in x.iter().zip(&y[..]).enumerate() {
-            let (value, saturated) = interpolate(image, *x, *y);
-            samples.push(value);
-            if saturated {
-                cut_off.push(k);
-            }
+        image.read_squares(x, y, pixels);
+        let mut samples = List::filled(0.0, count);
+        let (pairs, above, below) = (x.iter().zip(&y[..]), &pixels.above, &pixels.below);
+        for (((sample, (x, y)), above), below) in samples.iter_mut().zip(pairs).zip(above).zip(below) {
+            *sample = interpolate(*x, *y, [*above, *below]);
         }
-        Some((samples, cut_off))
+        // Mostly none, and then there is no list.
+        if !pixels.saturated.contains(&true) {
+            return Some((samples, List::apart()));
+        }
+        let saturated = pixels.saturated.iter().enumerate().filter(|(_, saturated)| **saturated);
+        Some((samples, saturated.map(|(k, _)| k).collect()))
     }
 }
 
-/// The brightness between pixels, bilinear, and whether the light of one of them may be any from its value on.
+/// The brightness between the pixels of a square, bilinear.
 #[inline(always)]
-fn interpolate(image: &ReducedImage<'_>, x: f64, y: f64) -> (f64, bool) {
+fn interpolate(x: f64, y: f64, [above, below]: [[f32; 2]; 2]) -> f64 {
     // Not negative, numbers become those below them; `f64::floor` is a call.
-    let (column, row) = (x as u32, y as u32);
-    let (right, down) = (x - f64::from(column), y - f64::from(row));
-    let ([above, below], saturated) = image.square(column as usize, row as usize);
+    let (right, down) = (x - f64::from(x as u32), y - f64::from(y as u32));
     let line = |[a, b]: [f32; 2]| f64::from(a) * (1.0 - right) + f64::from(b) * right;
-    (line(above) * (1.0 - down) + line(below) * down, saturated)
+    line(above) * (1.0 - down) + line(below) * down
 }
