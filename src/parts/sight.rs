@@ -18,16 +18,15 @@ pub(super) fn sights(
     cylinder: &Cylinder,
     pixels: impl Iterator<Item = (usize, usize)>,
 ) -> List<Sight> {
-    let mut rays: [List<f64>; 3] = Default::default();
-    let mut depths = List::new();
+    let (mut places, mut depths) = (List::new(), List::new());
     // A loop over an iterator of iterators is slow to be asked one by one.
     pixels.for_each(|(column, row)| {
-        if let (Some(z), Some(ray)) = (depth.depth(column, row), camera.ray_of_pixel(column, row)) {
-            rays.iter_mut().zip(ray.iter()).for_each(|(list, x)| list.push(*x));
+        if let Some(z) = depth.depth(column, row) {
+            places.push([column as u32, row as u32]);
             depths.push(z);
         }
     });
-    Arch::new().dispatch(Looks { view: View::new(cylinder), rays: &rays, depths: &depths })
+    Arch::new().dispatch(Looks { camera, view: View::new(cylinder), pixels: &places, depths: &depths })
 }
 
 /// The least and the greatest position along the axis at which the rays of pixels first meet a cylinder; infinite where none does.
@@ -36,19 +35,16 @@ pub(crate) fn extremes(
     cylinder: &Cylinder,
     pixels: impl Iterator<Item = (usize, usize)>,
 ) -> [f64; 2] {
-    let mut rays: [List<f64>; 3] = Default::default();
-    pixels.for_each(|(column, row)| {
-        if let Some(ray) = camera.ray_of_pixel(column, row) {
-            rays.iter_mut().zip(ray.iter()).for_each(|(list, x)| list.push(*x));
-        }
-    });
-    Arch::new().dispatch(Extremes { view: View::new(cylinder), rays: &rays })
+    let mut places = List::new();
+    pixels.for_each(|(column, row)| places.push([column as u32, row as u32]));
+    Arch::new().dispatch(Extremes { camera, view: View::new(cylinder), pixels: &places })
 }
 
-/// Rays alone.
+/// Pixels alone.
 struct Extremes<'a> {
+    camera: &'a Camera,
     view: View,
-    rays: &'a [List<f64>; 3],
+    pixels: &'a [[u32; 2]],
 }
 
 impl WithSimd for Extremes<'_> {
@@ -57,17 +53,17 @@ impl WithSimd for Extremes<'_> {
     /// Plain loops, as below.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> [f64; 2] {
-        let Self { view, rays: [x, y, z] } = self;
+        let Self { camera, view, pixels } = self;
         let mut extremes = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut seen = [0.0; BLOCK];
-        for ((x, y), z) in x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)) {
-            for (((x, y), z), position) in x.iter().zip(y).zip(z).zip(&mut seen) {
-                let ray = [*x, *y, *z];
-                let (hit, met) = view.first_hit(ray);
+        let ([mut x, mut y], mut seen) = ([[0.0; BLOCK]; 2], [0.0; BLOCK]);
+        for pixels in pixels.chunks(BLOCK) {
+            camera.rays_of_pixels(pixels, &mut x, &mut y);
+            for ((x, y), position) in x.iter().zip(&y).zip(&mut seen).take(pixels.len()) {
+                let (hit, met) = view.first_hit([*x, *y, 1.0]);
                 let found = dot(minus(hit, view.point), view.direction);
                 *position = if met { found } else { f64::NAN };
             }
-            for position in &seen[..x.len()] {
+            for position in &seen[..pixels.len()] {
                 extremes = [extremes[0].min(*position), extremes[1].max(*position)];
             }
         }
@@ -75,10 +71,11 @@ impl WithSimd for Extremes<'_> {
     }
 }
 
-/// Rays with their depths.
+/// Pixels with their depths.
 struct Looks<'a> {
+    camera: &'a Camera,
     view: View,
-    rays: &'a [List<f64>; 3],
+    pixels: &'a [[u32; 2]],
     depths: &'a [f64],
 }
 
@@ -88,24 +85,24 @@ impl WithSimd for Looks<'_> {
     /// Plain loops, which the compiler makes the widest instructions of the machine of; they all round alike.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> List<Sight> {
-        let Self { view, rays: [x, y, z], depths } = self;
+        let Self { camera, view, pixels, depths } = self;
         let mut sights = List::with_capacity(depths.len());
-        let mut seen = [[0.0; BLOCK]; 4];
-        let blocks = x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)).zip(depths.chunks(BLOCK));
-        for (((x, y), z), depths) in blocks {
+        let ([mut x, mut y], mut seen) = ([[0.0; BLOCK]; 2], [[0.0; BLOCK]; 4]);
+        for (pixels, depths) in pixels.chunks(BLOCK).zip(depths.chunks(BLOCK)) {
+            camera.rays_of_pixels(pixels, &mut x, &mut y);
             let [positions, surfaces, distances, turns] = &mut seen;
-            let pixels = x.iter().zip(y).zip(z).zip(depths);
+            let pixels = x.iter().zip(&y).zip(depths);
             let room =
                 positions.iter_mut().zip(surfaces.iter_mut()).zip(distances.iter_mut()).zip(turns.iter_mut());
-            for ((((x, y), z), depth), (((position, surface), distance), turn)) in pixels.zip(room) {
-                [*position, *surface, *distance, *turn] = view.look([*x, *y, *z], *depth);
+            for (((x, y), depth), (((position, surface), distance), turn)) in pixels.zip(room) {
+                [*position, *surface, *distance, *turn] = view.look([*x, *y, 1.0], *depth);
             }
             for (k, depth) in depths.iter().enumerate() {
                 let [position, surface, distance, turn] = [0, 1, 2, 3].map(|number| seen[number][k]);
                 if !position.is_nan() {
                     sights.push(Sight {
                         position,
-                        point: Vector3::new(x[k], y[k], z[k]) * *depth,
+                        point: Vector3::new(x[k], y[k], 1.0) * *depth,
                         distance,
                         nearer: *depth < surface,
                         facing: turn < 0.0,
