@@ -187,7 +187,7 @@ impl Data<'_> {
             cylinder = round.cylinder;
             let ended = matches!(round.termination, Termination::RadiusRanAway | Termination::MaxIterations);
             total = Some(round);
-            let residuals = self.residuals(&cylinder);
+            let residuals = self.residuals(&cylinder, Some(&scales));
             let next = residuals.scales_with_counts_of(&scales);
             let settled = next.differ_by_less_than(precision.scale_tolerance(), &scales);
             scales = next;

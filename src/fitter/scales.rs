@@ -6,7 +6,7 @@ use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::are_many;
 use crate::residuals::{NormalEquations, RobustScales, Squared, TUKEY_EFFICIENT};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_size, median_size_near};
 
 /// The part by which a number of independent points may change without another minimum: it is an estimate, good to
 /// a tenth at best.
@@ -84,7 +84,7 @@ impl Data<'_> {
 
     /// The scales of a cylinder.
     pub fn scales(&self, cylinder: &Cylinder) -> Scales {
-        self.scales_of(cylinder, &self.residuals(cylinder))
+        self.scales_of(cylinder, &self.residuals(cylinder, None))
     }
 
     /// The same where the residuals are known.
@@ -97,7 +97,8 @@ impl Data<'_> {
         Scales { views: views.collect(), all: residuals.all }
     }
 
-    pub fn residuals(&self, cylinder: &Cylinder) -> Residuals {
+    /// The residuals at a cylinder, next to which the scales are known, if any.
+    pub fn residuals(&self, cylinder: &Cylinder, before: Option<&Scales>) -> Residuals {
         let distances = |view: &ViewData<'_>| view.distances(cylinder, &self.center);
         let told = self.options.noise.depth;
         if let [view] = &self.views[..]
@@ -110,8 +111,15 @@ impl Data<'_> {
             return Residuals { views: List::from([List::new()]), points: List::from([point]), all };
         }
         let views: List<List<f64>> = self.views.iter().map(distances).collect();
-        let scale = |view: &List<f64>| if told > 0.0 { told } else { self.scale_of(view.iter().copied()) };
-        let points: List<f64> = views.iter().map(scale).collect();
+        let scale = |(k, view): (usize, &List<f64>)| match before {
+            _ if told > 0.0 => told,
+            Some(before) => {
+                let near = before.views[k].point / DEVIATION_OF_MEDIAN;
+                (DEVIATION_OF_MEDIAN * median_size_near(view, near)).max(self.rounding())
+            }
+            None => self.scale_of(view.iter().copied()),
+        };
+        let points: List<f64> = views.iter().enumerate().map(scale).collect();
         let all = match points[..] {
             [one] if told == 0.0 => one,
             _ => self.scale_of(views.iter().flatten().copied()),
