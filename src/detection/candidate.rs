@@ -326,7 +326,9 @@ impl Marks {
     pub fn set(&mut self, k: usize) -> bool {
         let mark = &mut self.marks[k];
         let is_new = *mark < self.number;
-        *mark = (*mark).max(self.number);
+        if is_new {
+            *mark = self.number;
+        }
         is_new
     }
 

@@ -217,7 +217,10 @@ fn gradient(values: &[f32], width: usize, height: usize) -> Gradient {
     gradient
 }
 
-/// The derivatives of all rows but the first and the last, with the widest vector instructions of the machine.
+/// Derivatives that are computed in one go.
+const DERIVATIVES: usize = 128;
+
+/// The derivatives of all rows but the last, with the widest vector instructions of the machine.
 struct Derivatives<'a> {
     values: &'a [f32],
     gradient: &'a mut Gradient,
@@ -231,24 +234,27 @@ impl WithSimd for Derivatives<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { values, gradient } = self;
         let width = gradient.width;
-        let inner = width - 2;
+        let mut some = [[0.0; DERIVATIVES]; 3];
         for row in 1..gradient.height.saturating_sub(1) {
-            let line = |row: usize| {
-                let line = &values[row * width..(row + 1) * width];
-                [0, 1, 2].map(|first| &line[first..first + inner])
-            };
-            let ([a, b, c], [d, _, f], [g, h, i]) = (line(row - 1), line(row), line(row + 1));
-            let own = row * width + 1..row * width + 1 + inner;
-            // Row by row, while they are at hand, they are cleared at once.
-            gradient.lists().into_iter().for_each(|list| list.resize((row + 1) * width, 0.0));
-            let x = &mut gradient.x[own.clone()];
-            let y = &mut gradient.y[own.clone()];
-            let magnitudes = &mut gradient.magnitudes[own];
-            for k in 0..inner {
-                let gx = 3.0 * (c[k] - a[k] + i[k] - g[k]) + 10.0 * (f[k] - d[k]);
-                let gy = 3.0 * (g[k] - a[k] + i[k] - c[k]) + 10.0 * (h[k] - b[k]);
-                // Roots of what an image holds are far from where squares overflow.
-                (x[k], y[k], magnitudes[k]) = (gx, gy, (gx * gx + gy * gy).sqrt());
+            // The last columns of the rows before, and the first one of this.
+            gradient.lists().into_iter().for_each(|list| list.resize(row * width + 1, 0.0));
+            for first in (0..width - 2).step_by(DERIVATIVES) {
+                let count = DERIVATIVES.min(width - 2 - first);
+                let line = |row: usize| {
+                    let line = &values[row * width + first..][..count + 2];
+                    [0, 1, 2].map(|first| &line[first..first + count])
+                };
+                let ([a, b, c], [d, _, f], [g, h, i]) = (line(row - 1), line(row), line(row + 1));
+                let [x, y, magnitudes] = some.each_mut().map(|some| &mut some[..count]);
+                for k in 0..count {
+                    let gx = 3.0 * (c[k] - a[k] + i[k] - g[k]) + 10.0 * (f[k] - d[k]);
+                    let gy = 3.0 * (g[k] - a[k] + i[k] - c[k]) + 10.0 * (h[k] - b[k]);
+                    // Roots of what an image holds are far from where squares overflow.
+                    (x[k], y[k], magnitudes[k]) = (gx, gy, (gx * gx + gy * gy).sqrt());
+                }
+                for (list, some) in gradient.lists().into_iter().zip(&some) {
+                    list.extend_from_slice(&some[..count]);
+                }
             }
         }
     }
