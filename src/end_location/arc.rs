@@ -297,8 +297,9 @@ fn coarse_place<'a>(
         let steps = match told {
             Some(told) => told,
             None => {
-                let scores = tried.iter().map(|steps| (steps, score(shift(peak), look(steps), noise)));
-                scores.max_by(|a, b| a.1.total_cmp(&b.1))?.0
+                let others = tried[1..].iter().map(|steps| (steps, score(shift(peak), look(steps), noise)));
+                let all = std::iter::once((&tried[0], scores[peak])).chain(others);
+                all.max_by(|a, b| a.1.total_cmp(&b.1))?.0
             }
         };
         Some((shift(peak), look(steps)))

@@ -56,8 +56,9 @@ pub(super) struct Lattice {
     shares: List<f32>,
     /// Cells from one row to the next: the columns and, so that rows don't meet, the longest range.
     stride: usize,
-    /// How many cells have points.
+    /// How many cells have points, and whether any has several.
     taken: f64,
+    shared: bool,
     /// By axis and distance the pairs of cells with points, once they have been counted.
     pairs: [[OnceLock<f64>; LONGEST_CORRELATION]; 2],
 }
@@ -143,8 +144,9 @@ impl Lattice {
         let cells = grid.indices(cells);
         cells.iter().filter(|&&cell| cell != OUTSIDE).for_each(|&cell| shares[cell as usize] += 1.0);
         let taken = shares.iter().filter(|&&count| count > 0.0).count() as f64;
+        let shared = shares.iter().any(|&count| count > 1.0);
         shares.iter_mut().for_each(|share| *share = if *share > 1.0 { share.recip() } else { *share });
-        Some(Self { cells, shares, stride, taken, pairs: Default::default() })
+        Some(Self { cells, shares, stride, taken, shared, pairs: Default::default() })
     }
 
     /// The number of independent points among those with some residuals; residuals beyond the cutoff are left out.
@@ -156,8 +158,10 @@ impl Lattice {
                 *value += counted;
             }
         }
-        for (value, share) in values.iter_mut().zip(&self.shares) {
-            *value *= *share;
+        if self.shared {
+            for (value, share) in values.iter_mut().zip(&self.shares) {
+                *value *= *share;
+            }
         }
         let variance = dot(&values, &values) / self.taken;
         if !(variance > 0.0) {

@@ -101,7 +101,7 @@ impl Profile {
             sum = (sum.0 + *sample, sum.1 + *sample * *sample);
             sums.push(sum);
         }
-        Self { angle, across, cap, walls, samples, sums, zero, cut_off: List::new() }
+        Self { angle, across, cap, walls, samples, sums, zero, cut_off: List::apart() }
     }
 
     /// The same with samples whose light may be any from their value on.
