@@ -110,6 +110,27 @@ fn add_sizes(numbers: &[f64], [first, last]: [u64; 2], found: &mut List<u64>) {
     }
 }
 
+/// The sum of the products of two lists of the same length, four side by side.
+#[inline(always)]
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let (mut sums, mut rest) = ([0.0; 4], 0.0);
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        rest += a * b;
+    }
+    total(sums, rest)
+}
+
+#[inline(always)]
+pub(crate) fn total(sums: [f64; 4], rest: f64) -> f64 {
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
 /// The part of residuals in their order that tells as much as all of them do: (1 − ρ) / (1 + ρ) with the correlation ρ of
 /// neighbours, as of a first-order autoregression.
 pub(crate) fn independent_part(residuals: &[f64]) -> f64 {

@@ -7,6 +7,7 @@
 
 use super::strip::Strip;
 use crate::memory::List;
+use crate::statistics::dot;
 
 constants! {
     /// From here on the limbs are looked for on a coarser grid. A Gauss curve of 1.8 pixels has as much, and an even smear of five
@@ -30,7 +31,7 @@ pub(super) fn blurred_part<'a>(strips: impl Iterator<Item = &'a Strip>) -> f64 {
         differences.extend(run.values.windows(2).map(|pair| pair[1] - pair[0]));
         for (sum, apart) in sums.iter_mut().zip(APART) {
             let others = differences.get(apart..).unwrap_or_default();
-            *sum += differences.iter().zip(others).map(|(a, b)| a * b).sum::<f64>();
+            *sum += dot(&differences[..others.len()], others);
         }
     }
     let [own, next, third, far] = sums;

@@ -127,14 +127,7 @@ impl Strip {
         };
         for run in &runs {
             let begin = strip.values.len();
-            Arch::new().dispatch(Places { run, s: &mut strip.s, u: &mut strip.u });
-            grid.image.read_line(
-                run.steep,
-                run.line,
-                run.pixels.clone(),
-                &mut strip.values,
-                &mut strip.marked,
-            );
+            Arch::new().dispatch(Read { run, image: &grid.image, strip: &mut strip });
             if run.is_reversed() {
                 for list in [&mut strip.s, &mut strip.u, &mut strip.values] {
                     list[begin..].reverse();
@@ -338,20 +331,20 @@ impl Run {
 /// Places that are computed in one go.
 const BLOCK: usize = 32;
 
-/// Appends the places of the pixels of a run. Plain loops of a known length, which the compiler makes the widest instructions of
+/// Appends the pixels of a run. Plain loops, of a known length for their places, which the compiler makes the widest instructions of
 /// the machine of; they all round alike.
-struct Places<'a> {
+struct Read<'a> {
     run: &'a Run,
-    s: &'a mut List<f64>,
-    u: &'a mut List<f64>,
+    image: &'a ReducedImage<'a>,
+    strip: &'a mut Strip,
 }
 
-impl WithSimd for Places<'_> {
+impl WithSimd for Read<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { run, s, u } = self;
+        let Self { run, image, strip: Strip { s, u, values, marked, .. } } = self;
         let (mut some_s, mut some_u) = ([0.0; BLOCK], [0.0; BLOCK]);
         for first in run.pixels.clone().step_by(BLOCK) {
             for k in 0..BLOCK {
@@ -361,5 +354,6 @@ impl WithSimd for Places<'_> {
             s.extend_from_slice(&some_s[..count]);
             u.extend_from_slice(&some_u[..count]);
         }
+        image.read_line(run.steep, run.line, run.pixels.clone(), values, marked);
     }
 }

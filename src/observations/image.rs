@@ -126,6 +126,7 @@ impl GreyImage {
     }
 
     /// Appends the values of some pixels of a row, or else of a column, and whether each stands for any light from there on.
+    #[inline(always)]
     pub(super) fn read_line(
         &self,
         is_row: bool,

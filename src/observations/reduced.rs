@@ -92,6 +92,7 @@ impl<'a> ReducedImage<'a> {
     }
 
     /// Appends the values of some pixels of a row, or else of a column, and whether the light of each may be any from there on.
+    #[inline(always)]
     pub(crate) fn read_line(
         &self,
         is_row: bool,

@@ -2,6 +2,7 @@
 
 use super::SAMPLE_PIXELS;
 use super::profile::{Profile, Template};
+use crate::statistics::{dot, total};
 
 /// Windows side by side.
 pub(super) const LANES: usize = 8;
@@ -97,23 +98,7 @@ impl Windows {
     }
 }
 
-/// The sum of the products of two lists of the same length, four side by side.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    let (mut sums, mut rest) = ([0.0; 4], 0.0);
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    for (a, b) in a_rest.iter().zip(b_rest) {
-        rest += a * b;
-    }
-    total(sums, rest)
-}
-
-/// The same of three lists: p · y, q · y and p · q.
+/// The sums of the products of three lists of the same length: p · y, q · y and p · q.
 #[inline(always)]
 fn dots(p: &[f64], q: &[f64], y: &[f64]) -> [f64; 3] {
     let ((p, p_rest), (q, q_rest), (y, y_rest)) =
@@ -132,9 +117,4 @@ fn dots(p: &[f64], q: &[f64], y: &[f64]) -> [f64; 3] {
         rest[2] += p * q;
     }
     [total(py, rest[0]), total(qy, rest[1]), total(pq, rest[2])]
-}
-
-#[inline(always)]
-fn total(sums: [f64; 4], rest: f64) -> f64 {
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
