@@ -241,32 +241,25 @@ struct Profile {
 impl Profile {
     /// The medians of the slices that hold enough; `None` where too few do.
     fn new(slices: &Slices, seen: &[[f64; 2]], least: usize, floor: f64) -> Option<Self> {
-        // What is in no slice comes behind them.
-        let slice_of = |along: f64| {
+        let mut values: List<List<f64>> = (0..slices.count).map(|_| List::new()).collect();
+        for [along, value] in seen {
             let slice = (along - slices.low) / slices.length;
-            if (0.0..slices.count as f64).contains(&slice) { slice as usize } else { slices.count }
-        };
-        let mut counts = List::filled(0, slices.count + 1);
-        seen.iter().for_each(|[along, _]| counts[slice_of(*along)] += 1);
-        let full_ones = || counts[..slices.count].iter().filter(|count| **count >= least);
-        let (full, all) = (full_ones().count(), full_ones().sum::<usize>());
+            if (0.0..slices.count as f64).contains(&slice) {
+                values[slice as usize].push(*value);
+            }
+        }
+        let is_full = |values: &List<f64>| values.len() >= least;
+        let full = values.iter().filter(|values| is_full(values)).count();
         if (full as f64) < LEAST_PART * slices.count as f64 {
             return None;
         }
-        let begins = counts.iter().scan(0, |end, count| Some(std::mem::replace(end, *end + count)));
-        let mut ends: List<usize> = begins.collect();
-        let mut values = List::filled(0.0, seen.len());
-        for [along, value] in seen {
-            let end = &mut ends[slice_of(*along)];
-            values[*end] = *value;
-            *end += 1;
-        }
+        let all: usize = values.iter().filter(|values| is_full(values)).map(|values| values.len()).sum();
         // Weights of 1 in the mean.
-        let slice = |(&count, &end): (&usize, &usize)| match count >= least {
-            true => [(count * full) as f64 / all as f64, median(&mut values[end - count..end])],
+        let slice = |values: &mut List<f64>| match is_full(values) {
+            true => [(values.len() * full) as f64 / all as f64, median(values)],
             false => [0.0; 2],
         };
-        Self::off_a_line(counts.iter().zip(&ends).take(slices.count).map(slice).collect(), floor)
+        Self::off_a_line(values.iter_mut().map(slice).collect(), floor)
     }
 
     /// The same without stretches, but that of one number, and so many slices beside them.
