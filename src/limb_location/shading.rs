@@ -136,13 +136,16 @@ impl Shading {
         let mut blocks: List<List<Option<f64>>> = List::new();
         let mut across = List::new();
         for first in (0..strip.len()).step_by(BLOCK_RUNS.count()) {
-            let mut sums = List::filled((0.0, 0.0), bins);
+            let mut sums = List::filled(Sums::default(), bins);
             for run in first..(first + BLOCK_RUNS.count()).min(strip.len()) {
                 let run = strip.run(run);
                 Arch::new().dispatch(Across { run, limbs: &limbs, across: &mut across });
-                add_to_bins(&across, run.values, &limits, &mut sums);
+                add_to_bins(&across, run, &limits, &mut sums);
             }
-            let mean = |(sum, count): &(f64, f64)| (*count > 2.0).then(|| sum / count);
+            // Where most of it was cut off at white the light is not known.
+            let mean = |Sums { values, count, white }: &Sums| {
+                (*count > 2.0 && 2.0 * white < *count).then(|| values / count)
+            };
             let mut known: List<f64> = sums.iter().filter_map(mean).collect();
             if known.len() >= LEAST_BINS.count() {
                 let gain = median(&mut known);
@@ -194,18 +197,27 @@ impl WithSimd for Across<'_> {
     }
 }
 
-/// Adds the values of a run, which are at some places across the cylinder, and their numbers to bins that begin and end at some
-/// limits.
-fn add_to_bins(across: &[f64], values: &[f64], limits: &[f64], sums: &mut [(f64, f64)]) {
+/// The values of the pixels of a bin, how many they are, and how many of them were cut off at white.
+#[derive(Clone, Default)]
+struct Sums {
+    values: f64,
+    count: f64,
+    white: f64,
+}
+
+/// Adds the pixels of a run, which are at some places across the cylinder, to bins that begin and end at some limits.
+fn add_to_bins(across: &[f64], run: Pixels<'_>, limits: &[f64], sums: &mut [Sums]) {
     let mut bin = 0;
-    for (&across, value) in across.iter().zip(values) {
+    for ((&across, value), &saturated) in across.iter().zip(run.values).zip(run.saturated) {
         // The pixels of a run go one way.
         while bin + 1 < sums.len() && across >= limits[bin + 1] {
             bin += 1;
         }
         if limits[bin] <= across && across < limits[bin + 1] {
-            let sum = &mut sums[bin];
-            *sum = (sum.0 + value, sum.1 + 1.0);
+            let Sums { values, count, white } = &mut sums[bin];
+            *values += value;
+            *count += 1.0;
+            *white += f64::from(u8::from(saturated));
         }
     }
 }
@@ -252,6 +264,7 @@ fn drop_odd(blocks: &mut List<List<Option<f64>>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limb_location::strip::StripPixel;
 
     /// Medians of a + b cos φ + d max(0, cos(φ − φ₀)) between ± 60°.
     fn rows(light: f64) -> Vec<Median> {
@@ -290,5 +303,25 @@ mod tests {
         blocks.extend(vec![List::filled(Some(1.0), shaded.len()); 3]);
         drop_odd(&mut blocks);
         assert_eq!(blocks, List::filled(shaded, 8));
+    }
+    #[test]
+    fn what_is_cut_off_at_white_tells_nothing_of_the_limbs() {
+        let (radius, light) = (30.0, 0.3_f64);
+        let brightness = |angle: f64| 300.0 * (0.3 + 0.7 * (angle - light).cos().max(0.0));
+        let pixel = |run: usize, k: usize| {
+            let u = k as f64 - radius + 0.5;
+            let value = brightness((u / radius).asin());
+            StripPixel { s: run as f64, u, value: value.min(255.0), saturated: value >= 255.0 }
+        };
+        let strip = Strip::of_runs((0..40).map(|run| (0..60).map(|k| pixel(run, k)).collect()));
+        let shading = Shading::observe(&strip, 1.0, [(-radius, 0.0), (radius, 0.0)], radius).unwrap();
+        for side in [-1.0, 1.0] {
+            let near = shading.near_limb(side, radius);
+            let within = INSIDE.get() / radius;
+            let angle = side * (1.0 - within).asin();
+            let expected = brightness(side * FRAC_PI_2) / brightness(angle);
+            let found = near.at(0.0) / near.at(within);
+            assert!((found - expected).abs() < 0.1, "{side}: {found}, {expected}");
+        }
     }
 }
