@@ -90,6 +90,21 @@ fn two_views_with_depth_cameras_give_the_exact_cylinder() {
 }
 
 #[test]
+fn a_mask_that_an_extent_is_asked_for_with_must_fit_with_several_views_too() {
+    let views = [EYES[0], EYES[1]].map(|eye| Drawn::new(&looking_from(eye)));
+    let mut fitter = fitter_of(&views, Options::default());
+    fitter.fit().unwrap();
+    let small = MaskView::from_u8(&[1; 12], (4, 3)).unwrap();
+    let error = fitter.extent_and_arcs(None, Some(&small)).unwrap_err();
+    assert!(matches!(error, Error::SizeMismatch { .. }), "{error}");
+    let (width, height) = camera().size();
+    let empty = vec![0; width * height];
+    let empty = MaskView::from_u8(&empty, (width, height)).unwrap();
+    let error = fitter.extent_and_arcs(None, Some(&empty)).unwrap_err();
+    assert!(matches!(error, Error::EmptyMask { .. }), "{error}");
+}
+
+#[test]
 fn the_order_of_the_views_changes_nothing() {
     let views = EYES.map(|eye| Drawn::with_image(&looking_from(eye)));
     let fit = |order: [usize; 3]| fitter_of(order.map(|k| &views[k]), Options::default()).fit().unwrap();

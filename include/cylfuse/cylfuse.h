@@ -1646,11 +1646,11 @@ typedef uint32_t cylfuse_input;
  */
 typedef int32_t cylfuse_phase;
 /**
- * It is about to look for a start.
+ * It is about to look for a start, or looks for one and asks whether to go on.
  */
 #define CYLFUSE_PHASE_START 1
 /**
- * It iterates.
+ * It iterates, or asks after an iteration whether to go on: the last state is reported again then.
  */
 #define CYLFUSE_PHASE_SOLVE 2
 

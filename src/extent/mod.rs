@@ -117,7 +117,7 @@ impl Fitter {
         let cylinder = self.model_or_result(CALL, model)?;
         // Of several views any may show the ends; of one, what is missing has a name.
         let region = Region::new(CALL, self, mask);
-        let region = if self.view_count() == 1 { Some(region?) } else { region.ok() };
+        let region = if self.view_count() == 1 || mask.is_some() { Some(region?) } else { region.ok() };
         let mut views = List::new();
         for (index, view) in self.views().iter().enumerate() {
             let selected = index == self.selected_view();

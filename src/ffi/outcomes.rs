@@ -196,9 +196,9 @@ impl From<Conformity> for cylfuse_conformity {
 pub struct cylfuse_phase(pub i32);
 
 impl cylfuse_phase {
-    /// It is about to look for a start.
+    /// It is about to look for a start, or looks for one and asks whether to go on.
     pub const START: cylfuse_phase = cylfuse_phase(1);
-    /// It iterates.
+    /// It iterates, or asks after an iteration whether to go on: the last state is reported again then.
     pub const SOLVE: cylfuse_phase = cylfuse_phase(2);
 }
 

@@ -115,13 +115,19 @@ impl Outcome {
 fn fit(content: &mut Content, cancel: &Cancel<'_>) -> Result<FitResult, Failure> {
     let (log, progress) = (content.log, content.progress);
     let max_iterations = saturated(content.fitter.options().limits.max_iterations);
-    let mut phase = cylfuse_phase::START;
+    let mut logged = None;
     let mut report = |iteration: &Iteration| {
-        log_iteration(&log, phase, iteration);
+        // Before the first iteration there is no cylinder yet, and so no cost.
+        let started = iteration.cost.is_finite();
+        let phase = if started { cylfuse_phase::SOLVE } else { cylfuse_phase::START };
+        // The last iteration is reported again where the fit only asks whether to go on.
+        if started && logged != Some(*iteration) {
+            log_iteration(&log, iteration);
+            logged = Some(*iteration);
+        }
         let mut stop = false;
         if let Some(function) = progress.function {
             let cylinder = cylfuse_cylinder::from(&iteration.cylinder);
-            let started = phase != cylfuse_phase::START;
             let state = cylfuse_progress {
                 struct_size: size_of::<cylfuse_progress>() as u32,
                 phase,
@@ -134,7 +140,6 @@ fn fit(content: &mut Content, cancel: &Cancel<'_>) -> Result<FitResult, Failure>
             // SAFETY: the caller gave the function for this use; the structs live until it returns.
             stop = unsafe { function(&raw const state, progress.user_data) } != 0;
         }
-        phase = cylfuse_phase::SOLVE;
         // After the callback, which may be what asks for it.
         if stop || cancel.is_asked_for() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
@@ -143,13 +148,11 @@ fn fit(content: &mut Content, cancel: &Cancel<'_>) -> Result<FitResult, Failure>
     Ok(result)
 }
 
-fn log_iteration(log: &Log, phase: cylfuse_phase, iteration: &Iteration) {
-    if phase == cylfuse_phase::SOLVE {
-        log.write(cylfuse_log_level::DEBUG, || {
-            let Iteration { iteration, cost, lambda, cylinder } = iteration;
-            format!("solve {iteration}: cost {cost:e}, lambda {lambda:e}, radius {}", cylinder.radius)
-        });
-    }
+fn log_iteration(log: &Log, iteration: &Iteration) {
+    log.write(cylfuse_log_level::DEBUG, || {
+        let Iteration { iteration, cost, lambda, cylinder } = iteration;
+        format!("solve {iteration}: cost {cost:e}, lambda {lambda:e}, radius {}", cylinder.radius)
+    });
 }
 
 fn log_result(log: &Log, result: &FitResult) {

@@ -327,14 +327,18 @@ impl Fitter {
     /// `OutOfMemory`.
     pub fn point_weights(&self, cylinder: Option<&Cylinder>) -> Result<Vec<f64>> {
         let cylinder = self.model_or_result("listing the weights of the points", cylinder)?;
-        let cloud = &self.view().cloud;
         self.check_memory(BYTES_OF_FIT)?;
+        self.memory.lend(|| self.weights_at(&cylinder))
+    }
+
+    fn weights_at(&self, cylinder: &Cylinder) -> Result<Vec<f64>> {
+        let cloud = &self.view().cloud;
         let data = self.data()?;
-        let scales = data.scales(&cylinder);
+        let scales = data.scales(cylinder);
         let mut views = data.views.iter().zip(&scales.views);
         let selected = views.find(|(view, _)| view.index == self.selected);
         let Some((view, &RobustScales { point: scale, .. })) = selected else { return Ok(Vec::new()) };
-        let frame = data.frame(&cylinder).moved(&view.into_view);
+        let frame = data.frame(cylinder).moved(&view.into_view);
         let loss = Robust { scale, observed: view.observed }.at(&frame);
         let rows = PointRows::new(&frame);
         let weight = |point| {
@@ -354,9 +358,11 @@ impl Fitter {
         let cylinder = self.model_or_result("telling the parts of the points", cylinder)?;
         let view = self.view();
         let seen = view.pose().inverse().cylinder(&cylinder);
-        let parts = view.parts(&seen, &self.options.noise);
-        let parts = parts.unwrap_or_else(|| Parts::of_points(&seen, view.cloud.points()));
-        listed(view.cloud.len(), view.cloud.points().map(|point| parts.of_point(&point)))
+        self.memory.lend(|| {
+            let parts = view.parts(&seen, &self.options.noise);
+            let parts = parts.unwrap_or_else(|| Parts::of_points(&seen, view.cloud.points()));
+            listed(view.cloud.len(), view.cloud.points().map(|point| parts.of_point(&point)))
+        })
     }
 
     /// Rank, condition and the weakest direction of the stacked Jacobian at a model, or at the last fit, by
@@ -369,8 +375,10 @@ impl Fitter {
     pub fn diagnose(&self, cylinder: Option<&Cylinder>) -> Result<Diagnosis> {
         let cylinder = self.model_or_result("diagnosing", cylinder)?;
         self.check_memory(BYTES_OF_DIAGNOSIS)?;
-        let data = self.data()?;
-        describe::diagnose(&data, &self.held(&data), &cylinder)
+        self.memory.lend(|| {
+            let data = self.data()?;
+            describe::diagnose(&data, &self.held(&data), &cylinder)
+        })
     }
 
     /// The given model, or that of the last fit.

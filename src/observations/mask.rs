@@ -178,7 +178,14 @@ impl Mask {
     /// The mask with the pixels (column, row) of the image that belong to it, too.
     #[must_use]
     pub fn extended(&self, belongs: impl Fn((usize, usize)) -> bool) -> Self {
-        let mut extended = Self { remembered: Remembered::default(), ..self.clone() };
+        let mut extended = Self {
+            width: self.width,
+            height: self.height,
+            pixels: self.pixels.clone(),
+            columns: self.columns.clone(),
+            rows: self.rows.clone(),
+            remembered: Remembered::default(),
+        };
         for index in 0..self.pixels.len() {
             let (column, row) = (index % self.width, index / self.width);
             if !self.pixels[index] && belongs((column, row)) {
@@ -199,16 +206,16 @@ impl Mask {
     /// The mask of the set pixels (column, row) that are chosen; `None` when there are none.
     #[must_use]
     pub fn chosen(&self, choose: impl Fn(usize, usize) -> bool) -> Option<Self> {
-        let pixels = List::filled(false, self.pixels.len());
-        let mut chosen = Self { pixels, remembered: Remembered::default(), ..self.clone() };
-        let (mut columns, mut rows) = (self.width..0, self.height..0);
+        let (width, height) = (self.width, self.height);
+        let mut pixels = List::filled(false, self.pixels.len());
+        let (mut columns, mut rows) = (width..0, height..0);
         for (column, row) in self.set_pixels().filter(|&(column, row)| choose(column, row)) {
-            chosen.pixels[row * self.width + column] = true;
+            pixels[row * width + column] = true;
             columns = columns.start.min(column)..columns.end.max(column + 1);
             rows = rows.start.min(row)..row + 1;
         }
-        (chosen.columns, chosen.rows) = (columns, rows);
-        (!chosen.rows.is_empty()).then_some(chosen)
+        let remembered = Remembered::default();
+        (!rows.is_empty()).then_some(Self { width, height, pixels, columns, rows, remembered })
     }
 
     /// Checks that the mask lies on the grid of another image, which has the given columns and rows.

@@ -91,11 +91,16 @@ fn add<S: Simd, const N: usize>(simd: S, sums: &mut [S::f64s; N], terms: [S::f64
     }
 }
 
-/// The number of points on the side of the surface that the observer sees from outside.
+/// The number of points of a kind.
 #[derive(Clone, Copy)]
-pub(super) struct Facing;
+pub(super) enum Count {
+    /// Those on the side of the surface that the observer sees from outside.
+    Facing,
+    /// Those at most so far from the surface.
+    Within(f64),
+}
 
-impl Terms<1> for Facing {
+impl Terms<1> for Count {
     #[inline(always)]
     fn sums<S: Simd>(
         &self,
@@ -107,39 +112,16 @@ impl Terms<1> for Facing {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let mut sums = [zero];
         for group in groups.range() {
-            let (place, _, weight) = groups.at(simd, kernel, group);
+            let (place, e, weight) = groups.at(simd, kernel, group);
             // What fills up a block has no weight.
             let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
-            let facing = simd.less_than_f64s(place.facing, zero);
-            add(simd, &mut sums, [simd.select_f64s(facing, counted, zero)]);
-        }
-        sums
-    }
-}
-
-/// The number of points at most so far from the surface.
-#[derive(Clone, Copy)]
-pub(super) struct Within {
-    pub limit: f64,
-}
-
-impl Terms<1> for Within {
-    #[inline(always)]
-    fn sums<S: Simd>(
-        &self,
-        simd: S,
-        kernel: &Kernel,
-        groups: &Groups<'_>,
-        _: &mut Notes<S::f64s>,
-    ) -> [S::f64s; 1] {
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let mut sums = [zero];
-        for group in groups.range() {
-            let (_, e, weight) = groups.at(simd, kernel, group);
-            // What fills up a block has no weight.
-            let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
-            let within = simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(self.limit));
-            add(simd, &mut sums, [simd.select_f64s(within, counted, zero)]);
+            let is_one = match self {
+                Self::Facing => simd.less_than_f64s(place.facing, zero),
+                Self::Within(limit) => {
+                    simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(*limit))
+                }
+            };
+            add(simd, &mut sums, [simd.select_f64s(is_one, counted, zero)]);
         }
         sums
     }

@@ -3,7 +3,7 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::kernel::{CostAlone, Facing, Influences, Kernel, Place, SUMS, Terms, Whole, Within};
+use super::kernel::{CostAlone, Count, Influences, Kernel, Place, SUMS, Terms, Whole};
 use super::loss::{Loss, Squared, Wall};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
@@ -129,7 +129,7 @@ impl<'a> PointTerm<'a> {
     #[must_use]
     pub fn visible_wall(&self, frame: &LocalFrame) -> Walls {
         let total = self.cloud.len();
-        let [facing] = self.sums(frame, Facing).map(|count| count as usize);
+        let [facing] = self.sums(frame, Count::Facing).map(|count| count as usize);
         let visible = if frame.cylinder.contains_origin() { total - facing } else { facing };
         Walls { visible, total }
     }
@@ -137,7 +137,7 @@ impl<'a> PointTerm<'a> {
     /// How many of the points are at most so far from the surface, in units of the frame.
     #[must_use]
     pub fn count_within(&self, frame: &LocalFrame, limit: f64) -> usize {
-        self.sums(frame, Within { limit })[0] as usize
+        self.sums(frame, Count::Within(limit))[0] as usize
     }
 
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent. `equations` are

@@ -277,9 +277,10 @@ impl<'a> Fits<'a> {
     }
 }
 
-/// A cylinder with another radius. The wall that is seen stays where it is.
+/// A cylinder with another radius. The wall that is seen stays where it is; where the axis goes through the origin, the axis does.
 fn with_radius(seen: &Cylinder, radius: f64) -> Cylinder {
-    let away = seen.axis.nearest_to_origin().normalize() * (radius - seen.radius);
+    let away = seen.axis.nearest_to_origin().try_normalize(0.0).unwrap_or_default();
+    let away = away * (radius - seen.radius);
     Cylinder { axis: Line { point: seen.axis.point + away, ..seen.axis }, radius }
 }
 
@@ -382,4 +383,17 @@ fn fit_from(
     share.begin();
     fitter.set_start(Some(*start));
     fitter.fit_counted(&mut |_| share.ask(), &|| share.hear(), known)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn another_radius_keeps_the_wall_that_is_seen_or_an_axis_through_the_origin() {
+        let seen = |z: f64| Cylinder::new(Vector3::new(0.0, 0.0, z), Vector3::y(), 0.1).unwrap();
+        assert_eq!(with_radius(&seen(1.0), 0.3).axis.point, Vector3::new(0.0, 0.0, 1.2));
+        assert_eq!(with_radius(&seen(0.0), 0.3), Cylinder { radius: 0.3, ..seen(0.0) });
+    }
 }

@@ -97,7 +97,10 @@ impl Scene {
             let region = std::mem::take(&mut found.region);
             let own = region.iter().filter(|&&k| self.labels[k] == 0).count();
             // Labels have 16 bits.
-            let Ok(label) = u16::try_from(self.cylinders.len() + 1) else { break };
+            let Ok(label) = u16::try_from(self.cylinders.len() + 1) else {
+                self.complete = false;
+                break;
+            };
             if 2 * own < region.len() {
                 continue;
             }

@@ -325,15 +325,6 @@ impl Moments {
     }
 }
 
-/// The direction scaled to unit length; `None` when it vanishes or is not finite.
-#[cfg(test)]
-fn unit_direction(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
-    // By the largest component first, so that squares neither overflow nor vanish.
-    let scaled = direction / direction.amax();
-    let unit = scaled.normalize();
-    unit.iter().all(|x| x.is_finite()).then_some(unit)
-}
-
 /// The polynomial (q·a)(q·b): the coefficients of its quadratic monomials.
 fn quadratic(a: &Vector3<f64>, b: &Vector3<f64>) -> Quadratic {
     Quadratic::new(

@@ -108,6 +108,18 @@ static void progress_is_told(void)
     fit(fitter);
     CHECK(seen.calls == 0);
     destroy(fitter);
+
+    /* Where random samples are drawn the fit asks whether to go on long before there is a cylinder. */
+    fitter = new_full_fitter();
+    cylfuse_options options;
+    CHECK_OK(cylfuse_options_init(&options, sizeof options));
+    options.start = CYLFUSE_START_RANSAC;
+    CHECK_OK(cylfuse_fitter_set_options(fitter, &options));
+    seen = (recorder){.fitter = fitter, .thread = pthread_self()};
+    CHECK_OK(cylfuse_fitter_set_progress(fitter, record, &seen));
+    fit(fitter);
+    CHECK(seen.starts > 1 && seen.solves > 0);
+    destroy(fitter);
 }
 
 static void cancelling_while_idle_does_nothing(void)

@@ -1,6 +1,14 @@
 use super::*;
 use crate::start::clouds::{Arc, oblique};
 
+/// The direction scaled to unit length; `None` when it vanishes or is not finite.
+fn unit_direction(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    // By the largest component first, so that squares neither overflow nor vanish.
+    let scaled = direction / direction.amax();
+    let unit = scaled.normalize();
+    unit.iter().all(|x| x.is_finite()).then_some(unit)
+}
+
 impl Moments {
     /// The best cylinder with the axis along `direction`, which need not have unit length.
     ///
