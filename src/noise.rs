@@ -143,13 +143,13 @@ impl NoiseModel {
     /// Checks every value.
     ///
     /// # Errors
-    /// `InvalidArgument` that names the deviation as the other languages have it, its value and its limit.
+    /// `InvalidArgument` that names the deviation, its value and its limit.
     pub fn check(&self) -> Result<()> {
         let estimated = [
             ("drawn_pixel", self.drawn_pixel),
-            ("depth_noise", self.depth),
-            ("image_noise", self.image),
-            ("image_blur", self.blur),
+            ("depth", self.depth),
+            ("image", self.image),
+            ("blur", self.blur),
         ];
         for (name, value) in estimated {
             if !(value >= 0.0 && value.is_finite()) {
@@ -157,8 +157,8 @@ impl NoiseModel {
             }
         }
         let given = [
-            ("edge_noise", self.edge_endpoint),
-            ("mask_noise", self.mask_side),
+            ("edge_endpoint", self.edge_endpoint),
+            ("mask_side", self.mask_side),
             ("mask_unevenness", self.mask_unevenness),
             ("mask_boundary", self.mask_boundary),
             ("mask_correlation", self.mask_correlation),
@@ -311,9 +311,9 @@ mod tests {
         assert_eq!(NoiseModel::default().check(), Ok(()));
         let error = |model: NoiseModel| model.check().unwrap_err().to_string();
         let model = NoiseModel { edge_endpoint: 0.0, ..NoiseModel::default() };
-        assert_eq!(error(model), "edge_noise is 0; it must be finite and greater than 0");
+        assert_eq!(error(model), "edge_endpoint is 0; it must be finite and greater than 0");
         let model = NoiseModel { blur: f64::NAN, ..NoiseModel::default() };
-        assert_eq!(error(model), "image_blur is NaN; it must be finite and at least 0; 0 = estimated");
+        assert_eq!(error(model), "blur is NaN; it must be finite and at least 0; 0 = estimated");
         let model = NoiseModel { mask_growth: -1.0, ..NoiseModel::default() };
         assert_eq!(error(model), "mask_growth is -1; it must be finite and at least 0");
     }

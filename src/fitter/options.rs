@@ -246,7 +246,7 @@ impl Options {
             let requirement = "be finite and at least 0; 0 = from the data";
             return Err(Error::argument("options.independent_points", self.independent_points, requirement));
         }
-        self.noise.check().map_err(|error| error.in_struct("options"))?;
+        self.noise.check().map_err(|error| error.in_struct("options.noise"))?;
         self.cylinder_limits.check().map_err(|error| error.in_struct("options"))
     }
 }
