@@ -23,6 +23,7 @@ mod region;
 mod row;
 mod score;
 mod search;
+mod settle;
 mod surface;
 
 pub(crate) use cloud::{Looks, detect_points_until, reach};
@@ -218,7 +219,7 @@ pub(crate) fn detect_until(
     };
     let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
     let effort = Effort::new(stopped);
-    let found = search::search(&mut grid, pixel, searched, options, &effort)?;
+    let found = search::search(&mut grid, pixel, searched, image.is_none(), options, &effort)?;
     let found = labels::label(&grid, &found, (width, height), pixel, &read_points, &read_rays, &effort);
     Ok(Detections { image: edges, ..found })
 }

@@ -30,6 +30,11 @@ impl Moments {
         Self { center, unit: grid.spacing, count: which.len() as f64, sums }
     }
 
+    /// The number of cells.
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
     /// The mean of the places, in units from the centre.
     pub fn mean(&self) -> Vector2<f64> {
         Vector2::new(self.sums[0], self.sums[1]) / self.count

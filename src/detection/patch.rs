@@ -8,9 +8,16 @@ use super::grid::Grid;
 use super::moments::Moments;
 use crate::geometry::{Cylinder, Line};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, Vector4};
+use std::f64::consts::FRAC_PI_4;
 
 /// The second derivative must be this many standard deviations from zero.
 const SIGNIFICANT: f64 = 3.0;
+
+/// A strip is at least this many cells wide: what is left of a face or an edge may be as wide as two or three. It is at least so many
+/// times as long as wide, and its cells fill this part of that: in noise they hang together by chance.
+const NARROWEST: f64 = 4.0;
+const LONG: f64 = 2.0;
+const FULL: f64 = 0.9;
 
 /// The open cells connected with a seed within a window of `half` cells to each side.
 pub(super) fn collect(grid: &Grid, seed: usize, half: usize, mark: &mut Marks, cells: &mut Vec<usize>) {
@@ -44,11 +51,10 @@ pub(super) fn collect(grid: &Grid, seed: usize, half: usize, mark: &mut Marks, c
 /// A cylinder by the quadratic surface through cells; `None` where they are flat within their noise, or no cylinder.
 pub(super) fn hypothesis(
     grid: &Grid,
-    cells: &[usize],
+    moments: &Moments,
     deviation: f64,
     cells_per_sample: f64,
 ) -> Option<Cylinder> {
-    let moments = Moments::new(grid, cells);
     let (matrix, vector) = moments.equations();
     let inverse = matrix.cholesky()?.inverse();
     let mut a = inverse * vector;
@@ -125,4 +131,32 @@ pub(super) fn hypothesis(
     let radius = solution[3].abs();
     (radius > 0.0 && radius.is_finite() && center.iter().all(|x| x.is_finite()))
         .then_some(Cylinder { axis: Line { point: center, direction }, radius })
+}
+
+/// A cylinder as wide as the cells of a patch, where these are a strip: a thin pipe bends by less than its noise within any patch.
+/// `None` where they are none.
+pub(super) fn strip(grid: &Grid, moments: &Moments) -> Option<Cylinder> {
+    let extents = moments.covariance().symmetric_eigen();
+    let (short, long) = if extents.eigenvalues[0] < extents.eigenvalues[1] { (0, 1) } else { (1, 0) };
+    // Those of a uniform stretch.
+    let [width, length] = [short, long].map(|k| (12.0 * extents.eigenvalues[k]).sqrt());
+    let is_full = moments.count() >= FULL * width * length;
+    if !(width >= NARROWEST && length >= LONG * width && is_full) {
+        return None;
+    }
+    let (plane, _) = moments.plane()?;
+    let along: Vector2<f64> = extents.eigenvectors.column(long).into();
+    let place = moments.on_plane(&moments.mean());
+    let ray = Vector3::new(place.x, place.y, 1.0);
+    let w = plane.dot(&Vector3::new(1.0, place.x, place.y));
+    if w <= 0.0 {
+        return None;
+    }
+    let slope = along.x * plane[1] + along.y * plane[2];
+    let direction = (Vector3::new(along.x, along.y, 0.0) / w - ray * (slope / (w * w))).normalize();
+    let point = ray / w;
+    let radius = 0.5 * width * grid.spacing / w;
+    let away = (point - direction * point.dot(&direction)).try_normalize(0.0)?;
+    // So far behind the mean of the front is the axis.
+    Some(Cylinder { axis: Line { point: point + away * (FRAC_PI_4 * radius), direction }, radius })
 }

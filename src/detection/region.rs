@@ -28,7 +28,7 @@ const VISITS: u64 = 3_000_000;
 
 /// Seeds lie half the side of a patch divided by this apart: in a scene one, but a mask is small, and of a body of which little is
 /// seen few patches lie on nothing else. With three candidates a cell radii were worse: docs/performance-history.md.
-const SEEDS: Seeds = Seeds { density: 4, most_visits: 4 };
+const SEEDS: Seeds = Seeds { density: 4, most_visits: 4, strips: false };
 
 /// By how much limits are widened: the cylinder is only to tell the body from the rest. Depth makes the radius up to a third
 /// too large, and caps tell the direction to 0.15 radians.

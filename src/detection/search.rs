@@ -5,6 +5,7 @@ use super::effort::Effort;
 use super::evidence::Evidence;
 use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
+use super::moments::Moments;
 use super::noise::Noise;
 use super::outline::Normals;
 use super::surface::{Optics, Surface};
@@ -42,10 +43,15 @@ pub(super) struct Seeds {
     pub density: usize,
     /// A cell that so many candidates hold starts none: a bound on the time.
     pub most_visits: u8,
+    /// Whether the outline of a narrow patch gives a cylinder where its bend gives none.
+    pub strips: bool,
 }
 
 /// Those of a whole scene.
-const SEEDS: Seeds = Seeds { density: 1, most_visits: 3 };
+const SEEDS: Seeds = Seeds { density: 1, most_visits: 3, strips: false };
+
+/// A cylinder that grew from a strip is at most this many times as wide as that: otherwise it was a strip of something wider.
+const WIDER: f64 = 1.5;
 
 /// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
 const ALIKE: f64 = 0.08;
@@ -78,11 +84,12 @@ pub(super) struct Judged {
     pub score: f64,
 }
 
-/// The cylinders of a grid, best first.
+/// The cylinders of a grid, best first. A depth image `alone` has no image that tells limbs: there its outline does.
 pub(super) fn search(
     grid: &mut Grid,
     pixel: f64,
     image: Option<(&ImageEdges, &PixelOf<'_>)>,
+    alone: bool,
     options: &DetectionOptions,
     effort: &Effort<'_>,
 ) -> Result<Vec<Judged>> {
@@ -107,7 +114,8 @@ pub(super) fn search(
     effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
     effort.limit(LIMITS[1]);
-    let by_depth = candidates(&scene, options, SEEDS, &mut explained, &mut marks);
+    let seeds = Seeds { strips: alone, ..SEEDS };
+    let by_depth = candidates(&scene, options, seeds, &mut explained, &mut marks);
     effort.limit(LIMITS[2]);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
@@ -115,8 +123,11 @@ pub(super) fn search(
     let mut found = distinct(found);
     effort.limit(LIMITS[3]);
     parts::join(&scene, &mut found, options, &mut marks);
-    let chosen = select(&scene, &mut found, options, &mut marks);
+    let mut chosen = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
+    if alone {
+        settle(&scene, &mut chosen, options, &mut marks);
+    }
     Ok(chosen)
 }
 
@@ -185,7 +196,7 @@ impl Judged {
 pub(super) fn candidates(
     scene: &Scene<'_>,
     options: &DetectionOptions,
-    Seeds { density, most_visits }: Seeds,
+    Seeds { density, most_visits, strips }: Seeds,
     explained: &mut [bool],
     marks: &mut Marks,
 ) -> Vec<Judged> {
@@ -195,6 +206,8 @@ pub(super) fn candidates(
     let mut visits = vec![0_u8; grid.cells.len()];
     for half in SIZES {
         let stride = (half / density).max(2);
+        // A strip is tried once with each size.
+        let mut in_strips = vec![false; if strips { grid.cells.len() } else { 0 }];
         for row in (stride / 2..grid.rows).step_by(stride) {
             for column in (stride / 2..grid.columns).step_by(stride) {
                 let seed = row * grid.columns + column;
@@ -208,24 +221,33 @@ pub(super) fn candidates(
                 if scene.effort.is_spent() {
                     return found;
                 }
-                let Some(start) =
-                    patch::hypothesis(grid, &cells, scene.noise.deviation, scene.noise.cells_per_sample)
-                else {
-                    continue;
-                };
-                let Some(grown) = scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks)
-                else {
-                    continue;
-                };
-                grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                let Some(judged) = Judged::with_score(scene, grown, LEAST_SCORE, options, marks) else {
-                    continue;
-                };
-                if judged.score > 0.5 {
-                    judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
-                }
-                if judged.score > LEAST_SCORE {
+                let moments = Moments::new(grid, &cells);
+                let by_bend =
+                    patch::hypothesis(grid, &moments, scene.noise.deviation, scene.noise.cells_per_sample);
+                let untried = strips && !in_strips[seed];
+                for by_outline in [false, true] {
+                    let start = match by_outline {
+                        true if untried => patch::strip(grid, &moments),
+                        true => None,
+                        false => by_bend,
+                    };
+                    let Some(start) = start else { continue };
+                    if by_outline {
+                        cells.iter().for_each(|&k| in_strips[k] = true);
+                    }
+                    let grown = scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks);
+                    let is_strip = |(candidate, _): &(Candidate, Look)| {
+                        !by_outline || candidate.surface.radius() <= WIDER * start.radius
+                    };
+                    let Some(grown) = grown.filter(is_strip) else { continue };
+                    grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
+                    let judged = Judged::with_score(scene, grown, LEAST_SCORE, options, marks);
+                    let Some(judged) = judged.filter(|judged| judged.score > LEAST_SCORE) else { continue };
+                    if judged.score > 0.5 {
+                        judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
+                    }
                     found.push(judged);
+                    break;
                 }
             }
         }
@@ -369,4 +391,15 @@ fn select(
     chosen.sort_by(|a, b| b.score.total_cmp(&a.score));
     chosen.truncate(options.max_count.min(usize::from(u16::MAX)));
     chosen
+}
+
+/// Gives the cylinders that were chosen the surfaces of a last fit, where these keep the limits.
+fn settle(scene: &Scene<'_>, chosen: &mut [Judged], options: &DetectionOptions, marks: &mut Marks) {
+    for Judged { candidate, .. } in chosen {
+        let Some(surface) = scene.settled(candidate, marks) else { continue };
+        let settled = Candidate { surface, ..candidate.clone() };
+        if plausible(scene, &settled, options) {
+            *candidate = settled;
+        }
+    }
 }
