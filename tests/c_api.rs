@@ -115,7 +115,7 @@ fn the_walk_holds_under_valgrind() {
     assert_eq!(run(start("valgrind").args(valgrind).arg(program)), "all checks hold\n");
 }
 
-/// Runs one part of tests/c/defects: nothing but its own line may be printed, by the library neither.
+/// Runs one case of tests/c/defects, by its name: nothing but its own line may be printed, by the library neither.
 fn defect(arguments: &[&str]) {
     let name = format!("c_defect_{}", arguments.join("_"));
     let compiler = compile_folder(&["-O1"], "tests/c/defects");
@@ -128,54 +128,59 @@ fn defect(arguments: &[&str]) {
 
 #[test]
 fn a_mask_without_pixels_is_refused() {
-    defect(&["1"]);
+    defect(&["empty_masks"]);
 }
 
 #[test]
 fn an_extent_takes_bounded_time() {
-    defect(&["2"]);
+    defect(&["endless_extents"]);
 }
 
 #[test]
 fn memory_that_runs_out_is_told() {
     for call in ["push", "residuals", "fit", "diagnose", "detect"] {
-        defect(&["3", call]);
+        defect(&["short_memory", call]);
     }
 }
 
 #[test]
 fn a_thread_that_cannot_be_started_is_done_without() {
-    defect(&["4"]);
+    defect(&["no_threads"]);
 }
 
 #[test]
 fn variances_are_possible_or_unknown() {
-    defect(&["5"]);
+    defect(&["impossible_variances"]);
+}
+
+#[test]
+fn intrinsics_in_a_wrong_unit_break_nothing() {
+    defect(&["intrinsics_in_a_wrong_unit"]);
 }
 
 #[test]
 fn ransac_can_be_cancelled() {
-    defect(&["6"]);
+    defect(&["deaf_ransac"]);
 }
 
 #[test]
 fn limits_that_no_arithmetic_keeps_are_named() {
-    defect(&["7"]);
+    defect(&["endless_limits"]);
 }
 
 #[test]
 fn calls_return_what_they_list() {
-    defect(&["8"]);
+    defect(&["statuses_and_overflow"]);
 }
 
 #[test]
 fn texts_are_those_of_the_last_call_and_whole() {
-    defect(&["9"]);
+    defect(&["stale_and_cut_texts"]);
 }
 
 #[test]
 fn evaluate_agrees_with_fit() {
-    defect(&["10"]);
+    defect(&["evaluate_and_fit"]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-/* Ten defects that random calls once found, each with what happens instead. Run with the number of one; prints what
- * fails and returns 1 then. A signal or a printed line of the library is a failure too. */
+/* Defects that random calls once found, each with what happens instead. Run with the name of one, and of a call where
+ * memory is short; prints what fails and returns 1 then. A signal or a printed line of the library is a failure too. */
 #include "defects.h"
 
 /* A mask without pixels is refused wherever one is taken. */
@@ -420,21 +420,42 @@ static void evaluate_and_fit(void)
     destroy(fitter);
 }
 
+static const struct {
+    const char *name;
+    void (*run)(void);
+} CASES[] = {
+    {"empty_masks", empty_masks},
+    {"endless_extents", endless_extents},
+    {"no_threads", no_threads},
+    {"impossible_variances", impossible_variances},
+    {"intrinsics_in_a_wrong_unit", intrinsics_in_a_wrong_unit},
+    {"deaf_ransac", deaf_ransac},
+    {"endless_limits", endless_limits},
+    {"statuses_and_overflow", statuses_and_overflow},
+    {"stale_and_cut_texts", stale_and_cut_texts},
+    {"evaluate_and_fit", evaluate_and_fit},
+};
+
+/* Runs the case of a name; 0 where there is none. */
+static int run(const char *name)
+{
+    for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
+        if (strcmp(CASES[k].name, name) == 0) {
+            CASES[k].run();
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int main(int count, char **arguments)
 {
     const char *name = count > 1 ? arguments[1] : "";
-    switch (atoi(name)) {
-    case 1: empty_masks(); break;
-    case 2: endless_extents(); break;
-    case 3: short_memory(count > 2 ? arguments[2] : "fit"); break;
-    case 4: no_threads(); break;
-    case 5: impossible_variances(); intrinsics_in_a_wrong_unit(); break;
-    case 6: deaf_ransac(); break;
-    case 7: endless_limits(); break;
-    case 8: statuses_and_overflow(); break;
-    case 9: stale_and_cut_texts(); break;
-    case 10: evaluate_and_fit(); break;
-    default: printf("which of 1 to 10?\n"); return 2;
+    if (count > 2 && strcmp(name, "short_memory") == 0) {
+        short_memory(arguments[2]);
+    } else if (!run(name)) {
+        printf("no case \"%s\"\n", name);
+        return 2;
     }
     if (failures > 0) {
         printf("%d checks failed\n", failures);

@@ -42,7 +42,7 @@ double *cylinder_points(size_t count);
 double seconds(clockid_t of);
 double uniform(void);
 
-/* Defect 5. */
+/* In covariance.c. */
 void impossible_variances(void);
 void intrinsics_in_a_wrong_unit(void);
 
