@@ -67,7 +67,7 @@ pub enum Error {
         /// What to do instead.
         remedy: &'static str,
     },
-    /// Memory for the data could not be had.
+    /// Memory for the data could not be allocated.
     #[error("out of memory: {bytes} bytes for {what} could not be allocated")]
     OutOfMemory {
         /// What the memory was for.

@@ -206,11 +206,11 @@ typedef int32_t cylfuse_status;
  */
 #define CYLFUSE_STATUS_BUFFER_TOO_SMALL (-7)
 /**
- * Memory could not be had.
+ * Memory could not be allocated.
  */
 #define CYLFUSE_STATUS_OUT_OF_MEMORY (-8)
 /**
- * The method does not define what was asked for.
+ * Not supported with these options or data.
  */
 #define CYLFUSE_STATUS_UNSUPPORTED (-9)
 /**
@@ -1773,8 +1773,8 @@ typedef struct cylfuse_detection_progress {
 } cylfuse_detection_progress;
 
 /**
- * Hears how far a detector is: before the search, after it, and after each fit, on the thread that called
- * `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+ * Is called with the progress of a detector: before the search, after it, and after each fit, on the thread that
+ * called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
  * `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters
@@ -1807,12 +1807,12 @@ typedef struct cylfuse_detection {
 } cylfuse_detection;
 
 /**
- * Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+ * Is called after each fit of `cylfuse_fit_all`, in the order in which they end, on the thread that called it.
  *
  * It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
  * `cylfuse_fitter_get_result` on this one; the others may be BUSY.
  *
- * @param index the place of the fitter
+ * @param index the index of the fitter
  * @param status what `cylfuse_fitter_fit` would have returned for it
  * @param user_data what was given with the callback
  * @return 0 to go on; anything else stops the fits that run, and no other begins
@@ -2271,7 +2271,7 @@ CYLFUSE_NOEXCEPT;
 CYLFUSE_API cylfuse_status cylfuse_fitter_destroy(struct cylfuse_fitter *fitter) CYLFUSE_NOEXCEPT;
 
 /**
- * Makes room, so that pushing that many more points and segments into the selected view needs no memory.
+ * Makes room for the coordinates of that many more points and for that many more segments in the selected view.
  *
  * @param fitter the fitter
  * @param points how many points
@@ -2325,8 +2325,7 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
- * sample. When no
- * call is running it does nothing. May be called from any thread and from callbacks.
+ * sample. When no call is running it does nothing. May be called from any thread and from callbacks.
  *
  * @param fitter the fitter
  */
@@ -2388,7 +2387,7 @@ CYLFUSE_NOEXCEPT;
  * Sets the pose of the selected view: x_reference = rotation * x_camera + translation. The identity at first.
  *
  * @param fitter the fitter
- * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
+ * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; small rounding errors are corrected
  * @param translation 3 doubles, the position of the camera in the reference frame, in the unit of length
  * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
  */
@@ -2615,7 +2614,7 @@ CYLFUSE_NOEXCEPT;
  * Sets the pose of a frame: x_reference = rotation * x_camera + translation. The identity at first.
  *
  * @param frame the frame
- * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
+ * @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; small rounding errors are corrected
  * @param translation 3 doubles, in the unit of length
  * @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
  */
@@ -2723,7 +2722,7 @@ const char *cylfuse_detector_last_error(const struct cylfuse_detector *detector)
 CYLFUSE_NOEXCEPT;
 
 /**
- * Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
+ * Asks the calls that are running on a detector to stop: they return CANCELLED, during the search or before the next
  * iteration of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
  *
  * @param detector the detector
@@ -3052,7 +3051,7 @@ CYLFUSE_NOEXCEPT;
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
  *   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
  *   for any number. Each fit takes `max_threads` of its options beside that, of which the default, 1, is right here.
- * @param callback hears of each fit that ended, and may stop the rest; NULL for none
+ * @param callback is called after each fit, and may stop the rest; NULL for none
  * @param user_data handed to the callback; may be NULL
  * @param out_statuses where the statuses of the `count` fits go, in the order of the fitters
  * @return OK when all fits ended, whatever their statuses; CANCELLED when the callback stopped them, where those that had

@@ -107,7 +107,7 @@ fn completion(
     out_of_range: u64,
 ) -> cylfuse_completion {
     cylfuse_completion {
-        struct_size: 0,
+        struct_size: size_of::<cylfuse_completion>() as u32,
         view: saturated(fitter.selected_view()),
         count: count as u64,
         hits: counts.hits as u64,
@@ -292,7 +292,7 @@ impl From<&Extent> for cylfuse_extent {
             entries
         };
         Self {
-            struct_size: 0,
+            struct_size: size_of::<Self>() as u32,
             start_state: extent.start_state.into(),
             end_state: extent.end_state.into(),
             start_source: extent.start_source.into(),

@@ -30,7 +30,7 @@ unsafe impl Send for Shared<'_> {}
 /// @param threads how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread.
 ///   More than 256 are 256, and there are fewer where the system does not start that many. The results have the same bits
 ///   for any number. Each fit takes `max_threads` of its options beside that, of which the default, 1, is right here.
-/// @param callback hears of each fit that ended, and may stop the rest; NULL for none
+/// @param callback is called after each fit, and may stop the rest; NULL for none
 /// @param user_data handed to the callback; may be NULL
 /// @param out_statuses where the statuses of the `count` fits go, in the order of the fitters
 /// @return OK when all fits ended, whatever their statuses; CANCELLED when the callback stopped them, where those that had

@@ -18,8 +18,8 @@ use std::ffi::{c_char, c_void};
 pub type cylfuse_progress_fn =
     Option<unsafe extern "C" fn(progress: *const cylfuse_progress, user_data: *mut c_void) -> i32>;
 
-/// Hears how far a detector is: before the search, after it, and after each fit, on the thread that called
-/// `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+/// Is called with the progress of a detector: before the search, after it, and after each fit, on the thread that
+/// called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
 ///
 /// It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
 /// `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters
@@ -31,12 +31,12 @@ pub type cylfuse_progress_fn =
 pub type cylfuse_detection_progress_fn =
     Option<unsafe extern "C" fn(progress: *const cylfuse_detection_progress, user_data: *mut c_void) -> i32>;
 
-/// Hears of each fit of `cylfuse_fit_all` that ended, in the order in which they end, on the thread that called it.
+/// Is called after each fit of `cylfuse_fit_all`, in the order in which they end, on the thread that called it.
 ///
 /// It must not throw, unwind or longjmp. It may call functions on fitters whose fit has ended, such as
 /// `cylfuse_fitter_get_result` on this one; the others may be BUSY.
 ///
-/// @param index the place of the fitter
+/// @param index the index of the fitter
 /// @param status what `cylfuse_fitter_fit` would have returned for it
 /// @param user_data what was given with the callback
 /// @return 0 to go on; anything else stops the fits that run, and no other begins

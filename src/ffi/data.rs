@@ -149,7 +149,7 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
             let cloud = content.fitter.cloud();
             let dropped = cloud.dropped();
             out.write(&cylfuse_counts {
-                struct_size: 0,
+                struct_size: size_of::<cylfuse_counts>() as u32,
                 view: content.fitter.selected_view() as u32,
                 points_given: cloud.given() as u64,
                 points_used: cloud.len() as u64,

@@ -166,7 +166,7 @@ pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_de
     }
 }
 
-/// Asks the calls that are running on a detector to stop: they return CANCELLED, after the search or before the next
+/// Asks the calls that are running on a detector to stop: they return CANCELLED, during the search or before the next
 /// iteration of a fit. When no call is running it does nothing. May be called from any thread and from callbacks.
 ///
 /// @param detector the detector

@@ -100,7 +100,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
 /// Sets the pose of a frame: x_reference = rotation * x_camera + translation. The identity at first.
 ///
 /// @param frame the frame
-/// @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; rounding is mended
+/// @param rotation 9 doubles, a rotation matrix row by row, to 1e-4; small rounding errors are corrected
 /// @param translation 3 doubles, in the unit of length
 /// @return INVALID_ARGUMENT when a number is not finite or the matrix is no rotation; the old pose stays then
 #[unsafe(no_mangle)]

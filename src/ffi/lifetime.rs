@@ -61,7 +61,7 @@ pub unsafe extern "C" fn cylfuse_fitter_destroy(fitter: *mut cylfuse_fitter) -> 
     unsafe { destroy(fitter, |fitter| fitter.0.close()) }
 }
 
-/// Makes room, so that pushing that many more points and segments into the selected view needs no memory.
+/// Makes room for the coordinates of that many more points and for that many more segments in the selected view.
 ///
 /// @param fitter the fitter
 /// @param points how many points
@@ -132,8 +132,7 @@ pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter
 }
 
 /// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
-/// sample. When no
-/// call is running it does nothing. May be called from any thread and from callbacks.
+/// sample. When no call is running it does nothing. May be called from any thread and from callbacks.
 ///
 /// @param fitter the fitter
 #[unsafe(no_mangle)]

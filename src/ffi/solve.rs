@@ -284,7 +284,7 @@ pub unsafe extern "C" fn cylfuse_fitter_diagnose(
             let out = Output::new(out_diagnosis, "out_diagnosis")?;
             let diagnosis = content.fitter.diagnose(optional_cylinder(model)?.as_ref())?;
             out.write(&cylfuse_cylinder_diagnosis {
-                struct_size: 0,
+                struct_size: size_of::<cylfuse_cylinder_diagnosis>() as u32,
                 rank: saturated(diagnosis.rank.rank),
                 singular_values: diagnosis.rank.singular_values,
                 condition: diagnosis.rank.condition,

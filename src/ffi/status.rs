@@ -32,9 +32,9 @@ impl cylfuse_status {
     pub const BUSY: cylfuse_status = cylfuse_status(-6);
     /// The buffer for the output is too small; the call says how much it needs and writes nothing else.
     pub const BUFFER_TOO_SMALL: cylfuse_status = cylfuse_status(-7);
-    /// Memory could not be had.
+    /// Memory could not be allocated.
     pub const OUT_OF_MEMORY: cylfuse_status = cylfuse_status(-8);
-    /// The method does not define what was asked for.
+    /// Not supported with these options or data.
     pub const UNSUPPORTED: cylfuse_status = cylfuse_status(-9);
     /// Images on one pixel grid have different sizes.
     pub const SIZE_MISMATCH: cylfuse_status = cylfuse_status(-10);
@@ -72,8 +72,8 @@ pub const STATUSES: &[(cylfuse_status, &CStr)] = &[
     (cylfuse_status::BAD_STATE, c"BAD_STATE: the call came before something that it needs"),
     (cylfuse_status::BUSY, c"BUSY: another call on the same handle is running"),
     (cylfuse_status::BUFFER_TOO_SMALL, c"BUFFER_TOO_SMALL: the buffer for the output is too small"),
-    (cylfuse_status::OUT_OF_MEMORY, c"OUT_OF_MEMORY: memory could not be had"),
-    (cylfuse_status::UNSUPPORTED, c"UNSUPPORTED: the method does not define what was asked for"),
+    (cylfuse_status::OUT_OF_MEMORY, c"OUT_OF_MEMORY: memory could not be allocated"),
+    (cylfuse_status::UNSUPPORTED, c"UNSUPPORTED: not supported with these options or data"),
     (cylfuse_status::SIZE_MISMATCH, c"SIZE_MISMATCH: images on one pixel grid have different sizes"),
     (cylfuse_status::INVALID_INTRINSICS, c"INVALID_INTRINSICS: no camera works with these intrinsics"),
     (cylfuse_status::TOO_FEW_POINTS, c"TOO_FEW_POINTS: fewer usable points than a cylinder needs"),

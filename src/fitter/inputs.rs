@@ -252,7 +252,7 @@ impl Fitter {
         }
     }
 
-    /// Makes room for that many more points and segments of the selected view.
+    /// Makes room for the coordinates of that many more points and for that many more segments of the selected view.
     ///
     /// # Errors
     /// `OutOfMemory`.

@@ -119,7 +119,7 @@ impl PointCloud {
         self.resolution = 0.0;
     }
 
-    /// Makes room for that many points.
+    /// Makes room for the coordinates of that many points.
     ///
     /// # Errors
     /// `OutOfMemory`.
