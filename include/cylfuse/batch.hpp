@@ -12,7 +12,7 @@
 
 namespace cylfuse {
 
-/** Hears of each fit of fit_all() that ended: the place of its fitter, and its status; false stops the rest. */
+/** Is called after each fit of fit_all() with the index of its fitter and its status; false stops the rest. */
 using FitAllCallback = std::function<bool(std::size_t, Status)>;
 
 #ifdef CYLFUSE_NO_EXCEPTIONS
@@ -48,7 +48,7 @@ inline std::int32_t on_fit(std::size_t index, cylfuse_status status, void *user_
  * @param fitters a container of fitters, such as `std::vector<cylfuse::Fitter>`
  * @param threads how many fits run at the same time, 0 for as many as the machine has processors; the results have the
  *   same bits for any number
- * @param callback hears of each fit that ended, on the thread of this call; may be empty
+ * @param callback is called after each fit, on the thread of this call; may be empty
  */
 template <class Fitters>
 Returned<std::vector<Status>> fit_all(Fitters &fitters, std::uint32_t threads = 0, FitAllCallback callback = {})

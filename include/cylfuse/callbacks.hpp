@@ -19,7 +19,7 @@ namespace cylfuse {
 /** Called before every iteration of a fit; false stops it with Status::Cancelled. */
 using ProgressCallback = std::function<bool(const Progress &)>;
 
-/** Hears how far a detector is; false stops it with Status::Cancelled. */
+/** Is called with the progress of a detector; false stops it with Status::Cancelled. */
 using DetectionCallback = std::function<bool(const DetectionProgress &)>;
 
 /** Takes a log line, valid until it returns; from several threads at once when several make calls on a const fitter. */

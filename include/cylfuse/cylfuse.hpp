@@ -99,12 +99,15 @@ public:
         return handle_.release();
     }
 
-    /** Makes room, so that pushing that many more points and segments into the selected view needs no memory. */
+    /** Makes room for the coordinates of that many more points and for that many more segments in the selected view. */
     Returned<void> reserve(std::size_t points, std::size_t segments)
     {
         return finish(cylfuse_fitter_reserve(begin(), points, segments));
     }
-    /** Forgets data, result, all views but the first, and its pose; keeps what else was set, and memory. */
+    /**
+     * Forgets data, result, all views but the first, and its pose; keeps what else was set, what Start::Last goes on from,
+     * and memory.
+     */
     Returned<void> clear() { return finish(cylfuse_fitter_clear(begin())); }
     /** Forgets some of the data of the selected view: `clear_input(Input::Depth | Input::Image)`. */
     Returned<void> clear_input(Input inputs)

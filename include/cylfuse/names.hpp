@@ -2,7 +2,8 @@
 
 /**
  * @file names.hpp
- * Constants as text: to_string() gives the name, describe() the name and what it means. Include cylfuse.hpp.
+ * The version of the library, and constants as text: to_string() gives the name, describe() the name and what it means.
+ * Include cylfuse.hpp.
  */
 
 #ifndef CYLFUSE_NAMES_HPP
@@ -10,10 +11,18 @@
 
 #include <cylfuse/enums.hpp>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace cylfuse {
+
+/** The version of the loaded library, such as "0.2.0". */
+inline const char *version_string() noexcept { return cylfuse_version_string(); }
+/** The same as a number, major * 65536 + minor * 256 + patch; compare it with CYLFUSE_VERSION_NUMBER. */
+inline std::uint32_t version_number() noexcept { return cylfuse_version_number(); }
+/** How the loaded library was built, for reports of defects. */
+inline const char *build_info() noexcept { return cylfuse_build_info(); }
 
 /** The name of a status, a colon, and what it means in a few words; a text for unknown numbers too. */
 inline const char *describe(Status status) noexcept

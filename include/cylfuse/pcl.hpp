@@ -108,15 +108,20 @@ PointsView points_view(const pcl::PointCloud<PointT> &cloud)
 template <class PointT>
 PointsView points_view(const pcl::PointCloud<PointT> &&cloud) = delete;
 
-/** Adds the points of a cloud with these indices. Nothing is added when an index is out of range. */
+/** Adds the points of a cloud with these indices. Nothing is added where that fails, as for an index that is out of range. */
 template <class PointT>
 void push_points(Fitter &fitter, const pcl::PointCloud<PointT> &cloud, const pcl::Indices &indices)
 {
     detail::check_cloud(cloud);
     detail::check_indices(cloud, indices);
-    fitter.reserve(indices.size(), 0); // From here on nothing can fail between two pushes.
-    detail::gather(cloud, indices,
-                   [&](const PointsView &points, std::size_t, std::size_t) { fitter.push_points(points); });
+    // All at once: a push that fails adds nothing.
+    std::vector<std::array<float, 3>> points;
+    points.reserve(indices.size());
+    for (const pcl::index_t index : indices) {
+        const PointT &point = cloud[std::size_t(index)];
+        points.push_back({point.x, point.y, point.z});
+    }
+    fitter.push_points(points);
 }
 
 /** The seven coefficients of PCL's SACMODEL_CYLINDER: point on the axis, direction, radius. */

@@ -143,6 +143,13 @@ static void a_failed_completion_leaves_the_points()
     CHECK(points.size() > 1000 && points.size() < 160 * 120);
 }
 
+static void the_version_is_that_of_the_header()
+{
+    CHECK(cylfuse::version_number() == CYLFUSE_VERSION_NUMBER);
+    CHECK(std::string(cylfuse::version_string()) == cylfuse_version_string());
+    CHECK(std::string(cylfuse::build_info()).find(cylfuse::version_string()) != std::string::npos);
+}
+
 static void fits_that_are_stopped_have_their_statuses()
 {
     std::vector<cylfuse::Fitter> fitters(6);
@@ -204,6 +211,7 @@ int main()
     exceptions_leave_the_call_that_they_came_from();
     small_buffers_say_what_is_needed();
     a_failed_completion_leaves_the_points();
+    the_version_is_that_of_the_header();
     fits_that_are_stopped_have_their_statuses();
     data_may_vanish_after_the_call();
     handles_have_the_text_of_their_last_failure();
