@@ -17,7 +17,7 @@ import (
 // fitter in the list, or one that is there twice, which is StatusInvalidArgument, nothing is done.
 //
 // threads is how many fits run at the same time, 0 for as many as the machine has processors; the results have the same
-// bits for any number. ended, which may be nil, hears of each fit that ended, in this goroutine: the place of the fitter,
+// bits for any number. ended, which may be nil, is called after each fit, in this goroutine, with the index of its fitter
 // and StatusOK or why it failed. It returns true to go on; false stops the rest, whose errors are StatusCancelled then,
 // as is that of FitAll. Its panic goes on in the caller.
 func FitAll(fitters []*Fitter, threads int, ended func(index int, status Status) bool) ([]error, error) {

@@ -213,9 +213,9 @@ func (detector *Detector) FitOptions() (Options, error) {
 	return optionsFromC(&c), nil
 }
 
-// SetProgress sets what hears of a search before it, after it, and after each fit, in the goroutine that called Detect or
-// DetectPoints; nil for nothing. It returns true to go on; false stops the search, which returns StatusCancelled. The rules
-// of Fitter.SetProgress hold here too.
+// SetProgress sets what is called with the progress of a search: before it, after it, and after each fit, in the goroutine
+// that called Detect or DetectPoints; nil for nothing. It returns true to go on; false stops the search, which returns
+// StatusCancelled. The rules of Fitter.SetProgress hold here too.
 func (detector *Detector) SetProgress(callback func(DetectionProgress) bool) error {
 	return detector.call(func(handle *C.cylfuse_detector) C.cylfuse_status {
 		status := C.bridge_set_detection_progress(handle, truth(callback != nil))

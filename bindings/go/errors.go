@@ -28,9 +28,9 @@ const (
 	StatusBusy Status = C.CYLFUSE_STATUS_BUSY
 	// StatusBufferTooSmall: a buffer for an output is too small.
 	StatusBufferTooSmall Status = C.CYLFUSE_STATUS_BUFFER_TOO_SMALL
-	// StatusOutOfMemory: memory could not be had.
+	// StatusOutOfMemory: memory could not be allocated.
 	StatusOutOfMemory Status = C.CYLFUSE_STATUS_OUT_OF_MEMORY
-	// StatusUnsupported: the method does not define what was asked for.
+	// StatusUnsupported: not supported with these options or data.
 	StatusUnsupported Status = C.CYLFUSE_STATUS_UNSUPPORTED
 	// StatusSizeMismatch: images on one pixel grid have different sizes.
 	StatusSizeMismatch Status = C.CYLFUSE_STATUS_SIZE_MISMATCH

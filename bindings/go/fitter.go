@@ -76,7 +76,7 @@ func (fitter *Fitter) Clone() (*Fitter, error) {
 // freed then.
 func (fitter *Fitter) Close() error { return fitter.close() }
 
-// Reserve makes room, so that pushing that many more points and segments into the selected view needs no memory.
+// Reserve makes room for the coordinates of that many more points and for that many more segments in the selected view.
 func (fitter *Fitter) Reserve(points, segments int) error {
 	if points < 0 || segments < 0 {
 		return shapeError("%d points and %d segments: numbers are 0 or greater", points, segments)
@@ -87,7 +87,7 @@ func (fitter *Fitter) Reserve(points, segments int) error {
 }
 
 // Clear forgets the data, all views but the first, its pose and the result; it keeps options, the cameras of the first
-// view, start model, callbacks and memory: the way from one frame to the next.
+// view, start model, what StartLast goes on from, callbacks and memory: the way from one frame to the next.
 func (fitter *Fitter) Clear() error {
 	return fitter.call(func(handle *C.cylfuse_fitter) C.cylfuse_status {
 		status := C.cylfuse_fitter_clear(handle)

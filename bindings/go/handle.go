@@ -82,7 +82,7 @@ func (object *object) call(run func(handle unsafe.Pointer) C.cylfuse_status) err
 type running struct {
 	fitter   *Fitter
 	detector *Detector
-	// ended hears of the fits of FitAll.
+	// ended is called after each fit of FitAll.
 	ended func(index int, status Status) bool
 	// thrown is what a callback panicked with; the call goes on panicking when the library has returned.
 	thrown any

@@ -82,8 +82,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Sets or takes away the function that hears of a search before it, after it, and after each fit, on
-        /// the thread of the search. It returns whether to go on; otherwise the search throws with <see
+        /// <summary>Sets or takes away the function that is called with the progress of a search: before it, after it,
+        /// and after each fit, on the thread of the search. It returns whether to go on; otherwise the search throws with <see
         /// cref="Status.Cancelled"/>. An exception that it throws stops the search and comes out of it.</summary>
         /// <param name="handler">null for none.</param>
         public void SetProgress(Func<DetectionProgress, bool> handler)

@@ -28,9 +28,9 @@ namespace Cylfuse
         /// <summary>The buffer for the output is too small; the call says how much it needs and writes nothing
         /// else.</summary>
         BufferTooSmall = -7,
-        /// <summary>Memory could not be had.</summary>
+        /// <summary>Memory could not be allocated.</summary>
         OutOfMemory = -8,
-        /// <summary>The method does not define what was asked for.</summary>
+        /// <summary>Not supported with these options or data.</summary>
         Unsupported = -9,
         /// <summary>Images on one pixel grid have different sizes.</summary>
         SizeMismatch = -10,

@@ -103,8 +103,8 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Makes room, so that pushing that many more points and segments into the selected view needs no
-        /// memory.</summary>
+        /// <summary>Makes room for the coordinates of that many more points and for that many more segments in the
+        /// selected view.</summary>
         /// <exception cref="CylfuseException">OutOfMemory.</exception>
         public void Reserve(int points, int segments)
         {
@@ -116,9 +116,11 @@ namespace Cylfuse
         }
 
         /// <summary>Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of
-        /// the first view, start model, callbacks and memory: the way from one frame to the next.</summary>
+        /// the first view, start model, what the start <see cref="StartKind.Last"/> goes on from, callbacks and memory: the
+        /// way from one frame to the next.</summary>
         public void Clear()
-        {            using (Call call = Enter())
+        {
+            using (Call call = Enter())
             {
                 call.Check(Native.Functions.FitterClear(call.Pointer));
                 lock (cameras)

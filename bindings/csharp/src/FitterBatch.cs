@@ -13,13 +13,13 @@ namespace Cylfuse
         /// <param name="fitters">The fitters, each once.</param>
         /// <param name="threads">How many fits run at the same time, 0 for as many as the machine has processors. The
         /// results have the same bits for any number.</param>
-        /// <param name="ended">Hears of each fit that ended, on this thread: the place of the fitter, and Ok or why it
+        /// <param name="ended">Is called after each fit, on this thread, with the index of its fitter, and Ok or why it
         /// failed. It returns whether to go on; null for none. What it throws stops the rest and comes out of this
         /// method.</param>
         /// <returns>Why each fit failed, in the order of the fitters; null for one that succeeded. One that is in
-        /// another call has Busy.</returns>
-        /// <exception cref="CylfuseException">Cancelled when <paramref name="ended"/> stopped the rest; InvalidArgument for
-        /// a fitter that is there twice.</exception>
+        /// another call has Busy. Where <paramref name="ended"/> stopped the rest, those that had not ended have
+        /// Cancelled.</returns>
+        /// <exception cref="CylfuseException">InvalidArgument for a fitter that is there twice.</exception>
         public static unsafe CylfuseException[] FitAll(IReadOnlyList<Fitter> fitters, int threads = 0,
             Func<int, Status, bool> ended = null)
         {
@@ -55,7 +55,7 @@ namespace Cylfuse
                 }
                 GC.KeepAlive(hear);
                 thrown?.Throw();
-                Native.Check(outcome);
+                if ((Status)outcome != Status.Cancelled) Native.Check(outcome);
                 var failures = new CylfuseException[handles.Length];
                 for (int k = 0; k < failures.Length; k++)
                 {

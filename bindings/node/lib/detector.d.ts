@@ -82,8 +82,8 @@ export class Detector {
   /** The options of the fits. */
   getFitOptions(): Required<Options>;
   /**
-   * Sets what hears of a search before it, after it, and after each fit; false stops the search. What it throws, the
-   * search throws, and a TypeError where it returns a promise. A `detect` waits for the event loop to get to it.
+   * Sets what is called with the progress of a search: before it, after it, and after each fit; false stops the search.
+   * What it throws, the search throws, and a TypeError where it returns a promise. A `detect` waits for the event loop to get to it.
    */
   setProgress(callback: ((progress: DetectionProgress) => boolean | void) | null): void;
   /**

@@ -30,23 +30,23 @@ class Fitter {
     checkFitters(every);
     const all = every.map((fitter) => fitter.#calls);
     let thrown = null;
-    const ended = progress && ((index) => {
+    let busy = [];
+    const statusOf = (index, status) => (busy[index] ? STATUS.BUSY : status);
+    const ended = progress && ((index, status) => {
       try {
-        return answered('progress', progress(index)) === false ? 1 : 0;
+        return answered('progress', progress(index, nameOf('status', statusOf(index, status)))) === false ? 1 : 0;
       } catch (error) {
         thrown = { error };
         return 1;
       }
     });
-    let busy = [];
     const { status, statuses } = await Calls.onAll(all, (handles) => {
       busy = handles.map((handle) => handle === null);
       return fitAllOnPool(handles, threads, ended);
     });
     if (thrown) throw thrown.error;
-    if (status !== 0) throw statusError(status);
-    return all.map((calls, index) =>
-      calls.failure(busy[index] ? STATUS.BUSY : statuses[index]) ?? every[index].result());
+    if (status !== STATUS.OK && status !== STATUS.CANCELLED) throw statusError(status);
+    return all.map((calls, index) => calls.failure(statusOf(index, statuses[index])) ?? every[index].result());
   }
 
   /** A fitter that is created by another function, with the size of its camera. */

@@ -78,9 +78,12 @@ export class Fitter {
   close(): void;
   /** The same, for `using fitter = new Fitter()`. */
   [Symbol.dispose](): void;
-  /** Makes room, so that pushing that many more points and segments into the selected view needs no memory. */
+  /** Makes room for the coordinates of that many more points and for that many more segments in the selected view. */
   reserve(points: number, segments?: number): void;
-  /** Forgets the data, all views but the first, its pose and the result: the way from one frame to the next. */
+  /**
+   * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view, start
+   * model, what the start `last` goes on from, callbacks and memory: the way from one frame to the next.
+   */
   clear(): void;
   /** Forgets some of the data of the selected view, and keeps the rest and the last result. */
   clearInput(...inputs: Input[]): void;
@@ -207,8 +210,11 @@ export function fitAll(
   options?: {
     /** How many fits run at the same time. Default 0 = as many as the machine has processors. */
     threads?: number;
-    /** Hears of each fit that ended, by the place of its fitter; false stops the rest, and then all fail as cancelled. */
-    progress?: ((index: number) => unknown) | null;
+    /**
+     * Is called after each fit with the index of its fitter and 'OK' or the code of its error; false stops the rest: each
+     * that had not ended has the error CANCELLED.
+     */
+    progress?: ((index: number, status: 'OK' | StatusName) => unknown) | null;
   },
 ): Promise<(Result | CylfuseError)[]>;
 

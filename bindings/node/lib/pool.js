@@ -73,8 +73,8 @@ async function fitOnPool(handle, hears, cancelled) {
 }
 
 /**
- * Fits those that the handles are of: the status of all, and that of each. `ended` hears of each, and returns whether to
- * stop; null for nothing.
+ * Fits those that the handles are of: the status of all, and that of each. `ended` is called after each fit, and returns
+ * whether to stop; null for nothing.
  */
 async function fitAllOnPool(handles, threads, ended) {
   const count = handles.length;

@@ -26,8 +26,8 @@ test('fitters at once give the results of each', async () => {
   for (const threads of [0, 1, 3]) {
     const all = fitters();
     const heard = [];
-    const outcomes = await cylfuse.fitAll(all, { threads, progress: (index) => { heard.push(index); } });
-    assert.deepEqual(heard.sort(), [0, 1, 2, 3, 4, 5, 6, 7]);
+    const outcomes = await cylfuse.fitAll(all, { threads, progress: (index, status) => { heard[index] = status; } });
+    assert.deepEqual(heard, ['OK', 'OK', 'COLLINEAR_POINTS', 'OK', 'OK', 'OK', 'OK', 'OK']);
     outcomes.forEach((outcome, k) => {
       if (k === 2) {
         assert.ok(outcome instanceof cylfuse.CylfuseError && outcome.code === 'COLLINEAR_POINTS', String(outcome));
@@ -43,7 +43,11 @@ test('fitters at once give the results of each', async () => {
 
 test('fitters at once are stopped and refused', async () => {
   const all = fitters();
-  await assert.rejects(cylfuse.fitAll(all, { threads: 1, progress: (index) => index < 3 }), coded('CANCELLED'));
+  const stopped = await cylfuse.fitAll(all, { threads: 1, progress: (index) => index < 3 });
+  assert.deepEqual(stopped.map((outcome) => outcome.code),
+    [undefined, undefined, 'COLLINEAR_POINTS', undefined, 'CANCELLED', 'CANCELLED', 'CANCELLED', 'CANCELLED']);
+  assert.ok(stopped[3].cylinder.radius > 0);
+  assert.match(stopped[4].message, /cancel/);
   assert.ok(all[0].result().cylinder.radius > 0);
   const failing = () => { throw new RangeError('heard'); };
   await assert.rejects(cylfuse.fitAll(all, { threads: 2, progress: failing }), /heard/);
@@ -64,10 +68,10 @@ test('a busy fitter does not keep the others from their fit', async () => {
   const all = fitters().slice(0, 2);
   const running = all[0].fit();
   const heard = [];
-  const [busy, other] = await cylfuse.fitAll(all, { progress: (index) => { heard.push(index); } });
+  const [busy, other] = await cylfuse.fitAll(all, { progress: (index, status) => { heard[index] = status; } });
   assert.ok(busy instanceof cylfuse.CylfuseError && busy.code === 'BUSY', String(busy));
   assert.ok(other.cylinder.radius > 0);
-  assert.deepEqual(heard.sort(), [0, 1]);
+  assert.deepEqual(heard, ['BUSY', 'OK']);
   assert.ok((await running).cylinder.radius > 0);
   all.forEach((fitter) => fitter.close());
 });

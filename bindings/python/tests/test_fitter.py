@@ -219,6 +219,16 @@ def test_the_extent_stays(frame: dict[str, Any], result: cylfuse.Result) -> None
             of_fit.residuals()
 
 
+def test_the_extent_stays_whatever_view_is_selected(frame: dict[str, Any]) -> None:
+    with cylfuse.Fitter(frame["intrinsics"]) as fitter:
+        fitter.push_depth(frame["depth"], frame["mask"], frame["depth_scale"])
+        length = fitter.fit().extent.length
+        fitter.select_view(1)
+        of_fit = fitter.fit()
+        fitter.clear()
+        assert of_fit.extent.length == pytest.approx(length, rel=1e-4)
+
+
 def test_text_of_a_result(result: cylfuse.Result) -> None:
     assert "radius: 0." in repr(result) and "warnings: " in repr(result)
     assert "<th>radius</th>" in result._repr_html_()

@@ -358,10 +358,10 @@ def batch() -> list[cylfuse.Fitter]:
 
 @pytest.mark.parametrize("threads", [0, 1, 3])
 def test_fitters_at_once_give_the_bits_of_each(threads: int) -> None:
-    heard: list[int] = []
+    heard: dict[int, int] = {}
     fitters = batch()
-    outcomes = cylfuse.fit_all(fitters, threads=threads, on_progress=heard.append)
-    assert sorted(heard) == list(range(8))
+    outcomes = cylfuse.fit_all(fitters, threads=threads, on_progress=heard.__setitem__)
+    assert heard == {number: cylfuse.CollinearPointsError.status if number == 2 else 0 for number in range(8)}
     for number, (alone, fitter, outcome) in enumerate(zip(batch(), fitters, outcomes)):
         if number == 2:
             assert isinstance(outcome, cylfuse.CollinearPointsError) and "line" in str(outcome)
@@ -375,13 +375,14 @@ def test_fitters_at_once_give_the_bits_of_each(threads: int) -> None:
 
 def test_fitters_at_once_are_stopped_and_refused() -> None:
     fitters = batch()
-    with pytest.raises(cylfuse.CancelledError):
-        cylfuse.fit_all(fitters, threads=1, on_progress=lambda index: index < 3)
+    outcomes = cylfuse.fit_all(fitters, threads=1, on_progress=lambda index, status: index < 3)
+    kinds = [cylfuse.Result] * 2 + [cylfuse.CollinearPointsError, cylfuse.Result] + [cylfuse.CancelledError] * 4
+    assert [type(outcome) for outcome in outcomes] == kinds and "cancel" in str(outcomes[4])
     assert fitters[3].result.model.radius == pytest.approx(0.5)
     with pytest.raises(cylfuse.StateError):
         fitters[4].result
     with pytest.raises(ZeroDivisionError):
-        cylfuse.fit_all(fitters, threads=2, on_progress=lambda index: 1 / 0)
+        cylfuse.fit_all(fitters, threads=2, on_progress=lambda index, status: 1 / 0)
     with pytest.raises(cylfuse.InvalidArgumentError, match=r"fitters\[1\] is the same"):
         cylfuse.fit_all(fitters[:1] * 2)
     with pytest.raises(TypeError, match=r"fitters\[1\] is of the type NoneType"):
@@ -415,7 +416,7 @@ def test_callbacks_are_plain_functions() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(TypeError, match="must be a plain function, not async"):
-            cylfuse.fit_all([fitter], on_progress=lambda index: ask(index))
+            cylfuse.fit_all([fitter], on_progress=lambda index, status: ask(index))
         fitter.on_progress(lambda progress: ask(progress))
         with pytest.raises(TypeError, match="must be a plain function, not async"):
             fitter.fit()

@@ -27,8 +27,8 @@ __version__ = version()
 __all__ = [
     "Comparison", "Completion", "Counts", "Cylinder", "CylinderDiagnosis", "Detection", "DetectionProgress", "Detector",
     "DetectorOptions", "Deviations", "EndSamples", "Expectation", "Extent", "Fitter", "Frame", "Intrinsics", "Limb",
-    "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "decide_conformity", "fit", "fit_all", "fit_many",
-    "fit_points", "plan", "version", "version_number",
+    "LimbSamples", "Options", "PointWeights", "Pose", "Progress", "Result", "View", "build_info", "decide_conformity",
+    "fit", "fit_all", "fit_many", "fit_points", "plan", "version", "version_number",
 ]  # fmt: skip
 __all__ += enums.__all__
 __all__ += errors.__all__

@@ -53,17 +53,17 @@ class Callbacks:
 
         return function_type(forward)
 
-    def fit_ended(self, callback: Optional[Callable[[int], Any]]) -> Any:
+    def fit_ended(self, callback: Optional[Callable[[int, int], Any]]) -> Any:
         """The C function for a callback of fits that ended, NULL for None."""
         if callback is None:
             return _structs.FitEndedFunction()
         function = _callable(callback)
 
-        def forward(index: int, _status: int, _: object) -> int:
+        def forward(index: int, status: int, _: object) -> int:
             try:
                 if self._raised.error is not None:
                     return 1
-                return _says_stop(function(index))
+                return _says_stop(function(index, status))
             except BaseException as error:
                 self._raised.error = error
                 return 1

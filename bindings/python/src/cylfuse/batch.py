@@ -9,23 +9,25 @@ from . import _structs
 from ._callbacks import Callbacks
 from ._check import instance, whole
 from ._native import lib, make
-from .errors import CylfuseError, fail, from_status
+from .errors import CancelledError, CylfuseError, fail, from_status
 from .fitter import Fitter
 from .result import Result
 
 
 def fit_all(
-    fitters: Iterable[Fitter], *, threads: int = 0, on_progress: Optional[Callable[[int], Any]] = None
+    fitters: Iterable[Fitter], *, threads: int = 0, on_progress: Optional[Callable[[int, int], Any]] = None
 ) -> list[Union[Result, CylfuseError]]:
     """Fits many fitters, several at once, each as :meth:`Fitter.fit` does, and gives their outcomes in order: a result, or
-    the :class:`CylfuseError` that the fit failed with, as BusyError of a fitter that is in another call. For frames there is :func:`fit_many`, which makes its own fitters.
+    the :class:`CylfuseError` that the fit failed with, as BusyError of a fitter that is in another call. For frames there
+    is :func:`fit_many`, which makes its own fitters.
 
     The callbacks of the fitters are not called.
 
     :param threads: how many fits run at the same time; 0 = as many as the machine has processors. The results have the
         same bits for any number.
-    :param on_progress: hears of each fit that ended, on this thread: the place of its fitter. When it returns False no
-        other begins, and this raises CancelledError; what it raises comes out.
+    :param on_progress: is called after each fit, on this thread, with the index of its fitter and 0 or the ``status`` of
+        the error. When it returns False the rest is stopped: the outcome of each fit that had not ended is a
+        CancelledError. What it raises comes out.
     :raises InvalidArgumentError: a fitter is there twice
     """
     every = [instance(f"fitters[{index}]", fitter, Fitter) for index, fitter in enumerate(fitters)]
@@ -41,7 +43,7 @@ def fit_all(
     for fitter in every:
         fitter._revision += 1
     status = callbacks.around(lib.cylfuse_fit_all, pointers, len(every), count, function, None, statuses)
-    if status:
+    if status not in (0, CancelledError.status):
         fail(status)
     return [_outcome(fitter, of_fit) for fitter, of_fit in zip(every, statuses)]
 

@@ -90,8 +90,8 @@ class Detector(Calling):
         self._call(lib.cylfuse_detector_set_fit_options, byref(struct))
 
     def on_progress(self, callback: Optional[Callable[[DetectionProgress], Any]]) -> None:
-        """Sets what hears of a search before it, after it, and after each fit, on the thread of the search; None for
-        none. When it returns False the search stops with CancelledError; what it raises ends the search and comes out
+        """Sets what is called with the progress of a search: before it, after it, and after each fit, on the thread of
+        the search; None for none. When it returns False the search stops with CancelledError; what it raises ends the search and comes out
         of it."""
         self._set_callback(self._callbacks.progress(callback, DetectionProgress), lib.cylfuse_detector_set_progress)
 

@@ -66,13 +66,13 @@ class BusyError(CylfuseError):
 
 
 class OutOfMemoryError(CylfuseError, MemoryError):
-    """Memory could not be had."""
+    """Memory could not be allocated."""
 
     status = -8
 
 
 class UnsupportedError(CylfuseError):
-    """The method does not define what was asked for."""
+    """Not supported with these options or data."""
 
     status = -9
 

@@ -218,13 +218,13 @@ class Fitter(Questions, Calling):
         self._masks(mask)
 
     def reserve(self, points: int, segments: int = 0) -> None:
-        """Makes room, so that pushing that many more needs no memory."""
+        """Makes room for the coordinates of that many more points and for that many more segments in the selected view."""
         counts = (_check.whole(name, n, 0, 2**63) for name, n in (("points", points), ("segments", segments)))
         self._call(lib.cylfuse_fitter_reserve, *counts)
 
     def clear(self) -> None:
         """Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first
-        view, start model, callbacks, memory."""
+        view, start model, what the start LAST goes on from, callbacks and memory."""
         self._call(lib.cylfuse_fitter_clear, changes=True)
         self._views = [View(self._views[0].intrinsics, Pose())]
         self._selected = 0
@@ -248,7 +248,7 @@ class Fitter(Questions, Calling):
     def _found(self, structs: tuple[Any, Any]) -> Result:
         """The result of a fit that was just made."""
         result = self._result(structs)
-        if self._selected in self._masked:
+        if self._masked:
             # Now, for the next frame takes the data away.
             result._find_extent()
         return result

@@ -199,7 +199,7 @@ class Pose:
     """A rigid motion, x' = rotation x + translation: of a view from its camera to the reference frame, of a depth
     camera from it to the colour camera. Without arguments the identity."""
 
-    #: Shape (3, 3); what rounding left off a rotation is mended by the library.
+    #: Shape (3, 3); small rounding errors are corrected by the library.
     rotation: Floats
     #: Shape (3,), in the unit of length.
     translation: Floats

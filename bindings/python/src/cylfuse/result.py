@@ -307,7 +307,9 @@ class Result(_Record):
     #: The model that the iteration started from, moved into the limits.
     start_model: Cylinder
     #: Standard deviations of the radius (unit of length), of the direction (radians) and of the position of the axis
-    #: across itself (unit of length): those of the noise of the data, not of errors that all data share.
+    #: across itself (unit of length): those of the noise of the data. With the method FUSED and the objective ROBUST they
+    #: also have the errors that all points of a view share and ``depth_shared`` of the options states, by default 0.2 % of
+    #: the depth. Errors of the calibration, the registration and a scale of the depth are not in them.
     radius_deviation: float
     direction_deviation: float
     position_deviation: float

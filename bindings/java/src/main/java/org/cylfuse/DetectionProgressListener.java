@@ -1,10 +1,10 @@
 package org.cylfuse;
 
-/** Hears how far a detector is, on the thread of the search. */
+/** Is called with the progress of a detector, on the thread of the search. */
 @FunctionalInterface
 public interface DetectionProgressListener {
     /**
-     * Hears of a search before it, after it, and after each fit. Of the methods of the same detector only {@link
+     * Is called before the search, after it, and after each fit. Of the methods of the same detector only {@link
      * Detector#cancel()} and {@link Detector#close()} may be called.
      *
      * @param progress how far the detector is

@@ -103,8 +103,8 @@ public final class Detector implements AutoCloseable {
     }
 
     /**
-     * Sets or takes away the listener that hears of a search before it, after it, and after each fit. What it throws
-     * stops the search and comes out of it.
+     * Sets or takes away the listener that is called with the progress of a search: before it, after it, and after each
+     * fit. What it throws stops the search and comes out of it.
      *
      * @param listener null for none
      */

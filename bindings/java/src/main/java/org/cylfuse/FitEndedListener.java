@@ -1,12 +1,12 @@
 package org.cylfuse;
 
-/** Hears of each fit of {@link FitterBatch#fitAll} that ended. */
+/** Is called after each fit of {@link FitterBatch#fitAll}. */
 @FunctionalInterface
 public interface FitEndedListener {
     /**
      * A fit ended.
      *
-     * @param index the place of the fitter
+     * @param index the index of the fitter
      * @param status OK, or why it failed
      * @return whether to go on
      */

@@ -9,9 +9,10 @@ import java.util.Set;
  * @param model The cylinder, its axis point the one nearest to the middle of the points.
  * @param flags Warnings; empty when there are none.
  * @param radiusDeviation Standard deviation of the radius, unit of length. This and what follows is that of the noise
- *     of the data, with the weights that were used and the correlation of neighbouring depths; errors that all data
- *     share (calibration, a scale of the depth) are not in it. For an expanded uncertainty with the coverage factor 2
- *     multiply by 2. NaN for RANSAC and EBERLY, for an edge weight of 1, and where the data do not determine the
+ *     of the data, with the weights that were used and the correlation of neighbouring depths. With the method FUSED
+ *     and the objective ROBUST it also has the errors that all points of a view share and {@code depthShared} of the
+ *     options states, by default 0.2 % of the depth. Errors of the calibration, the registration and a scale of the
+ *     depth are not in it. For an expanded uncertainty with the coverage factor 2 multiply by 2. NaN for RANSAC and EBERLY, for an edge weight of 1, and where the data do not determine the
  *     number.
  * @param directionDeviation Standard deviation of the direction in radians: the tilt in the plane in which it is least
  *     certain.

@@ -17,12 +17,11 @@ public final class FitterBatch {
      * @param fitters the fitters, each once
      * @param threads how many fits run at the same time, 0 for as many as the machine has processors; the results have
      *     the same bits for any number
-     * @param listener hears of each fit that ended, on this thread, and may stop the rest; null for none. What it throws
+     * @param listener is called after each fit, on this thread, and may stop the rest; null for none. What it throws
      *     comes out of this method.
      * @return why each fit failed, in the order of the fitters; null for one that succeeded. One that is in another call
-     *     has BUSY.
-     * @throws CylfuseException CANCELLED when the listener stopped the rest, INVALID_ARGUMENT for a fitter that is there
-     *     twice
+     *     has BUSY. Where the listener stopped the rest, those that had not ended have CANCELLED.
+     * @throws CylfuseException INVALID_ARGUMENT for a fitter that is there twice
      * @throws IllegalArgumentException for a fitter that is null
      */
     public static CylfuseException[] fitAll(List<Fitter> fitters, int threads, FitEndedListener listener) {
@@ -46,15 +45,16 @@ public final class FitterBatch {
             };
             int status = NativeFunctions.cylfuse_fit_all(
                     list, handles.length, threads, listener == null ? null : hear, null, statuses);
-            if (status == Status.OK.value()) {
-                for (int k = 0; k < statuses.length; k++) {
-                    if (statuses[k] != Status.OK.value()) {
-                        String text = NativeFunctions.cylfuse_fitter_last_error(handles[k]);
-                        failures[k] = CylfuseException.of(Status.of(statuses[k]), text);
-                    }
+            if (status != Status.OK.value() && status != Status.CANCELLED.value()) {
+                return status;
+            }
+            for (int k = 0; k < statuses.length; k++) {
+                if (statuses[k] != Status.OK.value()) {
+                    String text = NativeFunctions.cylfuse_fitter_last_error(handles[k]);
+                    failures[k] = CylfuseException.of(Status.of(statuses[k]), text);
                 }
             }
-            return status;
+            return Status.OK.value();
         });
         return failures;
     }

@@ -123,8 +123,7 @@ abstract class FitterData {
     }
 
     /**
-     * Makes room, so that pushing that many more points and segments into the selected view needs no
-     * memory.
+     * Makes room for the coordinates of that many more points and for that many more segments in the selected view.
      *
      * @param points how many points
      * @param segments how many edge segments
@@ -141,7 +140,8 @@ abstract class FitterData {
 
     /**
      * Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
-     * start model, listeners and memory: the way from one frame to the next.
+     * start model, what the start {@link StartKind#LAST} goes on from, listeners and memory: the way from one frame to the
+     * next.
      */
     public void clear() {
         calls.run(NativeFunctions::cylfuse_fitter_clear);

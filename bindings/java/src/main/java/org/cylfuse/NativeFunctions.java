@@ -74,7 +74,7 @@ final class NativeFunctions {
         int invoke(Pointer progress, Pointer userData);
     }
 
-    /** Hears how far a detector is. */
+    /** Is called with the progress of a detector. */
     interface DetectionProgressCallback extends Callback {
         int invoke(Pointer progress, Pointer userData);
     }

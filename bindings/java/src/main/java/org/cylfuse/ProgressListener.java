@@ -4,7 +4,7 @@ package org.cylfuse;
 @FunctionalInterface
 public interface ProgressListener {
     /**
-     * Hears of the state of the fit. Of the methods of the same fitter only {@link Fitter#cancel()} and
+     * Is called with the state of the fit. Of the methods of the same fitter only {@link Fitter#cancel()} and
      * {@link Fitter#close()} may be called.
      *
      * @param progress the state before the next iteration

@@ -31,9 +31,9 @@ public enum Status {
     BUSY(-6),
     /** The buffer for the output is too small; the call says how much it needs and writes nothing else. */
     BUFFER_TOO_SMALL(-7),
-    /** Memory could not be had. */
+    /** Memory could not be allocated. */
     OUT_OF_MEMORY(-8),
-    /** The method does not define what was asked for. */
+    /** Not supported with these options or data. */
     UNSUPPORTED(-9),
     /** Images on one pixel grid have different sizes. */
     SIZE_MISMATCH(-10),

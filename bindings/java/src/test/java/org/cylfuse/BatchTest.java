@@ -57,9 +57,12 @@ public class BatchTest {
     @Test
     public void theRestCanBeStopped() {
         List<Fitter> fitters = fitters();
-        CylfuseException stopped = assertThrows(
-                CylfuseException.class, () -> FitterBatch.fitAll(fitters, 1, (index, status) -> index < 3));
-        assertEquals(Status.CANCELLED, stopped.status());
+        CylfuseException[] failures = FitterBatch.fitAll(fitters, 1, (index, status) -> index < 3);
+        for (int k = 0; k < failures.length; k++) {
+            Status expected = k == 2 ? Status.COLLINEAR_POINTS : k < 4 ? Status.OK : Status.CANCELLED;
+            assertEquals(expected, failures[k] == null ? Status.OK : failures[k].status());
+        }
+        assertTrue(failures[4].getMessage(), failures[4].getMessage().contains("cancel"));
         assertTrue(fitters.get(3).result().model().radius() > 0);
         assertThrows(CylfuseException.class, () -> fitters.get(4).result());
         assertThrows(IllegalArgumentException.class, () -> FitterBatch.fitAll(fitters, 2, (index, status) -> {
