@@ -7,6 +7,7 @@
 
 mod collar;
 mod outline;
+mod profile;
 mod shoulder;
 mod sight;
 

@@ -6,12 +6,13 @@ import html
 import math
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, Any, Callable, ClassVar, Iterator, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from ._arrays import Array, Floats, numbers
+from ._record import Record
 from .conformity import decide_conformity
 from .enums import (
     Conformity, DetectionPhase, EndSource, EndState, Layout, Phase, ResidualKind, ResultFlags, Start, Termination,
@@ -29,51 +30,7 @@ def _square(values: Any) -> Floats:
     return entries.reshape(math.isqrt(entries.size), -1)
 
 
-class _Record:
-    """The fields of a struct, converted when they are asked for first."""
-
-    #: How fields that are not plain numbers become objects of Python.
-    _convert: ClassVar[dict[str, Callable[[Any], Any]]] = {}
-    #: Python's name for a field whose own is a word of the language.
-    _renamed: ClassVar[dict[str, str]] = {"damping": "lambda"}
-
-    def __init__(self, *structs: Any) -> None:
-        self._structs = structs
-
-    # Not for checkers of types: they know the fields, and see a misspelt one.
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name):
-            field = self._renamed.get(name, name)
-            if not name.startswith("_") and field != "struct_size":
-                for struct in self._structs:
-                    if hasattr(struct, field):
-                        value = getattr(struct, field)
-                        if field in self._convert:
-                            value = self._convert[field](value)
-                        self.__dict__[name] = value
-                        return value
-            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
-
-    def _names(self) -> Iterator[str]:
-        back = {field: name for name, field in self._renamed.items()}
-        for struct in self._structs:
-            for field in (str(entry[0]) for entry in struct._fields_):
-                if field != "struct_size":
-                    yield back.get(field, field)
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self._names()})
-
-    def to_dict(self) -> dict[str, Any]:
-        """All fields by their names."""
-        return {name: getattr(self, name) for name in self._names()}
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.to_dict().items())})"
-
-
-class Counts(_Record):
+class Counts(Record):
     """What was pushed into one view, and what was left out by reason."""
 
     #: The view.
@@ -100,7 +57,7 @@ class Counts(_Record):
     segments_given: int
 
 
-class Extent(_Record):
+class Extent(Record):
     """The visible piece of the cylinder: ``end = start + length * direction``. Deviations and covariances are those
     of the noise; NaN where they do not apply."""
 
@@ -147,7 +104,7 @@ class Extent(_Record):
     center_covariance: Floats
 
 
-class CylinderDiagnosis(_Record):
+class CylinderDiagnosis(Record):
     """What the data determine: singular values of the stacked Jacobian in units of the size of the data."""
 
     _convert = {"singular_values": numbers, "weakest_shift": numbers, "weakest_tilt": numbers}
@@ -164,7 +121,7 @@ class CylinderDiagnosis(_Record):
     weakest_radius: float
 
 
-class Completion(_Record):
+class Completion(Record):
     """A completed cloud or depth image, and what became of the pixels."""
 
     def __init__(self, struct: Any, array: Array) -> None:
@@ -186,7 +143,7 @@ class Completion(_Record):
     out_of_range: int
 
 
-class Progress(_Record):
+class Progress(Record):
     """The state of a running fit, before each iteration."""
 
     _convert = {"phase": Phase}
@@ -210,7 +167,7 @@ class Progress(_Record):
     cylinder: Optional[Cylinder]
 
 
-class DetectionProgress(_Record):
+class DetectionProgress(Record):
     """How far a detector is: before the search, after it, and after each fit."""
 
     _convert = {"phase": DetectionPhase}
@@ -236,7 +193,7 @@ class View(NamedTuple):
     pose: Pose
 
 
-class Result(_Record):
+class Result(Record):
     """The outcome of a fit with the numbers to judge it. NaN stands for what does not apply. Lengths are in the unit
     of the data, angles in radians.
 
