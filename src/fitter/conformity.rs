@@ -114,7 +114,9 @@ impl FitResult {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Fitter;
     use super::*;
+    use crate::observations::PointsView;
     use Conformity::{Conforming, NotConforming, Undecided};
 
     #[test]
@@ -167,6 +169,30 @@ mod tests {
             let decided = tolerance.decide(25.0, Some(0.1), flag).unwrap();
             assert_eq!(decided, if doubtful { Undecided } else { NotConforming }, "{flag:?}");
         }
+    }
+
+    #[test]
+    fn a_fit_decides_by_its_own_deviation() {
+        let point = |k: u32| {
+            let (angle, noise) = (0.008 * f64::from(k), 1e-3 * (f64::from(k) * 2.4).sin());
+            let [sin, cos] = [angle.sin(), angle.cos()].map(|part| (0.5 + noise) * part);
+            [cos, 0.1 * f64::from(k % 7), 2.0 - sin]
+        };
+        let points: Vec<[f64; 3]> = (0..200).map(point).collect();
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let result = fitter.fit().unwrap();
+        let (radius, deviation) = (result.cylinder.radius, result.uncertainty.unwrap().radius());
+        for (below, above, expected) in
+            [(2.1, 2.1, Conforming), (1.9, 2.1, Undecided), (2.1, 1.9, Undecided), (9.0, -2.1, NotConforming)]
+        {
+            let tolerance = Tolerance::new(radius - below * deviation, radius + above * deviation).unwrap();
+            assert_eq!(result.radius_conforms(&tolerance), Ok(expected), "{below} {above}");
+        }
+        // One of its warnings suffices.
+        let doubtful = FitResult { flags: Flags::UNDECIDED, ..result };
+        let tolerance = Tolerance::new(0.9 * radius, 1.1 * radius).unwrap();
+        assert_eq!(doubtful.radius_conforms(&tolerance), Ok(Undecided));
     }
 
     #[test]

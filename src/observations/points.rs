@@ -233,12 +233,6 @@ impl PointCloud {
     }
 
     /// At most `count` points, evenly spread over the order in which they were pushed.
-    #[must_use]
-    pub fn sample(&self, count: usize) -> Vec<Vector3<f64>> {
-        self.sampled(count).collect()
-    }
-
-    /// The same, one by one.
     pub(crate) fn sampled(&self, count: usize) -> impl ExactSizeIterator<Item = Vector3<f64>> + '_ {
         let count = count.min(self.len());
         (0..count).map(move |k| self.point(k * self.len() / count))
