@@ -100,6 +100,29 @@ fn the_location_of_limbs_and_ends_asks() {
     }
 }
 
+/// The can in an image that moved evenly over some columns while it was taken.
+fn moved(columns: usize) -> Hostile {
+    let can = can();
+    let image = can.image.unwrap();
+    let value = |k: usize| {
+        let row = &image[k / 640 * 640..][..640];
+        let sum: usize = (0..columns).map(|d| usize::from(row[(k % 640 + d).min(639)])).sum();
+        (sum / columns) as u8
+    };
+    Hostile { name: "moved".into(), image: Some((0..image.len()).map(value).collect()), ..can }
+}
+
+#[test]
+fn the_location_of_limbs_asks_before_each_grid() {
+    let (sharp, _) = asked_between_iterations(&can(), NEVER);
+    let moved = moved(12);
+    let (asked, _) = asked_between_iterations(&moved, NEVER);
+    assert!(asked > sharp + 1, "{asked}, {sharp} of a sharp image");
+    for end in 1..=asked {
+        assert_eq!(asked_between_iterations(&moved, end), (end, true));
+    }
+}
+
 #[test]
 fn a_search_ends_and_hears_that_it_shall() {
     let input = input("bumps every 12 pixels");

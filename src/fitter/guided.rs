@@ -265,6 +265,7 @@ impl<'a> View<'_, 'a, '_, '_> {
             let sides_tell = view.image().is_some() || !view.mask_ends_with_depth();
             let body = view.body().filter(|_| sides_tell);
             let outline = body.and_then(|mask| Outline::new(mask, view.depth(), camera, &noise));
+            self.run.check()?;
             match outline {
                 Some(outline) => self.by_mask(camera, &outline, &given, candidates, first)?,
                 None => self.by_segments(camera, &given, candidates, first)?,
@@ -318,6 +319,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         };
         let mut joined: Option<(Attempt, Sides)> = None;
         for _ in 0..SIDE_ROUNDS {
+            self.run.check()?;
             let Some(sides) = sides_of(joined.as_ref().map_or(&alone, |joined| &joined.0)) else { break };
             let mut starts = List::from([alone.start]);
             if matches!(self.data.options.start, StartKind::Auto | StartKind::Limbs | StartKind::Last) {

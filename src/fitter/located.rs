@@ -16,6 +16,7 @@ use crate::limb_location::{LimbObservation, LimbSearch, NotVisible, SeenLimbs, l
 use crate::memory::List;
 use crate::residuals::{Loss, PixelSegment, TUKEY_EFFICIENT, Tukey, Wall};
 use crate::statistics::DEVIATION_OF_MEDIAN;
+use std::ops::ControlFlow;
 
 /// How many standard deviations a limb may be from that of a rough fit at most.
 const REACH_DEVIATIONS: f64 = 4.0;
@@ -132,11 +133,11 @@ fn observe_view(
     let ranges = guides.seen_of(range, camera, &view.seen(cylinder));
     let beside_others = view.view.reach_beside_others(camera, &view.seen(cylinder), &view.noise);
     let mut located = |reach: [f64; 2]| {
-        run.check()?;
         let deviation = [deviation; 2];
         let reach = [0, 1].map(|limb| reach[limb].min(beside_others[limb]));
         let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
-        let seen = locate_limbs(image, camera, &view.seen(cylinder), &search);
+        let seen = locate_limbs(image, camera, &view.seen(cylinder), &search, &mut || run.hear());
+        let ControlFlow::Continue(seen) = seen else { return Err(run.cancelled()) };
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok());
         let beside = guides.beside(lines, view.view.sides_tell(), &view.noise);
         Ok((seen, beside))

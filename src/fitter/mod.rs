@@ -235,6 +235,7 @@ impl Fitter {
         let (mut made_with, mut result, mut last) = self.fit_views(List::new(), run, &clock)?;
         if self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth) {
             for factor in outline::RADII {
+                run.check()?;
                 let drawn = self.drawn_again(&result.cylinder, factor);
                 if drawn.iter().all(Option::is_none) {
                     break;
@@ -412,6 +413,7 @@ impl Fitter {
         let began = seconds();
         let separated = self.separated(drawn, run)?;
         let known: List<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
+        run.check()?;
         let bodies: List<_> = separated.into_iter().map(|view| view.body).collect();
         let mut data = self.data_of(&bodies)?;
         data.last = self.continued();
@@ -462,6 +464,7 @@ impl Fitter {
         let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());
         let mut drawn = drawn.into_iter();
         let body = |view: &View| {
+            run.check()?;
             let drawn = drawn.next().flatten();
             let separated = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
             Ok(body::Separated { body: separated.body.or(drawn), ..separated })

@@ -7,6 +7,7 @@ use super::{LimbSearch, NotVisible, SeenLimbs, baselines, blur_of, located_on};
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, across};
 use crate::observations::{GreyImage, ReducedImage};
+use std::ops::ControlFlow;
 
 /// Most grids of pixels on which the limbs are located: the first by the size of the image or its blur, the second by the blur that
 /// they show on it, and one more where that was hardly to be seen.
@@ -17,16 +18,22 @@ constants! {
     LEAST_RADIUS = 5.0, "px";
 }
 
-/// Locates the limbs of a rough cylinder.
-#[must_use]
-pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
+/// Locates the limbs of a rough cylinder. `check` is asked before each grid, and ends the search.
+pub fn locate_limbs(
+    image: &GreyImage,
+    camera: &Camera,
+    model: &Cylinder,
+    search: &LimbSearch,
+    check: &mut dyn FnMut() -> ControlFlow<()>,
+) -> ControlFlow<(), SeenLimbs> {
     let least_noise = noise_of_compression(image);
     // `None` where more than a part is blurred.
-    let located = |factor: usize, most_blurred: f64| {
+    let mut located = |factor: usize, most_blurred: f64| {
+        check()?;
         let (camera, search) = (camera.reduced(factor), search.reduced(factor));
         let image = ReducedImage::new(image, factor);
         let grid = Grid { image, camera: &camera, noise: search.noise, least_noise };
-        located_on(&grid, model, &search, most_blurred)
+        ControlFlow::Continue(located_on(&grid, model, &search, most_blurred))
     };
     let radius = baselines(camera, model, &search.ranges).map_or(0.0, |(_, radius)| radius);
     // By half: a large image has room for hundreds.
@@ -39,7 +46,7 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
     let is_told = search.noise.blur > 0.0;
     let mut most_blurred = if coarser(first).is_some() && !is_told { BLURRED.get() } else { f64::INFINITY };
     let mut seen = loop {
-        match (located(factor, most_blurred), coarser(factor)) {
+        match (located(factor, most_blurred)?, coarser(factor)) {
             (Some(seen), _) => break seen,
             (None, Some(next)) => factor = next,
             (None, None) => break SeenLimbs::none(NotVisible::Uncertain),
@@ -56,14 +63,14 @@ pub fn locate_limbs(image: &GreyImage, camera: &Camera, model: &Cylinder, search
         if wanted == factor {
             break;
         }
-        let Some(other) = located(wanted, most) else { break };
+        let Some(other) = located(wanted, most)? else { break };
         // What a blurred image shows on a finer grid has to be confirmed.
         if factor > first && !agree(&seen, &other, factor as f64) {
             break;
         }
         (factor, seen) = (wanted, other);
     }
-    seen
+    ControlFlow::Continue(seen)
 }
 
 /// Whether the same limbs are seen, within some pixels.

@@ -1,10 +1,12 @@
 //! Images that are blurred, of what moved, enlarged or reduced.
 
 use super::super::*;
+use super::located;
 use super::scene::{BLUR, SIZE, Scene};
 use crate::camera::Intrinsics;
 use crate::noise::NoiseModel;
 use crate::observations::{GreyImage, ImageView};
+use std::ops::ControlFlow;
 
 /// An image on a grid that is finer by some factor, interpolated bilinearly.
 fn enlarged(image: &GreyImage, factor: usize) -> GreyImage {
@@ -40,7 +42,7 @@ fn what_is_blurred_is_located_as_on_a_coarser_grid() {
     };
     let noise = NoiseModel { drawn_pixel: ratio, ..NoiseModel::default() }.in_image(SIZE);
     let search = LimbSearch { reach: [4.0 * ratio; 2], deviation: [1.5 * ratio; 2], noise, ..scene.search() };
-    let observations = locate_limbs(&image, &large.camera, &large.rough(), &search).limbs;
+    let observations = located(&image, &large.camera, &large.rough(), &search).limbs;
     for (k, observation) in observations.iter().enumerate() {
         for (error, deviation) in large.errors(k, &observation.line.unwrap()) {
             assert!(error.abs() < 0.1 * ratio && error.abs() < 4.0 * deviation, "limb {k}: {error}");
@@ -56,7 +58,7 @@ fn what_is_sharp_is_located_on_its_own_grid() {
     let scene = Scene { background: 220.0, ..Scene::new() };
     let drawn = NoiseModel { drawn_pixel: 3.0, edge_endpoint: 0.5 / 3.0, ..NoiseModel::default() };
     let search = LimbSearch { noise: drawn.in_image(SIZE), ..scene.search() };
-    let observations = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
+    let observations = located(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
     assert_eq!(observations, scene.locate());
 }
 
@@ -79,7 +81,7 @@ fn limbs_of_what_moved_are_located() {
         for columns in [5, 7] {
             let image = moved(&image, columns);
             let search = LimbSearch { reach: [8.0; 2], deviation: [2.0; 2], ..scene.search() };
-            let seen = locate_limbs(&image, &scene.camera, &scene.rough(), &search);
+            let seen = located(&image, &scene.camera, &scene.rough(), &search);
             for (k, limb) in seen.limbs.iter().enumerate() {
                 let line =
                     limb.line.unwrap_or_else(|reason| panic!("limb {k}, {columns} columns: {reason:?}"));
@@ -93,10 +95,29 @@ fn limbs_of_what_moved_are_located() {
 }
 
 #[test]
+fn the_search_may_end_before_each_grid() {
+    let scene = Scene { background: 220.0, ..Scene::new() };
+    let image = moved(&scene.render(), 7);
+    let asked = |end: usize| {
+        let mut asked = 0;
+        let seen = locate_limbs(&image, &scene.camera, &scene.rough(), &scene.search(), &mut || {
+            asked += 1;
+            if asked == end { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        (asked, seen.is_break())
+    };
+    let (grids, _) = asked(usize::MAX);
+    assert!(grids > 1);
+    for end in 1..=grids {
+        assert_eq!(asked(end), (end, true));
+    }
+}
+
+#[test]
 fn what_rests_is_not_looked_at_as_what_moved() {
     let scene = Scene { background: 220.0, ..Scene::new() };
     let image = scene.render();
-    let last = locate_limbs(&moved(&image, 5), &scene.camera, &scene.rough(), &scene.search());
+    let last = located(&moved(&image, 5), &scene.camera, &scene.rough(), &scene.search());
     let last = last.appearance.unwrap();
     let again = locate_limbs_again(&image, &scene.camera, &scene.cylinder, &scene.search(), &last, false);
     assert!(again.is_none());

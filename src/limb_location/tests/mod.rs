@@ -9,9 +9,14 @@ use crate::noise::NoiseModel;
 use crate::observations::{DepthImage, DepthView, EdgeSegment, GreyImage, ImageView, Mask, MaskView};
 use nalgebra::Vector3;
 use scene::{BLUR, SIZE, Scene, camera};
+use std::ops::ControlFlow;
 
 fn noise() -> ImageNoise {
     NoiseModel::default().in_image((640, 480))
+}
+
+fn located(image: &GreyImage, camera: &Camera, model: &Cylinder, search: &LimbSearch) -> SeenLimbs {
+    locate_limbs(image, camera, model, search, &mut || ControlFlow::Continue(())).continue_value().unwrap()
 }
 
 #[test]
@@ -28,7 +33,7 @@ fn limbs_are_located_to_a_tenth_of_a_pixel_at_either_polarity() {
 fn limbs_of_sixteen_rows_are_located() {
     let scene = Scene { background: 220.0, ..Scene::new() };
     let search = LimbSearch { ranges: [[-0.012, 0.012]; 2], ..scene.search() };
-    let limbs = locate_limbs(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
+    let limbs = located(&scene.render(), &scene.camera, &scene.rough(), &search).limbs;
     for (k, limb) in limbs.iter().enumerate() {
         let line = limb.line.unwrap_or_else(|reason| panic!("limb {k}: {reason:?}"));
         assert_eq!(limb.samples.len(), 3);
@@ -74,7 +79,7 @@ fn an_edge_softer_than_any_limb_is_none() {
     // Nothing but the shadow is in reach: its middle is five pixels from the limbs.
     let model = Cylinder { radius: 0.04 * 1.25, ..scene.cylinder };
     let search = LimbSearch { reach: [3.0; 2], ..scene.search() };
-    for observation in locate_limbs(&image, &scene.camera, &model, &search).limbs {
+    for observation in located(&image, &scene.camera, &model, &search).limbs {
         assert!(observation.line.is_err(), "{observation:?}");
     }
 }
@@ -124,7 +129,7 @@ fn what_cannot_be_seen_is_not_found() {
     }
     let image = scene.render();
     let reasons = |model: &Cylinder, search: &LimbSearch| {
-        locate_limbs(&image, &scene.camera, model, search).limbs.map(|o| o.line.unwrap_err())
+        located(&image, &scene.camera, model, search).limbs.map(|o| o.line.unwrap_err())
     };
     let around = Cylinder::new(Vector3::new(0.0, 0.1, 0.2), Vector3::x(), 1.0).unwrap();
     assert_eq!(reasons(&around, &scene.search()), [NotVisible::NoLimbs; 2]);
@@ -145,7 +150,7 @@ fn one_limb_may_be_missing() {
         bytes.extend((0..SIZE.0).map(|x| if (x as f64) < axis.x { 90 } else { image.value(x, row) as u8 }));
     }
     let image = GreyImage::copy(&ImageView::from_u8(&bytes, SIZE).unwrap()).unwrap();
-    let observations = locate_limbs(&image, &scene.camera, &scene.rough(), &scene.search()).limbs;
+    let observations = located(&image, &scene.camera, &scene.rough(), &scene.search()).limbs;
     let found: Vec<usize> = (0..2).filter(|&k| observations[k].line.is_ok()).collect();
     assert_eq!(found.len(), 1, "{observations:?}");
     for (error, _) in scene.errors(found[0], &observations[found[0]].line.unwrap()) {

@@ -1,7 +1,7 @@
 //! A rendered cylinder with known limbs.
 
 use super::super::*;
-use super::noise;
+use super::{located, noise};
 use crate::camera::{Distortion, Intrinsics};
 use crate::observations::{GreyImage, ImageView};
 use nalgebra::Vector3;
@@ -135,7 +135,7 @@ impl Scene {
     }
 
     pub(super) fn locate(&self) -> [LimbObservation; 2] {
-        locate_limbs(&self.render(), &self.camera, &self.rough(), &self.search()).limbs
+        located(&self.render(), &self.camera, &self.rough(), &self.search()).limbs
     }
 
     /// The distance of the true limb from a located line at both ends of the range, and its standard deviation
