@@ -75,7 +75,7 @@ use limb::{Expected, Limb, SHADING};
 use nalgebra::{Matrix2, Vector2};
 use refine::{MOST_BLUR, RefinedImage, refine};
 use shading::{LimbShading, Shading};
-use sharpness::blurred_part;
+use sharpness::{STILL_BLURRED, blurred_part};
 use smallvec::SmallVec;
 use strip::{Baseline, Grid, Strip};
 
@@ -259,7 +259,8 @@ pub fn blur_of(limbs: &[LimbObservation; 2]) -> Option<f64> {
     limbs.iter().find_map(|limb| limb.blur)
 }
 
-/// Locates the limbs on one grid of pixels; `None` where more than a part of what is seen there is blurred.
+/// Locates the limbs on one grid of pixels; `None` where more than a part of what is seen there is blurred, or where the limbs are
+/// more blurred than the model allows and it is not shading or a shadow beside what is sharp that makes them so.
 fn located_on(
     grid: &Grid<'_>,
     model: &Cylinder,
@@ -275,9 +276,9 @@ fn located_on(
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
         visible_strip(grid, &baselines[k], half_width)
     });
-    if most_blurred.is_finite()
-        && blurred_part(strips.iter().flatten().map(|(_, strip)| strip)) > most_blurred
-    {
+    let is_asked = most_blurred.is_finite();
+    let part = if is_asked { blurred_part(strips.iter().flatten().map(|(_, strip)| strip)) } else { 0.0 };
+    if part > most_blurred {
         return None;
     }
     let mut roughs = [None, None];
@@ -305,6 +306,9 @@ fn located_on(
         seen.push((k, baseline));
     }
     let RefinedImage { blur, unambiguous } = refine(&mut limbs, grid.noise.blur);
+    if part > STILL_BLURRED.get() && blur >= MOST_BLUR.get() {
+        return None;
+    }
     for ((k, baseline), limb) in seen.into_iter().zip(&limbs) {
         observations[k] = observed(limb, baseline, search.reach[k], blur, &search.noise);
     }
