@@ -56,9 +56,10 @@ type DepthImage[T uint16 | float32] struct {
 	// Scale is the length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of length
 	// is the metre. It has no default, because a forgotten one would go straight into the radius.
 	Scale float64
-	// MinDepth is the nearest depth that counts, in the unit of length.
+	// MinDepth is the nearest depth that becomes a point, in the unit of length. Both limits are those of the points,
+	// and of the search of a detector: the extent is found with all depths.
 	MinDepth float64
-	// MaxDepth is the farthest depth that counts, in the unit of length; 0 = no limit.
+	// MaxDepth is the farthest depth that becomes a point, in the unit of length; 0 = no limit.
 	MaxDepth float64
 }
 

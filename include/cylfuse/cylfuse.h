@@ -798,11 +798,12 @@ typedef struct cylfuse_depth_view {
      */
     double scale;
     /**
-     * The nearest depth that counts, in the unit of length, 0 or greater.
+     * The nearest depth that becomes a point, in the unit of length, 0 or greater. Both limits are those of the points,
+     * and of the search of a detector: the extent is found with all depths.
      */
     double min_depth;
     /**
-     * The farthest depth that counts, in the unit of length; 0 = no limit.
+     * The farthest depth that becomes a point, in the unit of length; 0 = no limit.
      */
     double max_depth;
 } cylfuse_depth_view;

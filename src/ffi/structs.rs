@@ -125,9 +125,10 @@ pub struct cylfuse_depth_view {
     /// the metre. `cylfuse_depth_view_init` sets 1: the unit of length is then that of the stored values, and nothing can
     /// tell that another one was meant.
     pub scale: f64,
-    /// The nearest depth that counts, in the unit of length, 0 or greater.
+    /// The nearest depth that becomes a point, in the unit of length, 0 or greater. Both limits are those of the points,
+    /// and of the search of a detector: the extent is found with all depths.
     pub min_depth: f64,
-    /// The farthest depth that counts, in the unit of length; 0 = no limit.
+    /// The farthest depth that becomes a point, in the unit of length; 0 = no limit.
     pub max_depth: f64,
 }
 

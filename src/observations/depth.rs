@@ -14,12 +14,12 @@ use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Which depths count.
+/// Which depths become points, and are searched by a detector. The extent is found with all depths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
-    /// The nearest depth that counts.
+    /// The nearest depth that becomes a point.
     pub min: f64,
-    /// The farthest depth that counts; infinity for no limit.
+    /// The farthest depth that becomes a point; infinity for no limit.
     pub max: f64,
 }
 

@@ -19,10 +19,11 @@ namespace Cylfuse
         /// length is the metre.</summary>
         public double Scale { get; }
 
-        /// <summary>The nearest depth that counts, in the unit of length, 0 or greater. Default 0.</summary>
+        /// <summary>The nearest depth that becomes a point, in the unit of length, 0 or greater. Default 0. Both limits are
+        /// those of the points, and of the search of a detector: the extent is found with all depths.</summary>
         public double MinDepth { get; set; }
 
-        /// <summary>The farthest depth that counts, in the unit of length. Default 0 = no limit.</summary>
+        /// <summary>The farthest depth that becomes a point, in the unit of length. Default 0 = no limit.</summary>
         public double MaxDepth { get; set; }
 
         /// <summary>Rows × columns of integers; 0 = no measurement.</summary>

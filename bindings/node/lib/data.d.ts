@@ -191,9 +191,12 @@ export interface Depth<T = Uint16Array | Float32Array> extends Pixels<T> {
    * Float32Array it is 1 by default.
    */
   scale?: number;
-  /** The nearest depth that counts. Default 0. */
+  /**
+   * The nearest depth that becomes a point. Default 0. Both limits are those of the points, and of the search of a detector:
+   * the extent is found with all depths.
+   */
   minDepth?: number;
-  /** The farthest depth that counts. Default 0 = no limit. */
+  /** The farthest depth that becomes a point. Default 0 = no limit. */
   maxDepth?: number;
 }
 

@@ -49,8 +49,8 @@ def fit(
     :param image: rows x columns of uint8, uint16 or float32, or in colour rows x columns x 3 or 4 of uint8: the image,
         in which the limbs are located
     :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels
-    :param min_depth: the nearest depth that counts
-    :param max_depth: the farthest depth that counts
+    :param min_depth: the nearest depth that becomes a point; the extent is found with all depths
+    :param max_depth: the farthest depth that becomes a point
     :param image_gamma: light is the value of the image to this power: 2.2 for sRGB, in which cameras and image files
         usually come
     :param image_bgr: the first channel is blue, as OpenCV reads files, and not red

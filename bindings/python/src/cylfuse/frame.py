@@ -76,7 +76,8 @@ class Frame(Closable):
         min_depth: float = 0.0,
         max_depth: Optional[float] = None,
     ) -> None:
-        """Sets the depth image, as :meth:`Fitter.push_depth` takes it."""
+        """Sets the depth image, as :meth:`Fitter.push_depth` takes it. A detector, too, searches only from ``min_depth`` to
+        ``max_depth``."""
         self._call(lib.cylfuse_frame_set_depth, byref(_arrays.depth_view(depth, scale, min_depth, max_depth)))
 
     def set_image(self, image: Array, gamma: float = 1.0, *, bgr: bool = False) -> None:

@@ -89,10 +89,11 @@ public final class DepthImage {
     }
 
     /**
-     * The same image with limits of the depth.
+     * The same image with limits of the depth: those of the points, and of the search of a detector. The extent is found
+     * with all depths.
      *
-     * @param min the nearest depth that counts, in the unit of length, 0 or greater
-     * @param max the farthest depth that counts, in the unit of length; 0 = no limit
+     * @param min the nearest depth that becomes a point, in the unit of length, 0 or greater
+     * @param max the farthest depth that becomes a point, in the unit of length; 0 = no limit
      * @return another view of the same pixels
      */
     public DepthImage withRange(double min, double max) {
