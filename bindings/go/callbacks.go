@@ -9,9 +9,9 @@ import "runtime/cgo"
 type Phase int32
 
 const (
-	// PhaseStart: it is about to look for a start.
+	// PhaseStart: it is about to look for a start, or looks for one and asks whether to go on.
 	PhaseStart Phase = C.CYLFUSE_PHASE_START
-	// PhaseSolve: it iterates.
+	// PhaseSolve: it iterates, or asks after an iteration whether to go on: the last state is reported again then.
 	PhaseSolve Phase = C.CYLFUSE_PHASE_SOLVE
 )
 

@@ -5,9 +5,9 @@ namespace Cylfuse
     /// <summary>What a fit is doing.</summary>
     public enum Phase
     {
-        /// <summary>It is about to look for a start.</summary>
+        /// <summary>It is about to look for a start, or looks for one and asks whether to go on.</summary>
         Start = 1,
-        /// <summary>It iterates.</summary>
+        /// <summary>It iterates, or asks after an iteration whether to go on: the last state is reported again then.</summary>
         Solve = 2,
     }
 

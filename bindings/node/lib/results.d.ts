@@ -267,7 +267,10 @@ export interface Extent {
 
 /** The state of a running fit, before each iteration. */
 export interface Progress {
-  /** What the fit is doing: looking for a start, or iterating. */
+  /**
+   * What the fit is doing: looking for a start, or iterating. In both it may only ask whether to go on; when it iterates, the
+   * last state is reported again then.
+   */
   phase: 'start' | 'solve';
   /** Iterations, from 0 with every start that is tried and every robust round. */
   iteration: number;

@@ -274,9 +274,9 @@ class Input(_Choice):
 class Phase(_Choice):
     """What a fit is doing."""
 
-    #: It is about to look for a start.
+    #: It is about to look for a start, or looks for one and asks whether to go on.
     START = 1
-    #: It iterates.
+    #: It iterates, or asks after an iteration whether to go on: the last state is reported again then.
     SOLVE = 2
 
 

@@ -2,9 +2,9 @@ package org.cylfuse;
 
 /** What a fit is doing. */
 public enum Phase implements NativeNumber {
-    /** It is about to look for a start. */
+    /** It is about to look for a start, or looks for one and asks whether to go on. */
     START(1),
-    /** It iterates. */
+    /** It iterates, or asks after an iteration whether to go on: the last state is reported again then. */
     SOLVE(2);
 
     private final int value;
