@@ -125,8 +125,8 @@ pub struct Options {
     pub chart: ChartChoice,
     /// The constants of the iteration.
     pub limits: IterationLimits,
-    /// Most threads for the sums over the points; 1, the default, starts none. Small clouds take one anyway. The result
-    /// has the same bits for any number.
+    /// Most threads for the sums over the points; 1, the default, starts none and 0 as many as the machine has. Small
+    /// clouds take one anyway. The result has the same bits for any number.
     pub threads: usize,
     /// Seed of the random samples of RANSAC.
     pub seed: u64,
