@@ -149,7 +149,7 @@ fn arcs(
         blur: held.limbs.as_ref().and_then(blur_of),
         last: known.last,
     };
-    let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.hear()) else {
+    let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.poll_cancel()) else {
         return Err(run.cancelled());
     };
     let Some(ends) = ends else { return Ok(None) };

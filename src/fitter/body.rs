@@ -56,7 +56,7 @@ pub(super) fn separate(
         return Ok(Separated { body: None, of_limbs, whole: given });
     }
     let run = RefCell::new(run);
-    let stopped = || run.borrow_mut().poll().is_break();
+    let stopped = || run.borrow_mut().report_again().is_break();
     let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits, &stopped)?;
     let body = found.and_then(|cylinder| body(view, options, &cylinder));
     Ok(Separated { of_limbs: of_limbs.filter(|_| body.is_none()), body, whole: false })

@@ -136,7 +136,7 @@ fn observe_view(
         let deviation = [deviation; 2];
         let reach = [0, 1].map(|limb| reach[limb].min(beside_others[limb]));
         let search = LimbSearch { ranges, reach, deviation, covered: guides.covered(), noise: view.noise };
-        let seen = locate_limbs(image, camera, &view.seen(cylinder), &search, &mut || run.hear());
+        let seen = locate_limbs(image, camera, &view.seen(cylinder), &search, &mut || run.poll_cancel());
         let ControlFlow::Continue(seen) = seen else { return Err(run.cancelled()) };
         let lines = seen.limbs.each_ref().map(|limb| limb.line.as_ref().ok());
         let beside = guides.beside(lines, view.view.sides_tell(), &view.noise);

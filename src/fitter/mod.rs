@@ -208,18 +208,18 @@ impl Fitter {
         self.fit_run(&mut Run::new(report, None))
     }
 
-    /// The same for a caller who takes the reports for a measure of the work, `hear` is asked where they are none, and tries
-    /// several starts: `known` are the first fits from the others, to which this one's is added.
+    /// The same for a caller who takes the reports for a measure of the work, and tries several starts. `poll_cancel` is asked
+    /// where nothing is to be measured; `known` are the first fits from the other starts, to which this one's is added.
     ///
     /// # Errors
     /// Those of [`Fitter::fit_with`], and `NoStart` where the first fit is known.
     pub(crate) fn fit_counted(
         &mut self,
         report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-        hear: &dyn Fn() -> ControlFlow<()>,
+        poll_cancel: &dyn Fn() -> ControlFlow<()>,
         known: &mut Vec<Cylinder>,
     ) -> Result<FitResult> {
-        self.fit_run(&mut Run::new(report, Some(hear)).knowing(known))
+        self.fit_run(&mut Run::new(report, Some(poll_cancel)).with_known(known))
     }
 
     fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
@@ -422,7 +422,7 @@ impl Fitter {
                 (view.of_limbs, view.whole) = (of_limbs, whole && data.last.is_some());
             }
         }
-        cancelled_if(run.poll().is_break())?;
+        cancelled_if(run.report_again().is_break())?;
         let mut started = began;
         let fit = fit::fit(&data, run, || started = seconds())?;
         let ended = seconds();

@@ -362,7 +362,7 @@ impl Data<'_> {
         let domain = Domain { data_center: self.center, unit: self.unit, chart, limits: kept };
         let convergence =
             minimise(objective, &self.within_limits(start), &domain, limits, &mut |iteration| {
-                run.tell(iteration)
+                run.report(iteration)
             })?;
         run.count(convergence.iterations);
         Ok(convergence)

@@ -1,4 +1,4 @@
-//! A fit under way: who hears of it, and the bound on its work.
+//! A fit under way: to whom it is reported, and the bound on its work.
 
 use super::data::Data;
 use super::objective::Precision;
@@ -24,10 +24,10 @@ const FEW_SOLVES: usize = 5;
 /// First fits whose axes and radii differ by less than this part of the radius are the same.
 const SAME: f64 = 1e-3;
 
-/// A fit under way: who hears of every linear solve and may stop it, and how many there were.
+/// A fit under way: to whom every linear solve is reported, who may stop it, and how many there were.
 pub(super) struct Run<'a> {
     report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-    hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
+    poll_cancel: Option<&'a dyn Fn() -> ControlFlow<()>>,
     /// The first fits from other starts, for a caller who tries several.
     known: Option<&'a mut Vec<Cylinder>>,
     /// The last iteration that was reported.
@@ -36,16 +36,16 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A caller who takes the reports for a measure of the work is asked by `hear` where there is nothing to report.
+    /// A caller who takes the reports for a measure of the work is asked by `poll_cancel` where there is nothing to report.
     pub fn new(
         report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-        hear: Option<&'a dyn Fn() -> ControlFlow<()>>,
+        poll_cancel: Option<&'a dyn Fn() -> ControlFlow<()>>,
     ) -> Self {
-        Self { report, hear, known: None, last: Iteration::before_start(), solves: 0 }
+        Self { report, poll_cancel, known: None, last: Iteration::before_start(), solves: 0 }
     }
 
     /// The same for a caller who tries several starts: see [`Run::is_known`].
-    pub fn knowing(self, known: &'a mut Vec<Cylinder>) -> Self {
+    pub fn with_known(self, known: &'a mut Vec<Cylinder>) -> Self {
         Self { known: Some(known), ..self }
     }
 
@@ -55,8 +55,8 @@ impl<'a> Run<'a> {
         let Some(known) = self.known.take() else { return false };
         let same = |other: &Cylinder| {
             let change = other.compare(first);
-            let apart = change.axis_distance.max(change.angle * other.radius) / other.radius;
-            change.radius_relative.abs().max(apart) <= SAME
+            let offset = change.axis_distance.max(change.angle * other.radius) / other.radius;
+            change.radius_relative.abs().max(offset) <= SAME
         };
         let is_known = known.iter().any(same);
         known.push(*first);
@@ -64,13 +64,13 @@ impl<'a> Run<'a> {
     }
 
     /// Asks whether to go on within something that is no measure of the work.
-    pub fn hear(&mut self) -> ControlFlow<()> {
-        self.hear.map_or_else(|| (self.report)(&self.last), |hear| hear())
+    pub fn poll_cancel(&mut self) -> ControlFlow<()> {
+        self.poll_cancel.map_or_else(|| (self.report)(&self.last), |poll_cancel| poll_cancel())
     }
 
     /// The same, as an error when the answer is no.
     pub fn check(&mut self) -> Result<()> {
-        if self.hear().is_break() { Err(self.cancelled()) } else { Ok(()) }
+        if self.poll_cancel().is_break() { Err(self.cancelled()) } else { Ok(()) }
     }
 
     /// What a fit that was stopped returns.
@@ -78,13 +78,13 @@ impl<'a> Run<'a> {
         Error::Cancelled { iterations: self.last.iteration }
     }
 
-    /// Asks whether to go on while there is no new iteration to report.
-    pub fn poll(&mut self) -> ControlFlow<()> {
+    /// Reports the last iteration again, to ask whether to go on.
+    pub fn report_again(&mut self) -> ControlFlow<()> {
         (self.report)(&self.last)
     }
 
-    /// Tells of an iteration, and asks whether to go on.
-    pub fn tell(&mut self, iteration: &Iteration) -> ControlFlow<()> {
+    /// Reports an iteration, and asks whether to go on.
+    pub fn report(&mut self, iteration: &Iteration) -> ControlFlow<()> {
         self.last = Iteration { cylinder: iteration.cylinder.with_canonical_direction(), ..*iteration };
         (self.report)(&self.last)
     }
@@ -138,13 +138,14 @@ mod tests {
         };
         let mut report = |_: &Iteration| ControlFlow::Continue(());
         let mut known = Vec::new();
-        let mut is_known = |first: &Cylinder| Run::new(&mut report, None).knowing(&mut known).is_known(first);
+        let mut is_known =
+            |first: &Cylinder| Run::new(&mut report, None).with_known(&mut known).is_known(first);
         assert!(!is_known(&cylinder(0.0, 0.05)));
         assert!(is_known(&cylinder(0.00002, 0.05)));
         assert!(!is_known(&cylinder(0.0005, 0.05)));
         assert!(!is_known(&cylinder(0.0, 0.0505)));
         assert!(is_known(&cylinder(0.0, 0.05051)));
-        let mut run = Run::new(&mut report, None).knowing(&mut known);
+        let mut run = Run::new(&mut report, None).with_known(&mut known);
         assert!(!run.is_known(&cylinder(0.1, 0.05)) && !run.is_known(&cylinder(0.1, 0.05)));
         assert_eq!(known.len(), 6);
     }

@@ -80,14 +80,15 @@ impl Data<'_> {
         let points: List<Vector3<f64>> = self.points().collect();
         let normals = self.normals();
         let (normals, observed) = (normals.as_ref().map(|normals| &normals[..]), self.is_observed());
-        Ok(ransac(&points, normals, observed, &self.ransac_options(), &mut || run.poll())?.cylinder)
+        Ok(ransac(&points, normals, observed, &self.ransac_options(), &mut || run.report_again())?.cylinder)
     }
 
     /// The same, but where a guess explains some of the points the cylinder next to it.
     pub fn ransac_unless_explained(&self, guess: Option<Cylinder>, run: &mut Run<'_>) -> Result<Cylinder> {
         let options = self.ransac_options();
         let sample = self.sample(TELLING);
-        let near = |guess| explained(&sample, self.is_observed(), &options, &guess, &mut || run.poll());
+        let near =
+            |guess| explained(&sample, self.is_observed(), &options, &guess, &mut || run.report_again());
         match guess.map(near).transpose()?.flatten() {
             Some(cylinder) => Ok(cylinder),
             None => self.ransac(run),

@@ -121,7 +121,7 @@ impl<'a> Fits<'a> {
             }
         }
         // Of very many points what follows takes as long as several steps of a fit.
-        if share.is_some_and(|share| share.hear().is_break()) {
+        if share.is_some_and(|share| share.poll_cancel().is_break()) {
             return Err(Error::Cancelled { iterations: result.iterations });
         }
         // The score asks how well all points of the region determine the radius.
@@ -382,7 +382,7 @@ fn fit_from(
 ) -> Result<FitResult> {
     share.begin();
     fitter.set_start(Some(*start));
-    fitter.fit_counted(&mut |_| share.ask(), &|| share.hear(), known)
+    fitter.fit_counted(&mut |_| share.ask(), &|| share.poll_cancel(), known)
 }
 
 #[cfg(test)]

@@ -108,7 +108,7 @@ impl Share<'_> {
     }
 
     /// Asks whether to go on, where that is no measure of the work.
-    pub fn hear(&self) -> ControlFlow<()> {
+    pub fn poll_cancel(&self) -> ControlFlow<()> {
         (self.poll)()
     }
 }
