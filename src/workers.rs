@@ -53,11 +53,11 @@ impl Workers {
     /// Computes something from every item and its index, changing it, and gives the calling thread each outcome with its
     /// index as soon as it is there. Where there are many items for each thread they share the memory for lists that it has
     /// meanwhile: it is warm from one to the next, which that of each item would not be.
-    pub fn change_and_tell<T: Send, R: Send>(
+    pub fn map_mut<T: Send, R: Send>(
         self,
         items: &mut [T],
         compute: impl Fn(usize, &mut T) -> R + Sync,
-        mut tell: impl FnMut(usize, R),
+        mut on_result: impl FnMut(usize, R),
     ) {
         let threads = self.threads.min(items.len());
         let many = items.len() >= ITEMS_THAT_SHARE * threads;
@@ -84,13 +84,13 @@ impl Workers {
                 });
                 drop(sender);
                 // The caller only listens, so that it hears of each outcome at once.
-                receiver.iter().for_each(|(index, outcome)| tell(index, outcome));
+                receiver.iter().for_each(|(index, outcome)| on_result(index, outcome));
             });
         }
         // All, where there are no threads.
         with_memory(&mut || {
             while let Some((index, outcome)) = one() {
-                tell(index, outcome);
+                on_result(index, outcome);
             }
         });
     }
@@ -152,7 +152,7 @@ mod tests {
             let patience = std::time::Duration::from_millis(100);
             drop(here.wait_timeout_while(ids, patience, |ids| ids.len() < MOST_THREADS).unwrap());
         };
-        Workers::asked(4_000_000_000).change_and_tell(&mut items, compute, |_, ()| {});
+        Workers::asked(4_000_000_000).map_mut(&mut items, compute, |_, ()| {});
         let started = ids.into_inner().unwrap().len();
         assert!(started <= MOST_THREADS, "{started} threads");
     }
@@ -168,7 +168,7 @@ mod tests {
                 ids.lock().unwrap().insert(thread::current().id());
                 2 * index
             };
-            Workers::asked(threads).change_and_tell(&mut items, compute, |index, outcome| {
+            Workers::asked(threads).map_mut(&mut items, compute, |index, outcome| {
                 assert_eq!(thread::current().id(), caller);
                 assert_eq!(outcome, 2 * index);
                 told.push(index);

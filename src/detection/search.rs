@@ -34,7 +34,7 @@ pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 
 
 /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
 /// better explanation wins, unless it is no cylinder.
-const LEAST_SAY: f64 = 0.25;
+const LEAST_SHARE: f64 = 0.25;
 
 /// Where patches begin.
 #[derive(Clone, Copy)]
@@ -139,7 +139,7 @@ fn same(a: &Cylinder, b: &Cylinder) -> bool {
 
 /// The best of candidates that are alike.
 pub(super) fn distinct(mut found: Vec<Judged>) -> Vec<Judged> {
-    found.sort_by(|a, b| b.say().total_cmp(&a.say()));
+    found.sort_by(|a, b| b.priority().total_cmp(&a.priority()));
     let mut kept: Vec<Judged> = Vec::new();
     for judged in found {
         let alike = |other: &Judged| {
@@ -186,9 +186,9 @@ impl Judged {
         Some(Self { candidate, evidence, score: evidence.score() })
     }
 
-    /// What a candidate has to say where others explain the same cells.
-    fn say(&self) -> f64 {
-        self.candidate.gain * (LEAST_SAY + (1.0 - LEAST_SAY) * self.score)
+    /// Which of the candidates that explain the same cells is chosen: the one of the highest priority.
+    fn priority(&self) -> f64 {
+        self.candidate.gain * (LEAST_SHARE + (1.0 - LEAST_SHARE) * self.score)
     }
 }
 
@@ -350,8 +350,8 @@ fn select(
 ) -> Vec<Judged> {
     let mut chosen: Vec<Judged> = Vec::new();
     let mut taken = vec![false; scene.grid.cells.len()];
-    let by_say = |a: &Judged, b: &Judged| a.say().total_cmp(&b.say());
-    found.sort_by(by_say);
+    let by_priority = |a: &Judged, b: &Judged| a.priority().total_cmp(&b.priority());
+    found.sort_by(by_priority);
     while let Some(mut judged) = found.pop() {
         let all = judged.candidate.cells.len();
         let left = judged.candidate.cells.iter().filter(|&&k| !taken[k]).count();
@@ -365,7 +365,7 @@ fn select(
         if let Some(parts) = parts {
             // They may be divided again.
             found.extend(parts);
-            found.sort_by(by_say);
+            found.sort_by(by_priority);
             continue;
         }
         if left * 5 < all * 3 {

@@ -208,9 +208,9 @@ fn combine(views: &[EndsOfView], side: usize) -> (End, &EndsOfView) {
         let end = &of_view.ends[side];
         seen(of_view) || end.state == EndState::Unknown && end.source == EndSource::Image
     };
-    let told = || views.iter().filter(|of_view| shown(of_view));
+    let showing = || views.iter().filter(|of_view| shown(of_view));
     let deviation = |of_view: &EndsOfView| of_view.ends[side].deviation.unwrap_or(f64::INFINITY);
-    let best = told().min_by(|a, b| {
+    let best = showing().min_by(|a, b| {
         // What is seen says more about the state than what is shown.
         seen(b).cmp(&seen(a)).then(deviation(a).total_cmp(&deviation(b)))
     });
@@ -223,12 +223,12 @@ fn combine(views: &[EndsOfView], side: usize) -> (End, &EndsOfView) {
         return (end(last), last);
     };
     let (mut information, mut sum) = (0.0, 0.0);
-    for of_view in told() {
+    for of_view in showing() {
         let weight = deviation(of_view).powi(-2);
         information += weight;
         sum += weight * of_view.ends[side].position;
     }
-    if told().count() == 1 || !(information > 0.0) {
+    if showing().count() == 1 || !(information > 0.0) {
         return (end(best), best);
     }
     let mean = End { position: sum / information, deviation: Some(information.sqrt().recip()), ..end(best) };

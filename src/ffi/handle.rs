@@ -198,9 +198,9 @@ impl<C> Handle<C> {
 
 type Outcome = (cylfuse_status, Text);
 
-/// Tells the log about a failure, and makes a status and a text of it.
+/// Writes a failure to the log, and makes a status and a text of it.
 #[inline(never)]
-fn told(log: Log, result: Result<(), Failure>) -> Outcome {
+fn log_outcome(log: Log, result: Result<(), Failure>) -> Outcome {
     let Err(failure) = result else { return (cylfuse_status::OK, Text::EMPTY) };
     let text = failure.to_string();
     // Without any room it was a question how much is needed.
@@ -230,7 +230,7 @@ pub(super) fn change<C: Logs>(
 ) -> cylfuse_status {
     alone(handle, |content, cancel| {
         let result = call(content, cancel);
-        told(content.log(), result)
+        log_outcome(content.log(), result)
     })
 }
 
@@ -239,7 +239,7 @@ pub(super) fn change_quietly<C>(
     handle: &Handle<C>,
     call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    alone(handle, |content, cancel| told(Log::default(), call(content, cancel)))
+    alone(handle, |content, cancel| log_outcome(Log::default(), call(content, cancel)))
 }
 
 /// Runs a call that only reads what the handle holds: beside others of its kind.
@@ -253,7 +253,7 @@ pub(super) fn read<C: Logs>(
     let status = handle.run(|cancel| {
         // SAFETY: nobody has a mutable reference until access is given back below.
         let content = unsafe { &*handle.content.get() };
-        told(content.log(), call(content, cancel))
+        log_outcome(content.log(), call(content, cancel))
     });
     handle.access.end_read();
     status
@@ -297,7 +297,7 @@ pub(super) fn no_handle(name: &'static str) -> cylfuse_status {
 
 /// Runs a call without a handle.
 pub(super) fn stateless(call: impl FnOnce() -> Result<(), Failure>) -> cylfuse_status {
-    keep(guard(|| told(Log::default(), call())))
+    keep(guard(|| log_outcome(Log::default(), call())))
 }
 
 /// Keeps the text of a call without a handle.

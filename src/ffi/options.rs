@@ -59,7 +59,7 @@ impl cylfuse_options {
 
     /// The standard deviations that a user may know, 0 where not.
     fn read_noise(&self) -> Result<NoiseModel, Failure> {
-        let told = [
+        let stated = [
             ("options.depth_noise", self.depth_noise),
             ("options.image_noise", self.image_noise),
             ("options.edge_noise", self.edge_noise),
@@ -67,28 +67,28 @@ impl cylfuse_options {
             ("options.image_blur", self.image_blur),
             ("options.drawn_pixel", self.drawn_pixel),
         ];
-        for (name, value) in told {
+        for (name, value) in stated {
             not_negative(name, value)?;
         }
         if !self.depth_shared.is_finite() {
             let requirement = "be finite; less than 0 = none";
             return Err(Failure::argument("options.depth_shared", self.depth_shared, requirement));
         }
-        let usual = NoiseModel::default();
-        let or_usual = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
+        let default = NoiseModel::default();
+        let or_default = |value: f64, default: f64| if value > 0.0 { value } else { default };
         Ok(NoiseModel {
             drawn_pixel: self.drawn_pixel,
-            edge_endpoint: or_usual(self.edge_noise, usual.edge_endpoint),
-            mask_side: or_usual(self.mask_noise, usual.mask_side),
+            edge_endpoint: or_default(self.edge_noise, default.edge_endpoint),
+            mask_side: or_default(self.mask_noise, default.mask_side),
             depth: self.depth_noise,
             depth_shared: if self.depth_shared < 0.0 {
                 0.0
             } else {
-                or_usual(self.depth_shared, usual.depth_shared)
+                or_default(self.depth_shared, default.depth_shared)
             },
             image: self.image_noise,
             blur: self.image_blur,
-            ..usual
+            ..default
         })
     }
 }
@@ -154,8 +154,8 @@ impl From<&DetectorOptions> for cylfuse_detector_options {
 impl From<&Options> for cylfuse_options {
     fn from(options: &Options) -> Self {
         let Options { limits, cylinder_limits, noise, .. } = options;
-        let usual = NoiseModel::default();
-        let unless_usual = |told: f64, usual: f64| if told == usual { 0.0 } else { told };
+        let default = NoiseModel::default();
+        let zero_if_default = |value: f64, default: f64| if value == default { 0.0 } else { value };
         Self {
             struct_size: size_of::<Self>() as u32,
             method: options.method.into(),
@@ -180,8 +180,8 @@ impl From<&Options> for cylfuse_options {
             independent_points: options.independent_points,
             depth_noise: noise.depth,
             image_noise: noise.image,
-            edge_noise: unless_usual(noise.edge_endpoint, usual.edge_endpoint),
-            mask_noise: unless_usual(noise.mask_side, usual.mask_side),
+            edge_noise: zero_if_default(noise.edge_endpoint, default.edge_endpoint),
+            mask_noise: zero_if_default(noise.mask_side, default.mask_side),
             radius_min: cylinder_limits.radius_min,
             radius_max: or_zero(cylinder_limits.radius_max),
             axis: cylinder_limits.axis.map_or([0.0; 3], |cone| cone.direction.into()),
@@ -190,7 +190,7 @@ impl From<&Options> for cylfuse_options {
             drawn_pixel: noise.drawn_pixel,
             depth_shared: match noise.depth_shared {
                 0.0 => -1.0,
-                told => unless_usual(told, usual.depth_shared),
+                value => zero_if_default(value, default.depth_shared),
             },
         }
     }

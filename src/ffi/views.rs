@@ -136,7 +136,7 @@ impl CheckedGrid {
     }
 }
 
-fn images(name: &'static str, (width, height): (u32, u32), size: usize, strides: (isize, isize)) -> Grid {
+fn pixel_grid(name: &'static str, (width, height): (u32, u32), size: usize, strides: (isize, isize)) -> Grid {
     let (element_stride, row_stride) = strides;
     let (width, height) = (width as usize, height as usize);
     Grid { name, element: "pixel", width, height, element_size: size, element_stride, row_stride }
@@ -210,7 +210,7 @@ pub(super) unsafe fn depth_view<'a>(
 ) -> Result<(DepthView<'a>, DepthRange), Failure> {
     let format = view.format.read("depth.format")?;
     let strides = (view.pixel_stride, view.row_stride);
-    let grid = images("depth.data", (view.width, view.height), pixel_size(format), strides);
+    let grid = pixel_grid("depth.data", (view.width, view.height), pixel_size(format), strides);
     // SAFETY: the caller's obligation.
     let pixels = unsafe { grid.check(view.data)?.view(view.data) }?;
     let max = if view.max_depth == 0.0 { f64::INFINITY } else { view.max_depth };
@@ -231,7 +231,7 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
         let (width, height) = (view.width as usize, view.height as usize);
         return Err(Error::EmptyMask { width, height }.into());
     }
-    let grid = images("mask.data", (view.width, view.height), 1, (view.pixel_stride, view.row_stride));
+    let grid = pixel_grid("mask.data", (view.width, view.height), 1, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
     let mask = MaskView::new(unsafe { grid.check(view.data)?.view(view.data) }?);
     Ok(match label {
@@ -247,7 +247,8 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
 pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageView<'a>, Failure> {
     let format = view.format.read("image.format")?;
     let size = format.pixel_bytes();
-    let grid = images("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
+    let grid =
+        pixel_grid("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
     // SAFETY: the caller's obligation.
     let linear = ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format);
     Ok(linear.with_gamma(view.gamma)?)
@@ -417,7 +418,7 @@ mod tests {
     use super::*;
 
     fn grid(size: (usize, usize), strides: (isize, isize)) -> Grid {
-        images("depth.data", (size.0 as u32, size.1 as u32), 2, strides)
+        pixel_grid("depth.data", (size.0 as u32, size.1 as u32), 2, strides)
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub(crate) fn each<T: Send, R: Send>(
         outcomes[index] = Some(outcome);
     };
     let one = |_: usize, item: &mut T| one(item, &|| stop.load(Ordering::Relaxed));
-    Workers::asked(threads).change_and_tell(items, one, tell);
+    Workers::asked(threads).map_mut(items, one, tell);
     outcomes.into_iter().flatten().collect()
 }
 

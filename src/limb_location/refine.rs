@@ -48,23 +48,23 @@ constants! {
 /// Blur cannot be less than that of the aperture of a pixel, 1/√12.
 const LEAST_BLUR: f64 = 0.29;
 
-/// One over the variance of a blur that was told: no image says otherwise.
-const TOLD: f64 = 1e12;
+/// One over the variance of a blur that the caller states: no image says otherwise.
+const STATED_WEIGHT: f64 = 1e12;
 
 /// One of something for each limb.
 type Several<T> = SmallVec<[T; 2]>;
 
 /// What is common to the limbs when they are refined.
 pub(super) struct RefinedImage {
-    /// The blur, which is the told one where that is above 0.
+    /// The blur, which is the stated one where that is above 0.
     pub blur: f64,
     /// Whether the limbs can be nowhere else.
     pub unambiguous: bool,
 }
 
 /// Refines one or two limbs of a cylinder and the blur.
-pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
-    let blur = ExpectedBlur::new(told_blur);
+pub(super) fn refine(limbs: &mut [Limb<'_>], stated_blur: f64) -> RefinedImage {
+    let blur = ExpectedBlur::new(stated_blur);
     let kernel = Kernel::new(blur.value, SCAN_REACH.get());
     let windows: Several<Near> =
         limbs.iter().map(|limb| Near::new(limb.strip, &limb.state.line, Window::full())).collect();
@@ -111,14 +111,14 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], told_blur: f64) -> RefinedImage {
 /// looked at from the first step on: no other place is near, and those that come and go with each step kept them from settling.
 pub(super) fn refine_again(
     limbs: &mut [Limb<'_>],
-    told_blur: f64,
+    stated_blur: f64,
     last_blur: f64,
     reach: [f64; 2],
     rest: bool,
 ) -> Option<f64> {
     let settling = if rest { FIRST_STEPS.count() } else { 0 };
-    let expected = ExpectedBlur::new(told_blur);
-    let mut blur = if told_blur > 0.0 { expected.value } else { last_blur };
+    let expected = ExpectedBlur::new(stated_blur);
+    let mut blur = if stated_blur > 0.0 { expected.value } else { last_blur };
     let mut near = looked_at_by(limbs);
     for count in 1..=STEPS.count() {
         look_about(limbs, &mut near, settling + count);
@@ -174,10 +174,10 @@ struct ExpectedBlur {
 }
 
 impl ExpectedBlur {
-    /// The told blur, or where it is 0 that of most images, to a pixel.
-    fn new(told: f64) -> Self {
-        if told > 0.0 {
-            Self { value: told.clamp(LEAST_BLUR, MOST_BLUR.get()), weight: TOLD }
+    /// The stated blur, or where it is 0 that of most images, to a pixel.
+    fn new(stated: f64) -> Self {
+        if stated > 0.0 {
+            Self { value: stated.clamp(LEAST_BLUR, MOST_BLUR.get()), weight: STATED_WEIGHT }
         } else {
             Self { value: FIRST_BLUR.get(), weight: 1.0 }
         }

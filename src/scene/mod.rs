@@ -324,7 +324,7 @@ impl Detector {
                 }
             };
             let mut done = 0;
-            Workers::asked(self.options.threads).change_and_tell(&mut outcomes, compute, |_, ()| {
+            Workers::asked(self.options.threads).map_mut(&mut outcomes, compute, |_, ()| {
                 done += 1;
                 tell(done);
             });
