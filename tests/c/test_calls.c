@@ -78,7 +78,7 @@ static void progress_is_told(void)
     recorder seen = {.fitter = fitter, .thread = pthread_self()};
     CHECK_OK(cylfuse_fitter_set_progress(fitter, record, &seen));
     cylfuse_result result = fit(fitter);
-    CHECK(seen.starts == 1 && seen.solves >= (int)result.iterations && result.iterations > 3);
+    CHECK(seen.starts >= 1 && seen.solves >= (int)result.iterations && result.iterations > 3);
 
     /* The callback stops the fit at its first and third call; the result stays. */
     cylfuse_result kept = {.struct_size = sizeof kept};
