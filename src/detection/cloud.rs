@@ -15,7 +15,7 @@ use crate::error::{Error, Result, cancelled_if};
 use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::observations::PointsView;
-use crate::statistics::ordered;
+use crate::statistics::at_both_ends;
 pub(crate) use looks::Looks;
 pub(crate) use members::reach;
 use nalgebra::Vector3;
@@ -179,26 +179,38 @@ fn is_in_front(x: f64, y: f64, z: f64, widest: f64) -> bool {
     (z > 0.0) & (x.abs() <= widest * z) & (y.abs() <= widest * z)
 }
 
-/// The numbers at two places of the order of many that are spread over some orders of magnitude; what is none comes last.
-fn in_order(numbers: &[f64], places: [usize; 2], asked: &Asked<'_>) -> Result<[f64; 2]> {
-    // Counted by the upper quarter of their bits in order, then looked for among those that share it.
-    let upper = |number: f64| (ordered(number) >> 48) as usize;
-    let mut counts = vec![0_u32; 1 << 16];
-    numbers.iter().for_each(|number| counts[upper(*number)] += 1);
-    let mut found = [0.0; 2];
-    for (found, mut place) in found.iter_mut().zip(places) {
-        asked()?;
-        let mut own = 0;
-        while place >= counts[own] as usize {
-            place -= counts[own] as usize;
-            own += 1;
+/// The slopes of the rays of points in front of the plane z = 0.
+struct Slopes {
+    /// Along x and y, but for single ones far away.
+    range: [[f64; 2]; 2],
+    /// How many points lie within the widest.
+    in_front: usize,
+}
+
+impl Slopes {
+    /// Those up to a widest; `None` for too few.
+    fn of(points: &Cloud, widest: f64, asked: &Asked<'_>) -> Result<Option<Self>> {
+        let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
+        let mut range = [[0.0; 2]; 2];
+        let mut slopes = Vec::new();
+        for (own, (axis, other)) in range.iter_mut().zip([(x, y), (y, x)]) {
+            slopes.clear();
+            slopes.resize(points.len(), 0.0);
+            for (part, slopes) in slopes.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
+                asked()?;
+                let axes = [axis, other, z].map(|axis| part_of(axis, part));
+                Arch::new().dispatch(SlopesOfPoints { axes, widest, slopes });
+            }
+            slopes.retain(|slope| !slope.is_nan());
+            if slopes.len() < FEWEST {
+                return Ok(None);
+            }
+            asked()?;
+            *own = at_both_ends(&slopes, (STRAY * slopes.len() as f64) as usize);
+            asked()?;
         }
-        let mut alike = Vec::with_capacity(counts[own] as usize);
-        alike.extend(numbers.iter().copied().filter(|number| upper(*number) == own));
-        *found = *alike.select_nth_unstable_by(place, f64::total_cmp).1;
+        Ok(Some(Self { range, in_front: slopes.len() }))
     }
-    asked()?;
-    Ok(found)
 }
 
 /// For each pixel on the plane z = 1 the point that is seen there.
@@ -207,8 +219,6 @@ struct Image {
     height: usize,
     spacing: f64,
     low: [f64; 2],
-    /// How many points lie within its slopes.
-    in_front: usize,
     /// The pixel of each point, [`OUTSIDE`] for those that have none.
     pixels: Vec<u32>,
     /// The number of the point at each pixel, that of the last where there is none.
@@ -221,42 +231,27 @@ impl Image {
     /// As many pixels as points that are seen, over the part of the image that has any.
     fn of(points: &Cloud, widest: f64, asked: &Asked<'_>) -> Result<Option<Self>> {
         let depths = &points.axes[2];
-        let Some(image) = Self::new(points, usize::MAX, widest, asked)? else { return Ok(None) };
+        let Some(slopes) = Slopes::of(points, widest, asked)? else { return Ok(None) };
+        let Some(image) = Self::new(points, slopes.in_front, &slopes, asked)? else { return Ok(None) };
         let seen = image.seen(depths);
-        if seen as f64 >= MOSTLY_SEEN * image.in_front as f64 {
+        if seen as f64 >= MOSTLY_SEEN * slopes.in_front as f64 {
             return Ok(Some(image));
         }
-        let mut image = Self::new(points, seen, widest, asked)?;
+        // Much memory in a large cloud.
+        drop(image);
+        let mut image = Self::new(points, seen, &slopes, asked)?;
         if let Some(image) = &mut image {
             image.close(depths);
         }
         Ok(image)
     }
 
-    /// With so many pixels, or as many as points in front where these are fewer.
-    fn new(points: &Cloud, pixels: usize, widest: f64, asked: &Asked<'_>) -> Result<Option<Self>> {
+    /// With so many pixels.
+    fn new(points: &Cloud, pixels: usize, slopes: &Slopes, asked: &Asked<'_>) -> Result<Option<Self>> {
         let [x, y, z] = points.axes.each_ref().map(|axis| &axis[..points.len()]);
-        let mut range = [[0.0; 2]; 2];
-        let mut slopes = vec![0.0; points.len()];
-        let mut in_front = 0;
-        for (own, (axis, other)) in range.iter_mut().zip([(x, y), (y, x)]) {
-            let mut count = 0;
-            for (part, slopes) in slopes.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
-                asked()?;
-                let axes = [axis, other, z].map(|axis| part_of(axis, part));
-                count += Arch::new().dispatch(Slopes { axes, widest, slopes });
-            }
-            if count < FEWEST {
-                return Ok(None);
-            }
-            in_front = count;
-            let stray = (STRAY * count as f64) as usize;
-            *own = in_order(&slopes, [stray, count - 1 - stray], asked)?;
-        }
-        // Much memory in a large cloud.
-        drop(slopes);
+        let range = slopes.range;
         let [width, height] = range.map(|[low, high]| high - low);
-        let pixels = (pixels.min(in_front) as f64).min(MOST_PIXELS);
+        let pixels = (pixels as f64).min(MOST_PIXELS);
         let spacing = (width * height / pixels).sqrt();
         if !(spacing > 0.0 && spacing.is_finite() && width.max(height) / spacing < 1e4) {
             return Ok(None);
@@ -266,7 +261,6 @@ impl Image {
             height: (height / spacing) as usize + 1,
             spacing,
             low: [range[0][0], range[1][0]],
-            in_front,
             pixels: Vec::new(),
             nearest: Vec::new(),
             closed: false,
@@ -302,26 +296,23 @@ fn part_of(axis: &[f64], part: usize) -> &[f64] {
 }
 
 /// One pass over points for the slopes of their rays along the first of some axes, no numbers where they are not in front; the last
-/// axis is z. Tells how many are.
-struct Slopes<'a> {
+/// axis is z.
+struct SlopesOfPoints<'a> {
     axes: [&'a [f64]; 3],
     widest: f64,
     slopes: &'a mut [f64],
 }
 
-impl WithSimd for Slopes<'_> {
-    type Output = usize;
+impl WithSimd for SlopesOfPoints<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> usize {
+    fn with_simd<S: Simd>(self, _simd: S) {
         let Self { axes: [x, other, z], widest, slopes } = self;
-        let mut count = 0;
         for (slope, ((x, other), z)) in slopes.iter_mut().zip(x.iter().zip(other).zip(z)) {
             let front = is_in_front(*x, *other, *z, widest);
             *slope = if front { x / z } else { f64::NAN };
-            count += u64::from(front);
         }
-        count as usize
     }
 }
 
@@ -353,16 +344,6 @@ impl WithSimd for PixelsOfPoints<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_found_by_their_place() {
-        let numbers: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 1009) * 0.003 - 1.5).collect();
-        let mut sorted = numbers.clone();
-        sorted.sort_by(f64::total_cmp);
-        for places in [[0, 999], [2, 997], [499, 501], [505, 505]] {
-            assert_eq!(in_order(&numbers, places, &|| Ok(())), Ok(places.map(|place| sorted[place])));
-        }
-    }
 
     #[test]
     fn a_large_cloud_asks_all_along_and_ends_at_once() {
@@ -397,13 +378,13 @@ mod tests {
         let axes = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
         let axes = axes.each_ref().map(|axis| &axis[..]);
         let mut slopes = vec![0.0; points.len()];
-        let count = Slopes { axes, widest: 3.0, slopes: &mut slopes }.with_simd(pulp::Scalar);
+        SlopesOfPoints { axes, widest: 3.0, slopes: &mut slopes }.with_simd(pulp::Scalar);
         let mut wide = vec![0.0; points.len()];
-        assert_eq!(Arch::new().dispatch(Slopes { axes, widest: 3.0, slopes: &mut wide }), count);
+        Arch::new().dispatch(SlopesOfPoints { axes, widest: 3.0, slopes: &mut wide });
         let (pixels, nearest) = (Vec::new(), Vec::new());
         let low = [-1.5, -1.0];
         let image =
-            Image { width: 30, height: 20, spacing: 0.1, low, in_front: 0, pixels, nearest, closed: false };
+            Image { width: 30, height: 20, spacing: 0.1, low, pixels, nearest, closed: false };
         let mut pixels = vec![OUTSIDE; points.len()];
         Arch::new().dispatch(PixelsOfPoints { image: &image, axes, pixels: &mut pixels });
         let mut within = 0;

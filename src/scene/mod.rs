@@ -250,7 +250,8 @@ impl Detector {
             let seen = self.search(observer, |stopped| {
                 detect_points_until(points, &scene.labels, &mut looks, &search, stopped)
             })?;
-            if let Some(seen) = seen {
+            scene.complete &= !seen.as_ref().is_some_and(|seen| seen.cut_short);
+            if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let found = self.fit_all(fits, observer, |fits, task, share| {
                     fits.of_points(points, looks.part(), &scene.labels, task, share)

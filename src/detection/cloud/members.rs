@@ -85,8 +85,11 @@ pub(super) fn labels(
     seen: &Detections,
     asked: &Asked<'_>,
 ) -> Result<Vec<u16>> {
-    let surfaces = surfaces(points, image, seen);
     let mut labels = vec![0; points.len()];
+    if seen.cylinders.is_empty() {
+        return Ok(labels);
+    }
+    let surfaces = surfaces(points, image, seen);
     for (part, labels) in labels.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
         asked()?;
         for (k, label) in (part * BETWEEN_QUESTIONS..).zip(labels) {

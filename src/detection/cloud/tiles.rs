@@ -1,8 +1,9 @@
 //! Cubes that a cloud is cut into.
 
-use super::{Asked, STRAY, in_order};
+use super::{Asked, STRAY};
 use crate::error::Result;
 use crate::observations::PointsView;
+use crate::statistics::at_both_ends;
 use nalgebra::Vector3;
 
 /// Fewest points of a tile: fewer show no body.
@@ -22,9 +23,8 @@ pub(super) fn of(points: &PointsView<'_>, level: u32, asked: &Asked<'_>) -> Resu
         if values.is_empty() {
             return Ok(Vec::new());
         }
-        let stray = (STRAY * values.len() as f64) as usize;
-        let last = values.len() - 1 - stray;
-        *range = in_order(&values, [stray, last], asked)?;
+        *range = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
+        asked()?;
     }
     let edge = range.iter().map(|[low, high]| high - low).fold(0.0, f64::max) / f64::from(1_u32 << level);
     if edge <= 0.0 {
