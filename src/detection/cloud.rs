@@ -1,5 +1,6 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
+mod cubes;
 mod hidden;
 mod looks;
 mod members;
@@ -105,6 +106,9 @@ pub(crate) fn detect_points_until(
     looks.note(size, image.closed, &points, &cancelled)?;
     let from_origin = viewpoint.is_origin() && !image.closed;
     let whole = viewpoint.is_sensor() && !image.closed;
+    if !whole && !cylinders.is_empty() {
+        looks.place(view, &cancelled)?;
+    }
     Ok(Some(Detections { cylinders, labels, from_origin, whole, ..seen }))
 }
 

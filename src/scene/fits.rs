@@ -1,11 +1,11 @@
 //! The fit of one region.
 
 use super::contests::Piece;
-use super::growth::{grown, is_round};
+use super::growth::{grown, is_round, reach_of};
 use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
-use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, with_odds_divided};
+use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, Looks, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -90,7 +90,7 @@ impl<'a> Fits<'a> {
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
-        part: Option<&[u32]>,
+        looks: &Looks,
         taken: &[u16],
         task: &Task,
         share: Option<&Share<'_>>,
@@ -99,27 +99,39 @@ impl<'a> Fits<'a> {
         let (width, _) = self.size;
         let place = |k: usize| points.points.at(k % width, k / width);
         let places_of = |region: &[usize]| region.iter().map(|&k| place(k)).collect::<Vec<Vector3<f64>>>();
-        let number = |k: usize| part.map_or(k, |part| part[k] as usize);
+        let number = |k: usize| looks.part().map_or(k, |part| part[k] as usize);
         let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
         let mut places = places_of(&region);
-        let (mut fitter, mut result) = self.of_region(points, (&region, &places), &detection, share)?;
-        let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
-        for _ in 0..rounds {
+        let growing = looks.places().filter(|_| !self.seen.whole && share.is_some());
+        let mut last = None;
+        for all in std::iter::repeat_n(growing, ROUNDS).flatten() {
+            let few = thinned(&region);
+            // How many are independent matters to the uncertainty alone, and takes longest to tell.
+            let options = Options { independent_points: few.len() as f64, ..self.fit_options() };
+            let fit = self.of_region(points, (&few, &places_of(&few)), &detection, options, share)?;
+            let cylinder = fit.1.cylinder;
+            last = Some(fit);
             let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
-            let free = (0..taken.len()).filter(of_use).map(|k| (k, place(k)));
-            let next = grown(&result.cylinder, &places, free);
-            if next.len() < FEWEST || next == region {
+            let reach = reach_of(&cylinder, &places);
+            let free = all.near(&cylinder, reach).filter(of_use).map(|k| (k, place(k)));
+            let next = grown(&cylinder, reach, &places, free);
+            if next.len() < FEWEST {
                 break;
             }
             let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
             places = places_of(&next);
             region = next;
-            detection = Detection { cylinder: result.cylinder, pixels: region.len(), ..detection };
-            (fitter, result) = self.of_region(points, (&region, &places), &detection, share)?;
+            detection = Detection { cylinder, pixels: region.len(), ..detection };
             if settled {
                 break;
             }
         }
+        let is_one = self.seen.whole || is_round(&detection.cylinder, &places);
+        let (fitter, result) = match last {
+            // Enough for what is none.
+            Some(fit) if !is_one => fit,
+            _ => self.of_region(points, (&region, &places), &detection, self.fit_options(), share)?,
+        };
         // Of very many points what follows takes as long as several steps of a fit.
         if share.is_some_and(|share| share.poll_cancel().is_break()) {
             return Err(Error::Cancelled { iterations: result.iterations });
@@ -130,22 +142,23 @@ impl<'a> Fits<'a> {
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
         let mut found = found(*fitter, evidence, &detection, result);
-        let is_one = self.seen.whole || is_round(&found.result.cylinder, &places);
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         found.region = region;
         Ok(found)
     }
 
-    /// The fit of a region of a cloud, with the numbers and places of its points.
+    /// The fit of a region of a cloud with some options, with the numbers and places of its points.
     fn of_region(
         &self,
         points: &PointsView<'_>,
         (region, places): (&[usize], &[Vector3<f64>]),
         detection: &Detection,
+        options: Options,
         share: Option<&Share<'_>>,
     ) -> Result<(Box<Fitter>, FitResult)> {
         let fit = |chosen: &[usize]| {
-            let mut fitter = Box::new(self.fitter()?);
+            let mut fitter = Box::new(Fitter::new());
+            fitter.set_options(options)?;
             fitter.push_numbered(points, chosen)?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
@@ -269,10 +282,14 @@ impl<'a> Fits<'a> {
         (MOST_FITS / self.seen.cylinders.len().max(1)).max(1)
     }
 
-    fn fitter(&self) -> Result<Fitter> {
+    fn fit_options(&self) -> Options {
         let cylinder_limits = self.options.search.limits;
+        Options { start: StartKind::Model, cylinder_limits, ..self.options.fit }
+    }
+
+    fn fitter(&self) -> Result<Fitter> {
         let mut fitter = Fitter::new();
-        fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
+        fitter.set_options(self.fit_options())?;
         Ok(fitter)
     }
 }
@@ -291,6 +308,11 @@ fn told_twice(result: &FitResult) -> bool {
             radii.z_score().abs() < AGREEMENT
                 && radii.from_points_deviation < RADIUS_CHANGE * result.cylinder.radius
         })
+}
+
+/// Points of a region, spread over all of it, that lead to its body.
+fn thinned(region: &[usize]) -> Vec<usize> {
+    region.iter().copied().step_by(region.len().div_ceil(ENOUGH).max(1)).collect()
 }
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
@@ -325,6 +347,9 @@ const FEWEST: usize = 50;
 
 /// Fits to the middle of a region, at most: the radius settles in three or four.
 const ROUNDS: usize = 4;
+
+/// Points that are enough to grow a region by.
+const ENOUGH: usize = 10_000;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;

@@ -64,13 +64,19 @@ impl Slice {
     }
 }
 
-/// The points on the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may belong to it.
+/// How far from the surface of a cylinder that was fitted to a region the points of its body lie.
+pub(super) fn reach_of(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
+    reach(cylinder, region.iter().copied()).min(MOST_REACH * cylinder.radius)
+}
+
+/// The points within a reach of the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may
+/// belong to it.
 pub(super) fn grown(
     cylinder: &Cylinder,
+    reach: f64,
     region: &[Vector3<f64>],
     points: impl Iterator<Item = (usize, Vector3<f64>)>,
 ) -> Vec<usize> {
-    let reach = reach(cylinder, region.iter().copied()).min(MOST_REACH * cylinder.radius);
     let mut of_region: Vec<i64> = region.iter().map(|point| slice_of(cylinder, point)).collect();
     of_region.sort_unstable();
     let stray = of_region.len() / STRAY;
@@ -185,7 +191,8 @@ mod tests {
             points.push(Vector3::new(x, 1.0, z));
         }
         points.extend(half(-6.0, -4.0, 0.01).iter().map(|p| Vector3::new(1.2 * p.x, 1.2 * p.y, p.z)));
-        let grown = grown(&cylinder(), &region, points.iter().copied().enumerate());
+        let reach = reach_of(&cylinder(), &region);
+        let grown = grown(&cylinder(), reach, &region, points.iter().copied().enumerate());
         assert_eq!(grown, (0..own).collect::<Vec<usize>>());
     }
 

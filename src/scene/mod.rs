@@ -254,7 +254,7 @@ impl Detector {
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let found = self.fit_all(fits, observer, |fits, task, share| {
-                    fits.of_points(points, looks.part(), &scene.labels, task, share)
+                    fits.of_points(points, &looks, &scene.labels, task, share)
                 })?;
                 scene.add(found);
             }

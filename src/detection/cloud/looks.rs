@@ -1,6 +1,7 @@
 //! The looks at a cloud: from where, at which part of it, and how finely.
 
 use super::super::grid::side_of_cells;
+use super::cubes::{Bounds, Places};
 use super::viewpoints::{Viewpoint, from_all_sides, of_origin};
 use super::{Asked, Cloud, FEWEST, tiles};
 use crate::error::Result;
@@ -40,6 +41,9 @@ pub(crate) struct Looks {
     tiles: Vec<Vec<u32>>,
     /// Whether the cloud has been cut into them.
     cut: bool,
+    /// Where the points of the cloud lie, once it has been asked for; `None` for no points.
+    bounds: Option<Option<Bounds>>,
+    places: Option<Places>,
 }
 
 impl Looks {
@@ -51,10 +55,34 @@ impl Looks {
     /// Cuts the cloud into tiles where that is due. Whether there is anything to look at.
     pub(super) fn prepare(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
         if self.level > 0 && !self.cut {
-            self.tiles = tiles::of(points, self.level, asked)?;
+            if let Some(bounds) = self.bounds(points, asked)? {
+                self.tiles = tiles::of(points, &bounds, self.level, asked)?;
+            }
             self.cut = true;
         }
         Ok(self.level == 0 || !self.tiles.is_empty())
+    }
+
+    fn bounds(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<Option<Bounds>> {
+        if self.bounds.is_none() {
+            self.bounds = Some(Bounds::of(points, asked)?);
+        }
+        Ok(self.bounds.flatten())
+    }
+
+    /// The cubes of all points of the cloud, which [`Looks::places`] then has.
+    pub(super) fn place(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<()> {
+        if self.places.is_none()
+            && let Some(bounds) = self.bounds(points, asked)?
+        {
+            self.places = Some(Places::of(points, &bounds, asked)?);
+        }
+        Ok(())
+    }
+
+    /// The cubes of the points of a cloud of which the bodies that were found may be pieces.
+    pub fn places(&self) -> Option<&Places> {
+        self.places.as_ref()
     }
 
     /// The viewpoint of the look at points; `None` for too few points.
