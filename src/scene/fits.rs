@@ -108,7 +108,8 @@ impl<'a> Fits<'a> {
             let few = thinned(&region);
             // How many are independent matters to the uncertainty alone, and takes longest to tell.
             let options = Options { independent_points: few.len() as f64, ..self.fit_options() };
-            let fit = self.of_region(points, (&few, &places_of(&few)), &detection, options, share)?;
+            let seen = Detection { pixels: few.len(), ..detection };
+            let fit = self.of_region(points, (&few, &places_of(&few)), &seen, options, share)?;
             let cylinder = fit.1.cylinder;
             last = Some(fit);
             let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
