@@ -5,12 +5,13 @@
 //! of n: N = n / ((1 + 2 Σ ρ_row) (1 + 2 Σ ρ_column)). Which points are neighbours is told by their pixels, or where
 //! these are not known by where they are seen; never by the order in which they were pushed.
 
-use crate::geometry::{Cylinder, LocalFrame};
+use crate::geometry::LocalFrame;
 use crate::memory::List;
 use crate::observations::{Offsets, PointCloud};
 use crate::statistics::at_both_ends;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
 
 /// A correlation below this is taken as the end of the correlated range, and one below so many of its own
@@ -82,11 +83,11 @@ impl Lattice {
 
     /// The places of points on a cylinder: along the circumference and along the axis.
     pub fn on_surface(cloud: &PointCloud, frame: &LocalFrame) -> Option<Self> {
-        let Cylinder { axis, radius } = frame.cylinder;
-        let from_axis = || cloud.points().map(|p| p - axis.point);
-        let around = from_axis().map(|q| q.dot(&frame.v).atan2(q.dot(&frame.u)) * radius).collect();
-        let along = from_axis().map(|q| q.dot(&axis.direction)).collect();
-        Self::of_places([around, along])
+        let origin = cloud.origin() - frame.cylinder.axis.point;
+        Self::of_places(match cloud.offsets() {
+            Offsets::F32(axes) => Arch::new().dispatch(OnSurface { origin, axes, frame }),
+            Offsets::F64(axes) => Arch::new().dispatch(OnSurface { origin, axes, frame }),
+        })
     }
 
     /// A grid with about one place a cell. Places that several points share, as those of a still camera's frames do, count once.
@@ -234,6 +235,49 @@ impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
         }
         Some(places)
     }
+}
+
+/// The places of points on a cylinder: along the circumference and along the axis.
+struct OnSurface<'a, T> {
+    /// Where their offsets begin, from the point of the axis.
+    origin: Vector3<f64>,
+    axes: [&'a [T]; 3],
+    frame: &'a LocalFrame,
+}
+
+impl<T: Copy + Into<f64>> WithSimd for OnSurface<'_, T> {
+    type Output = Places;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Places {
+        let Self { origin, axes: [x, y, z], frame: LocalFrame { cylinder, u, v, .. } } = self;
+        let mut places = [List::with_capacity(x.len()), List::with_capacity(x.len())];
+        let (mut around, mut along) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (x, (y, z)) in x.chunks(BLOCK).zip(y.chunks(BLOCK).zip(z.chunks(BLOCK))) {
+            let points = x.iter().zip(y).zip(z);
+            for (((x, y), z), (around, along)) in points.zip(around.iter_mut().zip(&mut along)) {
+                let q = origin + Vector3::new((*x).into(), (*y).into(), (*z).into());
+                *around = cylinder.radius * turn(q.dot(u), q.dot(v));
+                *along = q.dot(&cylinder.axis.direction);
+            }
+            places[0].extend_from_slice(&around[..x.len()]);
+            places[1].extend_from_slice(&along[..x.len()]);
+        }
+        places
+    }
+}
+
+/// `y.atan2(x)` to 0.0004, by a polynomial for many points side by side. A cell is much wider: of more points than 40,000 a part tells.
+#[inline(always)]
+fn turn(x: f64, y: f64) -> f64 {
+    let (a, b) = (x.abs(), y.abs());
+    let t = a.min(b) / a.max(b).max(f64::MIN_POSITIVE);
+    let square = t * t;
+    let within_octant =
+        t * (1.0 + square * (-0.327_622_764 + square * (0.159_314_22 - 0.046_496_474_9 * square)));
+    let within_quadrant = if b > a { FRAC_PI_2 - within_octant } else { within_octant };
+    let size = if x < 0.0 { PI - within_quadrant } else { within_quadrant };
+    size.copysign(y)
 }
 
 /// In which cells of a size places within bounds are.

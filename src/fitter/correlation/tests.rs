@@ -143,3 +143,15 @@ fn the_order_of_the_points_and_the_shape_of_the_region_do_not_matter() {
     let (a, b) = count(&shuffled);
     assert!((a / by_pixels - 1.0).abs() < 1e-9 && (b / by_places - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn turns_are_those_of_the_arc_tangent() {
+    let worst = (0..10_000)
+        .map(|k| {
+            let (sin, cos) = (f64::from(k) * 0.000_7 - 3.5).sin_cos();
+            (turn(2.0 * cos, 2.0 * sin) - sin.atan2(cos)).abs()
+        })
+        .fold(0.0, f64::max);
+    assert!(worst < 4e-4, "{worst}");
+    assert_eq!([turn(0.0, 0.0), turn(1.0, 0.0), turn(0.0, 1.0)], [0.0, 0.0, FRAC_PI_2]);
+}
