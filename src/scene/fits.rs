@@ -106,10 +106,8 @@ impl<'a> Fits<'a> {
         let mut last = None;
         for all in std::iter::repeat_n(growing, ROUNDS).flatten() {
             let few = thinned(&region);
-            // How many are independent matters to the uncertainty alone, and takes longest to tell.
-            let options = Options { independent_points: few.len() as f64, ..self.fit_options() };
             let seen = Detection { pixels: few.len(), ..detection };
-            let fit = self.of_region(points, (&few, &places_of(&few)), &seen, options, share)?;
+            let fit = self.of_region(points, (&few, &places_of(&few)), &seen, share)?;
             let cylinder = fit.1.cylinder;
             last = Some(fit);
             let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
@@ -131,7 +129,7 @@ impl<'a> Fits<'a> {
         let (fitter, result) = match last {
             // Enough for what is none.
             Some(fit) if !is_one => fit,
-            _ => self.of_region(points, (&region, &places), &detection, self.fit_options(), share)?,
+            _ => self.of_region(points, (&region, &places), &detection, share)?,
         };
         // Of very many points what follows takes as long as several steps of a fit.
         if share.is_some_and(|share| share.poll_cancel().is_break()) {
@@ -148,18 +146,16 @@ impl<'a> Fits<'a> {
         Ok(found)
     }
 
-    /// The fit of a region of a cloud with some options, with the numbers and places of its points.
+    /// The fit of a region of a cloud, with the numbers and places of its points.
     fn of_region(
         &self,
         points: &PointsView<'_>,
         (region, places): (&[usize], &[Vector3<f64>]),
         detection: &Detection,
-        options: Options,
         share: Option<&Share<'_>>,
     ) -> Result<(Box<Fitter>, FitResult)> {
         let fit = |chosen: &[usize]| {
-            let mut fitter = Box::new(Fitter::new());
-            fitter.set_options(options)?;
+            let mut fitter = Box::new(self.fitter()?);
             fitter.push_numbered(points, chosen)?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
@@ -283,14 +279,10 @@ impl<'a> Fits<'a> {
         (MOST_FITS / self.seen.cylinders.len().max(1)).max(1)
     }
 
-    fn fit_options(&self) -> Options {
-        let cylinder_limits = self.options.search.limits;
-        Options { start: StartKind::Model, cylinder_limits, ..self.options.fit }
-    }
-
     fn fitter(&self) -> Result<Fitter> {
+        let cylinder_limits = self.options.search.limits;
         let mut fitter = Fitter::new();
-        fitter.set_options(self.fit_options())?;
+        fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
         Ok(fitter)
     }
 }
