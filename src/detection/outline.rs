@@ -9,6 +9,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use nalgebra::{Vector2, Vector3};
 use std::cell::OnceCell;
+use std::hint;
 
 /// Cells to either side of the outermost one of a line, among which a valley is looked for.
 const BESIDE: usize = 4;
@@ -91,13 +92,13 @@ pub(super) fn outline(
     // The outermost cell of each line on each side, and how far out it is.
     let mut outermost: List<[(f64, usize); 2]> = List::filled([(f64::NEG_INFINITY, 0); 2], count);
     for ((&k, &across), along) in cells.iter().zip(across).zip(along) {
-        // Comparisons with NaN are false, so NaN is never outermost.
         let line = &mut outermost[(((along - first) * per_width) as u32 as usize).min(count - 1)];
-        if -across > line[0].0 {
-            line[0] = (-across, k);
-        }
-        if across > line[1].0 {
-            line[1] = (across, k);
+        // Chosen without a branch, as no order of the cells tells which one is outermost. Comparisons with NaN are false, so NaN
+        // never is.
+        for (outermost, out) in line.iter_mut().zip([-across, across]) {
+            let farther = out > outermost.0;
+            outermost.0 = hint::select_unpredictable(farther, out, outermost.0);
+            outermost.1 = hint::select_unpredictable(farther, k, outermost.1);
         }
     }
     let mut sides = List::with_capacity(2 * count);
