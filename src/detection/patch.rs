@@ -56,8 +56,8 @@ pub(super) fn hypothesis(
     cells_per_sample: f64,
 ) -> Option<Cylinder> {
     let (matrix, vector) = moments.equations();
-    let inverse = matrix.cholesky()?.inverse();
-    let mut a = inverse * vector;
+    let decomposition = matrix.cholesky()?;
+    let mut a = decomposition.solve(&vector);
     // About the mean, and in units of how far the cells lie from it.
     let mean = moments.mean();
     let middle = moments.on_plane(&mean);
@@ -69,8 +69,8 @@ pub(super) fn hypothesis(
         + 0.5 * a[5] * mean.y * mean.y;
     a[1] = (a[1] + a[3] * mean.x + a[4] * mean.y) * size;
     a[2] = (a[2] + a[4] * mean.x + a[5] * mean.y) * size;
-    a.fixed_rows_mut::<3>(3).scale_mut(size * size);
-    let of_bend = inverse.fixed_view::<3, 3>(3, 3) * size.powi(4);
+    let squared_size = size * size;
+    a.fixed_rows_mut::<3>(3).scale_mut(squared_size);
     let size = size * grid.spacing;
     let eigen = Matrix2::new(a[3], a[4], a[4], a[5]).symmetric_eigen();
     let strong = if eigen.eigenvalues[0].abs() > eigen.eigenvalues[1].abs() { 0 } else { 1 };
@@ -78,7 +78,9 @@ pub(super) fn hypothesis(
     let across: Vector2<f64> = eigen.eigenvectors.column(strong).into();
     let along = Vector2::new(-across.y, across.x);
     let row = Vector3::new(across.x * across.x, 2.0 * across.x * across.y, across.y * across.y);
-    let uncertainty = deviation * (cells_per_sample * row.dot(&(of_bend * row))).sqrt();
+    // The covariance of the last numbers is the inverse of the last block of the factor times its transpose.
+    let of_bend = decomposition.l_dirty().fixed_view::<3, 3>(3, 3).solve_lower_triangular(&row)?;
+    let uncertainty = deviation * squared_size * (cells_per_sample * of_bend.norm_squared()).sqrt();
     if bend.abs() < SIGNIFICANT * uncertainty {
         return None;
     }
