@@ -102,9 +102,10 @@ impl<'a> Fits<'a> {
         let number = |k: usize| looks.part().map_or(k, |part| part[k] as usize);
         let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
         let mut places = places_of(&region);
-        let growing = looks.places().filter(|_| !self.seen.whole && share.is_some());
+        let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
         let mut last = None;
-        for all in std::iter::repeat_n(growing, ROUNDS).flatten() {
+        for _ in 0..rounds {
+            let Some(all) = looks.places() else { break };
             let few = thinned(&region);
             let seen = Detection { pixels: few.len(), ..detection };
             let fit = self.of_region(points, (&few, &places_of(&few)), &seen, share)?;
