@@ -26,14 +26,15 @@ fn thin_pipes_are_found_by_depth_alone() {
         let depth = DepthView::from_u16(&frame.depth, SIZE, DEPTH_UNIT).unwrap();
         of_depth.set_depth(&depth, &DepthRange::default()).unwrap();
         let found = Detector::new().detect(&of_depth).unwrap().cylinders;
-        let hits = found.iter().filter(|one| {
-            truths.iter().any(|pipe| {
-                let truth = &pipe.truth.cylinder;
+        let hits = truths.iter().filter(|pipe| {
+            let truth = &pipe.truth.cylinder;
+            found.iter().any(|one| {
                 let change = truth.compare(&one.result.cylinder);
                 let beside = one.result.cylinder.axis.distance(&pipe.truth.center);
                 change.angle < 0.09 && beside < 0.5 * truth.radius && change.radius_relative.abs() < 0.15
             })
         });
+        // A second find of a pipe is a wrong one.
         let hits = hits.count();
         (seen, right, wrong) = (seen + truths.len(), right + hits, wrong + found.len() - hits);
     }

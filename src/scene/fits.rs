@@ -6,7 +6,7 @@ use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
 use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, Looks, with_odds_divided};
-use crate::error::{Error, Result, unless_cancelled};
+use crate::error::{Error, Result, cancelled_if, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
@@ -102,6 +102,7 @@ impl<'a> Fits<'a> {
         let number = |k: usize| looks.part().map_or(k, |part| part[k] as usize);
         let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
         let mut places = places_of(&region);
+        let cancelled = || cancelled_if(share.is_some_and(|share| share.poll_cancel().is_break()));
         let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
@@ -115,21 +116,26 @@ impl<'a> Fits<'a> {
             let reach = reach_of(&cylinder, &places);
             let free = all.near(&cylinder, reach).filter(of_use).map(|k| (k, place(k)));
             let next = grown(&cylinder, reach, &places, free);
+            // With very many points each of these takes as long as several steps of a fit.
+            cancelled()?;
+            detection.cylinder = cylinder;
             if next.len() < FEWEST {
                 break;
             }
             let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
             places = places_of(&next);
             region = next;
-            detection = Detection { cylinder, pixels: region.len(), ..detection };
+            detection.pixels = region.len();
             if settled {
                 break;
             }
         }
         let is_one = self.seen.whole || is_round(&detection.cylinder, &places);
+        cancelled()?;
+        // What is none has a score of 0. It needs no fit to all of its points but where that is enough to be returned.
+        let is_returned = is_one || self.options.search.min_score == 0.0;
         let (fitter, result) = match last {
-            // Enough for what is none.
-            Some(fit) if !is_one => fit,
+            Some(fit) if !is_returned => fit,
             _ => self.of_region(points, (&region, &places), &detection, share)?,
         };
         // Of very many points what follows takes as long as several steps of a fit.

@@ -40,6 +40,7 @@ impl Bounds {
             if values.is_empty() {
                 return Ok(None);
             }
+            asked()?;
             let [first, last] = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
             low[axis] = first;
             size = size.max(last - first);
@@ -81,9 +82,9 @@ const FINE: u32 = 5;
 #[derive(Debug)]
 pub(crate) struct Places {
     cubes: Cubes,
-    /// The numbers of the points of one cube after the other, at the end of those that lie in none,
+    /// The numbers of the points of one cube after the other; at the end those that lie in none.
     numbers: Vec<u32>,
-    /// and where those of each begin.
+    /// Where the numbers of each cube begin, those of no cube last, and where all end.
     firsts: Vec<u32>,
 }
 
@@ -123,7 +124,9 @@ impl Places {
         let reach = reach + 0.5 * f64::sqrt(3.0) * self.cubes.edge;
         let cylinder = *cylinder;
         let is_near = move |&number: &usize| {
-            number == self.cubes.len() || cylinder.distance(&self.cubes.middle(number)).abs() <= reach
+            let distance = || cylinder.distance(&self.cubes.middle(number)).abs();
+            // It overflows where single points are so far away that cubes are as large as numbers go.
+            number == self.cubes.len() || distance() <= reach || !distance().is_finite()
         };
         let of_cube = |number: usize| self.firsts[number] as usize..self.firsts[number + 1] as usize;
         let filled = (0..=self.cubes.len()).filter(move |&number| !of_cube(number).is_empty());
@@ -144,6 +147,19 @@ mod tests {
         let mut points: Vec<[f64; 3]> = (0..27_000).map(point).collect();
         points.extend([[1e6, 0.0, 0.0], [f64::NAN, 0.0, 0.0]]);
         points
+    }
+
+    #[test]
+    fn nothing_near_is_lost_where_distances_overflow() {
+        let mut points = cloud();
+        points.extend((0..300).map(|k| [if k % 2 == 0 { 1e200 } else { -0.7e200 }; 3]));
+        let view = PointsView::from_f64(&points);
+        let bounds = Bounds::of(&view, &|| Ok(())).unwrap().unwrap();
+        assert!(bounds.size > 1e200);
+        let places = Places::of(&view, &bounds, &|| Ok(())).unwrap();
+        let axis = Line { point: Vector3::new(3.0, 4.0, 5.0), direction: Vector3::new(0.6, 0.0, 0.8) };
+        let near = places.near(&Cylinder { axis, radius: 6.0 }, 0.5);
+        assert_eq!(near.filter(|&k| k < 27_000).count(), 27_000);
     }
 
     #[test]
