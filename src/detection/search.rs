@@ -224,31 +224,25 @@ pub(super) fn candidates(
                 let moments = Moments::new(grid, &cells);
                 let by_bend =
                     patch::hypothesis(grid, &moments, scene.noise.deviation, scene.noise.cells_per_sample);
-                let untried = strips && !in_strips[seed];
-                for by_outline in [false, true] {
-                    let start = match by_outline {
-                        true if untried => patch::strip(grid, &moments),
-                        true => None,
-                        false => by_bend,
-                    };
-                    let Some(start) = start else { continue };
-                    if by_outline {
+                let judged = by_bend
+                    .and_then(|start| {
+                        judged_from(scene, (&start, f64::INFINITY), &cells, options, &mut visits, marks)
+                    })
+                    .or_else(|| {
+                        let start = if strips && !in_strips[seed] {
+                            patch::strip(grid, &moments)?
+                        } else {
+                            return None;
+                        };
                         cells.iter().for_each(|&k| in_strips[k] = true);
-                    }
-                    let grown = scene.grow(&Surface::Cylinder(start, 0.0), &cells, Sides::Outline, marks);
-                    let is_strip = |(candidate, _): &(Candidate, Look)| {
-                        !by_outline || candidate.surface.radius() <= WIDER * start.radius
-                    };
-                    let Some(grown) = grown.filter(is_strip) else { continue };
-                    grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-                    let judged = Judged::with_score(scene, grown, LEAST_SCORE, options, marks);
-                    let Some(judged) = judged.filter(|judged| judged.score > LEAST_SCORE) else { continue };
-                    if judged.score > 0.5 {
-                        judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
-                    }
-                    found.push(judged);
-                    break;
+                        let widest = WIDER * start.radius;
+                        judged_from(scene, (&start, widest), &cells, options, &mut visits, marks)
+                    });
+                let Some(judged) = judged else { continue };
+                if judged.score > 0.5 {
+                    judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
+                found.push(judged);
             }
         }
     }
@@ -391,6 +385,23 @@ fn select(
     chosen.sort_by(|a, b| b.score.total_cmp(&a.score));
     chosen.truncate(options.max_count.min(usize::from(u16::MAX)));
     chosen
+}
+
+/// What grows from a cylinder through cells of a patch to a radius of at most `widest`, and is good enough; its cells are visited.
+fn judged_from(
+    scene: &Scene<'_>,
+    (start, widest): (&Cylinder, f64),
+    cells: &[usize],
+    options: &DetectionOptions,
+    visits: &mut [u8],
+    marks: &mut Marks,
+) -> Option<Judged> {
+    let grown = scene.grow(&Surface::Cylinder(*start, 0.0), cells, Sides::Outline, marks)?;
+    if grown.0.surface.radius() > widest {
+        return None;
+    }
+    grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
+    Judged::with_score(scene, grown, LEAST_SCORE, options, marks).filter(|judged| judged.score > LEAST_SCORE)
 }
 
 /// Gives the cylinders that were chosen the surfaces of a last fit, where these keep the limits.

@@ -15,7 +15,7 @@ const MISSING: f64 = 0.35;
 /// The radius in pixels up to which the outline tells it as well as the points do.
 const WIDEST: f64 = 30.0;
 
-/// Where fewer cells than this share an error no window has matched them, and the points tell what they tell.
+/// Where fewer cells than this share an error no window has matched them, and the points alone tell the radius.
 const SHARED: f64 = 2.0;
 
 /// Most steps of the fit.

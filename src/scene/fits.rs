@@ -6,7 +6,7 @@ use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
 use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, Looks, with_odds_divided};
-use crate::error::{Error, Result, cancelled_if, unless_cancelled};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::observations::{Frame, MaskView, PointsView};
@@ -102,7 +102,11 @@ impl<'a> Fits<'a> {
         let number = |k: usize| looks.part().map_or(k, |part| part[k] as usize);
         let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
         let mut places = places_of(&region);
-        let cancelled = || cancelled_if(share.is_some_and(|share| share.poll_cancel().is_break()));
+        // With very many points each step takes as long as several of a fit.
+        let check = |iterations| match share {
+            Some(share) if share.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
+            _ => Ok(()),
+        };
         let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
@@ -116,8 +120,7 @@ impl<'a> Fits<'a> {
             let reach = reach_of(&cylinder, &places);
             let free = all.near(&cylinder, reach).filter(of_use).map(|k| (k, place(k)));
             let next = grown(&cylinder, reach, &places, free);
-            // With very many points each of these takes as long as several steps of a fit.
-            cancelled()?;
+            check(0)?;
             detection.cylinder = cylinder;
             if next.len() < FEWEST {
                 break;
@@ -131,17 +134,14 @@ impl<'a> Fits<'a> {
             }
         }
         let is_one = self.seen.whole || is_round(&detection.cylinder, &places);
-        cancelled()?;
+        check(0)?;
         // What is none has a score of 0. It needs no fit to all of its points but where that is enough to be returned.
         let is_returned = is_one || self.options.search.min_score == 0.0;
         let (fitter, result) = match last {
             Some(fit) if !is_returned => fit,
             _ => self.of_region(points, (&region, &places), &detection, share)?,
         };
-        // Of very many points what follows takes as long as several steps of a fit.
-        if share.is_some_and(|share| share.poll_cancel().is_break()) {
-            return Err(Error::Cancelled { iterations: result.iterations });
-        }
+        check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
         whole.push_numbered(points, &region)?;

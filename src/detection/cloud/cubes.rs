@@ -75,7 +75,7 @@ impl Cubes {
     }
 }
 
-/// So many cubes along the longest side, as a power of 2.
+/// So many cubes along the longest side, as a power of 2: it matters to time alone.
 const FINE: u32 = 5;
 
 /// The points of a cloud cube by cube: what is near a surface is found without a look at all of them.
@@ -124,9 +124,9 @@ impl Places {
         let reach = reach + 0.5 * f64::sqrt(3.0) * self.cubes.edge;
         let cylinder = *cylinder;
         let is_near = move |&number: &usize| {
-            let distance = || cylinder.distance(&self.cubes.middle(number)).abs();
+            let distance = cylinder.distance(&self.cubes.middle(number)).abs();
             // It overflows where single points are so far away that cubes are as large as numbers go.
-            number == self.cubes.len() || distance() <= reach || !distance().is_finite()
+            number == self.cubes.len() || distance <= reach || !distance.is_finite()
         };
         let of_cube = |number: usize| self.firsts[number] as usize..self.firsts[number + 1] as usize;
         let filled = (0..=self.cubes.len()).filter(move |&number| !of_cube(number).is_empty());
