@@ -7,7 +7,7 @@ mod frames;
 use cylfuse::camera::Camera;
 use cylfuse::fitter::{EdgeUse, FitResult, Flags, ObjectiveKind, Options};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::ImageView;
+use cylfuse::observations::{ImageFormat, ImageView};
 use nalgebra::Vector2;
 use std::path::Path;
 
@@ -260,4 +260,25 @@ fn arcs_that_contradict_the_limbs_are_dropped() {
     assert_eq!(fit.limbs_located, 2);
     assert!(change.radius_relative.abs() < 0.02, "{change:?}");
     assert!(change.angle.to_degrees() < 1.0, "{change:?}");
+}
+
+/// Where one channel of three was enough for a pixel to be saturated, both limbs were lost.
+#[test]
+fn red_that_is_cut_off_does_not_hide_limbs() {
+    let inputs = frames::Inputs::read(&sample());
+    let fit = |gains: [f64; 3]| {
+        let color: Vec<u8> = inputs
+            .image
+            .iter()
+            .flat_map(|&v| gains.map(|gain| (gain * f64::from(v)).round() as u8))
+            .collect();
+        let mut fitter = inputs.fitter();
+        let view = ImageView::from_bytes(&color, inputs.size, ImageFormat::Rgb8).unwrap();
+        fitter.push_image(&view).unwrap();
+        fitter.fit().unwrap()
+    };
+    let (grey, red) = (fit([0.9; 3]), fit([5.0, 0.9, 0.9]));
+    assert_eq!((grey.limbs_located, red.limbs_located), (2, 2));
+    let change = red.cylinder.radius / grey.cylinder.radius - 1.0;
+    assert!(change.abs() < 2e-3, "{change}");
 }

@@ -7,7 +7,7 @@ use crate::support::Noise;
 use cylfuse::error::Error;
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{EdgeSegment, ImageView, MaskView, PointsView};
+use cylfuse::observations::{EdgeSegment, ImageFormat, ImageView, MaskView, PointsView};
 use std::path::{Path, PathBuf};
 
 /// E_o (degrees), E_p (mm), E_r (%), E_l (%).
@@ -17,6 +17,8 @@ pub type Errors = [f64; 4];
 pub struct Frame {
     pub name: String,
     pub inputs: Inputs,
+    /// The image with red, green and blue, where it has them.
+    pub color: Option<Vec<u8>>,
     /// The cylinder as a perfect fit to the depth would find it, its axis point at the centre.
     pub truth: Cylinder,
     /// Whether the radius is known by other means than this frame.
@@ -34,9 +36,12 @@ impl Frame {
         if let Some(radius) = truth["radius_in_sensor_scale"].as_f64() {
             true_cylinder.radius = radius;
         }
+        let file = json(&folder.join("frame.json"))["image"].as_str().map(|name| folder.join(name)).unwrap();
+        let image = image::open(file).unwrap();
         Self {
             name: folder.file_name().unwrap().to_string_lossy().into_owned(),
             inputs: Inputs::read(folder),
+            color: image.color().has_color().then(|| image.into_rgb8().into_raw()),
             truth: true_cylinder,
             radius_known: truth["radius_known_independently"].as_bool().unwrap_or(true),
             length: truth["length"].as_f64(),
@@ -187,6 +192,10 @@ impl Frame {
 
     fn push_image(&self, fitter: &mut Fitter, case: &Case) -> Result<(), Error> {
         let Inputs { image, size, .. } = &self.inputs;
+        if let (Some(color), Disturbance::None) = (&self.color, case.disturbance) {
+            let view = ImageView::from_bytes(color, *size, ImageFormat::Rgb8)?;
+            return fitter.push_image(&view.with_gamma(case.gamma)?);
+        }
         let image = case.disturbance.applied(image, *size);
         fitter.push_image(&ImageView::from_u8(&image, *size)?.with_gamma(case.gamma)?)
     }

@@ -53,6 +53,7 @@ impl Scale {
                 image: self.image(image, *size),
                 edges,
             },
+            color: None,
             truth: frame.truth,
             radius_known: frame.radius_known,
             length: frame.length,

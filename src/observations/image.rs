@@ -22,7 +22,8 @@ pub struct GreyImage {
 enum Saturation {
     /// Those from this value on; infinity where nothing says so.
     From(f32),
-    /// Those that are marked: one channel is enough, whatever the sum of all is.
+    /// Those that are marked, whose green is: it is most of the luminance. Red alone, which lamps and bodies of warm colours
+    /// cut off far and wide, leaves the luminance nearly right.
     Marked(Vec<bool>),
 }
 
@@ -50,7 +51,7 @@ impl GreyImage {
                     let channels = color.map(|channel| f64::from(light[usize::from(channel)]));
                     let sum = channels.iter().zip(LUMINANCE).map(|(channel, weight)| channel * weight);
                     values.push(sum.sum::<f64>() as f32);
-                    marked.push(color.contains(&u8::MAX));
+                    marked.push(color[1] == u8::MAX);
                 }
             }
             return Ok(Self::new(width, height, values, Saturation::Marked(marked)));
@@ -101,7 +102,7 @@ impl GreyImage {
         self.values[row * self.width + column]
     }
 
-    /// Whether a pixel stands for any light from its value on: it, or one of its channels, is the largest value that
+    /// Whether a pixel stands for any light from its value on: it, or the green of a colour, is the largest value that
     /// some number of bits, 8 or more, can hold. None of a floating-point image is.
     ///
     /// # Panics
