@@ -65,7 +65,7 @@ fn an_image_may_be_coded_with_a_gamma() {
 }
 
 #[test]
-fn a_colour_counts_by_its_light_and_is_saturated_by_its_channels() {
+fn a_colour_counts_by_its_light_and_is_saturated_by_its_green() {
     let copy = Copy::of("w022");
     let grey = image::open(copy.path("image.png")).unwrap().to_luma8();
     let radius = |image: DynamicImage| {
@@ -73,22 +73,24 @@ fn a_colour_counts_by_its_light_and_is_saturated_by_its_channels() {
         fitted(&copy.write(), &[])["cylinder"]["radius"].as_f64().unwrap()
     };
     let expected = radius(grey.clone().into());
-    // Blue counts little in light, but where it is cut off the pixel tells nothing.
-    let colour = |blue: &dyn Fn(u8) -> u8| {
+    let colour = |of: &dyn Fn(u8) -> [u8; 3]| {
         let colour = image::RgbImage::from_fn(grey.width(), grey.height(), |x, y| {
             let value = grey.get_pixel(x, y).0[0];
-            image::Rgb([value / 2, value / 2, blue(value / 2)])
+            image::Rgb(of(value / 2))
         });
         DynamicImage::from(colour)
     };
-    let half = radius(colour(&|value| value));
+    let half = radius(colour(&|value| [value; 3]));
     assert!((half / expected - 1.0).abs() < 1e-3, "{half} for {expected}");
     copy.write();
     let located = |image: DynamicImage| {
         radius(image);
         fitted(&copy.write(), &[])["result"]["limbs_located"].as_u64().unwrap()
     };
-    assert_eq!((located(colour(&|value| value)), located(colour(&|_| 255))), (2, 0));
+    // Blue counts little in light, and tells little where it is cut off; green counts most.
+    let blue = located(colour(&|value| [value, value, 255]));
+    let green = located(colour(&|value| [value, 255, value]));
+    assert_eq!((blue, green), (2, 0));
 }
 
 #[test]
