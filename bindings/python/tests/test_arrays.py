@@ -267,6 +267,22 @@ def test_a_principal_point_that_looks_swapped_is_a_warning() -> None:
         cylfuse.Intrinsics(480, 480, 570, 570, 230, 245)
 
 
+def test_focal_lengths_that_are_no_pixels_are_a_warning() -> None:
+    with pytest.warns(UserWarning, match="3.6 and 3.6 .* not in millimetres"):
+        cylfuse.Intrinsics(640, 480, 3.6, 3.6, 319.5, 239.5)
+    with pytest.warns(UserWarning, match="fx is 319.5 and fy is 570, .* check them"):
+        cylfuse.Intrinsics(640, 480, 319.5, 570, 319.5, 239.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cylfuse.Intrinsics(640, 480, 570, 565, 319.5, 239.5)
+        cylfuse.Intrinsics(640, 480, 100, 100, 319.5, 239.5, "kannala_brandt")
+
+
+def test_intrinsics_that_are_missing_are_named(frame: dict[str, Any]) -> None:
+    with pytest.raises(TypeError, match="intrinsics is None"):
+        cylfuse.fit(**{**frame, "intrinsics": None})
+
+
 def test_a_whole_scene_is_a_poor_fit(frame: dict[str, Any], result: cylfuse.Result) -> None:
     assert cylfuse.ResultFlags.POOR_FIT not in result.flags
     whole = cylfuse.fit(**{**frame, "mask": None, "edges": None})

@@ -144,12 +144,29 @@ class Intrinsics:
                 "swapped?",
                 stacklevel=2,
             )
+        if self.fx > 0 and self.fy > 0:
+            # 140 degrees; focal lengths in millimetres make it wider by far.
+            fisheye = self.distortion_model == Distortion.KANNALA_BRANDT
+            if not fisheye and max(width / self.fx, height / self.fy) > 5.5:
+                warnings.warn(
+                    f"the focal lengths {self.fx:g} and {self.fy:g} are short for {width} x {height} pixels; give them in "
+                    "pixels, not in millimetres",
+                    stacklevel=2,
+                )
+            elif max(self.fx, self.fy) > 1.2 * min(self.fx, self.fy):
+                warnings.warn(
+                    f"fx is {self.fx:g} and fy is {self.fy:g}, which are nearly the same in most cameras; check them, and "
+                    "their order",
+                    stacklevel=2,
+                )
 
     @classmethod
     def from_matrix(
         cls, matrix: npt.ArrayLike, width: int, height: int, distortion: npt.ArrayLike = ()
     ) -> Intrinsics:
         """From the 3 x 3 camera matrix of OpenCV and, when there are any, its Brown-Conrady coefficients."""
+        if matrix is None:
+            raise TypeError("intrinsics is None; it must be an Intrinsics or a 3 x 3 camera matrix")
         if np.shape(matrix) != (3, 3):
             raise ValueError(f"the camera matrix has the shape {np.shape(matrix)}; it must be (3, 3), or give an Intrinsics")
         k = vector("the camera matrix", matrix).reshape(3, 3)
