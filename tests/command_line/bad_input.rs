@@ -1,6 +1,6 @@
 //! Input that is wrong: its own status, a message with file, value and remedy, never a panic.
 
-use crate::support::{Copy, data, fails, fit};
+use crate::support::{Copy, data, fails, fit, fitted, run};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
 use serde_json::{Value, json};
 
@@ -289,4 +289,59 @@ fn edges_that_are_no_limbs_are_a_warning_and_no_error() {
     assert_eq!(object["result"]["flags"], json!(["edges_ignored", "edges_coincide"]));
     assert_eq!(object["result"]["segments_used"], 0);
     assert!(object["notes"].as_array().unwrap().iter().all(Value::is_string));
+}
+
+/// The notes of a fit that must succeed.
+fn notes(frame: &std::path::Path, options: &[&str]) -> String {
+    fitted(frame, options)["notes"].to_string()
+}
+
+#[test]
+fn focal_lengths_in_millimetres_or_of_two_sizes_are_noted() {
+    let mut copy = Copy::new();
+    copy.json["camera"]["fx"] = 3.6.into();
+    copy.json["camera"]["fy"] = 3.6.into();
+    let noted = notes(&copy.write(), &[]);
+    assert!(noted.contains("fx = 3.6 and fy = 3.6") && noted.contains("not in millimetres"), "{noted}");
+    let mut copy = Copy::new();
+    copy.json["camera"]["fx"] = 400.into();
+    let noted = notes(&copy.write(), &[]);
+    assert!(noted.contains("fx is 400") && noted.contains("check them"), "{noted}");
+    let noted = notes(&Copy::new().write(), &[]);
+    assert!(!noted.contains("fx"), "{noted}");
+}
+
+#[test]
+fn a_radius_in_millimetres_is_noted() {
+    let noted = notes(&data("r40_a20_f0"), &["--radius", "37.8"]);
+    assert!(noted.contains("37.8 m") && noted.contains("give radii in metres"), "{noted}");
+}
+
+#[test]
+fn a_search_without_any_depth_says_so() {
+    let copy = Copy::new();
+    let frame = copy.write();
+    ImageBuffer::<Luma<u16>, Vec<u16>>::new(640, 480).save(frame.with_file_name("depth.png")).unwrap();
+    let searched = run(["detect", "--json", frame.to_str().unwrap()]);
+    assert!(searched.stdout.contains("all pixels are 0"), "{}", searched.stdout);
+    let cloud = frame.with_file_name("cloud.xyz");
+    std::fs::write(&cloud, "nan nan nan\n").unwrap();
+    let searched = run(["detect", "--json", "--points", cloud.to_str().unwrap()]);
+    assert!(searched.stdout.contains("the cloud has no points"), "{}", searched.stdout);
+    for name in ["empty.ply", "empty.pcd", "empty.xyz"] {
+        let cloud = frame.with_file_name(name);
+        std::fs::write(&cloud, "").unwrap();
+        let searched = run(["detect", "--points", cloud.to_str().unwrap()]);
+        assert!(searched.code == 1 && searched.stderr.contains("is an empty file"), "{}", searched.stderr);
+    }
+}
+
+#[test]
+fn what_is_no_json_says_what_to_do() {
+    let copy = Copy::new();
+    let (frame, whole) = (copy.write(), copy.json.to_string());
+    for content in [whole.replace("\"fx\":", "\"fx\":NaN,\"f\":"), whole[..whole.len() - 1].into()] {
+        std::fs::write(&frame, content).unwrap();
+        fails(&frame, &[], "BAD_FRAME", &["is not valid JSON", "no NaN"]);
+    }
 }

@@ -126,12 +126,13 @@ fn bad_clouds_are_refused_with_a_reason() {
     for (name, content, status, reason) in [
         ("a.obj", "v 1 2 3\n", "BAD_CLOUD", ".ply, .pcd or .xyz"),
         ("a", "1 2 3\n", "BAD_CLOUD", ".ply, .pcd or .xyz"),
-        ("a.ply", "", "BAD_CLOUD", "PLY header"),
+        ("a.ply", "", "BAD_CLOUD", "is an empty file"),
         ("a.ply", "1 2 3\n", "BAD_CLOUD", "PLY header"),
-        ("a.pcd", "", "BAD_CLOUD", "PCD"),
+        ("a.pcd", "", "BAD_CLOUD", "is an empty file"),
         ("b.pcd", "\u{1}\u{2}\n", "BAD_CLOUD", "PCD"),
         ("a.xyz", "1 2 three\n", "BAD_CLOUD", "'three' is not a number"),
-        ("b.xyz", "", "TOO_FEW_POINTS", "0 of 0 points"),
+        ("a.xyz", "", "BAD_CLOUD", "is an empty file"),
+        ("b.xyz", "\n", "TOO_FEW_POINTS", "0 of 0 points"),
         ("c.xyz", "0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n5 0 0\n", "COLLINEAR_POINTS", "one line"),
         ("d.xyz", "0 0 0\n1 0 0\n2 0 0\n0 1 0\n1 1 0\n2 2 0\n", "PLANAR_POINTS", "plane"),
     ] {

@@ -130,3 +130,10 @@ fn options_of_a_fit_are_those_of_a_scene() {
         assert!(refused.code == 2 && refused.stderr.contains(text), "{}", refused.stderr);
     }
 }
+
+#[test]
+fn the_table_has_the_warnings_of_the_cylinders() {
+    let searched = run(["detect", "--no-image", scene().to_str().unwrap()]);
+    let said = searched.stdout.lines().find(|line| line.contains(": cylinder")).unwrap_or_default();
+    assert!(said.contains("not fitted: the cylinder is as the search found it"), "{}", searched.stdout);
+}

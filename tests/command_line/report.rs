@@ -102,6 +102,9 @@ fn clouds_have_no_unit_and_a_page_that_cannot_be_written_is_told() {
     let refused = run(["fit", "--points", cloud, "--report", "no/such/folder/page.html"]);
     assert_eq!(refused.code, 1);
     assert!(refused.stderr.contains("FILE_NOT_WRITABLE"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("name a place in a folder that exists"), "{}", refused.stderr);
+    // Before the work, not after it.
+    assert_eq!(refused.stdout, "");
     let refused = run(["fit", FRAME, "--tolerance", "radius=1..2"]);
     assert!(refused.code == 2 && refused.stderr.contains("--report"), "{}", refused.stderr);
 }

@@ -8,7 +8,7 @@ use crate::images::{Image, Pixels};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_SCENE, Picture};
-use crate::remarks::remarks;
+use crate::remarks;
 use crate::report::{Fitted, Measurement, ViewValues};
 use crate::scene_picture::ScenePicture;
 use cylfuse::camera::Camera;
@@ -118,7 +118,7 @@ pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> SceneRe
 fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
     let views = Frame::read(path, settings.image)?.views;
-    let notes = remarks(&views);
+    let notes = remarks::of_frame(&views, settings.options.search.limits.radius_min);
     let [view] = <[View; 1]>::try_from(views).map_err(|views| {
         let reason = format!(
             "views: has {} views, and detect takes one; give each view a frame file of its own",
@@ -173,7 +173,8 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         write_points(folder, &cloud.points, &scene.labels)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    Ok(Scene { cylinders, complete: scene.complete, notes: Vec::new(), out, illustration, seconds })
+    let notes = remarks::of_cloud(&cloud.points).into_iter().collect();
+    Ok(Scene { cylinders, complete: scene.complete, notes, out, illustration, seconds })
 }
 
 /// The picture of one cylinder.

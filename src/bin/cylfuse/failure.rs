@@ -22,7 +22,8 @@ impl Failure {
 
     /// A file or folder cannot be made.
     pub fn not_writable(path: &Path, error: impl Display) -> Self {
-        Self::file("FILE_NOT_WRITABLE", path, format!("cannot be written: {error}"))
+        let remedy = "name a place in a folder that exists and may be written to";
+        Self::file("FILE_NOT_WRITABLE", path, format!("cannot be written: {error}; {remedy}"))
     }
 
     /// A folder without any frame.

@@ -7,7 +7,7 @@ use crate::frame::{Frame, View};
 use crate::inputs::Input;
 use crate::overlay::Overlay;
 use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_CYLINDER};
-use crate::remarks::remarks;
+use crate::remarks;
 use crate::report::{Fitted, Measurement, Report, ViewValues};
 use cylfuse::completion::CompletionCounts;
 use cylfuse::extent::{ArcSample, Extent};
@@ -161,7 +161,7 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
             if views.len() > 1 { failure.in_frame(path, &format!("views[{index}]")) } else { failure }
         })?;
     }
-    let remarks = remarks(&views);
+    let remarks = remarks::of_frame(&views, settings.options.cylinder_limits.radius_min);
     let result = fitter.fit().map_err(|error| Failure::from(error).with(&remarks))?;
     let mut measurement = Measurement::new(&settings.options, &result);
     let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); views.len()];
@@ -328,6 +328,12 @@ fn write_json(folder: &Path, report: &Report) -> Result<(), Failure> {
 /// Makes a folder and those above it.
 pub fn create_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|error| Failure::not_writable(folder, error))
+}
+
+/// Makes sure that a file can be written before there is work to lose. What is in it stays.
+pub fn check_writable(path: &Path) -> Result<(), Failure> {
+    let opened = File::options().append(true).create(true).open(path);
+    opened.map(|_| ()).map_err(|error| Failure::not_writable(path, error))
 }
 
 /// Writes a file through a buffer.

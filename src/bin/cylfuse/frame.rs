@@ -255,16 +255,23 @@ fn deserialize<'a, T: Deserialize<'a>>(path: &Path, text: &'a [u8]) -> Result<T,
     let content = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let place = error.path().to_string();
         let reason = error.into_inner();
-        // A field that is missing, misspelt or of another type, but not a comma too many.
-        let remedy = if reason.is_data() { "; cylfuse fit --help lists the fields" } else { "" };
-        let reason = format!("{reason}{remedy}");
-        // "." and "?" stand for the whole file.
-        if matches!(place.as_str(), "." | "?") {
-            Failure::bad_frame(path, reason)
-        } else {
-            Failure::bad_frame(path, format!("{place}: {reason}"))
+        // "." and "?" stand for the whole file, or for what ends within a field.
+        let place = place.trim_end_matches(['.', '?']);
+        let colon = if place.is_empty() { "" } else { ": " };
+        // A field that is missing, misspelt or of another type.
+        if reason.is_data() {
+            let remedy = "cylfuse fit --help lists the fields";
+            return Failure::bad_frame(path, format!("{place}{colon}{reason}; {remedy}"));
         }
+        Failure::bad_frame(path, format!("{place}{colon}{}", no_json(&reason)))
     })?;
-    json.end().map_err(|error| Failure::bad_frame(path, error))?;
+    json.end().map_err(|error| Failure::bad_frame(path, no_json(&error)))?;
     Ok(content)
+}
+
+/// A comma too many, a value that JSON does not know, or the end of the file too early.
+fn no_json(error: &serde_json::Error) -> String {
+    format!(
+        "is not valid JSON: {error}; correct it there (JSON has no NaN, no comments and no comma before a bracket that closes)"
+    )
 }

@@ -84,6 +84,11 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     };
     let inputs = inputs::of(&arguments.points, &arguments.frames);
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    if let Some(path) = &arguments.common.report
+        && complained(fit::check_writable(path))
+    {
+        return Ok(true);
+    }
     let progress = progress_bar(inputs.len());
     let mut failed = false;
     let mut reports = Vec::new();
@@ -125,6 +130,11 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };
     let inputs = inputs::of(&arguments.points, &arguments.frames);
     let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    if let Some(path) = &arguments.common.report
+        && complained(fit::check_writable(path))
+    {
+        return Ok(true);
+    }
     let progress = progress_bar(inputs.len());
     let mut failed = false;
     let mut reports = Vec::new();

@@ -1,7 +1,8 @@
 //! What a frame file says that may be meant, but more often is a mistake that no other check notices.
 
+use crate::cloud::Cloud;
 use crate::frame::View;
-use cylfuse::camera::Intrinsics;
+use cylfuse::camera::{Distortion, Intrinsics};
 
 /// Distances in metres that depth cameras measure. At 0.1 to 10 m a scale that takes millimetres for metres, or metres for
 /// millimetres, leads out of them.
@@ -15,20 +16,55 @@ const CENTRED: f64 = 0.1;
 /// resolution. That of half of it is off by a quarter, give or take what lenses are.
 const CROPPED: f64 = 0.2;
 
+/// The widest image of a lens that is no fisheye, in focal lengths: 140°. Focal lengths in millimetres make it wider by far.
+const WIDEST: f64 = 5.5;
+
+/// How far fx and fy differ at most: pixels are square to a few percent.
+const SQUARE: f64 = 1.2;
+
 /// The least number of different depths in an image of a scene that is not rounded to nothing.
 const LEAST_VALUES: usize = 8;
 
-/// What may be wrong, in words.
-pub fn remarks(views: &[View]) -> Vec<String> {
+/// What may be wrong with the views of a frame, in words, where no radius may be below `radius_min`.
+pub fn of_frame(views: &[View], radius_min: f64) -> Vec<String> {
     let mut all = Vec::new();
     for (index, view) in views.iter().enumerate() {
         let place = if views.len() > 1 { format!("views[{index}].") } else { String::new() };
         let own = view.depth_camera.as_ref();
-        let depth_camera = own.and_then(|own| principal_point("depth_camera", own.camera.intrinsics()));
-        let found = [principal_point("camera", view.camera.intrinsics()), depth_camera, depth(view)];
-        all.extend(found.into_iter().flatten().map(|remark| format!("{place}{remark}")));
+        let cameras = [
+            Some(("camera", view.camera.intrinsics())),
+            own.map(|own| ("depth_camera", own.camera.intrinsics())),
+        ];
+        let found = cameras.into_iter().flatten().flat_map(|(name, intrinsics)| {
+            [principal_point(name, intrinsics), focal_lengths(name, intrinsics)]
+        });
+        let found = found.chain([depth(view, radius_min)]);
+        all.extend(found.flatten().map(|remark| format!("{place}{remark}")));
     }
     all
+}
+
+/// What may be wrong with a cloud that is searched. A fit of too few points fails.
+pub fn of_cloud(cloud: &Cloud) -> Option<String> {
+    let finite = match cloud {
+        Cloud::F32(points) => points.iter().flatten().any(|x| x.is_finite()),
+        Cloud::F64(points) => points.iter().flatten().any(|x| x.is_finite()),
+    };
+    (!finite).then(|| "the cloud has no points; check how it was written".into())
+}
+
+fn focal_lengths(camera: &str, intrinsics: &Intrinsics) -> Option<String> {
+    let Intrinsics { width, height, fx, fy, distortion, .. } = *intrinsics;
+    let fisheye = matches!(distortion, Distortion::KannalaBrandt(_));
+    if !fisheye && (f64::from(width) / fx).max(f64::from(height) / fy) > WIDEST {
+        let degrees = 2.0 * (f64::from(width) / fx / 2.0).atan().to_degrees();
+        return Some(format!(
+            "{camera}: fx = {fx} and fy = {fy} make an image {degrees:.0}° wide; give them in pixels, not in millimetres"
+        ));
+    }
+    (fx.max(fy) / fx.min(fy) > SQUARE).then(|| {
+        format!("{camera}: fx is {fx} and fy is {fy}, which are nearly the same in most cameras; check them, and their order")
+    })
 }
 
 fn principal_point(camera: &str, intrinsics: &Intrinsics) -> Option<String> {
@@ -48,23 +84,30 @@ fn principal_point(camera: &str, intrinsics: &Intrinsics) -> Option<String> {
     ))
 }
 
-fn depth(view: &View) -> Option<String> {
+fn depth(view: &View, radius_min: f64) -> Option<String> {
     let mut counts = vec![0_usize; 1 << 16];
     view.depth.iter().for_each(|&value| counts[usize::from(value)] += 1);
     // 0 is what was not measured.
     counts[0] = 0;
     let values = counts.iter().filter(|&&count| count > 0).count();
     let (measured, mut nearer) = (counts.iter().sum::<usize>(), 0);
-    let median = counts.iter().position(|count| {
+    let Some(median) = counts.iter().position(|count| {
         nearer += count;
         2 * nearer > measured
-    })?;
+    }) else {
+        return Some("depth: all pixels are 0, which stands for not measured".into());
+    };
     let scale = view.depth_scale;
     let metres = median as f64 * scale;
     if values < LEAST_VALUES {
         return Some(format!(
             "depth: the image has only {values} different values; was depth in metres rounded to whole numbers? Write \
              millimetres, and a depth_scale of 0.001"
+        ));
+    }
+    if radius_min > metres && DISTANCES.contains(&metres) {
+        return Some(format!(
+            "the least radius asked for is {radius_min} m, more than the middle distance of the scene, {metres:.4} m; give radii in metres"
         ));
     }
     (!DISTANCES.contains(&metres)).then(|| {

@@ -127,8 +127,28 @@ pub fn render_scene(frame: &str, scene: &Scene) -> String {
     let count = scene.cylinders.len();
     let plural = if count == 1 { "" } else { "s" };
     let rest = if scene.complete { "" } else { "; more to look at than a search may, some may be missing" };
-    let notes: String = scene.notes.iter().map(|note| format!("{}: {note}\n", short_name(frame))).collect();
+    let notes: String =
+        scene_notes(scene).iter().map(|note| format!("{}: {note}\n", short_name(frame))).collect();
     format!("{frame}: {count} cylinder{plural}, {milliseconds:.0} ms{rest}\n{table}\n{notes}")
+}
+
+/// What may be wrong: of the cylinders, each text once with the numbers of those it holds for, then of the frame.
+fn scene_notes(scene: &Scene) -> Vec<String> {
+    let mut texts: Vec<(&str, Vec<String>)> = Vec::new();
+    for (index, found) in scene.cylinders.iter().enumerate() {
+        let number = (index + 1).to_string();
+        for note in &found.measurement.notes {
+            match texts.iter_mut().find(|(text, _)| text == note) {
+                Some((_, numbers)) => numbers.push(number.clone()),
+                None => texts.push((note, vec![number.clone()])),
+            }
+        }
+    }
+    let of_cylinders = texts.into_iter().map(|(text, numbers)| {
+        let plural = if numbers.len() == 1 { "" } else { "s" };
+        format!("cylinder{plural} {}: {text}", numbers.join(", "))
+    });
+    of_cylinders.chain(scene.notes.iter().cloned()).collect()
 }
 
 /// The folder of a frame.json says which frame it is.

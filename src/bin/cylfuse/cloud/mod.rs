@@ -49,6 +49,9 @@ impl CloudFile {
             }
         };
         let bytes = std::fs::read(path).map_err(|error| Failure::not_readable(path, &error))?;
+        if bytes.is_empty() {
+            return Err(Failure::bad_cloud(path, "is an empty file"));
+        }
         parse(&bytes).map_err(|reason| Failure::bad_cloud(path, reason))
     }
 

@@ -196,6 +196,10 @@ impl Measurement {
 
 /// A flag in words, with its numbers where the result has some.
 fn explain(flag: Flags, result: &FitResult) -> String {
+    // Of a detector: the fit was left out or dropped, and more iterations would not help.
+    if flag == Flags::NOT_CONVERGED && result.iterations == 0 {
+        return "not fitted: the cylinder is as the search found it".into();
+    }
     let numbers = match flag {
         Flags::POINTS_NOT_FINITE => Some(result.dropped.not_finite.to_string()),
         Flags::POINTS_AND_LIMBS_DISAGREE => result.radii.as_ref().map(disagreement),
