@@ -234,10 +234,13 @@ mod tests {
 
     #[test]
     fn every_flag_has_words() {
-        let result = cylfuse_result();
+        let mut result = cylfuse_result();
+        result.iterations = 1;
         for flag in Flags::all().iter() {
             assert!(explain(flag, &result).starts_with(flag.meaning()), "{flag:?}");
         }
+        result.iterations = 0;
+        assert!(explain(Flags::NOT_CONVERGED, &result).starts_with("not fitted"));
     }
 
     /// One of the limbs may be the edge of a neighbour.
