@@ -115,7 +115,8 @@ pub(super) fn search(
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
     effort.limit(LIMITS[1]);
     let seeds = Seeds { strips: alone, ..SEEDS };
-    let by_depth = candidates(&scene, options, seeds, &mut explained, &mut marks);
+    // Of those that are alike the best alone is moved to edges.
+    let by_depth = distinct(candidates(&scene, options, seeds, &mut explained, &mut marks));
     effort.limit(LIMITS[2]);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
@@ -265,7 +266,8 @@ fn by_edges(
         let sides = Sides::Edges { reach: FAR_FROM_LIMB };
         let Some(grown) = scene.grow(surface, cells, sides, marks) else { continue };
         if grown.0.gain > *gain {
-            moved.extend(Judged::new(scene, grown, options, marks));
+            let judged = Judged::with_score(scene, grown, LEAST_SCORE, options, marks);
+            moved.extend(judged.filter(|judged| judged.score > LEAST_SCORE));
         }
     }
     moved
