@@ -1,4 +1,4 @@
-//! How long fits and searches take of frames that are no cylinder, and how soon they hear that they shall end: processor time
+//! How long fits and searches take of frames that are no cylinder, and how soon they end when asked to: processor time
 //! of one thread, in milliseconds. `docs/trust.md` has the figures.
 //!
 //! `cargo run --release --example bounded_time [PART_OF_A_NAME]`
@@ -36,26 +36,26 @@ struct Cost {
     outcome: String,
 }
 
-/// Measures a call that asks `heard` whether to go on.
+/// Measures a call that calls what it is given where it asks whether to go on.
 fn measured(call: impl FnOnce(&dyn Fn()) -> String) -> Cost {
     let start = clock();
     let (last, latency, asked) = (Cell::new(start), Cell::new(0.0), Cell::new(0));
-    let hear = || {
+    let ask = || {
         let now = clock();
         latency.set(f64::max(latency.get(), now - last.get()));
         last.set(now);
         asked.set(asked.get() + 1);
     };
-    let outcome = call(&hear);
-    hear();
+    let outcome = call(&ask);
+    ask();
     Cost { total: clock() - start, latency: latency.get(), asked: asked.get(), outcome }
 }
 
 fn fit(input: &Hostile) -> Cost {
     let mut fitter = input.fitter();
-    measured(|hear| {
+    measured(|ask| {
         let result = fitter.fit_with(&mut |_| {
-            hear();
+            ask();
             ControlFlow::Continue(())
         });
         match result {
@@ -77,10 +77,10 @@ impl<T> OneThread<T> {
 }
 
 fn searched(search: impl FnOnce(&mut Observer<'_>) -> cylfuse::error::Result<cylfuse::scene::Scene>) -> Cost {
-    measured(|hear| {
-        let hear = OneThread(hear);
+    measured(|ask| {
+        let ask = OneThread(ask);
         let stopped = || {
-            hear.get()();
+            ask.get()();
             false
         };
         let mut observer = Observer { progress: &mut |_| ControlFlow::Continue(()), stopped: &stopped };

@@ -83,7 +83,7 @@ impl Workers {
                     }
                 });
                 drop(sender);
-                // The caller only listens, so that it hears of each outcome at once.
+                // The caller does no work of its own, so that it gets each outcome at once.
                 receiver.iter().for_each(|(index, outcome)| on_result(index, outcome));
             });
         }

@@ -1,8 +1,8 @@
 //! What a detector found.
 
 use super::arrays::write_numbers;
-use super::detector::{cylfuse_detector, enter_to_read};
-use super::handle::{Content, Handle, cylfuse_fitter};
+use super::detector::cylfuse_detector;
+use super::handle::{Content, Handle, cylfuse_fitter, enter_to_read};
 use super::library::allocate;
 use super::results::{cylfuse_cylinder_estimate, cylfuse_detection, cylfuse_extent, cylfuse_result};
 use super::sized::{Output, OutputArray};
@@ -21,7 +21,7 @@ pub unsafe extern "C" fn cylfuse_detector_count(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             Slot::new(out_count, "out_count")?.write(content.scene()?.cylinders.len());
             Ok(())
         })
@@ -43,7 +43,7 @@ pub unsafe extern "C" fn cylfuse_detector_is_complete(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             Slot::new(out_complete, "out_complete")?.write(i32::from(content.scene()?.complete));
             Ok(())
         })
@@ -69,7 +69,7 @@ pub unsafe extern "C" fn cylfuse_detector_detections(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;
             out.write(content.scene()?.cylinders.iter().map(|found| cylfuse_detection {
                 score: found.score,
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_result(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let out = Output::new(out_result, "out_result")?;
             out.write(&(&content.cylinder(index)?.result).into());
             Ok(())
@@ -116,7 +116,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_cylinder(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let out = Output::new(out_estimate, "out_estimate")?;
             out.write(&(&content.cylinder(index)?.result).into());
             Ok(())
@@ -139,7 +139,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_extent(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let out = Output::new(out_extent, "out_extent")?;
             let extent = content.cylinder(index)?.extent.as_ref().map_err(Clone::clone)?;
             out.write(&extent.into());
@@ -165,7 +165,7 @@ pub unsafe extern "C" fn cylfuse_detector_labels(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
             write_numbers(content.scene()?.labels.iter().copied(), out, capacity, &count)
         })
@@ -190,7 +190,7 @@ pub unsafe extern "C" fn cylfuse_detector_indices(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
             content.cylinder(index)?;
             // There are never more of them than an index of 32 bits counts.
@@ -216,7 +216,7 @@ pub unsafe extern "C" fn cylfuse_detector_make_fitter(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             let out = Slot::new(out_fitter, "out_fitter")?;
             out.write(std::ptr::null_mut());
             content.cylinder(index)?;

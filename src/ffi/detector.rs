@@ -2,7 +2,7 @@
 
 use super::callbacks::{Callback, cylfuse_detection_progress_fn};
 use super::frame::{content_of, cylfuse_frame};
-use super::handle::{Cancel, Handle, Logs, change, no_handle, read as look};
+use super::handle::{Cancel, Handle, Opaque, cancel, enter_to_change, enter_to_read, last_error};
 use super::library::{create, destroy};
 use super::options::saturated;
 use super::outcomes::cylfuse_detection_phase;
@@ -10,7 +10,6 @@ use super::results::cylfuse_detection_progress;
 use super::sized::{Output, read};
 use super::status::{Failure, cylfuse_status};
 use super::structs::{cylfuse_detector_options, cylfuse_options, cylfuse_points_view};
-use super::texts;
 use super::views;
 use crate::error::{Error, Result as LibraryResult};
 use crate::scene::{Detector, DetectorOptions, Found, Observer, Progress, Scene};
@@ -23,6 +22,7 @@ use std::ops::ControlFlow;
 /// A detector may move between threads. Calls that take a `const cylfuse_detector *` run side by side; a call that may
 /// change it runs alone: what would disturb it, from another thread or from a callback, returns `CYLFUSE_STATUS_BUSY`.
 /// Different detectors run in parallel.
+#[derive(Default)]
 pub struct cylfuse_detector(Handle<DetectorContent>);
 
 /// What calls on a detector work on.
@@ -33,7 +33,14 @@ pub(super) struct DetectorContent {
     progress: Callback<cylfuse_detection_progress_fn>,
 }
 
-impl Logs for DetectorContent {}
+impl Opaque for cylfuse_detector {
+    type Content = DetectorContent;
+    const NAME: &'static str = "detector";
+
+    fn handle(&self) -> &Handle<DetectorContent> {
+        &self.0
+    }
+}
 
 /// Readers on several threads share detector and scene.
 const _: () = {
@@ -95,36 +102,6 @@ impl DetectorContent {
     }
 }
 
-/// Runs a call that may change a detector.
-///
-/// # Safety
-/// `detector` is NULL or a detector that was created and not destroyed.
-unsafe fn enter(
-    detector: *mut cylfuse_detector,
-    call: impl FnOnce(&mut DetectorContent, &Cancel<'_>) -> Result<(), Failure>,
-) -> cylfuse_status {
-    // SAFETY: the caller's obligation.
-    match unsafe { detector.as_ref() } {
-        Some(detector) => change(&detector.0, call),
-        None => no_handle("detector"),
-    }
-}
-
-/// Runs a call that only reads a detector.
-///
-/// # Safety
-/// As [`enter`].
-pub(super) unsafe fn enter_to_read(
-    detector: *const cylfuse_detector,
-    call: impl FnOnce(&DetectorContent) -> Result<(), Failure>,
-) -> cylfuse_status {
-    // SAFETY: the caller's obligation.
-    match unsafe { detector.as_ref() } {
-        Some(detector) => look(&detector.0, |content, _| call(content)),
-        None => no_handle("detector"),
-    }
-}
-
 /// Makes a detector with default options. It keeps the memory of its calls for the next ones, 3 to 25 MB after frames of
 /// 640 × 480 pixels: use it again.
 ///
@@ -138,7 +115,7 @@ pub unsafe extern "C" fn cylfuse_detector_create(
     out_detector: *mut *mut cylfuse_detector,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { create(abi_version, out_detector, "out_detector", || cylfuse_detector(Handle::default())) }
+    unsafe { create(abi_version, out_detector, "out_detector") }
 }
 
 /// Destroys a detector and frees what it holds. Fitters that it made stay. No other call on it may be running or follow.
@@ -149,7 +126,7 @@ pub unsafe extern "C" fn cylfuse_detector_create(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detector) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { destroy(detector, |detector| detector.0.close()) }
+    unsafe { destroy(detector) }
 }
 
 /// Why the last call on a detector failed; see `cylfuse_fitter_last_error`, whose rules hold here too.
@@ -159,11 +136,8 @@ pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detecto
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_detector) -> *const c_char {
-    // SAFETY: NULL or a living detector, by the contract of the header.
-    match unsafe { detector.as_ref() } {
-        Some(detector) => detector.0.last_error(),
-        None => texts::last_of_thread(),
-    }
+    // SAFETY: the contract of the header.
+    unsafe { last_error(detector) }
 }
 
 /// Asks the calls that are running on a detector to stop: they return CANCELLED, during the search or before the next
@@ -172,11 +146,8 @@ pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_de
 /// @param detector the detector
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_cancel(detector: *mut cylfuse_detector) -> cylfuse_status {
-    // SAFETY: NULL or a living detector, by the contract of the header.
-    match unsafe { detector.as_ref() } {
-        Some(detector) => detector.0.cancel(),
-        None => no_handle("detector"),
-    }
+    // SAFETY: the contract of the header.
+    unsafe { cancel(detector) }
 }
 
 /// Replaces the options of a detector: of the search, and of the scene as a whole.
@@ -191,7 +162,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_options(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(detector, |content, _| {
+        enter_to_change(detector, |content, _| {
             let given = read(options, "options")?.read(&content.detector.options().fit)?;
             content.change_options(|options| *options = given)
         })
@@ -209,7 +180,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_options(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             Output::new(out_options, "out_options")?.write(&content.detector.options().into());
             Ok(())
         })
@@ -230,7 +201,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_fit_options(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(detector, |content, _| {
+        enter_to_change(detector, |content, _| {
             let fit = read(options, "options")?.read()?;
             content.change_options(|options| options.fit = fit)
         })
@@ -248,7 +219,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_fit_options(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter_to_read(detector, |content| {
+        enter_to_read(detector, |content, _| {
             Output::new(out_options, "out_options")?.write(&(&content.detector.options().fit).into());
             Ok(())
         })
@@ -268,7 +239,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_progress(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(detector, |content, _| {
+        enter_to_change(detector, |content, _| {
             content.progress = Callback { function: callback, user_data };
             Ok(())
         })
@@ -290,9 +261,9 @@ pub unsafe extern "C" fn cylfuse_detector_detect(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(detector, |content, cancel| {
-            let Some(handle) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
-            let frame = content_of(handle)?;
+        enter_to_change(detector, |content, cancel| {
+            let Some(frame) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let frame = content_of(frame)?;
             content.search(cancel, |detector, observer| detector.detect_with(&frame, observer))
         })
     }
@@ -314,7 +285,7 @@ pub unsafe extern "C" fn cylfuse_detector_detect_points(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(detector, |content, cancel| {
+        enter_to_change(detector, |content, cancel| {
             let points = views::points_view(&read(points, "points")?)?;
             content.search(cancel, |detector, observer| detector.detect_points_with(&points, observer))
         })

@@ -1,8 +1,7 @@
 //! What a camera delivered at one time, for any number of fits.
 
 use super::data::{log_points, optional_mask};
-use super::handle::{Handle, Logs, cylfuse_fitter, enter_to_change, no_handle};
-use super::handle::{change, read as look};
+use super::handle::{self, Handle, Opaque, cylfuse_fitter, enter_to_change, last_error};
 use super::library::{create, destroy};
 use super::sized::read;
 use super::status::{Failure, cylfuse_status};
@@ -18,22 +17,15 @@ use std::ffi::c_char;
 ///
 /// A fitter takes what the frame holds at that time: what is set later, and its destruction, change nothing in fitters.
 /// Calls that fill a frame run one at a time; any number of threads may use it at once.
+#[derive(Default)]
 pub struct cylfuse_frame(Handle<Frame>);
 
-impl Logs for Frame {}
+impl Opaque for cylfuse_frame {
+    type Content = Frame;
+    const NAME: &'static str = "frame";
 
-/// Runs a call that fills a frame.
-///
-/// # Safety
-/// `frame` is NULL or a frame that was created and not destroyed.
-unsafe fn enter(
-    frame: *mut cylfuse_frame,
-    call: impl FnOnce(&mut Frame) -> Result<(), Failure>,
-) -> cylfuse_status {
-    // SAFETY: the caller's obligation.
-    match unsafe { frame.as_ref() } {
-        Some(handle) => change(&handle.0, |frame, _| call(frame)),
-        None => no_handle("frame"),
+    fn handle(&self) -> &Handle<Frame> {
+        &self.0
     }
 }
 
@@ -48,7 +40,7 @@ pub unsafe extern "C" fn cylfuse_frame_create(
     out_frame: *mut *mut cylfuse_frame,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { create(abi_version, out_frame, "out_frame", || cylfuse_frame(Handle::default())) }
+    unsafe { create(abi_version, out_frame, "out_frame") }
 }
 
 /// Destroys a frame. Fitters that use it go on with what they need of it. No other call on it may be running or
@@ -59,7 +51,7 @@ pub unsafe extern "C" fn cylfuse_frame_create(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { destroy(frame, |frame| frame.0.close()) }
+    unsafe { destroy(frame) }
 }
 
 /// Why the last call on a frame failed; see `cylfuse_fitter_last_error`, whose rules hold here too. The text of
@@ -70,11 +62,8 @@ pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cyl
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_last_error(frame: *const cylfuse_frame) -> *const c_char {
-    // SAFETY: NULL or a living frame, by the contract of the header.
-    match unsafe { frame.as_ref() } {
-        Some(frame) => frame.0.last_error(),
-        None => super::texts::last_of_thread(),
-    }
+    // SAFETY: the contract of the header.
+    unsafe { last_error(frame) }
 }
 
 /// Sets the colour camera of a frame; it comes before depth and image, which must have its size.
@@ -90,7 +79,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |frame| {
+        enter_to_change(frame, |frame, _| {
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
             Ok(frame.set_camera(camera)?)
         })
@@ -111,7 +100,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_pose(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |frame| {
+        enter_to_change(frame, |frame, _| {
             frame.set_pose(views::motion(rotation, translation)?);
             Ok(())
         })
@@ -136,7 +125,9 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |frame| Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?))
+        enter_to_change(frame, |frame, _| {
+            Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
+        })
     }
 }
 
@@ -153,7 +144,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth(
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
     unsafe {
-        enter(frame, |frame| {
+        enter_to_change(frame, |frame, _| {
             let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
             Ok(frame.set_depth(&depth, &range)?)
         })
@@ -172,7 +163,9 @@ pub unsafe extern "C" fn cylfuse_frame_set_image(
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { enter(frame, |frame| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?)) }
+    unsafe {
+        enter_to_change(frame, |frame, _| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?))
+    }
 }
 
 /// Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and
@@ -193,9 +186,9 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
     // SAFETY: the contract of the header.
     unsafe {
         enter_to_change(fitter, |content, _| {
-            let Some(handle) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let Some(frame) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
             let mask = optional_mask(mask)?;
-            let frame = content_of(handle)?;
+            let frame = content_of(frame)?;
             if frame.camera().is_none() {
                 let remedy = "set the intrinsics of the frame first";
                 return Err(Error::BadState { call: "using a frame", missing: "intrinsics", remedy }.into());
@@ -208,9 +201,9 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
 }
 
 /// What a frame holds; its images are shared.
-pub(super) fn content_of(handle: &cylfuse_frame) -> Result<Frame, Failure> {
+pub(super) fn content_of(frame: &cylfuse_frame) -> Result<Frame, Failure> {
     let mut content = None;
-    let status = look(&handle.0, |frame, _| {
+    let status = handle::read(frame, |frame, _| {
         content = Some(frame.clone());
         Ok(())
     });

@@ -18,6 +18,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// A fitter may move between threads. Calls that take a `const cylfuse_fitter *` run side by side; a call that may
 /// change it runs alone: what would disturb it, from another thread or from a callback, returns
 /// `CYLFUSE_STATUS_BUSY`. Different fitters run in parallel.
+#[derive(Default)]
 pub struct cylfuse_fitter(pub(super) Handle<Content>);
 
 /// What calls on a fitter work on.
@@ -28,9 +29,16 @@ pub(super) struct Content {
     pub log: Log,
 }
 
-impl Logs for Content {
-    fn log(&self) -> Log {
-        self.log
+impl Opaque for cylfuse_fitter {
+    type Content = Content;
+    const NAME: &'static str = "fitter";
+
+    fn handle(&self) -> &Handle<Content> {
+        &self.0
+    }
+
+    fn log(content: &Content) -> Log {
+        content.log
     }
 }
 
@@ -40,9 +48,18 @@ const _: () = {
     shared_by_readers::<Fitter>();
 };
 
-/// Where the log lines of calls on a handle go.
-pub(super) trait Logs {
-    fn log(&self) -> Log {
+/// What a pointer of the interface leads to.
+pub(super) trait Opaque {
+    /// What calls work on.
+    type Content;
+
+    /// The name of the argument of calls.
+    const NAME: &'static str;
+
+    fn handle(&self) -> &Handle<Self::Content>;
+
+    /// Where the log lines of calls go.
+    fn log(_content: &Self::Content) -> Log {
         Log::default()
     }
 }
@@ -97,8 +114,7 @@ impl<C> Handle<C> {
         }
     }
 
-    /// Asks the calls that are running to stop.
-    pub fn cancel(&self) -> cylfuse_status {
+    fn cancel(&self) -> cylfuse_status {
         if self.is_poisoned() {
             return cylfuse_status::PANIC;
         }
@@ -118,7 +134,7 @@ impl<C> Handle<C> {
 
     /// The text of the last call of this thread on the handle, or of any thread when this one has made another call
     /// since.
-    pub fn last_error(&self) -> *const c_char {
+    fn last_error(&self) -> *const c_char {
         texts::last(self.serial, || {
             if self.refused.load(Ordering::Relaxed) == texts::this_thread() {
                 return Text::new(BUSY);
@@ -223,18 +239,7 @@ fn alone<C>(handle: &Handle<C>, call: impl FnOnce(&mut C, &Cancel<'_>) -> Outcom
     status
 }
 
-/// Runs a call that may change what the handle holds: alone.
-pub(super) fn change<C: Logs>(
-    handle: &Handle<C>,
-    call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
-) -> cylfuse_status {
-    alone(handle, |content, cancel| {
-        let result = call(content, cancel);
-        log_outcome(content.log(), result)
-    })
-}
-
-/// The same on a thread of the library, where nothing of the caller is called.
+/// Runs a call that may change what a handle holds on a thread of the library, where nothing of the caller is called.
 pub(super) fn change_quietly<C>(
     handle: &Handle<C>,
     call: impl FnOnce(&mut C, &Cancel<'_>) -> Result<(), Failure>,
@@ -242,56 +247,82 @@ pub(super) fn change_quietly<C>(
     alone(handle, |content, cancel| log_outcome(Log::default(), call(content, cancel)))
 }
 
-/// Runs a call that only reads what the handle holds: beside others of its kind.
-pub(super) fn read<C: Logs>(
-    handle: &Handle<C>,
-    call: impl FnOnce(&C, &Cancel<'_>) -> Result<(), Failure>,
+/// Runs a call that only reads what a handle holds: beside others of its kind.
+pub(super) fn read<H: Opaque>(
+    owner: &H,
+    call: impl FnOnce(&H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
+    let handle = owner.handle();
     if !handle.access.try_read() {
         return handle.busy();
     }
     let status = handle.run(|cancel| {
         // SAFETY: nobody has a mutable reference until access is given back below.
         let content = unsafe { &*handle.content.get() };
-        log_outcome(content.log(), call(content, cancel))
+        log_outcome(H::log(content), call(content, cancel))
     });
     handle.access.end_read();
     status
 }
 
-/// Runs a call that may change a fitter.
+/// Runs a call that may change what a handle holds: alone.
 ///
 /// # Safety
-/// `fitter` is NULL or a fitter that was created and not destroyed.
-pub(super) unsafe fn enter_to_change(
-    fitter: *mut cylfuse_fitter,
-    call: impl FnOnce(&mut Content, &Cancel<'_>) -> Result<(), Failure>,
+/// `owner` is NULL or was created and not destroyed.
+pub(super) unsafe fn enter_to_change<H: Opaque>(
+    owner: *mut H,
+    call: impl FnOnce(&mut H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
     // SAFETY: the caller's obligation. All that other threads reach is atomic, locked or guarded by `access`.
-    match unsafe { fitter.as_ref() } {
-        Some(fitter) => change(&fitter.0, call),
-        None => no_handle("fitter"),
-    }
+    let Some(owner) = (unsafe { owner.as_ref() }) else { return no_handle(H::NAME) };
+    alone(owner.handle(), |content, cancel| {
+        let result = call(content, cancel);
+        log_outcome(H::log(content), result)
+    })
 }
 
-/// Runs a call that only reads a fitter.
+/// Runs a call that only reads what a handle holds.
 ///
 /// # Safety
 /// As [`enter_to_change`].
-pub(super) unsafe fn enter_to_read(
-    fitter: *const cylfuse_fitter,
-    call: impl FnOnce(&Content, &Cancel<'_>) -> Result<(), Failure>,
+pub(super) unsafe fn enter_to_read<H: Opaque>(
+    owner: *const H,
+    call: impl FnOnce(&H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
     // SAFETY: the caller's obligation, as above.
-    match unsafe { fitter.as_ref() } {
-        Some(fitter) => read(&fitter.0, call),
-        None => no_handle("fitter"),
+    match unsafe { owner.as_ref() } {
+        Some(owner) => read(owner, call),
+        None => no_handle(H::NAME),
+    }
+}
+
+/// Asks the calls that are running on a handle to stop.
+///
+/// # Safety
+/// As [`enter_to_change`].
+pub(super) unsafe fn cancel<H: Opaque>(owner: *mut H) -> cylfuse_status {
+    // SAFETY: the caller's obligation, as above.
+    match unsafe { owner.as_ref() } {
+        Some(owner) => owner.handle().cancel(),
+        None => no_handle(H::NAME),
+    }
+}
+
+/// The text of the last call on a handle, of this thread where it is NULL.
+///
+/// # Safety
+/// As [`enter_to_change`].
+pub(super) unsafe fn last_error<H: Opaque>(owner: *const H) -> *const c_char {
+    // SAFETY: the caller's obligation, as above.
+    match unsafe { owner.as_ref() } {
+        Some(owner) => owner.handle().last_error(),
+        None => texts::last_of_thread(),
     }
 }
 
 /// A call on a handle that is NULL.
 #[inline(never)]
-pub(super) fn no_handle(name: &'static str) -> cylfuse_status {
+fn no_handle(name: &'static str) -> cylfuse_status {
     stateless(|| Err(Failure::NullPointer { name }))
 }
 

@@ -1,6 +1,6 @@
 //! Functions about the library itself.
 
-use super::handle::stateless;
+use super::handle::{Opaque, stateless};
 use super::status::{Failure, cylfuse_status, describe};
 use super::views::Slot;
 use crate::error::Error;
@@ -72,11 +72,10 @@ pub extern "C" fn cylfuse_status_string(status: cylfuse_status) -> *const c_char
 ///
 /// # Safety
 /// `out` is NULL or writable.
-pub(super) unsafe fn create<H>(
+pub(super) unsafe fn create<H: Default>(
     abi_version: u32,
     out: *mut *mut H,
     name: &'static str,
-    make: impl FnOnce() -> H,
 ) -> cylfuse_status {
     stateless(|| {
         // SAFETY: the caller's obligation.
@@ -85,7 +84,7 @@ pub(super) unsafe fn create<H>(
         if abi_version != CYLFUSE_ABI_VERSION {
             return Err(Failure::AbiMismatch { given: abi_version });
         }
-        out.write(allocate(make())?);
+        out.write(allocate(H::default())?);
         Ok(())
     })
 }
@@ -107,10 +106,10 @@ pub(super) fn allocate<H>(value: H) -> Result<*mut H, Failure> {
 ///
 /// # Safety
 /// `handle` is NULL or came from [`allocate`], and no other call on it follows.
-pub(super) unsafe fn destroy<H>(handle: *mut H, close: impl FnOnce(&H) -> bool) -> cylfuse_status {
+pub(super) unsafe fn destroy<H: Opaque>(handle: *mut H) -> cylfuse_status {
     // SAFETY: NULL or living, by the caller's obligation.
     let Some(living) = (unsafe { handle.as_ref() }) else { return stateless(|| Ok(())) };
-    if !close(living) {
+    if !living.handle().close() {
         return cylfuse_status::BUSY;
     }
     stateless(|| {

@@ -1,10 +1,9 @@
 //! From creating a fitter to destroying it.
 
 use super::constants::cylfuse_input;
-use super::handle::{Content, Handle, cylfuse_fitter, enter_to_change, enter_to_read, no_handle};
+use super::handle::{Content, Handle, cancel, cylfuse_fitter, enter_to_change, enter_to_read, last_error};
 use super::library::{allocate, create, destroy};
 use super::status::cylfuse_status;
-use super::texts;
 use super::views::Slot;
 use std::ffi::c_char;
 
@@ -23,7 +22,7 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { create(abi_version, out_fitter, "out_fitter", || cylfuse_fitter(Handle::default())) }
+    unsafe { create(abi_version, out_fitter, "out_fitter") }
 }
 
 /// Makes another fitter with all that one holds: options, cameras, poses and data of all views, start model, the last
@@ -58,7 +57,7 @@ pub unsafe extern "C" fn cylfuse_fitter_clone(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_destroy(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: the contract of the header.
-    unsafe { destroy(fitter, |fitter| fitter.0.close()) }
+    unsafe { destroy(fitter) }
 }
 
 /// Makes room for the coordinates of that many more points and for that many more segments in the selected view.
@@ -124,11 +123,8 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter) -> *const c_char {
-    // SAFETY: NULL or a living fitter, by the contract of the header.
-    match unsafe { fitter.as_ref() } {
-        Some(fitter) => fitter.0.last_error(),
-        None => texts::last_of_thread(),
-    }
+    // SAFETY: the contract of the header.
+    unsafe { last_error(fitter) }
 }
 
 /// Asks the calls that are running on a fitter to stop: a fit returns CANCELLED before its next iteration or random
@@ -137,9 +133,6 @@ pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_cancel(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: NULL or a living fitter, by the contract of the header.
-    match unsafe { fitter.as_ref() } {
-        Some(fitter) => fitter.0.cancel(),
-        None => no_handle("fitter"),
-    }
+    // SAFETY: the contract of the header.
+    unsafe { cancel(fitter) }
 }

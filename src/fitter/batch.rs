@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// has its error there, and the others go on.
 ///
 /// `threads` is how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread. Each
-/// fit takes as many as its options say beside that. The results have the same bits for any number. `ended` hears of each
-/// fit, on the calling thread and in the order in which they end: its place and its result. It may stop the rest, whose
-/// error is `Cancelled` then and of which it hears no more.
+/// fit takes as many as its options say beside that. The results have the same bits for any number. `ended` is called
+/// after each fit, on the calling thread and in the order in which they end, with its place and its result. It may stop the
+/// rest, whose error is `Cancelled` then and for which it is not called.
 pub fn fit_all(
     fitters: &mut [Fitter],
     threads: usize,
@@ -30,8 +30,8 @@ impl Fitter {
     }
 }
 
-/// Does something with each item, several at once, and gives the outcomes in order. `ended` hears of each on the calling
-/// thread, and may stop the rest, which `one` is told and it hears no more of.
+/// Does something with each item, several at once, and gives the outcomes in order. `ended` is called with each on the
+/// calling thread, and may stop the rest: `one` is told so, and `ended` is not called again.
 pub(crate) fn each<T: Send, R: Send>(
     items: &mut [T],
     threads: usize,
@@ -82,18 +82,18 @@ mod tests {
         assert!(alone[3].is_err() && alone.iter().filter(|fit| fit.is_ok()).count() == 8);
         for threads in [0, 1, 2, 5, 50] {
             let mut fitters = fitters(9);
-            let mut heard = Vec::new();
+            let mut told = Vec::new();
             let caller = std::thread::current().id();
             let results = fit_all(&mut fitters, threads, &mut |index, result| {
                 assert_eq!(std::thread::current().id(), caller);
-                heard.push((index, result.clone().map(|fit| fit.cylinder)));
+                told.push((index, result.clone().map(|fit| fit.cylinder)));
                 ControlFlow::Continue(())
             });
             let cylinders: Vec<_> =
                 results.iter().map(|result| result.clone().map(|fit| fit.cylinder)).collect();
             assert_eq!(cylinders, alone);
-            heard.sort_by_key(|(index, _)| *index);
-            assert!(heard.into_iter().eq(alone.iter().cloned().enumerate()));
+            told.sort_by_key(|(index, _)| *index);
+            assert!(told.into_iter().eq(alone.iter().cloned().enumerate()));
             assert!(
                 fitters
                     .iter()
@@ -116,7 +116,7 @@ mod tests {
             let cancelled = |result: &&Result<FitResult>| matches!(result, Err(Error::Cancelled { .. }));
             let count = results.iter().filter(cancelled).count();
             assert_eq!((results.len(), ended), (60, 5));
-            // Threads may be ahead of what the caller has heard.
+            // Threads may be ahead of the calls on this one.
             assert!(count <= 55 && (threads > 1 || count == 55), "{count}");
             // They can be fitted later.
             let after = fit_all(&mut fitters, threads, &mut |_, _| ControlFlow::Continue(()));

@@ -139,7 +139,7 @@ pub struct Domain<'a> {
 /// Minimises an objective from a start. In the orthonormal chart this is Algorithm 2 as it is printed, but for the last step:
 /// where the linearisation promises no more progress it is taken without a look, and the cost is that which was promised. In
 /// the local chart the second derivative is completed where the iteration creeps. The orthonormal chart takes the caller's
-/// unit of length, as the paper does, and not that of the data. `report` hears of every solve and may stop the iteration.
+/// unit of length, as the paper does, and not that of the data. `report` is called after every solve and may stop the iteration.
 ///
 /// # Errors
 /// `NoStart` when the cost of the start is infinite, `Cancelled` when `report` breaks.

@@ -251,7 +251,7 @@ unsafe extern "C" fn meddle(progress: *const cylfuse_progress, user_data: *mut c
     }
 }
 
-/// Hears of a fit of many: looks at the one that ended, meddles with the others, and stops the rest now and then.
+/// Is called after each fit of many: looks at the one that ended, meddles with the others, and stops the rest now and then.
 unsafe extern "C" fn ended(index: usize, status: cylfuse_status, user_data: *mut c_void) -> i32 {
     // SAFETY: the fitters live as long as the call, and the library says which of them ended.
     unsafe {

@@ -17,8 +17,8 @@ namespace Cylfuse
         /// data, with the weights that were used and the correlation of neighbouring depths. With the method Fused and the
         /// objective Robust it also has the errors that all points of a view share and DepthShared of the options states,
         /// by default 0.2 % of the depth. Errors of the calibration, the registration and a scale of the depth are not in
-        /// it. For an expanded uncertainty with the coverage factor 2 multiply by 2. NaN for RANSAC and Eberly, for an edge weight of 1, and where the data do not determine the
-        /// number.</summary>
+        /// it. For an expanded uncertainty with the coverage factor 2 multiply by 2. NaN for RANSAC and Eberly, for an edge
+        /// weight of 1, and where the data do not determine the number.</summary>
         public double RadiusDeviation => estimate.radius_deviation;
 
         /// <summary>Standard deviation of the direction in radians: the tilt in the plane in which it is least

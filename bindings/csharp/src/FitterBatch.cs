@@ -37,7 +37,7 @@ namespace Cylfuse
                         ?? throw new ArgumentNullException(nameof(fitters), $"fitters[{held}] is null; it must be a fitter");
                     handles[held] = fitter.handle.Acquire();
                 }
-                NativeFunctions.FitEndedCallback hear = (index, status, _) =>
+                NativeFunctions.FitEndedCallback callback = (index, status, _) =>
                 {
                     try { return ended((int)index, (Status)status) ? 0 : 1; }
                     catch (Exception failure)
@@ -51,9 +51,9 @@ namespace Cylfuse
                 fixed (int* status = statuses)
                 {
                     outcome = Native.Functions.FitAll(first, (UIntPtr)handles.Length, (uint)threads,
-                        ended == null ? null : hear, IntPtr.Zero, status);
+                        ended == null ? null : callback, IntPtr.Zero, status);
                 }
-                GC.KeepAlive(hear);
+                GC.KeepAlive(callback);
                 thrown?.Throw();
                 if ((Status)outcome != Status.Cancelled) Native.Check(outcome);
                 var failures = new CylfuseException[handles.Length];

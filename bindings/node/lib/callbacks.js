@@ -8,20 +8,20 @@ const { koffi } = native;
 const listeners = new Map();
 let last = 0n;
 
-const heard = (struct) => koffi.register(
-  (progress, key) => listeners.get(BigInt(key))?.deref()?.hearProgress(koffi.decode(progress, struct)) ?? 0,
+const registered = (struct) => koffi.register(
+  (progress, key) => listeners.get(BigInt(key))?.deref()?.onProgress(koffi.decode(progress, struct)) ?? 0,
   native.ProgressCallback,
 );
 
-const progressCallback = heard(native.structs.progress);
-const detectionCallback = heard(native.structs.detection_progress);
+const progressCallback = registered(native.structs.progress);
+const detectionCallback = registered(native.structs.detection_progress);
 
 const logCallback = koffi.register(
-  (level, message, key) => listeners.get(BigInt(key))?.deref()?.hearLog(level, message),
+  (level, message, key) => listeners.get(BigInt(key))?.deref()?.onLog(level, message),
   native.LogCallback,
 );
 
-/** A key for the user_data of a listener with hearProgress and hearLog, which must never throw. */
+/** A key for the user_data of a listener with onProgress and onLog, which must never throw. */
 function addListener(listener) {
   last += 1n;
   listeners.set(last, new WeakRef(listener));

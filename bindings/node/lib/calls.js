@@ -12,7 +12,7 @@ const { status: STATUS } = enumerations;
 /** What a callback returned. A promise is refused: the call goes on without waiting for what it would say. */
 function answered(what, answer) {
   if (typeof answer?.then !== 'function') return answer;
-  // Of its failure nobody would hear.
+  // Nobody would handle its failure.
   Promise.resolve(answer).catch(() => {});
   throw new TypeError(`${what} returned a promise; it must be a function that is not async`);
 }
@@ -29,11 +29,11 @@ class Listener {
     this.convert = convert;
   }
 
-  get hears() {
+  get callsBack() {
     return Boolean(this.progress || this.log);
   }
 
-  hearProgress(progress) {
+  onProgress(progress) {
     if (this.thrown || !this.progress) return this.thrown ? 1 : 0;
     try {
       return answered('progress', this.progress(this.convert(progress))) === false ? 1 : 0;
@@ -43,7 +43,7 @@ class Listener {
     }
   }
 
-  hearLog(level, message) {
+  onLog(level, message) {
     if (this.thrown || !this.log) return;
     try {
       answered('log', this.log(nameOf('logLevel', level), message));
@@ -107,7 +107,7 @@ class Calls {
   async runOnPool(call, read) {
     const handle = this.#start();
     try {
-      const { status, ...out } = await call(handle, this.listener.hears, () => this.#cancelling !== null);
+      const { status, ...out } = await call(handle, this.listener.callsBack, () => this.#cancelling !== null);
       this.#throw();
       if (status === undefined) throw statusError(STATUS.CANCELLED);
       checkElsewhere(status, this.#held);

@@ -48,8 +48,8 @@ class Detector {
 
   setProgress(callback) {
     checkCallback('progress', callback);
-    const heard = callback && detectionCallback;
-    this.#calls.run((handle) => functions.cylfuse_detector_set_progress(handle, heard, this.#calls.key));
+    const registered = callback && detectionCallback;
+    this.#calls.run((handle) => functions.cylfuse_detector_set_progress(handle, registered, this.#calls.key));
     this.#calls.listener.progress = callback;
   }
 

@@ -151,16 +151,16 @@ class Fitter {
 
   setProgress(callback) {
     checkCallback('progress', callback);
-    const heard = callback && progressCallback;
-    this.#calls.run((handle) => functions.cylfuse_fitter_set_progress(handle, heard, this.#calls.key));
+    const registered = callback && progressCallback;
+    this.#calls.run((handle) => functions.cylfuse_fitter_set_progress(handle, registered, this.#calls.key));
     this.#calls.listener.progress = callback;
   }
 
   setLog(maxLevel, callback) {
     const level = numberOf('logLevel', 'maxLevel', maxLevel);
     checkCallback('log', callback);
-    const heard = callback && logCallback;
-    this.#calls.run((handle) => functions.cylfuse_fitter_set_log(handle, level, heard, this.#calls.key));
+    const registered = callback && logCallback;
+    this.#calls.run((handle) => functions.cylfuse_fitter_set_log(handle, level, registered, this.#calls.key));
     this.#calls.listener.log = callback;
   }
 

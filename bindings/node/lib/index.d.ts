@@ -88,8 +88,8 @@ export class Fitter {
   /** Forgets some of the data of the selected view, and keeps the rest and the last result. */
   clearInput(...inputs: Input[]): void;
   /**
-   * Asks the running fit to stop, which then throws CANCELLED, unless it ends before it hears of that. When none is
-   * running it does nothing.
+   * Asks the running fit to stop, which then throws CANCELLED, unless it ends first. When none is running it does
+   * nothing.
    */
   cancel(): void;
   /**

@@ -13,7 +13,7 @@ let places = 64;
 const waiting = [];
 
 /** How many calls with callbacks are on the pool. */
-let heard = 0;
+let withCallbacks = 0;
 
 /** Memory for a struct that the library fills. */
 function allocated(name) {
@@ -31,13 +31,13 @@ function copied(array) {
 }
 
 /**
- * Makes a call when there is a place: its status, undefined when it was cancelled while it waited. `hears` says whether
- * it calls back.
+ * Makes a call when there is a place: its status, undefined when it was cancelled while it waited. `callsBack` says
+ * whether it has callbacks.
  */
-async function run(call, parameters, hears, cancelled) {
+async function run(call, parameters, callsBack, cancelled) {
   if (places > 0) places -= 1;
   else await new Promise((resolve) => { waiting.push(resolve); });
-  heard += hears;
+  withCallbacks += callsBack;
   try {
     if (cancelled()) return undefined;
     return await new Promise((resolve, reject) => {
@@ -49,7 +49,7 @@ async function run(call, parameters, hears, cancelled) {
       });
     });
   } finally {
-    heard -= hears;
+    withCallbacks -= callsBack;
     // The place goes to the next one, if any waits.
     const next = waiting.shift();
     if (next) next();
@@ -58,10 +58,10 @@ async function run(call, parameters, hears, cancelled) {
 }
 
 /** Runs a fit: its status, result and estimate. */
-async function fitOnPool(handle, hears, cancelled) {
+async function fitOnPool(handle, callsBack, cancelled) {
   const [result, estimate] = [allocated('result'), allocated('cylinder_estimate')];
   try {
-    const status = await run(onPool.fit, [handle, result, estimate], hears, cancelled);
+    const status = await run(onPool.fit, [handle, result, estimate], callsBack, cancelled);
     return {
       status, result: koffi.decode(result, structs.result),
       estimate: koffi.decode(estimate, structs.cylinder_estimate),
@@ -79,23 +79,23 @@ async function fitOnPool(handle, hears, cancelled) {
 async function fitAllOnPool(handles, threads, ended) {
   const count = handles.length;
   const [list, statuses] = [koffi.alloc(Handle, Math.max(count, 1)), koffi.alloc('int32_t', Math.max(count, 1))];
-  const hear = ended && koffi.register((index, status) => ended(Number(index), status), FitEndedCallback);
+  const callback = ended && koffi.register((index, status) => ended(Number(index), status), FitEndedCallback);
   try {
     if (count > 0) koffi.encode(list, koffi.array(Handle, count), handles);
-    const status = await run(onPool.fitAll, [list, count, threads, hear, null, statuses], Boolean(ended), () => false);
+    const status = await run(onPool.fitAll, [list, count, threads, callback, null, statuses], Boolean(ended), () => false);
     return { status, statuses: count > 0 ? Array.from(koffi.decode(statuses, koffi.array('int32_t', count))) : [] };
   } finally {
-    if (hear) koffi.unregister(hear);
+    if (callback) koffi.unregister(callback);
     koffi.free(list);
     koffi.free(statuses);
   }
 }
 
 /** Searches a frame: the status. */
-const detectOnPool = (handle, frame, hears, cancelled) => run(onPool.detect, [handle, frame], hears, cancelled);
+const detectOnPool = (handle, frame, callsBack, cancelled) => run(onPool.detect, [handle, frame], callsBack, cancelled);
 
 /** Searches points, of which it makes a copy at once: the status. */
-async function detectPointsOnPool(handle, view, hears, cancelled) {
+async function detectPointsOnPool(handle, view, callsBack, cancelled) {
   const memory = [koffi.alloc(structs.points_view, 1)];
   try {
     const copy = { ...view };
@@ -105,19 +105,19 @@ async function detectPointsOnPool(handle, view, hears, cancelled) {
       memory.push(copy[name]);
     }
     koffi.encode(memory[0], structs.points_view, copy);
-    return await run(onPool.detectPoints, [handle, memory[0]], hears, cancelled);
+    return await run(onPool.detectPoints, [handle, memory[0]], callsBack, cancelled);
   } finally {
     memory.forEach(koffi.free);
   }
 }
 
 // A callback on the pool waits for the main thread, and at the end of the process Node waits for the pool: for ever. So
-// with such a call the process ends here, when all that listened before has heard of it.
+// with such a call the process ends here, after all that listened for its end before.
 if (isMainThread) {
   let fatal = null;
   process.on('uncaughtExceptionMonitor', (error) => { fatal = { error }; });
   process.on('exit', (code) => {
-    if (heard === 0) return;
+    if (withCallbacks === 0) return;
     // Node would print it only after this.
     const printed = fatal && process.listenerCount('uncaughtException') === 0;
     if (printed) fs.writeSync(2, `Uncaught:\n${inspect(fatal.error)}\n`);

@@ -12,8 +12,8 @@ import java.util.Set;
  *     of the data, with the weights that were used and the correlation of neighbouring depths. With the method FUSED
  *     and the objective ROBUST it also has the errors that all points of a view share and {@code depthShared} of the
  *     options states, by default 0.2 % of the depth. Errors of the calibration, the registration and a scale of the
- *     depth are not in it. For an expanded uncertainty with the coverage factor 2 multiply by 2. NaN for RANSAC and EBERLY, for an edge weight of 1, and where the data do not determine the
- *     number.
+ *     depth are not in it. For an expanded uncertainty with the coverage factor 2 multiply by 2. NaN for RANSAC and
+ *     EBERLY, for an edge weight of 1, and where the data do not determine the number.
  * @param directionDeviation Standard deviation of the direction in radians: the tilt in the plane in which it is least
  *     certain.
  * @param positionDeviation Standard deviation of the position of the axis across itself, at the point of the model and

@@ -35,7 +35,7 @@ public final class FitterBatch {
         NativeHandle.runAll(every, handles, () -> {
             Memory list = new Memory(Math.max(1, (long) handles.length * Native.POINTER_SIZE));
             list.write(0, handles, 0, handles.length);
-            NativeFunctions.FitEndedCallback hear = (index, status, userData) -> {
+            NativeFunctions.FitEndedCallback callback = (index, status, userData) -> {
                 try {
                     return listener.onEnd(Math.toIntExact(index), Status.of(status)) ? 0 : 1;
                 } catch (Throwable failure) {
@@ -44,7 +44,7 @@ public final class FitterBatch {
                 }
             };
             int status = NativeFunctions.cylfuse_fit_all(
-                    list, handles.length, threads, listener == null ? null : hear, null, statuses);
+                    list, handles.length, threads, listener == null ? null : callback, null, statuses);
             if (status != Status.OK.value() && status != Status.CANCELLED.value()) {
                 return status;
             }
