@@ -4,9 +4,9 @@
 #[path = "support/frames.rs"]
 mod frames;
 
-use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Flags, Options, StartKind};
+use cylfuse::fitter::{EdgeUse, FitResult, Flags, Options, StartKind};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{EdgeSegment, PointsView};
+use cylfuse::observations::EdgeSegment;
 use frames::Inputs;
 use nalgebra::Vector2;
 use std::ops::ControlFlow;
@@ -118,21 +118,11 @@ fn without_an_image_the_mask_outvotes_a_wrong_edge() {
     assert!(apart(&wrong, &right) < 0.05, "{}", apart(&wrong, &right));
 }
 
-/// A fitter that has the points of a frame but not its mask.
-fn without_mask(inputs: &Inputs, edges: &[EdgeSegment]) -> Fitter {
-    let points: Vec<[f64; 3]> = inputs.fitter().cloud().points().map(|p| [p.x, p.y, p.z]).collect();
-    let mut fitter = Fitter::new();
-    fitter.set_intrinsics(inputs.intrinsics).unwrap();
-    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
-    fitter.push_edges(edges).unwrap();
-    fitter
-}
-
 #[test]
 fn points_and_image_do_without_mask_and_edges() {
     let inputs = sample("r40_a20_f0");
     let right = fit(&inputs, &inputs.edges, true);
-    let mut fitter = without_mask(&inputs, &[]);
+    let mut fitter = inputs.fitter_without_mask(&[]);
     inputs.push_image(&mut fitter);
     let result = fitter.fit().unwrap();
     // One limb of this frame is faint: its own deviation is 0.4 pixels where it is found at all.
@@ -147,7 +137,7 @@ fn an_edge_that_contradicts_the_points_is_not_believed() {
     let inputs = sample("r40_a20_f0");
     let right = fit(&inputs, &inputs.edges, false);
     let edges = [moved(&inputs.edges[0], 20.0), inputs.edges[1]];
-    let result = without_mask(&inputs, &edges).fit().unwrap();
+    let result = inputs.fitter_without_mask(&edges).fit().unwrap();
     assert!(apart(&result, &right) < 0.1, "{}", apart(&result, &right));
     // Two edges that belong to another object altogether are not used.
     let elsewhere = inputs.edges.iter().map(|edge| EdgeSegment {
@@ -155,8 +145,8 @@ fn an_edge_that_contradicts_the_points_is_not_believed() {
         ..*edge
     });
     let edges: Vec<EdgeSegment> = elsewhere.enumerate().map(|(k, e)| moved(&e, 5.0 * k as f64)).collect();
-    let result = without_mask(&inputs, &edges).fit().unwrap();
-    let alone = without_mask(&inputs, &[]).fit().unwrap();
+    let result = inputs.fitter_without_mask(&edges).fit().unwrap();
+    let alone = inputs.fitter_without_mask(&[]).fit().unwrap();
     assert!(result.flags.contains(Flags::EDGES_IGNORED), "{:?}", result.flags);
     assert_eq!(result.cylinder, alone.cylinder);
 }

@@ -10,7 +10,7 @@ use cylfuse::camera::{Distortion, Intrinsics};
 use cylfuse::error::Error;
 use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Options};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
-use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView, PointsView};
+use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView};
 use frames::Inputs;
 use nalgebra::{Vector2, Vector3};
 use random_views::{Dice, View};
@@ -200,16 +200,6 @@ fn reports(fitter: &mut Fitter) -> usize {
     count
 }
 
-/// A fitter with the points and segments of a frame but without its mask.
-fn without_mask(inputs: &Inputs, edges: &[EdgeSegment]) -> Fitter {
-    let points: Vec<[f64; 3]> = inputs.fitter().cloud().points().map(|p| [p.x, p.y, p.z]).collect();
-    let mut fitter = Fitter::new();
-    fitter.set_intrinsics(inputs.intrinsics).unwrap();
-    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
-    fitter.push_edges(edges).unwrap();
-    fitter
-}
-
 #[test]
 fn hundreds_of_segments_are_not_hundreds_of_fits() {
     let inputs = sample("w004");
@@ -218,7 +208,7 @@ fn hundreds_of_segments_are_not_hundreds_of_fits() {
     let mut edges: Vec<EdgeSegment> =
         (0..300).map(|_| EdgeSegment { endpoints: [end(), end()], weight: 1.0 }).collect();
     edges.extend(&inputs.edges);
-    let count = reports(&mut without_mask(&inputs, &edges));
+    let count = reports(&mut inputs.fitter_without_mask(&edges));
     assert!(count < 2000, "{count}");
 }
 

@@ -43,6 +43,7 @@ use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
+use search::{Limbs, search};
 use std::ops::Range;
 
 /// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
@@ -217,9 +218,9 @@ pub(crate) fn detect_until(
         let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
         (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
     };
-    let searched = edges.as_ref().map(|edges| (edges, &pixel_of as &search::PixelOf<'_>));
+    let limbs = edges.as_ref().map_or(Limbs::Outline, |edges| Limbs::Edges(edges, &pixel_of));
     let effort = Effort::new(stopped);
-    let found = search::search(&mut grid, pixel, searched, image.is_none(), options, &effort)?;
+    let found = search(&mut grid, pixel, &limbs, options, &effort)?;
     let found = labels::label(&grid, &found, (width, height), pixel, &read_points, &read_rays, &effort);
     Ok(Detections { image: edges, ..found })
 }

@@ -130,9 +130,13 @@ pub(super) fn hypothesis(
     }
     let solution = matrix.cholesky()?.solve(&vector);
     let center = point + Vector3::new(solution[0], solution[1], solution[2]);
-    let radius = solution[3].abs();
-    (radius > 0.0 && radius.is_finite() && center.iter().all(|x| x.is_finite()))
-        .then_some(Cylinder { axis: Line { point: center, direction }, radius })
+    finite(center, direction, solution[3].abs())
+}
+
+/// A cylinder, if its numbers make one.
+fn finite(point: Vector3<f64>, direction: Vector3<f64>, radius: f64) -> Option<Cylinder> {
+    (radius > 0.0 && radius.is_finite() && point.iter().all(|x| x.is_finite()))
+        .then_some(Cylinder { axis: Line { point, direction }, radius })
 }
 
 /// A cylinder as wide as the cells of a patch, where these are a strip: a thin pipe bends by less than its noise within any patch.
@@ -160,5 +164,5 @@ pub(super) fn strip(grid: &Grid, moments: &Moments) -> Option<Cylinder> {
     let radius = 0.5 * width * grid.spacing / w;
     let away = (point - direction * point.dot(&direction)).try_normalize(0.0)?;
     // So far behind the mean of the front is the axis.
-    Some(Cylinder { axis: Line { point: point + away * (FRAC_PI_4 * radius), direction }, radius })
+    finite(point + away * (FRAC_PI_4 * radius), direction, radius)
 }

@@ -84,12 +84,21 @@ pub(super) struct Judged {
     pub score: f64,
 }
 
-/// The cylinders of a grid, best first. A depth image `alone` has no image that tells limbs: there its outline does.
+/// What tells limbs beside the surface.
+pub(super) enum Limbs<'a> {
+    /// The edges of an image.
+    Edges(&'a ImageEdges, &'a PixelOf<'a>),
+    /// The outline of a depth image without an image.
+    Outline,
+    /// Nothing: a bare cloud has no outline of its own.
+    None,
+}
+
+/// The cylinders of a grid, best first.
 pub(super) fn search(
     grid: &mut Grid,
     pixel: f64,
-    image: Option<(&ImageEdges, &PixelOf<'_>)>,
-    alone: bool,
+    limbs: &Limbs<'_>,
     options: &DetectionOptions,
     effort: &Effort<'_>,
 ) -> Result<Vec<Judged>> {
@@ -98,6 +107,11 @@ pub(super) fn search(
     cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
+    let (image, pixel_of): (_, &PixelOf<'_>) = match *limbs {
+        Limbs::Edges(edges, pixel_of) => (Some(edges), pixel_of),
+        Limbs::Outline | Limbs::None => (None, &|_| None),
+    };
+    let by_outline = matches!(limbs, Limbs::Outline);
     let scene = Scene {
         grid,
         numbers: distances::numbers(&grid.cells),
@@ -105,8 +119,8 @@ pub(super) fn search(
         open: planes::open(grid, &planes),
         normals: Normals::new(grid.cells.len()),
         optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
-        image: image.map(|(edges, _)| edges),
-        pixel_of: image.map_or(&|_| None, |(_, pixel_of)| pixel_of),
+        image,
+        pixel_of,
         effort,
     };
     let mut marks = Marks::of_open(&scene.open);
@@ -114,7 +128,7 @@ pub(super) fn search(
     effort.limit(LIMITS[0]);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
     effort.limit(LIMITS[1]);
-    let seeds = Seeds { strips: alone, ..SEEDS };
+    let seeds = Seeds { strips: by_outline, ..SEEDS };
     // Of those that are alike the best alone is moved to edges.
     let by_depth = distinct(candidates(&scene, options, seeds, &mut explained, &mut marks));
     effort.limit(LIMITS[2]);
@@ -126,7 +140,7 @@ pub(super) fn search(
     parts::join(&scene, &mut found, options, &mut marks);
     let mut chosen = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
-    if alone {
+    if by_outline {
         settle(&scene, &mut chosen, options, &mut marks);
     }
     Ok(chosen)

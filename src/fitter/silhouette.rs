@@ -22,9 +22,10 @@ const PLACES: usize = 16;
 const SAMPLE: usize = 64;
 const BEYOND: usize = SAMPLE / 10;
 
-/// Standard deviations by which masks are uneven beside their largest growth; and those of a side, where the caller's masks are
-/// rougher than usual, and of the radius.
+/// Masks may end this many standard deviations of their unevenness beyond their largest growth.
 const UNEVEN: f64 = 2.0;
+
+/// And this many of a side, where the masks of the caller are rougher, and of the radius.
 const DEVIATIONS: f64 = 3.0;
 
 /// Steps from a limb to the axis in which the end of a mask is looked for.
@@ -82,14 +83,14 @@ fn mask_disagrees(
         view.view.cloud.sampled(SAMPLE).map(|point| axis.position_of(&point)).collect();
     let [low, high] = at_both_ends(&positions, BEYOND.min(positions.len().checked_sub(1)? / 2));
     let noise = &view.noise;
-    let usual = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
+    let allowed = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
     let lines = LimbFrame::new(&cylinder)?.limb_lines();
     let disagrees = lines.into_iter().any(|line| {
         let counts = (0..PLACES).fold([0; 3], |mut counts, k| {
             let along = low + (high - low) * (k as f64 + 0.5) / PLACES as f64;
             let middle = axis.at(along);
             let limb = line.nearest_to(&middle);
-            let beside = silhouette.beside([&middle, &limb], usual, DEVIATIONS * deviation / radius);
+            let beside = silhouette.beside([&middle, &limb], allowed, DEVIATIONS * deviation / radius);
             counts[beside.map_or(0, |beside| beside as usize)] += usize::from(beside.is_some());
             counts
         });
@@ -102,13 +103,14 @@ fn mask_disagrees(
 }
 
 impl Silhouette<'_> {
-    /// How the mask ends at a limb beside a point of the axis: within what is `usual` in pixels and some part of the half width
-    /// `uncertain`. `None` where the image ends, something in front hides the limb, or neither is seen.
-    fn beside(&self, [middle, limb]: [&Vector3<f64>; 2], usual: f64, uncertain: f64) -> Option<Beside> {
+    /// Where the mask ends at the limb beside a point of the axis: near it when they differ by no more than what masks are `allowed`,
+    /// in pixels, and what the radius is `uncertain`, as a part of it. `None` where the image ends, something in front hides the
+    /// limb, or neither is seen.
+    fn beside(&self, [middle, limb]: [&Vector3<f64>; 2], allowed: f64, uncertain: f64) -> Option<Beside> {
         let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
         let width = (limb - middle).norm();
         let outward = (limb - middle) / width;
-        let limit = usual.hypot(uncertain * width);
+        let limit = allowed.hypot(uncertain * width);
         let within = self.pixel(&(limb - outward * limit.min(width)))?;
         let beyond = self.pixel(&(limb + outward * limit))?;
         if self.mask.contains(beyond.0, beyond.1) {

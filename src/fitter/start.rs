@@ -80,7 +80,7 @@ impl Data<'_> {
         let points: List<Vector3<f64>> = self.points().collect();
         let normals = self.normals();
         let (normals, observed) = (normals.as_ref().map(|normals| &normals[..]), self.is_observed());
-        Ok(ransac(&points, normals, observed, &self.ransac_options(), &mut || run.report_again())?.cylinder)
+        ransac(&points, normals, observed, &self.ransac_options(), &mut || run.report_again())
     }
 
     /// The same, but where a guess explains some of the points the cylinder next to it.

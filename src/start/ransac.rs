@@ -102,22 +102,7 @@ impl Default for RansacOptions {
     }
 }
 
-/// What [`ransac`] found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RansacFit {
-    /// The cylinder. Its axis point is near the data.
-    pub cylinder: Cylinder,
-    /// Points within the threshold, and on the wall that the observer sees when it is known; out of all
-    /// points that were given.
-    pub inliers: usize,
-    /// Mean over the scored points of min(e², threshold²) / threshold² for the distance e: 0 when all lie on
-    /// the cylinder, 1 when none is within the threshold.
-    pub score: f64,
-    /// The threshold, given or chosen, in the unit of length of the data.
-    pub threshold: f64,
-}
-
-/// Finds the cylinder with the best support among the points.
+/// Finds the cylinder with the best support among the points; its axis point is near them.
 ///
 /// `normals` are directions across the surface at the points, of any length and sign. `observer_at_origin`
 /// says that the points are what an observer at the origin of coordinates sees. Points that are not finite
@@ -135,7 +120,7 @@ pub fn ransac(
     observer_at_origin: bool,
     options: &RansacOptions,
     check: Check<'_>,
-) -> Result<RansacFit> {
+) -> Result<Cylinder> {
     check_arguments(points, normals, options)?;
     searching(points, normals, observer_at_origin, options, check, |mut search| {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
@@ -147,12 +132,12 @@ pub fn ransac(
                 scorer.threshold
             ))
         };
-        let best = best.ok_or_else(nothing)?;
-        let inliers = scorer.inliers(&best.cylinder, points, check).map_err(|_| cancelled(samples))?;
+        let cylinder = best.ok_or_else(nothing)?.cylinder;
+        let inliers = scorer.inliers(&cylinder, points, check).map_err(|_| cancelled(samples))?;
         if inliers < FEWEST_POINTS {
             return Err(nothing());
         }
-        Ok(RansacFit { cylinder: best.cylinder, inliers, score: best.score, threshold: scorer.threshold })
+        Ok(cylinder)
     })
 }
 

@@ -4,7 +4,7 @@
 use cylfuse::camera::{Distortion, Intrinsics};
 use cylfuse::fitter::Fitter;
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView};
+use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView, PointsView};
 use nalgebra::{Vector2, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -94,6 +94,16 @@ impl Inputs {
         let depth = DepthView::from_u16(&self.depth, self.size, self.depth_scale).unwrap();
         let mask = MaskView::from_u8(&self.mask, self.size).unwrap();
         fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+        fitter
+    }
+
+    /// A fitter with camera, the points in the mask but not the mask, and edges.
+    pub fn fitter_without_mask(&self, edges: &[EdgeSegment]) -> Fitter {
+        let points: Vec<[f64; 3]> = self.fitter().cloud().points().map(Into::into).collect();
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(self.intrinsics).unwrap();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        fitter.push_edges(edges).unwrap();
         fitter
     }
 

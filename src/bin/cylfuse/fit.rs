@@ -61,10 +61,9 @@ impl Settings {
 }
 
 /// Fits all inputs, several at a time, and hands over the reports in the order of the inputs, each as soon as
-/// it and those before it are there. `folders` has one for each input, or is empty when no files are wanted.
+/// it and those before it are there. With each goes the folder for the files about it, where these are wanted.
 pub fn run_all(
-    inputs: &[Input],
-    folders: &[PathBuf],
+    inputs: &[(Input, Option<PathBuf>)],
     mut settings: Settings,
     take: &mut dyn FnMut(Report),
 ) -> Result<(), rayon::ThreadPoolBuildError> {
@@ -72,13 +71,8 @@ pub fn run_all(
         // Frames side by side use the cores better than the sums within one.
         settings.options.threads = 1;
     }
-    let settings = &settings;
-    in_order(
-        inputs,
-        settings.threads,
-        &|index, input| run(input, settings, folders.get(index).map(PathBuf::as_path)),
-        take,
-    )
+    let fit = |(input, folder): &(Input, Option<PathBuf>)| run(input, &settings, folder.as_deref());
+    in_order(inputs, settings.threads, &fit, take)
 }
 
 /// Does something with all inputs, several at a time, and hands over the outcomes in the order of the inputs, each as
@@ -86,7 +80,7 @@ pub fn run_all(
 pub fn in_order<I: Sync, T: Send>(
     inputs: &[I],
     threads: usize,
-    run: &(dyn Fn(usize, &I) -> T + Sync),
+    run: &(dyn Fn(&I) -> T + Sync),
     take: &mut dyn FnMut(T),
 ) -> Result<(), rayon::ThreadPoolBuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -98,7 +92,7 @@ pub fn in_order<I: Sync, T: Send>(
                 // A bridge hands the inputs out one by one, so that the first reports come first.
                 inputs.iter().enumerate().par_bridge().for_each_with(sender, |sender, (index, input)| {
                     // The receiver lives as long as this scope.
-                    let _ = sender.send((index, run(index, input)));
+                    let _ = sender.send((index, run(input)));
                 });
             });
         });

@@ -37,11 +37,15 @@ impl Input {
     }
 }
 
-/// The clouds of files, or without any the frames.
-pub fn of(clouds: &[PathBuf], frames: &[PathBuf]) -> Vec<Input> {
-    match clouds {
+/// The clouds of files, or without any the frames, each with a folder for its results where there is one for all.
+pub fn of(clouds: &[PathBuf], frames: &[PathBuf], out: Option<&Path>) -> Vec<(Input, Option<PathBuf>)> {
+    let inputs = match clouds {
         [] => find_frames(frames),
         _ => clouds.iter().cloned().map(Input::Cloud).collect(),
+    };
+    match out.map(|out| output_folders(&inputs, out)) {
+        Some(folders) => inputs.into_iter().zip(folders.into_iter().map(Some)).collect(),
+        None => inputs.into_iter().map(|input| (input, None)).collect(),
     }
 }
 
@@ -78,7 +82,7 @@ fn search(folder: &Path) -> Vec<Input> {
 }
 
 /// The folder for the results of each input: `out` itself for a single one, else subfolders of different names.
-pub fn output_folders(inputs: &[Input], out: &Path) -> Vec<PathBuf> {
+fn output_folders(inputs: &[Input], out: &Path) -> Vec<PathBuf> {
     if inputs.len() == 1 {
         return vec![out.to_path_buf()];
     }

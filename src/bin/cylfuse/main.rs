@@ -82,8 +82,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         Ok(settings) => settings,
         Err(error) => usage_error("fit", ErrorKind::ValueValidation, &option_error(&error)),
     };
-    let inputs = inputs::of(&arguments.points, &arguments.frames);
-    let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    let inputs = inputs::of(&arguments.points, &arguments.frames, arguments.out.as_deref());
     if let Some(path) = &arguments.common.report
         && complained(fit::check_writable(path))
     {
@@ -103,8 +102,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         }
         progress.inc(1);
     };
-    fit::run_all(&inputs, folders.as_deref().unwrap_or_default(), settings, &mut take)
-        .map_err(io::Error::other)?;
+    fit::run_all(&inputs, settings, &mut take).map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
     if !arguments.common.json {
@@ -128,8 +126,7 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     };
     let illustrate = arguments.common.report.is_some();
     let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };
-    let inputs = inputs::of(&arguments.points, &arguments.frames);
-    let folders = arguments.out.as_deref().map(|out| inputs::output_folders(&inputs, out));
+    let inputs = inputs::of(&arguments.points, &arguments.frames, arguments.out.as_deref());
     if let Some(path) = &arguments.common.report
         && complained(fit::check_writable(path))
     {
@@ -150,9 +147,8 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
         }
         progress.inc(1);
     };
-    let folders = folders.as_deref().unwrap_or_default();
     let search =
-        |index: usize, input: &Input| detect::run(input, &settings, folders.get(index).map(PathBuf::as_path));
+        |(input, folder): &(Input, Option<PathBuf>)| detect::run(input, &settings, folder.as_deref());
     fit::in_order(&inputs, arguments.threads, &search, &mut take).map_err(io::Error::other)?;
     progress.finish_and_clear();
     written?;
@@ -255,7 +251,7 @@ fn make_frames(arguments: &twin_arguments::TwinArguments) -> io::Result<bool> {
     let seeds: Vec<u64> = (0..u64::from(arguments.count)).map(|k| arguments.seed.wrapping_add(k)).collect();
     let progress = progress_bar(seeds.len());
     let mut failures = Vec::new();
-    let make = |_: usize, seed: &u64| twin::run(*seed, arguments, &options);
+    let make = |seed: &u64| twin::run(*seed, arguments, &options);
     fit::in_order(&seeds, arguments.threads, &make, &mut |made| {
         failures.extend(made.err());
         progress.inc(1);

@@ -70,7 +70,7 @@ pub fn simulate(
     let sensor = arguments.sensor.of_twin();
     let seeds: Vec<u64> = (0..count).map(|k| arguments.seed.wrapping_add(k)).collect();
     let mut trials = Vec::new();
-    let take = |_: usize, seed: &u64| row.plan.trial(&sensor, *seed);
+    let take = |seed: &u64| row.plan.trial(&sensor, *seed);
     crate::fit::in_order(&seeds, arguments.threads, &take, &mut |trial| {
         trials.extend(trial.ok());
         done();

@@ -1,7 +1,7 @@
 //! Cubes that a cloud is cut into.
 
-use super::Asked;
 use super::cubes::{Bounds, all};
+use super::{Asked, BETWEEN_QUESTIONS};
 use crate::error::Result;
 use crate::observations::PointsView;
 
@@ -17,12 +17,14 @@ pub(super) fn of(
 ) -> Result<Vec<Vec<u32>>> {
     let cubes = bounds.cubes(level);
     let mut tiles = vec![Vec::new(); cubes.len()];
-    for (k, point) in (0..).zip(all(points)) {
+    for (k, point) in all(points).enumerate() {
+        if k.is_multiple_of(BETWEEN_QUESTIONS) {
+            asked()?;
+        }
         if let Some(tile) = cubes.number(&point) {
-            tiles[tile].push(k);
+            tiles[tile].push(k as u32);
         }
     }
-    asked()?;
     tiles.retain(|numbers| numbers.len() >= FEWEST);
     Ok(tiles)
 }

@@ -1,6 +1,6 @@
 //! From where a cloud is looked at.
 
-use super::{Asked, Cloud, is_in_front};
+use super::{Asked, BETWEEN_QUESTIONS, Cloud, is_in_front};
 use crate::error::Result;
 use crate::statistics::median;
 use nalgebra::{Matrix3, Vector3};
@@ -97,12 +97,16 @@ pub(super) fn from_all_sides(points: &Cloud, asked: &Asked<'_>) -> Result<Vec<Vi
     let mut middle = Vector3::zeros();
     for axis in 0..3 {
         let mut values: Vec<f64> = points.usable().map(|p| p[axis]).collect();
+        asked()?;
         middle[axis] = median(&mut values);
         asked()?;
     }
     let mut spread = Matrix3::zeros();
     let mut distances: Vec<f64> = Vec::with_capacity(points.usable);
-    for point in points.usable() {
+    for (k, point) in points.usable().enumerate() {
+        if k % BETWEEN_QUESTIONS == 0 {
+            asked()?;
+        }
         let offset = point - middle;
         // Far points count as near ones: directions alone.
         let norm = offset.norm();

@@ -110,13 +110,21 @@ impl Bench {
         items: &[I],
         work: impl Fn(&I) -> Result<T, Failure> + Sync,
     ) -> Result<Vec<T>, Failure> {
-        let mut results = Vec::new();
-        let run = |_: usize, item: &I| {
+        self.map_silently(items, |item| {
             let result = work(item);
             self.progress.inc(1);
             result
-        };
-        in_order(items, self.threads, &run, &mut |result| results.push(result))
+        })
+    }
+
+    /// The same without progress.
+    fn map_silently<I: Sync, T: Send>(
+        &self,
+        items: &[I],
+        work: impl Fn(&I) -> Result<T, Failure> + Sync,
+    ) -> Result<Vec<T>, Failure> {
+        let mut results = Vec::new();
+        in_order(items, self.threads, &work, &mut |result| results.push(result))
             .map_err(|error| Failure { status: "THREADS", message: format!("no threads: {error}") })?;
         results.into_iter().collect()
     }
@@ -148,11 +156,7 @@ impl Bench {
             Scale::Full | Scale::Quick => published::validation(),
             Scale::Smallest => self.configurations(),
         };
-        let run = |_: usize, configuration: &(u32, u32)| self.capture(*configuration, 0);
-        let mut samples = Vec::new();
-        in_order(&wanted, self.threads, &run, &mut |sample| samples.push(sample))
-            .map_err(|error| Failure { status: "THREADS", message: format!("no threads: {error}") })?;
-        let samples = samples.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let samples = self.map_silently(&wanted, |configuration| self.capture(*configuration, 0))?;
         Ok(self.validation.get_or_init(|| samples))
     }
 }
