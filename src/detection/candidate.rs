@@ -33,10 +33,8 @@ pub(super) struct Scene<'a> {
     pub normals: Normals,
     /// How the scene was measured.
     pub optics: Optics,
-    /// The image, where there is one.
-    pub image: Option<&'a ImageEdges>,
-    /// The column and the row of pixels at a place on the plane z = 1.
-    pub pixel_of: &'a PixelOf<'a>,
+    /// The image and where its pixels are, if there is one.
+    pub image: Option<(&'a ImageEdges, &'a PixelOf<'a>)>,
     /// What the search has done.
     pub effort: &'a Effort<'a>,
 }
@@ -89,7 +87,28 @@ pub(super) struct Candidate {
     pub sides: Sides,
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// `pixel` is the side of a pixel on the plane z = 1.
+    pub fn new(
+        grid: &'a Grid,
+        noise: Noise,
+        open: Vec<bool>,
+        image: Option<(&'a ImageEdges, &'a PixelOf<'a>)>,
+        pixel: f64,
+        effort: &'a Effort<'a>,
+    ) -> Self {
+        Self {
+            grid,
+            numbers: distances::numbers(&grid.cells),
+            noise,
+            open,
+            normals: Normals::new(grid.cells.len()),
+            optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
+            image,
+            effort,
+        }
+    }
+
     /// The squared distances of cells from a surface in standard deviations, infinite on the wall that is not seen.
     pub fn misfits(&self, surface: &Surface, cells: &[usize]) -> List<f64> {
         let mut misfits = List::new();
@@ -260,7 +279,7 @@ impl Scene<'_> {
 
     /// The edges of the image on the limbs of a cylinder.
     pub fn support(&self, cylinder: &Cylinder, range: [f64; 2], reach: f64) -> Option<Support> {
-        let image = self.image?;
+        let (image, _) = self.image?;
         self.effort.spend(2 * image.edges.len());
         image.support(cylinder, range, reach)
     }

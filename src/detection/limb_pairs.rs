@@ -141,7 +141,7 @@ impl Scene<'_> {
     /// Cylinders by two edges of the image and the depth between them, with the cells there, best first.
     pub fn pairs(&self) -> Vec<Pair> {
         let mut found = Vec::new();
-        let edges = self.image.map_or(&[][..], |image| &image.edges);
+        let edges = self.image.map_or(&[][..], |(image, _)| &image.edges);
         let directions: Vec<_> = edges.iter().map(Edge::direction).collect();
         for (k, a) in edges.iter().enumerate() {
             // The edges come by their strength.
@@ -234,8 +234,8 @@ impl Scene<'_> {
 
     /// The cell at a place on the plane z = 1.
     fn cell_at(&self, p: &Vector2<f64>) -> Option<usize> {
-        let grid = self.grid;
-        let (column, row) = (self.pixel_of)(p)?;
+        let (grid, (_, pixel_of)) = (self.grid, self.image?);
+        let (column, row) = pixel_of(p)?;
         let (column, row) = (column / grid.side, row / grid.side);
         (column < grid.columns && row < grid.rows).then(|| row * grid.columns + column)
     }

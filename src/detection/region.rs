@@ -5,10 +5,9 @@ use super::candidate::{Marks, Scene, Sides};
 use super::effort::Effort;
 use super::grid::{Grid, side_of_cells};
 use super::noise::Noise;
-use super::outline::Normals;
 use super::search::{Judged, LEAST_SCORE, Seeds, candidates, distinct};
-use super::surface::{Optics, Surface};
-use super::{caps, distances, parts, planes, row};
+use super::surface::Surface;
+use super::{caps, parts, planes, row};
 use crate::camera::Camera;
 use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, CylinderLimits};
@@ -64,17 +63,7 @@ pub(crate) fn detect_in_mask(
     };
     let open = planes::open(grid, &planes).into_iter().enumerate().map(|(k, open)| open && inside(k));
     effort.limit(VISITS_OF_PATCHES);
-    let scene = Scene {
-        grid,
-        numbers: distances::numbers(&grid.cells),
-        noise,
-        open: open.collect(),
-        normals: Normals::new(grid.cells.len()),
-        optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
-        image: None,
-        pixel_of: &|_| None,
-        effort: &effort,
-    };
+    let scene = Scene::new(grid, noise, open.collect(), None, pixel, &effort);
     let options = DetectionOptions {
         limits: widened(limits),
         min_pixels: 0,

@@ -7,9 +7,8 @@ use super::grid::Grid;
 use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::moments::Moments;
 use super::noise::Noise;
-use super::outline::Normals;
-use super::surface::{Optics, Surface};
-use super::{DetectionOptions, distances, parts, patch, planes};
+use super::surface::Surface;
+use super::{DetectionOptions, parts, patch, planes};
 use crate::error::{Result, cancelled_if};
 use crate::geometry::Cylinder;
 use nalgebra::Vector2;
@@ -107,22 +106,9 @@ pub(super) fn search(
     cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
-    let (image, pixel_of): (_, &PixelOf<'_>) = match *limbs {
-        Limbs::Edges(edges, pixel_of) => (Some(edges), pixel_of),
-        Limbs::Outline | Limbs::None => (None, &|_| None),
-    };
+    let image = if let Limbs::Edges(edges, pixel_of) = *limbs { Some((edges, pixel_of)) } else { None };
     let by_outline = matches!(limbs, Limbs::Outline);
-    let scene = Scene {
-        grid,
-        numbers: distances::numbers(&grid.cells),
-        noise,
-        open: planes::open(grid, &planes),
-        normals: Normals::new(grid.cells.len()),
-        optics: Optics { pixel, cells_per_sample: noise.cells_per_sample },
-        image,
-        pixel_of,
-        effort,
-    };
+    let scene = Scene::new(grid, noise, planes::open(grid, &planes), image, pixel, effort);
     let mut marks = Marks::of_open(&scene.open);
     let mut explained = vec![false; grid.cells.len()];
     effort.limit(LIMITS[0]);

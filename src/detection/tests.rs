@@ -262,20 +262,14 @@ fn the_edge_of_what_hides_a_body_is_no_limb_of_it() {
     };
     let mut grid = Grid::new(SIZE, pixel, side_of_cells(SIZE, pixel), &read_points);
     let noise = noise::Noise::estimate(&mut grid).unwrap();
-    let scene = candidate::Scene {
-        grid: &grid,
-        numbers: distances::numbers(&grid.cells),
-        noise,
-        open: grid.cells.iter().map(grid::Cell::measured).collect(),
-        normals: outline::Normals::new(grid.cells.len()),
-        optics: surface::Optics { pixel, cells_per_sample: noise.cells_per_sample },
-        image: None,
-        pixel_of: &|p| {
-            let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
-            Some((place.x as usize, place.y as usize))
-        },
-        effort: &Effort::new(&|| false),
+    let open = grid.cells.iter().map(grid::Cell::measured).collect();
+    let edges = ImageEdges::default();
+    let pixel_of = |p: &Vector2<f64>| {
+        let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
+        Some((place.x as usize, place.y as usize))
     };
+    let effort = Effort::new(&|| false);
+    let scene = candidate::Scene::new(&grid, noise, open, Some((&edges, &pixel_of)), pixel, &effort);
     for pipe in &pipes[1..] {
         // The upper limb of a pipe hides a part of the one before.
         let center = pipe.axis.point;

@@ -165,16 +165,20 @@ mod tests {
         LimbObservation { line, of_few, samples: List::new(), blur: None }
     }
 
-    /// What is left of two limbs between sides of a mask at 300 and 340.
-    fn weighed(mut limbs: [LimbObservation; 2]) -> [Result<LimbLine, NotVisible>; 2] {
-        let noise = NoiseModel::default().in_image((640, 480));
+    /// Those of the sides of a mask at 300 and 340.
+    fn guides() -> Guides {
         let side = |x: f64, limb: usize| PixelSegment {
             endpoints: upright(x),
             weight: 1.0,
             limb: Some(limb),
             growth: 0.0,
         };
-        let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
+        Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() }
+    }
+
+    /// What is left of two limbs between these sides.
+    fn weighed(mut limbs: [LimbObservation; 2]) -> [Result<LimbLine, NotVisible>; 2] {
+        let (noise, guides) = (NoiseModel::default().in_image((640, 480)), guides());
         let before = limbs.clone();
         assert_eq!(weigh(&mut limbs, &guides, &noise), before != limbs);
         limbs.map(|limb| limb.line)
@@ -225,15 +229,8 @@ mod tests {
     #[test]
     fn a_line_beside_a_mask_that_is_known_exactly_is_no_limb() {
         let model = NoiseModel { mask_side: 0.1, mask_unevenness: 0.06, ..NoiseModel::default() };
-        let side = |x: f64, limb: usize| PixelSegment {
-            endpoints: upright(x),
-            weight: 1.0,
-            limb: Some(limb),
-            growth: 0.0,
-        };
-        let guides = Guides { sides: [side(300.0, 0), side(340.0, 1)].into(), ..Guides::default() };
         let mut limbs = [seen(300.0, false), seen(350.0, false)];
-        weigh(&mut limbs, &guides, &model.in_image((640, 480)));
+        weigh(&mut limbs, &guides(), &model.in_image((640, 480)));
         assert_eq!(limbs[1].line, Err(NotVisible::OutOfReach));
     }
 

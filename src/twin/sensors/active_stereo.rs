@@ -5,8 +5,7 @@
 //! f b / d, as for structured light; the noise of both images counts.
 
 use super::infrared::{Infrared, Pattern};
-use super::matching::{Matching, disparities, median, remove_islands};
-use super::structured_light::depth_of;
+use super::matching::{self, Matching, depths, disparities};
 use crate::observations::DepthCamera;
 use crate::twin::random::{Purpose, Stream};
 use crate::twin::scene::Scene;
@@ -61,8 +60,7 @@ impl ActiveStereo {
     pub(super) fn measure(&self, scene: &Scene, own: &DepthCamera, seed: u64) -> Vec<f32> {
         let (width, height) = own.camera.size();
         let strength = own.camera.intrinsics().fx * self.baseline;
-        let [least, most] = [strength / self.range[1], strength / self.range[0]];
-        let (least, most) = (libm::floor(least) as usize, libm::ceil(most) as usize + 1);
+        let [least, most] = matching::range(strength, self.range);
         let margin = most + 1;
         let pattern = Pattern::new((width, height), margin, 5.0, 0.9, seed);
         let mut noise = Stream::new(seed, Purpose::Sensor);
@@ -97,9 +95,7 @@ impl ActiveStereo {
             both_ways: true,
             steps: self.steps,
         };
-        let mut found = disparities(&left, &padded, (width, height), margin, &matching);
-        remove_islands(&mut found, (width, height), 1.0, self.least_island);
-        let found = median(&found, (width, height), self.half_median);
-        found.into_iter().map(|d| depth_of(d, strength)).collect()
+        let found = disparities(&left, &padded, (width, height), margin, &matching);
+        depths(found, (width, height), self.least_island, self.half_median, strength)
     }
 }

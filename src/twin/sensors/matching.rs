@@ -19,6 +19,25 @@ pub struct Matching {
     pub steps: f64,
 }
 
+/// The least disparity, and one more than the largest, of a range of depths: `strength` / z.
+pub fn range(strength: f64, [nearest, farthest]: [f64; 2]) -> [usize; 2] {
+    [libm::floor(strength / farthest) as usize, libm::ceil(strength / nearest) as usize + 1]
+}
+
+/// The depths of disparities, 0 where there is none, after what sensors do to these: small islands are taken away, and each becomes
+/// the median about it.
+pub fn depths(
+    mut disparity: Vec<f32>,
+    size: (usize, usize),
+    least_island: usize,
+    half_median: usize,
+    strength: f64,
+) -> Vec<f32> {
+    remove_islands(&mut disparity, size, least_island);
+    let depth = |d: f32| if d > 0.0 { (strength / f64::from(d)) as f32 } else { 0.0 };
+    median(&disparity, size, half_median).into_iter().map(depth).collect()
+}
+
 /// The disparity of each pixel of the first image, row by row; NaN where none was found.
 ///
 /// A pixel x of the first image is compared with the pixels x − d + `margin` of the second, whose rows are longer by
@@ -192,9 +211,12 @@ impl<'a> RowSearch<'a> {
     }
 }
 
+/// Neighbours in an island differ by no more than this, in pixels.
+const ISLAND_STEP: f32 = 1.0;
+
 /// Takes away small islands: pixels that hang together through neighbours of nearly the same disparity, fewer than
 /// `least` of them (as the speckle filter of OpenCV's block matching).
-pub fn remove_islands(disparity: &mut [f32], (width, height): (usize, usize), step: f32, least: usize) {
+fn remove_islands(disparity: &mut [f32], (width, height): (usize, usize), least: usize) {
     let mut seen = vec![false; disparity.len()];
     let mut island = Vec::new();
     for start in 0..disparity.len() {
@@ -215,7 +237,7 @@ pub fn remove_islands(disparity: &mut [f32], (width, height): (usize, usize), st
                 (y + 1 < height).then_some(k + width),
             ];
             for other in around.into_iter().flatten() {
-                if !seen[other] && (disparity[other] - disparity[k]).abs() <= step {
+                if !seen[other] && (disparity[other] - disparity[k]).abs() <= ISLAND_STEP {
                     seen[other] = true;
                     island.push(other);
                 }
@@ -228,7 +250,7 @@ pub fn remove_islands(disparity: &mut [f32], (width, height): (usize, usize), st
 }
 
 /// The median over windows of 2 `half` + 1 pixels; pixels without a value stay so, and do not count.
-pub fn median(disparity: &[f32], (width, height): (usize, usize), half: usize) -> Vec<f32> {
+fn median(disparity: &[f32], (width, height): (usize, usize), half: usize) -> Vec<f32> {
     let mut values = Vec::new();
     let mut out = disparity.to_vec();
     for y in 0..height {
@@ -299,7 +321,7 @@ mod tests {
     fn islands_go_and_coasts_stay() {
         let mut disparity = vec![5.0; 100];
         disparity[44] = 9.0;
-        remove_islands(&mut disparity, (10, 10), 1.0, 4);
+        remove_islands(&mut disparity, (10, 10), 4);
         assert!(disparity[44].is_nan() && disparity.iter().filter(|d| d.is_nan()).count() == 1);
         disparity[45] = 7.0;
         assert_eq!(median(&disparity, (10, 10), 1)[45], 5.0);

@@ -8,7 +8,7 @@
 //! does not reach, no dot and no depth is; windows across an edge take the side with more contrast.
 
 use super::infrared::{Infrared, Pattern};
-use super::matching::{Matching, disparities, median, remove_islands};
+use super::matching::{self, Matching, depths, disparities};
 use crate::observations::DepthCamera;
 use crate::twin::random::{Purpose, Stream};
 use crate::twin::scene::Scene;
@@ -71,7 +71,9 @@ impl StructuredLight {
     /// The depth of each pixel in metres, row by row; 0 where none was measured.
     pub(super) fn measure(&self, scene: &Scene, own: &DepthCamera, seed: u64) -> Vec<f32> {
         let size = own.camera.size();
-        let (matching, margin, strength) = self.matching(own.camera.intrinsics().fx);
+        let strength = own.camera.intrinsics().fx * self.baseline;
+        let [least, most] = matching::range(strength, self.range);
+        let margin = most + 1;
         let pattern = Pattern::new(size, margin, self.dot_spacing, self.dot_size, seed);
         let infrared = Infrared {
             scene,
@@ -85,17 +87,6 @@ impl StructuredLight {
             speckle: self.speckle,
         };
         let image = infrared.image(&mut Stream::new(seed, Purpose::Sensor));
-        let mut found = disparities(&image, &pattern.reference(size), size, margin, &matching);
-        remove_islands(&mut found, size, 1.0, self.least_island);
-        let found = median(&found, size, self.half_median);
-        found.into_iter().map(|d| depth_of(d, strength)).collect()
-    }
-
-    /// The search, the margin of the pattern, and f b.
-    fn matching(&self, focal_length: f64) -> (Matching, usize, f64) {
-        let strength = focal_length * self.baseline;
-        let [least, most] = [strength / self.range[1], strength / self.range[0]];
-        let (least, most) = (libm::floor(least) as usize, libm::ceil(most) as usize + 1);
         let matching = Matching {
             half: self.half_window,
             least,
@@ -105,11 +96,7 @@ impl StructuredLight {
             both_ways: false,
             steps: self.steps,
         };
-        (matching, most + 1, strength)
+        let found = disparities(&image, &pattern.reference(size), size, margin, &matching);
+        depths(found, size, self.least_island, self.half_median, strength)
     }
-}
-
-/// z = f b / d; 0 where there is no disparity.
-pub(super) fn depth_of(disparity: f32, strength: f64) -> f32 {
-    if disparity > 0.0 { (strength / f64::from(disparity)) as f32 } else { 0.0 }
 }
