@@ -447,11 +447,11 @@ impl<'a> View<'_, 'a, '_, '_> {
             return Ok(false);
         };
         // Their solves take next to no time: the bound on those of all points does not count them.
-        let solves = self.run.solves();
+        let solves = self.run.solves;
         let mut few = View { data: &data, run: self.run };
         let beside = few.attempt(Guides::default(), &[fit.onward()]);
         let better = few.starts_are_better(CLEAR_FACTOR * limit, candidates);
-        self.run.count_from(solves);
+        self.run.solves = solves;
         Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEAR_FACTOR * limit) && !better)
     }
 

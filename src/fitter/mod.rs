@@ -202,7 +202,7 @@ impl Fitter {
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
     pub fn fit_with(&mut self, report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Result<FitResult> {
-        self.fit_run(&mut Run::new(report, None))
+        self.fit_run(&mut Run::new(report))
     }
 
     /// The same for a caller who takes the reports for a measure of the work, and tries several starts. `poll_cancel` is asked
@@ -216,7 +216,7 @@ impl Fitter {
         poll_cancel: &dyn Fn() -> ControlFlow<()>,
         known: &mut Vec<Cylinder>,
     ) -> Result<FitResult> {
-        self.fit_run(&mut Run::new(report, Some(poll_cancel)).with_known(known))
+        self.fit_run(&mut Run::counted(report, poll_cancel, known))
     }
 
     fn fit_run(&mut self, run: &mut Run<'_>) -> Result<FitResult> {

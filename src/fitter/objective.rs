@@ -364,7 +364,7 @@ impl Data<'_> {
             minimise(objective, &self.within_limits(start), &domain, limits, &mut |iteration| {
                 run.report(iteration)
             })?;
-        run.count(convergence.iterations);
+        run.solves += convergence.iterations;
         Ok(convergence)
     }
 

@@ -32,21 +32,23 @@ pub(super) struct Run<'a> {
     known: Option<&'a mut Vec<Cylinder>>,
     /// The last iteration that was reported.
     last: Iteration,
-    solves: usize,
+    /// How many linear solves there were.
+    pub solves: usize,
 }
 
 impl<'a> Run<'a> {
-    /// A caller who takes the reports for a measure of the work is asked by `poll_cancel` where there is nothing to report.
-    pub fn new(
-        report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
-        poll_cancel: Option<&'a dyn Fn() -> ControlFlow<()>>,
-    ) -> Self {
-        Self { report, poll_cancel, known: None, last: Iteration::before_start(), solves: 0 }
+    pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
+        Self { report, poll_cancel: None, known: None, last: Iteration::before_start(), solves: 0 }
     }
 
-    /// The same for a caller who tries several starts: see [`Run::is_known`].
-    pub fn with_known(self, known: &'a mut Vec<Cylinder>) -> Self {
-        Self { known: Some(known), ..self }
+    /// The same for a caller who takes the reports for a measure of the work, and is asked by `poll_cancel` where there is nothing to
+    /// report; and who tries several starts: see [`Run::is_known`].
+    pub fn counted(
+        report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>,
+        poll_cancel: &'a dyn Fn() -> ControlFlow<()>,
+        known: &'a mut Vec<Cylinder>,
+    ) -> Self {
+        Self { poll_cancel: Some(poll_cancel), known: Some(known), ..Self::new(report) }
     }
 
     /// Whether the first fit is that from another start, from which all else would follow as it did there. It is known from
@@ -89,21 +91,6 @@ impl<'a> Run<'a> {
         (self.report)(&self.last)
     }
 
-    /// How many linear solves there were.
-    pub fn solves(&self) -> usize {
-        self.solves
-    }
-
-    /// Counts on from an earlier number of them.
-    pub fn count_from(&mut self, solves: usize) {
-        self.solves = solves;
-    }
-
-    /// Counts linear solves.
-    pub fn count(&mut self, solves: usize) {
-        self.solves += solves;
-    }
-
     /// Most solves of the next minimum.
     pub fn most_solves(&self, data: &Data<'_>, precision: Precision) -> usize {
         let (all, many) = (data.options.limits.max_iterations, many_solves(data));
@@ -138,14 +125,15 @@ mod tests {
         };
         let mut report = |_: &Iteration| ControlFlow::Continue(());
         let mut known = Vec::new();
+        let poll_cancel = || ControlFlow::Continue(());
         let mut is_known =
-            |first: &Cylinder| Run::new(&mut report, None).with_known(&mut known).is_known(first);
+            |first: &Cylinder| Run::counted(&mut report, &poll_cancel, &mut known).is_known(first);
         assert!(!is_known(&cylinder(0.0, 0.05)));
         assert!(is_known(&cylinder(0.00002, 0.05)));
         assert!(!is_known(&cylinder(0.0005, 0.05)));
         assert!(!is_known(&cylinder(0.0, 0.0505)));
         assert!(is_known(&cylinder(0.0, 0.05051)));
-        let mut run = Run::new(&mut report, None).with_known(&mut known);
+        let mut run = Run::counted(&mut report, &poll_cancel, &mut known);
         assert!(!run.is_known(&cylinder(0.1, 0.05)) && !run.is_known(&cylinder(0.1, 0.05)));
         assert_eq!(known.len(), 6);
     }

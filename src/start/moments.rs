@@ -107,15 +107,17 @@ impl Moments {
     /// half sphere, least [`AlgebraicFit::distance_rms`] first: G itself, 4r² times as large, would favour
     /// the thinner of two cylinders. The search of the grid takes time with the square of `seeds`; a hundred
     /// miss few minima. A Newton step of less than `converged` (radians) is the last one: the next would be about its
-    /// square.
+    /// square. All within a cone of directions, if there is one.
     #[must_use]
-    pub fn minima(&self, seeds: usize, converged: f64) -> List<AlgebraicFit> {
-        Arch::new().dispatch(Minima { moments: self, seeds, converged })
+    pub fn minima(&self, cone: Option<&AxisCone>, seeds: usize, converged: f64) -> List<AlgebraicFit> {
+        match cone {
+            None => Arch::new().dispatch(Minima { moments: self, seeds, converged }),
+            Some(cone) => self.minima_within(cone, seeds, converged),
+        }
     }
 
-    /// The same within a cone of directions. A minimum on its border is found by a search along it.
-    #[must_use]
-    pub fn minima_within(&self, cone: &AxisCone, seeds: usize, converged: f64) -> List<AlgebraicFit> {
+    /// A minimum on the border of the cone is found by a search along it.
+    fn minima_within(&self, cone: &AxisCone, seeds: usize, converged: f64) -> List<AlgebraicFit> {
         let at = |w: Vector2<f64>| self.slice(&cone.direction_at(&w));
         if cone.max_angle == 0.0 {
             return self.sorted(at(Vector2::zeros()).as_slice());
@@ -168,11 +170,7 @@ impl Moments {
     /// The first of the minima, of all directions or within a cone.
     #[must_use]
     pub fn best(&self, cone: Option<&AxisCone>) -> Option<AlgebraicFit> {
-        let minima = match cone {
-            None => self.minima(DEFAULT_SEEDS, CONVERGED),
-            Some(cone) => self.minima_within(cone, DEFAULT_SEEDS, CONVERGED),
-        };
-        minima.first().copied()
+        self.minima(cone, DEFAULT_SEEDS, CONVERGED).first().copied()
     }
 
     /// Covariance of q.

@@ -113,7 +113,7 @@ fn points_without_noise_give_the_cylinder_whatever_the_arc_the_place_and_the_uni
 fn newton_goes_downhill_from_everywhere_and_ends_in_one_of_the_minima() {
     let (points, _) = Arc { noise: 5e-4, points: 400, ..Arc::default() }.sample(4);
     let moments = moments_of(&points).unwrap();
-    let minima = moments.minima(DEFAULT_SEEDS, CONVERGED);
+    let minima = moments.minima(None, DEFAULT_SEEDS, CONVERGED);
     assert!(!minima.is_empty() && minima.is_sorted_by(|a, b| a.distance_rms() <= b.distance_rms()));
     assert_eq!(moments.best(None).unwrap(), minima[0]);
     for direction in half_sphere(50) {
@@ -188,7 +188,7 @@ fn directions_without_meaning_are_refused() {
     }
     let by_size = [1e-300, 1.0, 1e300].map(|s| moments.evaluate(&(Vector3::x() * s)).unwrap());
     assert!(by_size[0] == by_size[1] && by_size[1] == by_size[2]);
-    assert!(moments.minima(0, CONVERGED).is_empty());
+    assert!(moments.minima(None, 0, CONVERGED).is_empty());
 }
 
 #[test]

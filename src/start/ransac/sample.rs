@@ -93,10 +93,7 @@ impl Sampler<'_> {
             }
         }
         let Some(moments) = Moments::new(sample.iter().map(|p| (*p, 1.0))) else { return List::new() };
-        let minima = match self.cone {
-            None => moments.minima(SEEDS, CONVERGED),
-            Some(cone) => moments.minima_within(cone, SEEDS, CONVERGED),
-        };
+        let minima = moments.minima(self.cone, SEEDS, CONVERGED);
         let fits = minima.into_iter().take(KEPT);
         fits.map(|fit| self.on_the_visible_wall(fit.cylinder, &sample)).collect()
     }
