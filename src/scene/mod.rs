@@ -208,7 +208,7 @@ impl Detector {
         if !self.options.use_image {
             frame.clear_image();
         }
-        let search = self.search_options(&frame.pose().inverse());
+        let search = self.search_options(&frame.pose().inverse(), frame.image().is_some());
         let found =
             self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
         let fits = Fits::new(&self.options, found, size);
@@ -243,7 +243,7 @@ impl Detector {
         }
         check_memory("the search", count)?;
         check_weights(points)?;
-        let search = self.search_options(&RigidMotion::identity());
+        let search = self.search_options(&RigidMotion::identity(), false);
         let mut scene = Scene { cylinders: Vec::new(), labels: vec![0; count], size, complete: true };
         // Rows of no points are as many as the caller likes.
         let (mut looks, mut more) = (Looks::default(), count > 0);
@@ -266,9 +266,9 @@ impl Detector {
     }
 
     /// The options of the search, for all that may be left when every cylinder is fitted.
-    fn search_options(&self, into_camera: &RigidMotion) -> DetectionOptions {
+    fn search_options(&self, into_camera: &RigidMotion, has_image: bool) -> DetectionOptions {
         let limits = of_search(&self.options.search.limits, into_camera);
-        let min_score = least_before_fit(self.options.search.min_score);
+        let min_score = least_before_fit(self.options.search.min_score, has_image);
         DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
     }
 
