@@ -88,7 +88,7 @@ pub(crate) fn detect_points_until(
     let mut grid = Grid::new(size, image.spacing, looks.side_of_cells(size), &read_points);
     cancelled()?;
     let effort = Effort::new(stopped);
-    let found = search(&mut grid, image.spacing, &Limbs::None, &turned, &effort)?;
+    let found = search(&mut grid, image.spacing, &Limbs::None, &turned, &effort)?.cylinders;
     let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| {
         let place = |k: usize, low: f64| low + (k as f64 + 0.5) * image.spacing;
         row::write(columns, list, |column| [place(column, image.low[0]), place(row, image.low[1])]);

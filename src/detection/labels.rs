@@ -101,6 +101,7 @@ pub(super) fn label(
         from_origin: true,
         whole: true,
         image: None,
+        shift: None,
     }
 }
 

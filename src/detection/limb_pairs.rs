@@ -18,7 +18,7 @@ const EDGE_PIXELS: f64 = 0.7;
 const PIXELS_PER_TANGENT: f64 = 10.0;
 
 /// Pieces of the limb that edges cover or not.
-const PIECES: usize = 32;
+pub(super) const PIECES: usize = 32;
 
 /// Limbs converge by up to 15 degrees: its cosine.
 const ALONG: f64 = 0.966;
@@ -79,6 +79,30 @@ pub(super) struct Support {
     pub tangents: List<Tangent>,
 }
 
+/// A limb of a cylinder on the plane z = 1.
+pub(super) struct Limb {
+    pub start: Vector2<f64>,
+    /// The directions along and across it, of length 1.
+    along: Vector2<f64>,
+    pub across: Vector2<f64>,
+    length: f64,
+    /// 0 at the negative side of [`passes`], 1 at the positive one.
+    side: usize,
+}
+
+impl Limb {
+    /// The pieces of it that an edge runs along, one bit each; `None` where it lies before its start or beyond its end.
+    pub fn pieces(&self, edge: &Edge) -> Option<u32> {
+        let mut range = edge.ends.map(|p| (p - self.start).dot(&self.along) / self.length);
+        range.sort_by(f64::total_cmp);
+        if range[1] <= 0.0 || range[0] >= 1.0 {
+            return None;
+        }
+        let piece = |t: f64| (t * PIECES as f64).round().clamp(0.0, PIECES as f64) as usize;
+        Some((piece(range[0])..piece(range[1])).fold(0, |pieces, k| pieces | 1 << k))
+    }
+}
+
 /// A cylinder by two edges.
 #[derive(Debug, Clone)]
 pub(super) struct Pair {
@@ -95,34 +119,33 @@ impl ImageEdges {
         Self { edges, lengths, pixel }
     }
 
-    /// The edges within `reach` pixels of the limbs of a cylinder between two positions along its axis.
-    pub fn support(&self, cylinder: &Cylinder, [first, last]: [f64; 2], reach: f64) -> Option<Support> {
-        let mut support = Support::default();
-        let frame = LimbFrame::new(cylinder)?;
-        for limb in frame.limb_lines() {
-            let at = |along: f64| image(&limb.nearest_to(&cylinder.axis.at(along)));
+    /// The limbs of a cylinder between two positions along its axis.
+    pub fn limbs(&self, cylinder: &Cylinder, [first, last]: [f64; 2]) -> Option<[Limb; 2]> {
+        let of = |line: Line| {
+            let at = |along: f64| image(&line.nearest_to(&cylinder.axis.at(along)));
             let (start, end) = (at(first)?, at(last)?);
-            let across = passes(cylinder, start.x, start.y)?;
-            let side = usize::from(across > 0.0);
+            let side = usize::from(passes(cylinder, start.x, start.y)? > 0.0);
             let length = (end - start).norm();
-            if !(length > self.pixel) {
-                return None;
-            }
             let along = (end - start) / length;
             let across = Vector2::new(-along.y, along.x);
+            (length > self.pixel).then_some(Limb { start, along, across, length, side })
+        };
+        let [a, b] = LimbFrame::new(cylinder)?.limb_lines();
+        Some([of(a)?, of(b)?])
+    }
+
+    /// The edges within `reach` pixels of the limbs of a cylinder between two positions along its axis.
+    pub fn support(&self, cylinder: &Cylinder, range: [f64; 2], reach: f64) -> Option<Support> {
+        let mut support = Support::default();
+        for limb in self.limbs(cylinder, range)? {
             let mut pieces = 0_u32;
             for (edge, edge_length) in self.edges.iter().zip(&self.lengths) {
                 let reach = (reach * self.pixel).min(0.2 * edge_length + 0.3 * self.pixel);
-                if edge.ends.iter().any(|p| (p - start).dot(&across).abs() > reach) {
+                if edge.ends.iter().any(|p| (p - limb.start).dot(&limb.across).abs() > reach) {
                     continue;
                 }
-                let mut range = edge.ends.map(|p| (p - start).dot(&along) / length);
-                range.sort_by(f64::total_cmp);
-                if range[1] <= 0.0 || range[0] >= 1.0 {
-                    continue;
-                }
-                let piece = |t: f64| (t * PIECES as f64).round().clamp(0.0, PIECES as f64) as usize;
-                (piece(range[0])..piece(range[1])).for_each(|k| pieces |= 1 << k);
+                let Some(covered) = limb.pieces(edge) else { continue };
+                pieces |= covered;
                 let count = (edge_length / (PIXELS_PER_TANGENT * self.pixel)).ceil().max(2.0);
                 for k in 0..count as usize {
                     let p = edge.ends[0].lerp(&edge.ends[1], (k as f64 + 0.5) / count);
@@ -130,8 +153,9 @@ impl ImageEdges {
                     support.tangents.push(Tangent { ray, inset: 0.0, deviation: EDGE_PIXELS, weight: 1.0 });
                 }
             }
-            support.covered[side] = f64::from(pieces.count_ones()) / PIECES as f64;
-            support.length += support.covered[side] * length / self.pixel;
+            let covered = f64::from(pieces.count_ones()) / PIECES as f64;
+            support.covered[limb.side] = covered;
+            support.length += covered * limb.length / self.pixel;
         }
         Some(support)
     }

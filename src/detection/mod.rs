@@ -24,6 +24,7 @@ mod row;
 mod score;
 mod search;
 mod settle;
+mod shift;
 mod surface;
 
 pub(crate) use cloud::{Looks, detect_points_until, reach};
@@ -43,7 +44,7 @@ use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
 use nalgebra::{Vector2, Vector3};
-use search::{Limbs, search};
+use search::{Limbs, Searched, search};
 use std::ops::Range;
 
 /// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
@@ -106,6 +107,9 @@ pub struct Detections {
     pub cylinders: Vec<Detection>,
     /// For each pixel, row by row, the number of its cylinder in the order of `cylinders` from 1 on, or 0.
     pub labels: Vec<u16>,
+    /// The pixels along columns and rows by which the depth would have to be moved to lie where the image shows the same bodies: where
+    /// a sensor's registration is a little off. `None` where it lies there, and where nothing tells.
+    pub shift: Option<[i32; 2]>,
     /// Whether there was more to look at than a search may: cylinders may be missing.
     pub cut_short: bool,
     /// What the search took: see `effort`.
@@ -140,6 +144,12 @@ impl Detections {
         let slope = slope.map(|[slope, deviation]| [slope, deviation.hypot(LIMBS_TURN)]);
         let slope = slope.or(detection.evidence.slope);
         Evidence { limbs, slope, radius_deviation: Some(radius_deviation), ..detection.evidence }
+    }
+
+    /// How much of their limbs the image shows, by how certain the cylinders are.
+    pub(crate) fn seen_in_image(&self) -> f64 {
+        let limbs = |detection: &Detection| detection.evidence.limbs.map_or(0.0, |limbs| limbs.iter().sum());
+        self.cylinders.iter().map(|detection| detection.score * limbs(detection)).sum()
     }
 
     /// The part of each limb of a cylinder along a detection that straight edges of the image cover; 0 without an
@@ -220,9 +230,9 @@ pub(crate) fn detect_until(
     };
     let limbs = edges.as_ref().map_or(Limbs::Outline, |edges| Limbs::Edges(edges, &pixel_of));
     let effort = Effort::new(stopped);
-    let found = search(&mut grid, pixel, &limbs, options, &effort)?;
-    let found = labels::label(&grid, &found, (width, height), pixel, &read_points, &read_rays, &effort);
-    Ok(Detections { image: edges, ..found })
+    let Searched { cylinders, shift } = search(&mut grid, pixel, &limbs, options, &effort)?;
+    let found = labels::label(&grid, &cylinders, (width, height), pixel, &read_points, &read_rays, &effort);
+    Ok(Detections { image: edges, shift, ..found })
 }
 
 #[cfg(test)]

@@ -83,6 +83,14 @@ pub(super) struct Judged {
     pub score: f64,
 }
 
+/// What a search finds.
+pub(super) struct Searched {
+    /// The cylinders, best first.
+    pub cylinders: Vec<Judged>,
+    /// See [`super::Detections::shift`].
+    pub shift: Option<[i32; 2]>,
+}
+
 /// What tells limbs beside the surface.
 pub(super) enum Limbs<'a> {
     /// The edges of an image.
@@ -93,16 +101,18 @@ pub(super) enum Limbs<'a> {
     None,
 }
 
-/// The cylinders of a grid, best first.
+/// The cylinders of a grid.
 pub(super) fn search(
     grid: &mut Grid,
     pixel: f64,
     limbs: &Limbs<'_>,
     options: &DetectionOptions,
     effort: &Effort<'_>,
-) -> Result<Vec<Judged>> {
+) -> Result<Searched> {
     let cancelled = || cancelled_if(effort.ask());
-    let Some(noise) = Noise::estimate(grid) else { return Ok(Vec::new()) };
+    let Some(noise) = Noise::estimate(grid) else {
+        return Ok(Searched { cylinders: Vec::new(), shift: None });
+    };
     cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
@@ -124,12 +134,13 @@ pub(super) fn search(
     let mut found = distinct(found);
     effort.limit(LIMITS[3]);
     parts::join(&scene, &mut found, options, &mut marks);
-    let mut chosen = select(&scene, &mut found, options, &mut marks);
+    let mut cylinders = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
     if by_outline {
-        settle(&scene, &mut chosen, options, &mut marks);
+        settle(&scene, &mut cylinders, options, &mut marks);
     }
-    Ok(chosen)
+    let shift = scene.shift(&cylinders, &mut marks);
+    Ok(Searched { cylinders, shift })
 }
 
 /// Whether two cylinders are nearly one.

@@ -87,6 +87,27 @@ impl DepthImage {
         Ok(image)
     }
 
+    /// The image moved by some columns and rows; what comes in from outside was not measured.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub(super) fn moved(&self, [columns, rows]: [i32; 2]) -> Result<Self> {
+        let mut image = Self::empty(self.width, self.height, self.scale)?;
+        for row in 0..self.height {
+            let from = row.checked_add_signed(-rows as isize).filter(|from| *from < self.height);
+            let Some(from) = from else { continue };
+            let old = self.values_of_row(from);
+            let new = &mut image.values[row * self.width..][..self.width];
+            let by = (columns.unsigned_abs() as usize).min(self.width);
+            if columns < 0 {
+                new[..self.width - by].copy_from_slice(&old[by..]);
+            } else {
+                new[by..].copy_from_slice(&old[..self.width - by]);
+            }
+        }
+        Ok(image)
+    }
+
     /// Columns.
     #[must_use]
     pub fn width(&self) -> usize {

@@ -114,6 +114,16 @@ impl Frame {
         Ok(())
     }
 
+    /// The frame with its depth image moved by some columns and rows; `None` with a depth camera of its own.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub(crate) fn with_depth_moved(&self, by: [i32; 2]) -> Result<Option<Self>> {
+        let depth = self.depth.as_ref().filter(|_| self.depth_camera.is_none());
+        let moved = depth.map(|depth| depth.moved(by)).transpose()?;
+        Ok(moved.map(|depth| Self { depth: Some(Arc::new(depth)), ..self.clone() }))
+    }
+
     /// Takes a grey or colour image on the grid of the colour camera, in place of an earlier one.
     ///
     /// # Errors

@@ -193,10 +193,40 @@ impl Detector {
     fn detect_in_memory(&self, frame: &Frame, observer: &mut Observer<'_>) -> Result<Scene> {
         let missing = |missing, remedy| Error::BadState { call: "detecting cylinders", missing, remedy };
         let camera = frame.camera().ok_or(missing("intrinsics", "set the intrinsics of the frame first"))?;
-        let depth =
-            frame.depth_on_image().ok_or(missing("a depth image", "set the depth of the frame first"))?;
+        frame.depth_on_image().ok_or(missing("a depth image", "set the depth of the frame first"))?;
         let size = camera.size();
         check_memory("the search", size.0 * size.1)?;
+        let mut frame = frame.clone();
+        if !self.options.use_image {
+            frame.clear_image();
+        }
+        let mut depth_moved = [0; 2];
+        let found = self.search(observer, |stopped| {
+            let found = self.search_frame(&frame, stopped)?;
+            let Some(shift) = found.shift else { return Ok(found) };
+            let Some(moved) = frame.with_depth_moved(shift)? else { return Ok(found) };
+            let mut in_moved = self.search_frame(&moved, stopped)?;
+            in_moved.visits += found.visits;
+            if in_moved.seen_in_image() <= found.seen_in_image() {
+                return Ok(found);
+            }
+            (frame, depth_moved) = (moved, shift);
+            Ok(in_moved)
+        })?;
+        let fits = Fits::new(&self.options, found, size);
+        let scene = self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
+        let mut scene = Scene { depth_moved, ..scene };
+        if depth_moved != [0; 2] {
+            scene.cylinders.iter_mut().for_each(|found| found.result.flags |= Flags::DEPTH_SHIFTED);
+        }
+        Ok(scene)
+    }
+
+    /// The search in a frame that has a camera and depth.
+    fn search_frame(&self, frame: &Frame, stopped: &dyn Fn() -> bool) -> Result<Detections> {
+        let (Some(camera), Some(depth)) = (frame.camera(), frame.depth_on_image()) else {
+            return Ok(Detections::default());
+        };
         let limited;
         let depth = if *frame.depth_range() == DepthRange::default() {
             depth
@@ -204,15 +234,8 @@ impl Detector {
             limited = depth.within(frame.depth_range())?;
             &limited
         };
-        let mut frame = frame.clone();
-        if !self.options.use_image {
-            frame.clear_image();
-        }
         let search = self.search_options(&frame.pose().inverse(), frame.image().is_some());
-        let found =
-            self.search(observer, |stopped| detect_until(camera, depth, frame.image(), &search, stopped))?;
-        let fits = Fits::new(&self.options, found, size);
-        self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))
+        detect_until(camera, depth, frame.image(), &search, stopped)
     }
 
     /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it, and hide none of each
@@ -244,7 +267,13 @@ impl Detector {
         check_memory("the search", count)?;
         check_weights(points)?;
         let search = self.search_options(&RigidMotion::identity(), false);
-        let mut scene = Scene { cylinders: Vec::new(), labels: vec![0; count], size, complete: true };
+        let mut scene = Scene {
+            cylinders: Vec::new(),
+            labels: vec![0; count],
+            size,
+            complete: true,
+            depth_moved: [0; 2],
+        };
         // Rows of no points are as many as the caller likes.
         let (mut looks, mut more) = (Looks::default(), count > 0);
         while more {
@@ -375,7 +404,7 @@ impl Detector {
         renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
         // What goes to the caller has no more room than it needs.
         let cylinders = cylinders.into_iter().map(|(_, found)| apart(move || Found::clone(&found))).collect();
-        Ok(Scene { cylinders, labels, size, complete })
+        Ok(Scene { cylinders, labels, size, complete, depth_moved: [0; 2] })
     }
 }
 

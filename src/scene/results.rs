@@ -59,6 +59,11 @@ pub struct Scene {
     /// no input takes much longer than any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
     /// work left is what the search found, with [`crate::fitter::Flags::NOT_CONVERGED`].
     pub complete: bool,
+    /// The pixels along columns and rows by which the depth image was moved to where the image shows the same bodies, as one whose
+    /// registration is off by pixels misleads in what the image shows. Then each result has
+    /// [`crate::fitter::Flags::DEPTH_SHIFTED`], and labels and fitters are those of the moved depth. Zeros otherwise, for a
+    /// cloud, and with a depth camera of its own.
+    pub depth_moved: [i32; 2],
 }
 
 impl Scene {

@@ -1,0 +1,146 @@
+//! Depth that lies pixels beside the image, as sensors whose registration is a little off deliver it: the limbs of the bodies
+//! that the depth shows all have their edges at the same distance, to the same side.
+
+use super::candidate::{Candidate, Marks, Scene, Sides};
+use super::limb_pairs::{ImageEdges, Limb, PIECES};
+use super::search::Judged;
+use super::surface::Surface;
+use crate::geometry::Cylinder;
+use nalgebra::Vector2;
+
+/// Places are looked at in steps of this many pixels.
+const STEP: f64 = 0.5;
+
+/// Largest shift along columns and along rows that is looked for, in steps.
+const FARTHEST: i32 = 12;
+
+/// By how many steps depth may be drawn out at the limbs of a body.
+const DRAWN_OUT: std::ops::RangeInclusive<i32> = -2..=8;
+
+/// Steps from a limb to the edges that are looked at: the largest shift aslant, and depth that is drawn out.
+const REACH: i32 = 26;
+
+/// An edge counts so many pixels to both sides of it.
+const BESIDE_EDGE: f64 = 0.8;
+
+/// How far an edge may turn from a limb, in pixels from one end to the other.
+const TURN: f64 = 2.0;
+
+/// What a limb that is covered whole counts less for each pixel of a shift: of two that explain as much the smaller one is meant.
+const PRICE: f64 = 0.03;
+
+/// The least shift in pixels that matters: limbs are found beside depth that lies a pixel beside them.
+const LEAST: f64 = 1.5;
+
+/// By how much of both limbs, and how many times, edges must cover more of them where the depth would be moved to than where it
+/// is. Another search in the moved depth decides.
+const LEAST_GAIN: f64 = 0.1;
+const LEAST_RATIO: f64 = 1.2;
+
+/// Cylinders with less than this score tell nothing of a shift.
+const CERTAIN: f64 = 0.2;
+
+/// The part of both limbs together that edges cover where nothing looks like a shift.
+const SEEN: f64 = 1.4;
+
+/// Which parts of a limb edges cover, by their distance from it in steps.
+struct Profile([u32; 2 * REACH as usize + 1]);
+
+impl Profile {
+    /// The part that edges cover at a distance.
+    fn covered(&self, steps: i32) -> f64 {
+        let pieces = self.0.get((steps + REACH) as usize).copied().unwrap_or(0);
+        f64::from(pieces.count_ones()) / PIECES as f64
+    }
+}
+
+/// What the edges of an image say of a shift, by one cylinder that the depth shows.
+struct Opinion {
+    /// The direction across the axis in the image.
+    across: Vector2<f64>,
+    /// The part of both limbs together that edges cover, by the shift across the axis in steps from −[`MOST_ACROSS`] on.
+    covered: Vec<f64>,
+    /// How certain it is that there is a cylinder.
+    weight: f64,
+}
+
+/// The largest shift aslant, in steps.
+const MOST_ACROSS: i32 = 17;
+
+impl Opinion {
+    fn new(edges: &ImageEdges, cylinder: &Cylinder, range: [f64; 2], weight: f64) -> Option<Self> {
+        let [a, b] = edges.limbs(cylinder, range)?;
+        let across = a.across;
+        let profile = |limb: &Limb| {
+            let mut pieces = [0_u32; 2 * REACH as usize + 1];
+            for edge in &edges.edges {
+                let [first, last] = edge.ends.map(|p| (p - limb.start).dot(&across) / edges.pixel);
+                let place = 0.5 * (first + last) / STEP;
+                if (first - last).abs() > TURN || place.abs() > f64::from(REACH) {
+                    continue;
+                }
+                let Some(bits) = limb.pieces(edge) else { continue };
+                let half = BESIDE_EDGE / STEP;
+                for steps in (place - half).ceil() as i32..=(place + half).floor() as i32 {
+                    if let Some(pieces) = pieces.get_mut((steps + REACH) as usize) {
+                        *pieces |= bits;
+                    }
+                }
+            }
+            Profile(pieces)
+        };
+        let [first, second] = [profile(&a), profile(&b)];
+        // The true limbs lie between those of depth that is drawn out.
+        let inward = if (b.start - a.start).dot(&across) > 0.0 { 1 } else { -1 };
+        let covered = |shift: i32| {
+            let both = |out: i32| first.covered(shift + inward * out) + second.covered(shift - inward * out);
+            DRAWN_OUT.map(both).fold(0.0, f64::max)
+        };
+        Some(Self { across, covered: (-MOST_ACROSS..=MOST_ACROSS).map(covered).collect(), weight })
+    }
+
+    fn at(&self, shift: [i32; 2]) -> f64 {
+        let across = self.across.dot(&Vector2::from(shift.map(f64::from))).round() as i32;
+        self.weight * self.covered[(across + MOST_ACROSS) as usize]
+    }
+}
+
+impl Scene<'_> {
+    /// The pixels along columns and rows by which the depth would have to be moved to lie where the image shows the same bodies;
+    /// `None` where it does, or nothing tells.
+    pub fn shift(&self, found: &[Judged], marks: &mut Marks) -> Option<[i32; 2]> {
+        let (edges, _) = self.image?;
+        let certain = || found.iter().filter(|judged| judged.score >= CERTAIN);
+        let limbs = |judged: &Judged| judged.evidence.limbs.map_or(0.0, |limbs| limbs.iter().sum());
+        let seen: f64 = certain().map(|judged| judged.score * limbs(judged)).sum();
+        if seen > SEEN * certain().map(|judged| judged.score).sum::<f64>() {
+            return None;
+        }
+        // Where the depth shows the limbs, whatever edges led to a cylinder.
+        let by_depth = |judged: &Judged, marks: &mut Marks| {
+            let Candidate { surface, cells, .. } = &judged.candidate;
+            let start = self.refit(surface, cells, Sides::Outline, marks)?;
+            let (Candidate { surface, cells, .. }, _) = self.grow(&start, cells, Sides::Outline, marks)?;
+            let Surface::Cylinder(cylinder, _) = surface else { return None };
+            self.effort.spend(edges.edges.len());
+            Opinion::new(edges, &cylinder, self.range(&cylinder, &cells), judged.score)
+        };
+        let opinions: Vec<_> = certain().filter_map(|judged| by_depth(judged, marks)).collect();
+        let weight: f64 = opinions.iter().map(|opinion| opinion.weight).sum();
+        let covered = |shift: [i32; 2]| opinions.iter().map(|opinion| opinion.at(shift)).sum::<f64>();
+        let pixels = |[x, y]: [i32; 2]| STEP * f64::from(x).hypot(f64::from(y));
+        let mut best = ([0; 2], f64::NEG_INFINITY);
+        for x in -FARTHEST..=FARTHEST {
+            for y in -FARTHEST..=FARTHEST {
+                let worth = covered([x, y]) - PRICE * weight * pixels([x, y]);
+                if worth > best.1 {
+                    best = ([x, y], worth);
+                }
+            }
+        }
+        let (here, there) = (covered([0; 2]), covered(best.0));
+        let tells = there - here > LEAST_GAIN * weight && there > LEAST_RATIO * here;
+        (pixels(best.0) >= LEAST && tells)
+            .then(|| best.0.map(|steps| (STEP * f64::from(steps)).round() as i32))
+    }
+}
