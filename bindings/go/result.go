@@ -67,7 +67,7 @@ const (
 	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
 	// FlagDepthShifted: depth and image are shifted against each other across the axis. Or one of the limbs is the edge of
-	// something else, and the radius is wrong.
+	// something else, and the radius is wrong. From a detector also: the whole depth image was shifted, and has been moved.
 	FlagDepthShifted Flags = C.CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED
 	// FlagMaskEndsWithDepth: a mask holds the pixels that have depth and no others, so its sides are no hint where the limbs are.
 	FlagMaskEndsWithDepth Flags = C.CYLFUSE_RESULT_FLAGS_MASK_ENDS_WITH_DEPTH

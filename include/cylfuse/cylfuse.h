@@ -1154,7 +1154,8 @@ typedef uint32_t cylfuse_result_flags;
 /**
  * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
  * the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of
- * something else, such as a neighbour that touches, and the radius is wrong.
+ * something else, such as a neighbour that touches, and the radius is wrong. From a detector also: the whole depth image
+ * was shifted, and has been moved to where the image shows the same bodies.
  */
 #define CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED 65536
 /**

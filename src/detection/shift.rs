@@ -34,14 +34,11 @@ const LEAST: f64 = 1.5;
 
 /// By how much of both limbs, and how many times, edges must cover more of them where the depth would be moved to than where it
 /// is. Another search in the moved depth decides.
-const LEAST_GAIN: f64 = 0.1;
+const LEAST_GAIN: f64 = 0.3;
 const LEAST_RATIO: f64 = 1.2;
 
 /// Cylinders with less than this score tell nothing of a shift.
 const CERTAIN: f64 = 0.2;
-
-/// The part of both limbs together that edges cover where nothing looks like a shift.
-const SEEN: f64 = 1.4;
 
 /// Which parts of a limb edges cover, by their distance from it in steps.
 struct Profile([u32; 2 * REACH as usize + 1]);
@@ -54,8 +51,8 @@ impl Profile {
     }
 }
 
-/// What the edges of an image say of a shift, by one cylinder that the depth shows.
-struct Opinion {
+/// What edges of the image cover of the limbs of a cylinder that the depth shows, were it moved.
+struct Coverage {
     /// The direction across the axis in the image.
     across: Vector2<f64>,
     /// The part of both limbs together that edges cover, by the shift across the axis in steps from −[`MOST_ACROSS`] on.
@@ -67,14 +64,14 @@ struct Opinion {
 /// The largest shift aslant, in steps.
 const MOST_ACROSS: i32 = 17;
 
-impl Opinion {
+impl Coverage {
     fn new(edges: &ImageEdges, cylinder: &Cylinder, range: [f64; 2], weight: f64) -> Option<Self> {
         let [a, b] = edges.limbs(cylinder, range)?;
         let across = a.across;
         let profile = |limb: &Limb| {
             let mut pieces = [0_u32; 2 * REACH as usize + 1];
             for edge in &edges.edges {
-                let [first, last] = edge.ends.map(|p| (p - limb.start).dot(&across) / edges.pixel);
+                let [first, last] = edge.ends.map(|p| (p - limb.start).dot(&limb.across) / edges.pixel);
                 let place = 0.5 * (first + last) / STEP;
                 if (first - last).abs() > TURN || place.abs() > f64::from(REACH) {
                     continue;
@@ -110,24 +107,18 @@ impl Scene<'_> {
     /// `None` where it does, or nothing tells.
     pub fn shift(&self, found: &[Judged], marks: &mut Marks) -> Option<[i32; 2]> {
         let (edges, _) = self.image?;
-        let certain = || found.iter().filter(|judged| judged.score >= CERTAIN);
-        let limbs = |judged: &Judged| judged.evidence.limbs.map_or(0.0, |limbs| limbs.iter().sum());
-        let seen: f64 = certain().map(|judged| judged.score * limbs(judged)).sum();
-        if seen > SEEN * certain().map(|judged| judged.score).sum::<f64>() {
-            return None;
-        }
         // Where the depth shows the limbs, whatever edges led to a cylinder.
         let by_depth = |judged: &Judged, marks: &mut Marks| {
             let Candidate { surface, cells, .. } = &judged.candidate;
-            let start = self.refit(surface, cells, Sides::Outline, marks)?;
-            let (Candidate { surface, cells, .. }, _) = self.grow(&start, cells, Sides::Outline, marks)?;
+            let surface = self.refit(surface, cells, Sides::Outline, marks)?;
             let Surface::Cylinder(cylinder, _) = surface else { return None };
             self.effort.spend(edges.edges.len());
-            Opinion::new(edges, &cylinder, self.range(&cylinder, &cells), judged.score)
+            Coverage::new(edges, &cylinder, self.range(&cylinder, cells), judged.score)
         };
-        let opinions: Vec<_> = certain().filter_map(|judged| by_depth(judged, marks)).collect();
-        let weight: f64 = opinions.iter().map(|opinion| opinion.weight).sum();
-        let covered = |shift: [i32; 2]| opinions.iter().map(|opinion| opinion.at(shift)).sum::<f64>();
+        let certain = found.iter().filter(|judged| judged.score >= CERTAIN);
+        let coverages: Vec<_> = certain.filter_map(|judged| by_depth(judged, marks)).collect();
+        let weight: f64 = coverages.iter().map(|coverage| coverage.weight).sum();
+        let covered = |shift: [i32; 2]| coverages.iter().map(|coverage| coverage.at(shift)).sum::<f64>();
         let pixels = |[x, y]: [i32; 2]| STEP * f64::from(x).hypot(f64::from(y));
         let mut best = ([0; 2], f64::NEG_INFINITY);
         for x in -FARTHEST..=FARTHEST {

@@ -262,7 +262,8 @@ impl cylfuse_result_flags {
     pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
     /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
     /// the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of
-    /// something else, such as a neighbour that touches, and the radius is wrong.
+    /// something else, such as a neighbour that touches, and the radius is wrong. From a detector also: the whole depth image
+    /// was shifted, and has been moved to where the image shows the same bodies.
     pub const DEPTH_SHIFTED: cylfuse_result_flags = cylfuse_result_flags(65536);
     /// A mask holds the pixels that have depth and no others, although depth is missing around it, as it is beside the limbs
     /// of a curved surface: its sides are no hint where the limbs are. With an image they were drawn again about the

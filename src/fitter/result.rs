@@ -51,7 +51,8 @@ bitflags::bitflags! {
         /// freedom is not determined, or the coordinates are coarser than the noise of the points.
         const UNCERTAINTY_UNKNOWN = 1 << 15;
         /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
-        /// [`FitResult::shift`]. Or one of the limbs is the edge of something else, and the radius is wrong.
+        /// [`FitResult::shift`]. Or one of the limbs is the edge of something else, and the radius is wrong. From a detector also: the
+        /// whole depth image was shifted, and has been moved: see [`crate::scene::Scene::depth_moved`].
         const DEPTH_SHIFTED = 1 << 16;
         /// A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
         /// where the limbs are. With an image they were drawn again about the cylinder of a first fit.

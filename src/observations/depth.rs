@@ -91,21 +91,9 @@ impl DepthImage {
     ///
     /// # Errors
     /// `OutOfMemory`.
-    pub(super) fn moved(&self, [columns, rows]: [i32; 2]) -> Result<Self> {
-        let mut image = Self::empty(self.width, self.height, self.scale)?;
-        for row in 0..self.height {
-            let from = row.checked_add_signed(-rows as isize).filter(|from| *from < self.height);
-            let Some(from) = from else { continue };
-            let old = self.values_of_row(from);
-            let new = &mut image.values[row * self.width..][..self.width];
-            let by = (columns.unsigned_abs() as usize).min(self.width);
-            if columns < 0 {
-                new[..self.width - by].copy_from_slice(&old[by..]);
-            } else {
-                new[by..].copy_from_slice(&old[..self.width - by]);
-            }
-        }
-        Ok(image)
+    pub(super) fn moved(&self, by: [i32; 2]) -> Result<Self> {
+        let values = moved(&self.values, (self.width, self.height), by)?;
+        Ok(Self { values, ..*self })
     }
 
     /// Columns.
@@ -232,6 +220,29 @@ impl Run {
 /// Columns in runs.
 fn runs(columns: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     columns.clone().step_by(RUN).map(move |start| start..columns.end.min(start + RUN))
+}
+
+/// The values of a grid moved by some columns and rows; zeros come in from outside.
+///
+/// # Errors
+/// `OutOfMemory`.
+pub(crate) fn moved<T: Copy + Default>(
+    values: &[T],
+    (width, height): (usize, usize),
+    [columns, rows]: [i32; 2],
+) -> Result<Vec<T>> {
+    let mut all = with_room(values.len(), "what is moved")?;
+    all.resize(values.len(), T::default());
+    let by = (columns.unsigned_abs() as usize).min(width);
+    let (from, to) = if columns < 0 { (by, 0) } else { (0, by) };
+    for row in 0..height {
+        let old = row.checked_add_signed(-rows as isize).filter(|old| *old < height);
+        if let Some(old) = old {
+            let pixels = &values[old * width + from..][..width - by];
+            all[row * width + to..][..width - by].copy_from_slice(pixels);
+        }
+    }
+    Ok(all)
 }
 
 /// Room for the values of a depth image.

@@ -18,6 +18,7 @@ mod size;
 mod strided;
 mod views;
 
+pub(crate) use depth::moved;
 pub use depth::{DepthImage, DepthRange};
 pub use dropped::Dropped;
 pub use frame::{DepthCamera, Frame};

@@ -17,7 +17,7 @@ use crate::error::{Error, Result, cancelled_if};
 use crate::fitter::{Flags, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
-use crate::observations::{DepthRange, Frame, PointsView, check_weights};
+use crate::observations::{DepthRange, Frame, PointsView, check_weights, moved};
 use crate::workers::Workers;
 use fits::{Fits, Task};
 use labels::renumber;
@@ -217,6 +217,7 @@ impl Detector {
         let scene = self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
         let mut scene = Scene { depth_moved, ..scene };
         if depth_moved != [0; 2] {
+            scene.labels = moved(&scene.labels, size, depth_moved.map(|by| -by))?;
             scene.cylinders.iter_mut().for_each(|found| found.result.flags |= Flags::DEPTH_SHIFTED);
         }
         Ok(scene)

@@ -6,7 +6,7 @@ use crate::detection::Evidence;
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, LimbObservation, Options};
-use crate::observations::{Mask, MaskView};
+use crate::observations::{Mask, MaskView, moved};
 
 /// A cylinder of a scene.
 #[derive(Debug, Clone)]
@@ -59,10 +59,10 @@ pub struct Scene {
     /// no input takes much longer than any other of its size. Where one has more in it than that, cylinders may be missing. One for whose fit there was no
     /// work left is what the search found, with [`crate::fitter::Flags::NOT_CONVERGED`].
     pub complete: bool,
-    /// The pixels along columns and rows by which the depth image was moved to where the image shows the same bodies, as one whose
-    /// registration is off by pixels misleads in what the image shows. Then each result has
-    /// [`crate::fitter::Flags::DEPTH_SHIFTED`], and labels and fitters are those of the moved depth. Zeros otherwise, for a
-    /// cloud, and with a depth camera of its own.
+    /// The columns and rows by which the depth image was moved to where the image shows the same bodies: where its registration is off
+    /// by pixels, edges beside limbs would be taken for these. Then each result has
+    /// [`crate::fitter::Flags::DEPTH_SHIFTED`], and its fitter has the moved depth; labels are those of the depth as it was
+    /// given. Zeros otherwise, for a cloud, and with a depth camera of its own.
     pub depth_moved: [i32; 2],
 }
 
@@ -85,7 +85,7 @@ impl Scene {
         check_memory("the fitter", self.labels.len().max(found.fitter.cloud().len()))?;
         let mut fitter = found.fitter.clone();
         if fitter.depth().is_some() {
-            let mask = self.mask(index);
+            let mask = moved(&self.mask(index), self.size, self.depth_moved)?;
             fitter.swap_mask(Some(Mask::copy(&MaskView::from_u8(&mask, self.size)?)?));
         }
         Ok(fitter)

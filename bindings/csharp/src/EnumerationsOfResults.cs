@@ -95,7 +95,8 @@ namespace Cylfuse
         /// eight points are independent, or some degree of freedom is not determined.</summary>
         UncertaintyUnknown = 32768,
         /// <summary>Depth and image are shifted against each other across the axis, by a wrong registration or wrong
-        /// principal points. Or one of the limbs is the edge of something else, and the radius is wrong.</summary>
+        /// principal points. Or one of the limbs is the edge of something else, and the radius is wrong. From a detector
+        /// also: the whole depth image was shifted, and has been moved.</summary>
         DepthShifted = 65536,
         /// <summary>A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are
         /// no hint where the limbs are.</summary>

@@ -63,6 +63,8 @@ pub struct Scene {
     pub cylinders: Vec<Found>,
     /// Whether all of the frame was looked at: the work of a search is bounded.
     pub complete: bool,
+    /// Columns and rows by which the depth was moved to lie where the image shows the same bodies.
+    pub depth_moved: [i32; 2],
     /// What may be wrong with the frame, in words.
     pub notes: Vec<String>,
     /// The folder of the files about it.
@@ -118,7 +120,7 @@ pub fn run(input: &Input, settings: &Settings, folder: Option<&Path>) -> SceneRe
 fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
     let clock = Instant::now();
     let views = Frame::read(path, settings.image)?.views;
-    let notes = remarks::of_frame(&views, settings.options.search.limits.radius_min);
+    let mut notes = remarks::of_frame(&views, settings.options.search.limits.radius_min);
     let [view] = <[View; 1]>::try_from(views).map_err(|views| {
         let reason = format!(
             "views: has {} views, and detect takes one; give each view a frame file of its own",
@@ -131,6 +133,13 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     // Everything here is in the frame of the camera, the limits of the axis included.
     frame.set_pose(RigidMotion::identity());
     let (scene, seconds) = timed(settings, |detector, observer| detector.detect_with(&frame, observer))?;
+    if let [columns, rows] = scene.depth_moved
+        && [columns, rows] != [0; 2]
+    {
+        notes.push(format!(
+            "the depth was moved by {columns} columns and {rows} rows to where the image shows the same bodies; check its registration"
+        ));
+    }
     let depth = frame.depth_on_image().ok_or_else(|| Failure::bad_frame(path, "depth: there is none"))?;
     let mut cylinders: Vec<Found> = scene.cylinders.iter().map(of_frame).collect();
     let total = clock.elapsed().as_secs_f64();
@@ -153,8 +162,9 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
         write_points(folder, &points, &numbers)?;
     }
     let out = folder.map(|folder| folder.display().to_string());
-    let (complete, seconds) = (scene.complete, SceneSeconds { read, total, ..seconds });
-    Ok(Scene { cylinders, complete, notes, out, illustration, seconds })
+    let scene::Scene { complete, depth_moved, .. } = scene;
+    let seconds = SceneSeconds { read, total, ..seconds };
+    Ok(Scene { cylinders, complete, depth_moved, notes, out, illustration, seconds })
 }
 
 fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<Scene, Failure> {
@@ -174,7 +184,8 @@ fn search_cloud(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     }
     let out = folder.map(|folder| folder.display().to_string());
     let notes = remarks::of_cloud(&cloud.points).into_iter().collect();
-    Ok(Scene { cylinders, complete: scene.complete, notes, out, illustration, seconds })
+    let scene::Scene { complete, depth_moved, .. } = scene;
+    Ok(Scene { cylinders, complete, depth_moved, notes, out, illustration, seconds })
 }
 
 /// The picture of one cylinder.

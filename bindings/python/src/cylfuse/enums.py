@@ -353,7 +353,7 @@ class ResultFlags(IntFlag):
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768
     #: Depth and image are shifted against each other across the axis. Or one of the limbs is the edge of something
-    #: else, and the radius is wrong.
+    #: else, and the radius is wrong. From a detector also: the whole depth image was shifted, and has been moved.
     DEPTH_SHIFTED = 65536
     #: A mask holds the pixels that have depth and no others: its sides are no hint where the limbs are.
     MASK_ENDS_WITH_DEPTH = 131072

@@ -53,7 +53,8 @@ public enum ResultFlag {
     UNCERTAINTY_UNKNOWN(32768),
     /**
      * Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points.
-     * Or one of the limbs is the edge of something else, and the radius is wrong.
+     * Or one of the limbs is the edge of something else, and the radius is wrong. From a detector also: the whole depth
+     * image was shifted, and has been moved.
      */
     DEPTH_SHIFTED(65536),
     /**
