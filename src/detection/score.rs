@@ -74,14 +74,21 @@ const IMAGE_FITTED: Weights = Weights {
 /// or a board. The odds of the depth multiply these; whatever else is known of a body, a flat one shows it, too.
 const ROUND: f64 = 50.0;
 
-/// A fit is taken to multiply the odds of a cylinder by less than this, by depth alone and with an image. In those scenes it does so
-/// by up to 15 and by up to 20 in 99.8 of 100 candidates. In recorded ones, where depth lies pixels beside the image, limbs may be
-/// located by the fit alone.
-const MOST_BY_FIT: [f64; 2] = [13.0, 40.0];
+/// A fit is taken to multiply the odds of a cylinder by less than this. In those scenes it does so by up to 15 by depth alone and by
+/// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes.
+const MOST_BY_FIT: f64 = 13.0;
+
+/// The same where the depth shows both limbs, but edges cover less than [`COVERED`] of them together: in recorded scenes, where depth
+/// lies pixels beside the image, limbs may be located by the fit alone.
+const MOST_BY_LIMBS: f64 = 40.0;
+const COVERED: f64 = 1.0;
+
+/// The depth shows a limb where so much of it is visible.
+const SHOWN: f64 = 0.5;
 
 /// The least score before a fit that the fit may raise to a given one.
 pub(crate) fn least_before_fit(score: f64, has_image: bool) -> f64 {
-    with_odds_divided(score, MOST_BY_FIT[usize::from(has_image)])
+    with_odds_divided(score, if has_image { MOST_BY_LIMBS } else { MOST_BY_FIT })
 }
 
 /// The probability whose odds are those of a score divided by a number.
@@ -108,6 +115,13 @@ impl Evidence {
     #[must_use]
     pub(crate) fn highest_after_fit(&self) -> f64 {
         Self { limbs: self.limbs.map(|_| [1.0; 2]), radius_deviation: Some(0.0), ..*self }.score()
+    }
+
+    /// Whether a fit may raise the score before it to a given one.
+    pub(crate) fn may_reach(&self, score: f64) -> bool {
+        let uncovered = self.limbs.is_some_and(|limbs| limbs.iter().sum::<f64>() < COVERED);
+        let shown = self.visible.iter().all(|part| *part >= SHOWN);
+        self.score() >= least_before_fit(score, uncovered && shown)
     }
 
     /// What the score is made of: the evidence of depth and shape, root mean square distance, length, what is seen

@@ -54,7 +54,9 @@ impl<'a> Fits<'a> {
     pub fn may_stay(&self, cylinder: usize) -> bool {
         let Detection { pixels, evidence, .. } = &self.seen.cylinders[cylinder];
         let DetectionOptions { min_score, min_pixels, .. } = self.options.search;
-        *pixels >= min_pixels && with_odds_divided(evidence.highest_after_fit(), self.tries) >= min_score
+        *pixels >= min_pixels
+            && evidence.may_reach(min_score)
+            && with_odds_divided(evidence.highest_after_fit(), self.tries) >= min_score
     }
 
     /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera; without a
