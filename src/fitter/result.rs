@@ -52,7 +52,7 @@ bitflags::bitflags! {
         const UNCERTAINTY_UNKNOWN = 1 << 15;
         /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
         /// [`FitResult::shift`]. Or one of the limbs is the edge of something else, and the radius is wrong. From a detector also: the
-        /// whole depth image was shifted, and has been moved: see [`crate::scene::Scene::depth_moved`].
+        /// whole depth image was shifted, and has been moved: its scene says by how much.
         const DEPTH_SHIFTED = 1 << 16;
         /// A mask holds the pixels that have depth and no others, although depth is missing around it: its sides are no hint
         /// where the limbs are. With an image they were drawn again about the cylinder of a first fit.
