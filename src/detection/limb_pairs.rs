@@ -18,7 +18,7 @@ const EDGE_PIXELS: f64 = 0.7;
 const PIXELS_PER_TANGENT: f64 = 10.0;
 
 /// Pieces of the limb that edges cover or not.
-pub(super) const PIECES: usize = 32;
+const PIECES: usize = 32;
 
 /// Limbs converge by up to 15 degrees: its cosine.
 const ALONG: f64 = 0.966;
@@ -103,6 +103,11 @@ impl Limb {
     }
 }
 
+/// The part of a limb that is in some pieces of it.
+pub(super) fn part(pieces: u32) -> f64 {
+    f64::from(pieces.count_ones()) / PIECES as f64
+}
+
 /// A cylinder by two edges.
 #[derive(Debug, Clone)]
 pub(super) struct Pair {
@@ -153,7 +158,7 @@ impl ImageEdges {
                     support.tangents.push(Tangent { ray, inset: 0.0, deviation: EDGE_PIXELS, weight: 1.0 });
                 }
             }
-            let covered = f64::from(pieces.count_ones()) / PIECES as f64;
+            let covered = part(pieces);
             support.covered[limb.side] = covered;
             support.length += covered * limb.length / self.pixel;
         }

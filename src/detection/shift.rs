@@ -2,7 +2,7 @@
 //! that the depth shows all have their edges at the same distance, to the same side.
 
 use super::candidate::{Candidate, Marks, Scene, Sides};
-use super::limb_pairs::{ImageEdges, Limb, PIECES};
+use super::limb_pairs::{ImageEdges, Limb, part};
 use super::search::Judged;
 use super::surface::Surface;
 use crate::geometry::Cylinder;
@@ -13,6 +13,9 @@ const STEP: f64 = 0.5;
 
 /// Largest shift along columns and along rows that is looked for, in steps.
 const FARTHEST: i32 = 12;
+
+/// The largest shift across an axis, aslant, in steps.
+const MOST_ACROSS: i32 = 17;
 
 /// By how many steps depth may be drawn out at the limbs of a body.
 const DRAWN_OUT: std::ops::RangeInclusive<i32> = -2..=8;
@@ -46,8 +49,7 @@ struct Profile([u32; 2 * REACH as usize + 1]);
 impl Profile {
     /// The part that edges cover at a distance.
     fn covered(&self, steps: i32) -> f64 {
-        let pieces = self.0.get((steps + REACH) as usize).copied().unwrap_or(0);
-        f64::from(pieces.count_ones()) / PIECES as f64
+        part(self.0[(steps + REACH) as usize])
     }
 }
 
@@ -60,9 +62,6 @@ struct Coverage {
     /// How certain it is that there is a cylinder.
     weight: f64,
 }
-
-/// The largest shift aslant, in steps.
-const MOST_ACROSS: i32 = 17;
 
 impl Coverage {
     fn new(edges: &ImageEdges, cylinder: &Cylinder, range: [f64; 2], weight: f64) -> Option<Self> {

@@ -10,6 +10,7 @@ mod labels;
 mod results;
 mod work;
 
+use crate::camera::Camera;
 use crate::detection::{
     Detection, DetectionOptions, Detections, Looks, detect_points_until, detect_until, least_before_fit,
 };
@@ -17,7 +18,7 @@ use crate::error::{Error, Result, cancelled_if};
 use crate::fitter::{Flags, Options, StartKind};
 use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
-use crate::observations::{DepthRange, Frame, PointsView, check_weights, moved};
+use crate::observations::{DepthImage, DepthRange, Frame, PointsView, check_weights, moved};
 use crate::workers::Workers;
 use fits::{Fits, Task};
 use labels::renumber;
@@ -191,10 +192,7 @@ impl Detector {
     }
 
     fn detect_in_memory(&self, frame: &Frame, observer: &mut Observer<'_>) -> Result<Scene> {
-        let missing = |missing, remedy| Error::BadState { call: "detecting cylinders", missing, remedy };
-        let camera = frame.camera().ok_or(missing("intrinsics", "set the intrinsics of the frame first"))?;
-        frame.depth_on_image().ok_or(missing("a depth image", "set the depth of the frame first"))?;
-        let size = camera.size();
+        let size = searched(frame)?.0.size();
         check_memory("the search", size.0 * size.1)?;
         let mut frame = frame.clone();
         if !self.options.use_image {
@@ -223,11 +221,8 @@ impl Detector {
         Ok(scene)
     }
 
-    /// The search in a frame that has a camera and depth.
     fn search_frame(&self, frame: &Frame, stopped: &dyn Fn() -> bool) -> Result<Detections> {
-        let (Some(camera), Some(depth)) = (frame.camera(), frame.depth_on_image()) else {
-            return Ok(Detections::default());
-        };
+        let (camera, depth) = searched(frame)?;
         let limited;
         let depth = if *frame.depth_range() == DepthRange::default() {
             depth
@@ -407,6 +402,14 @@ impl Detector {
         let cylinders = cylinders.into_iter().map(|(_, found)| apart(move || Found::clone(&found))).collect();
         Ok(Scene { cylinders, labels, size, complete, depth_moved: [0; 2] })
     }
+}
+
+/// What a search needs of a frame.
+fn searched(frame: &Frame) -> Result<(&Camera, &DepthImage)> {
+    let missing = |missing, remedy| Error::BadState { call: "detecting cylinders", missing, remedy };
+    let camera = frame.camera().ok_or(missing("intrinsics", "set the intrinsics of the frame first"))?;
+    let depth = frame.depth_on_image().ok_or(missing("a depth image", "set the depth of the frame first"))?;
+    Ok((camera, depth))
 }
 
 /// Calls with an observer that never stops anything.

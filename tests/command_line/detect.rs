@@ -137,3 +137,24 @@ fn the_table_has_the_warnings_of_the_cylinders() {
     let said = searched.stdout.lines().find(|line| line.contains(": cylinder")).unwrap_or_default();
     assert!(said.contains("not fitted: the cylinder is as the search found it"), "{}", searched.stdout);
 }
+
+#[test]
+fn depth_that_was_moved_is_told_with_its_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["frame.json", "image.png"] {
+        std::fs::copy(scene().join(name), folder.path().join(name)).unwrap();
+    }
+    let given = image::open(scene().join("depth.png")).unwrap().into_luma16();
+    let mut depth = image::ImageBuffer::new(given.width(), given.height());
+    image::imageops::replace(&mut depth, &given, 3, 2);
+    depth.save(folder.path().join("depth.png")).unwrap();
+
+    let moved = run(["detect", "--json", folder.path().to_str().unwrap()]).object();
+    let [columns, rows] = [0, 1].map(|k| moved["depth_moved"][k].as_i64().unwrap());
+    assert!((-4..=-2).contains(&columns) && (-4..=0).contains(&rows), "{columns} {rows}");
+    let said = run(["detect", folder.path().to_str().unwrap()]).stdout;
+    assert!(said.contains(&format!("the depth was moved by {columns} columns and {rows} rows")), "{said}");
+
+    let as_given = run(["detect", "--json", scene().to_str().unwrap()]).object();
+    assert_eq!(as_given["depth_moved"], serde_json::json!([0, 0]));
+}

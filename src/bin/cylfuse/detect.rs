@@ -133,11 +133,11 @@ fn search_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Resu
     // Everything here is in the frame of the camera, the limits of the axis included.
     frame.set_pose(RigidMotion::identity());
     let (scene, seconds) = timed(settings, |detector, observer| detector.detect_with(&frame, observer))?;
-    if let [columns, rows] = scene.depth_moved
-        && [columns, rows] != [0; 2]
-    {
+    let [columns, rows] = scene.depth_moved;
+    if [columns, rows] != [0; 2] {
         notes.push(format!(
-            "the depth was moved by {columns} columns and {rows} rows to where the image shows the same bodies; check its registration"
+            "the depth was moved by {columns} columns and {rows} rows to where the image shows the same bodies, before the shifts of \
+             cylinders; check its registration"
         ));
     }
     let depth = frame.depth_on_image().ok_or_else(|| Failure::bad_frame(path, "depth: there is none"))?;
