@@ -359,6 +359,17 @@ func (detector *Detector) IsComplete() (bool, error) {
 	return complete != 0, err
 }
 
+// DepthMoved gives the columns (to the right) and rows (down) by which the depth of the frame was moved to where the image
+// shows the same bodies; zeros where it was not. Each result then has FlagDepthShifted; labels and indices are those of the
+// depth as it was given.
+func (detector *Detector) DepthMoved() (columns, rows int, err error) {
+	var right, down C.int32_t
+	err = detector.call(func(handle *C.cylfuse_detector) C.cylfuse_status {
+		return C.cylfuse_detector_depth_moved(handle, &right, &down)
+	})
+	return int(right), int(down), err
+}
+
 // Labels gives for each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1 on.
 func (detector *Detector) Labels() (Labels, error) {
 	if !detector.last.TryRLock() {

@@ -128,6 +128,11 @@ func TestASearchThatWasCutShortSaysSo(t *testing.T) {
 		if complete != expected {
 			t.Errorf("complete: %v, not %v", complete, expected)
 		}
+		columns, rows, err := detector.DepthMoved()
+		must(t, err)
+		if columns != 0 || rows != 0 {
+			t.Errorf("moved by %d, %d", columns, rows)
+		}
 	}
 }
 

@@ -2853,6 +2853,22 @@ cylfuse_status cylfuse_detector_is_complete(const struct cylfuse_detector *detec
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Says by how many pixels the depth of the last frame was moved to where the image shows the same bodies. Where registration
+ * is off by pixels, edges beside limbs would be taken for these. Each result then has
+ * `CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED`; labels and indices are those of the depth as it was given.
+ *
+ * @param detector the detector
+ * @param out_columns how far to the right; negative to the left, 0 where it was not moved
+ * @param out_rows how far down; negative is up, 0 where it was not moved
+ * @return BAD_STATE when no scene was searched
+ */
+CYLFUSE_API
+cylfuse_status cylfuse_detector_depth_moved(const struct cylfuse_detector *detector,
+                                            int32_t *out_columns,
+                                            int32_t *out_rows)
+CYLFUSE_NOEXCEPT;
+
+/**
  * Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
  *
  * @param detector the detector

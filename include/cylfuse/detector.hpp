@@ -132,6 +132,17 @@ public:
         const cylfuse_status status = cylfuse_detector_is_complete(handle(), &complete);
         return finish(status, complete != 0);
     }
+    /**
+     * The columns (to the right) and rows (down) by which the depth of the frame was moved to where the image shows the
+     * same bodies; zeros where it was not. Each result then has `ResultFlags::DepthShifted`; labels and indices are those
+     * of the depth as it was given.
+     */
+    Returned<std::array<std::int32_t, 2>> depth_moved() const
+    {
+        std::array<std::int32_t, 2> moved{};
+        const cylfuse_status status = cylfuse_detector_depth_moved(handle(), &moved[0], &moved[1]);
+        return finish(status, moved);
+    }
     /** The cylinders by falling score. */
     Returned<std::vector<Detection>> detections() const
     {

@@ -50,6 +50,31 @@ pub unsafe extern "C" fn cylfuse_detector_is_complete(
     }
 }
 
+/// Says by how many pixels the depth of the last frame was moved to where the image shows the same bodies. Where registration
+/// is off by pixels, edges beside limbs would be taken for these. Each result then has
+/// `CYLFUSE_RESULT_FLAGS_DEPTH_SHIFTED`; labels and indices are those of the depth as it was given.
+///
+/// @param detector the detector
+/// @param out_columns how far to the right; negative to the left, 0 where it was not moved
+/// @param out_rows how far down; negative is up, 0 where it was not moved
+/// @return BAD_STATE when no scene was searched
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cylfuse_detector_depth_moved(
+    detector: *const cylfuse_detector,
+    out_columns: *mut i32,
+    out_rows: *mut i32,
+) -> cylfuse_status {
+    // SAFETY: the contract of the header.
+    unsafe {
+        enter_to_read(detector, |content, _| {
+            let out = [Slot::new(out_columns, "out_columns")?, Slot::new(out_rows, "out_rows")?];
+            let moved = content.scene()?.depth_moved;
+            out.iter().zip(moved).for_each(|(out, pixels)| out.write(pixels));
+            Ok(())
+        })
+    }
+}
+
 /// Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
 ///
 /// @param detector the detector

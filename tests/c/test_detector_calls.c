@@ -74,7 +74,7 @@ static void null_pointers_are_named(void)
     uint16_t label;
     uint32_t place;
     size_t count;
-    int32_t complete;
+    int32_t complete, columns, rows;
     detector = new_detector();
     cylfuse_detector *both[2] = {NULL, detector};
     for (int k = 0; k < 2; k++) {
@@ -83,6 +83,7 @@ static void null_pointers_are_named(void)
         const cylfuse_status expected = k == 0 ? CYLFUSE_STATUS_NULL_POINTER : CYLFUSE_STATUS_BAD_STATE;
         CHECK(cylfuse_detector_count(d, &count) == expected);
         CHECK(cylfuse_detector_is_complete(d, &complete) == expected);
+        CHECK(cylfuse_detector_depth_moved(d, &columns, &rows) == expected);
         CHECK(cylfuse_detector_detections(d, NULL, sizeof(cylfuse_detection), 0, &count) == expected);
         CHECK(cylfuse_detector_get_result(d, 0, &result) == expected);
         CHECK(cylfuse_detector_get_cylinder(d, 0, &estimate) == expected);
@@ -112,6 +113,8 @@ static void null_pointers_are_named(void)
     CHECK_OK(cylfuse_detector_detect(detector, frame));
     CHECK_ERROR(NULL, cylfuse_detector_count(detector, NULL), NULL_POINTER, "out_count is NULL");
     CHECK_ERROR(NULL, cylfuse_detector_is_complete(detector, NULL), NULL_POINTER, "out_complete is NULL");
+    CHECK_ERROR(NULL, cylfuse_detector_depth_moved(detector, NULL, &rows), NULL_POINTER, "out_columns is NULL");
+    CHECK_ERROR(NULL, cylfuse_detector_depth_moved(detector, &columns, NULL), NULL_POINTER, "out_rows is NULL");
     CHECK_ERROR(NULL, cylfuse_detector_detections(detector, NULL, sizeof(cylfuse_detection), 9, &count), NULL_POINTER,
                 "out is NULL");
     CHECK_ERROR(NULL, cylfuse_detector_detections(detector, NULL, sizeof(cylfuse_detection), 0, NULL), NULL_POINTER,

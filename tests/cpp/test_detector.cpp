@@ -78,6 +78,7 @@ static void a_search_that_was_cut_short_says_so()
     const Pair pair;
     detector.detect(pair.frame());
     CHECK(detector.is_complete());
+    CHECK((detector.depth_moved() == std::array<std::int32_t, 2>{0, 0}));
 }
 
 static void options_are_kept()

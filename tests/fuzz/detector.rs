@@ -113,6 +113,8 @@ impl Case<'_> {
                 call!(self, t, cylfuse_detector_count(detector, count.pointer));
                 let complete = self.source.room::<i32>(1);
                 call!(self, t, cylfuse_detector_is_complete(detector, complete.pointer));
+                let moved = [self.source.room::<i32>(1), self.source.room::<i32>(1)];
+                call!(self, t, cylfuse_detector_depth_moved(detector, moved[0].pointer, moved[1].pointer));
                 call!(self, t, cylfuse_detector_cancel(detector));
             }
         }

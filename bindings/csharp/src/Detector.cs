@@ -167,6 +167,22 @@ namespace Cylfuse
             }
         }
 
+        /// <summary>The columns (to the right) and rows (down) by which the depth of the frame was moved to where the image
+        /// shows the same bodies; zeros where it was not. Each result then has
+        /// <see cref="ResultFlags.DepthShifted"/>; labels and indices are those of the depth as it was given.</summary>
+        /// <exception cref="CylfuseException">BadState before the first search.</exception>
+        public (int Columns, int Rows) DepthMoved
+        {
+            get
+            {
+                using (Call call = Enter())
+                {
+                    call.Check(Native.Functions.DetectorDepthMoved(call.Pointer, out int columns, out int rows));
+                    return (columns, rows);
+                }
+            }
+        }
+
         /// <summary>For each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1
         /// on: 1 for the first detection; 0 = none. One row for a cloud that is not organised.</summary>
         /// <exception cref="CylfuseException">BadState before the first search.</exception>

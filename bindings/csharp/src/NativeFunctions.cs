@@ -70,6 +70,8 @@ namespace Cylfuse
         [UnmanagedFunctionPointer(C)] internal delegate int DetectPointsFunction(IntPtr detector, NativePointsView* points);
         [UnmanagedFunctionPointer(C)] internal delegate int CountFunction(IntPtr detector, out UIntPtr count);
         [UnmanagedFunctionPointer(C)] internal delegate int IsCompleteFunction(IntPtr detector, out int complete);
+        [UnmanagedFunctionPointer(C)]
+        internal delegate int DepthMovedFunction(IntPtr detector, out int columns, out int rows);
         [UnmanagedFunctionPointer(C)] internal delegate int ResultOfFunction(IntPtr detector, UIntPtr index, NativeResult* result);
         [UnmanagedFunctionPointer(C)] internal delegate int EstimateOfFunction(IntPtr detector, UIntPtr index, NativeCylinderEstimate* estimate);
         [UnmanagedFunctionPointer(C)] internal delegate int ExtentOfFunction(IntPtr detector, UIntPtr index, NativeExtent* extent);
@@ -173,6 +175,7 @@ namespace Cylfuse
         internal readonly DetectPointsFunction DetectorDetectPoints = Find<DetectPointsFunction>("cylfuse_detector_detect_points");
         internal readonly CountFunction DetectorCount = Find<CountFunction>("cylfuse_detector_count");
         internal readonly IsCompleteFunction DetectorIsComplete = Find<IsCompleteFunction>("cylfuse_detector_is_complete");
+        internal readonly DepthMovedFunction DetectorDepthMoved = Find<DepthMovedFunction>("cylfuse_detector_depth_moved");
         internal readonly ListFunction DetectorDetections = Find<ListFunction>("cylfuse_detector_detections");
         internal readonly ResultOfFunction DetectorGetResult = Find<ResultOfFunction>("cylfuse_detector_get_result");
         internal readonly EstimateOfFunction DetectorGetCylinder = Find<EstimateOfFunction>("cylfuse_detector_get_cylinder");

@@ -75,6 +75,7 @@ namespace Cylfuse.Tests
                 Check.That(!detector.IsComplete, "cut short");
                 detector.Detect(pair);
                 Check.That(detector.IsComplete, "complete");
+                Check.That(detector.DepthMoved.Equals((0, 0)), "not moved");
             }
         }
 

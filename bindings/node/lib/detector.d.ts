@@ -108,6 +108,12 @@ export class Detector {
    * than that, cylinders may be missing.
    */
   isComplete(): boolean;
+  /**
+   * The columns (to the right) and rows (down) by which the depth of the frame was moved to where the image shows the same
+   * bodies; zeros where it was not. Each result then has the warning `DEPTH_SHIFTED`; labels and indices are those of the
+   * depth as it was given.
+   */
+  depthMoved(): [columns: number, rows: number];
   /** For each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1 on. */
   labels(): Labels;
   /** The pixels or points of one detection (from 0), counted from 0 row by row, rising. */

@@ -90,6 +90,12 @@ class Detector {
     return complete[0] !== 0;
   }
 
+  depthMoved() {
+    const [columns, rows] = [[0], [0]];
+    this.#calls.run((handle) => functions.cylfuse_detector_depth_moved(handle, columns, rows));
+    return [columns[0], rows[0]];
+  }
+
   labels() {
     const { items: data } = this.#numbers(Uint16Array, functions.cylfuse_detector_labels);
     const [width, height] = this.#size;

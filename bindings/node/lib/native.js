@@ -257,6 +257,7 @@ const signatures = {
   cylfuse_detector_detect_points: ['int32_t', [Handle, input(PointsView)]],
   cylfuse_detector_count: ['int32_t', [Handle, output('size_t')]],
   cylfuse_detector_is_complete: ['int32_t', [Handle, output('int32_t')]],
+  cylfuse_detector_depth_moved: ['int32_t', [Handle, output('int32_t'), output('int32_t')]],
   cylfuse_detector_detections: ['int32_t', [Handle, 'void *', 'size_t', 'size_t', output('size_t')]],
   cylfuse_detector_get_result: ['int32_t', [Handle, 'size_t', filled(Result)]],
   cylfuse_detector_get_cylinder: ['int32_t', [Handle, 'size_t', filled(CylinderEstimate)]],

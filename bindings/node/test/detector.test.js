@@ -61,10 +61,12 @@ test('a search that was cut short says so', () => {
   frame.setDepth({ data: bumps, width: 640, height: 480, scale: 1 });
   const detector = new cylfuse.Detector();
   assert.throws(() => detector.isComplete(), coded('BAD_STATE'));
+  assert.throws(() => detector.depthMoved(), coded('BAD_STATE'));
   detector.detectSync(frame);
   assert.equal(detector.isComplete(), false);
   detector.detectSync(makeFrame());
   assert.equal(detector.isComplete(), true);
+  assert.deepEqual(detector.depthMoved(), [0, 0]);
 });
 
 test('the cylinders of a frame', async () => {

@@ -321,10 +321,13 @@ def test_a_search_that_was_cut_short_says_so() -> None:
     detector = cylfuse.Detector()
     with pytest.raises(cylfuse.StateError, match="search a frame or points first"):
         _ = detector.is_complete
+    with pytest.raises(cylfuse.StateError, match="search a frame or points first"):
+        _ = detector.depth_moved
     detector.detect(frame)
     assert detector.is_complete is False
     detector.detect(make_frame())
     assert detector.is_complete is True
+    assert detector.depth_moved == (0, 0)
 
 
 def test_a_daemon_thread_in_a_search_does_not_abort_the_end() -> None:

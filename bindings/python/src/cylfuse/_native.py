@@ -159,6 +159,7 @@ def _load() -> Any:
         "cylfuse_detector_detect_points": (status, [detector, points]),
         "cylfuse_detector_count": (status, [detector, count]),
         "cylfuse_detector_is_complete": (status, [detector, POINTER(c_int32)]),
+        "cylfuse_detector_depth_moved": (status, [detector, POINTER(c_int32), POINTER(c_int32)]),
         "cylfuse_detector_detections": (status, [detector, *array]),
         "cylfuse_detector_get_result": (status, [detector, size, result]),
         "cylfuse_detector_get_cylinder": (status, [detector, size, estimate]),

@@ -155,6 +155,15 @@ class Detector(Calling):
         self._call(lib.cylfuse_detector_is_complete, byref(complete))
         return bool(complete.value)
 
+    @property
+    def depth_moved(self) -> tuple[int, int]:
+        """The columns (to the right) and rows (down) by which the depth of the frame was moved to where the image shows
+        the same bodies; zeros where it was not. Each result then has the warning ``DEPTH_SHIFTED``; labels and indices
+        are those of the depth as it was given."""
+        columns, rows = c_int32(), c_int32()
+        self._call(lib.cylfuse_detector_depth_moved, byref(columns), byref(rows))
+        return columns.value, rows.value
+
     def _list(self) -> list[Detection]:
         count = c_size_t()
         self._call(lib.cylfuse_detector_count, byref(count))

@@ -194,6 +194,20 @@ public final class Detector implements AutoCloseable {
     }
 
     /**
+     * Says by how many pixels the depth of the frame was moved to where the image shows the same bodies. Each result then
+     * has {@link ResultFlag#DEPTH_SHIFTED}; labels and indices are those of the depth as it was given.
+     *
+     * @return columns (to the right) and rows (down); zeros where it was not moved
+     * @throws CylfuseException BAD_STATE before the first search
+     */
+    public int[] depthMoved() {
+        IntByReference columns = new IntByReference();
+        IntByReference rows = new IntByReference();
+        handle.run(detector -> NativeFunctions.cylfuse_detector_depth_moved(detector, columns, rows));
+        return new int[] {columns.getValue(), rows.getValue()};
+    }
+
+    /**
      * Says for each pixel of the colour image, or each point of the cloud, the number of its cylinder from 1 on.
      *
      * @return the labels: 1 for the first detection, 0 = none

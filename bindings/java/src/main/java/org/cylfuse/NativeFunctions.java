@@ -306,6 +306,8 @@ final class NativeFunctions {
 
     static native int cylfuse_detector_is_complete(Pointer detector, IntByReference complete);
 
+    static native int cylfuse_detector_depth_moved(Pointer detector, IntByReference columns, IntByReference rows);
+
     static native int cylfuse_detector_detections(
             Pointer detector, Pointer out, long elementSize, long capacity, LongByReference count);
 

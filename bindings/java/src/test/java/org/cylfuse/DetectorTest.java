@@ -95,6 +95,7 @@ public class DetectorTest {
             assertFalse(detector.isComplete());
             detector.detect(pair);
             assertTrue(detector.isComplete());
+            assertArrayEquals(new int[] {0, 0}, detector.depthMoved());
         }
     }
 
