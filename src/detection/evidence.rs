@@ -3,7 +3,7 @@
 use super::candidate::{Candidate, Look, Marks, Scene, Sides};
 use super::distances::{self, LANES, Sight};
 use super::grid::Grid;
-use super::outline::{Beyond, Side};
+use super::outline::{Beyond, DRAWN_OUT, Side};
 use super::planes::PlaneSums;
 use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
@@ -66,6 +66,10 @@ const HOPELESS: f64 = -4.0;
 /// What rays see is looked at within this part of the radius: nearer to the limbs depth is drawn to what lies beside them.
 const SEEN_PART: f64 = 0.8;
 
+/// Edges along both sides of what has this radius in pixels or less may be those of a stripe on a smooth surface: filters of the depth
+/// smooth a step over half of it to either side of a limb.
+const WIDEST_STRIPE: f64 = 2.0 * DRAWN_OUT;
+
 /// A ray that is met with a cylinder takes as long as so many visits.
 const VISITS_OF_RAY: usize = 2;
 
@@ -116,8 +120,14 @@ impl Scene<'_> {
         let touched = |side: &Side| side.beyond == Beyond::Smooth && self.valley(&cylinder, side);
         let touched: List<bool> = sides.iter().map(touched).collect();
         self.effort.spend(sides.len());
-        let open =
-            sides.iter().zip(&touched).filter(|(side, touched)| side.beyond == Beyond::Smooth && !**touched);
+        // Nor does it where the image has an edge along the limb: filters of the depth smooth the step there. What is narrower
+        // than such a step may be a stripe.
+        let edges = support.as_ref().filter(|_| pixels > WIDEST_STRIPE);
+        let on_edge = |side: &Side| edges.is_some_and(|edges| edges.covers(side.sign, &side.ray));
+        let open = sides
+            .iter()
+            .zip(&touched)
+            .filter(|(side, touched)| side.beyond == Beyond::Smooth && !**touched && !on_edge(side));
         evidence.open_sides = open.count() as f64 / sides.len().max(1) as f64;
         // With an image edges tell whether the limbs are seen.
         let by_depth = self.image.is_none();

@@ -73,13 +73,25 @@ pub(super) struct ImageEdges {
 pub(super) struct Support {
     /// The part of each limb that edges cover: at the negative and the positive side of [`passes`].
     pub covered: [f64; 2],
+    /// The limbs, and the pieces of them that edges cover.
+    limbs: List<(Limb, u32)>,
     /// How long that is, in pixels.
     pub length: f64,
     /// Rays along them.
     pub tangents: List<Tangent>,
 }
 
+impl Support {
+    /// Whether an edge covers the limb on a side, −1 or 1, next to a ray.
+    pub fn covers(&self, sign: f64, ray: &Vector3<f64>) -> bool {
+        let side = usize::from(sign > 0.0);
+        let mut limbs = self.limbs.iter().filter(|(limb, _)| limb.side == side);
+        limbs.any(|(limb, pieces)| limb.piece_at(&ray.xy()).is_some_and(|k| pieces >> k & 1 == 1))
+    }
+}
+
 /// A limb of a cylinder on the plane z = 1.
+#[derive(Debug, Clone)]
 pub(super) struct Limb {
     pub start: Vector2<f64>,
     /// The directions along and across it, of length 1.
@@ -91,6 +103,12 @@ pub(super) struct Limb {
 }
 
 impl Limb {
+    /// The piece of it next to a place; `None` where that lies before its start or beyond its end.
+    fn piece_at(&self, place: &Vector2<f64>) -> Option<usize> {
+        let t = (place - self.start).dot(&self.along) / self.length * PIECES as f64;
+        (t >= 0.0 && t < PIECES as f64).then_some(t as usize)
+    }
+
     /// The pieces of it that an edge runs along, one bit each; `None` where it lies before its start or beyond its end.
     pub fn pieces(&self, edge: &Edge) -> Option<u32> {
         let mut range = edge.ends.map(|p| (p - self.start).dot(&self.along) / self.length);
@@ -161,6 +179,7 @@ impl ImageEdges {
             let covered = part(pieces);
             support.covered[limb.side] = covered;
             support.length += covered * limb.length / self.pixel;
+            support.limbs.push((limb, pieces));
         }
         Some(support)
     }

@@ -20,7 +20,13 @@ const VALLEY: f64 = 4.0;
 const TURN: f64 = 0.7;
 
 /// The pixels beyond the limb over which matching windows draw a body out: half of a window of 11.
-const DRAWN_OUT: f64 = 5.5;
+pub(super) const DRAWN_OUT: f64 = 5.5;
+
+/// Where filters smoothed the step from a body to what lies behind it, and it leads down by more than `STEP` radii, its foot is a valley
+/// up to `SMOOTHED` radii beyond the limb, and up to [`DRAWN_OUT`] pixels. Measured: docs/measurements-detection.md, "Depth that filters
+/// smoothed".
+const SMOOTHED: f64 = 0.25;
+const STEP: f64 = 0.5;
 
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -266,7 +272,9 @@ impl Scene<'_> {
             count += 1;
         }
         // The bottom is known to a cell.
-        let outmost = 1.0 + grid.spacing * cell.point.z / cylinder.radius;
+        let one_cell = grid.spacing * cell.point.z / cylinder.radius;
+        let smoothed = SMOOTHED.min(DRAWN_OUT * one_cell / grid.side as f64).max(one_cell);
+        let outmost = |fall: f64| 1.0 + if fall > STEP * cylinder.radius { smoothed } else { one_cell };
         let deep = VALLEY * facing * cell.sigma;
         let mut ends = (2..count).flat_map(|last| (0..last - 1).map(move |first| [first, last]));
         ends.any(|[first, last]| {
@@ -276,7 +284,7 @@ impl Scene<'_> {
             let slope = |a: usize, b: usize| (profile[b] - profile[a]).y.atan2((profile[b] - profile[a]).x);
             below > deep
                 && bottom + 1 >= here
-                && across[bottom] <= outmost
+                && across[bottom] <= outmost(profile[here].y - profile[bottom].y)
                 && slope(bottom, last) - slope(first, bottom) > TURN
         })
     }
