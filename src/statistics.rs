@@ -219,6 +219,9 @@ fn number(bits: u64) -> f64 {
 /// The numbers that have so many below them and so many above.
 pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     let count = numbers.len();
+    if outer < FEW_OUTER {
+        return few_outer(numbers, outer);
+    }
     let all = || at_places(numbers.iter().copied(), [outer, count - 1 - outer]);
     // Their place in a sample, with three standard deviations of that.
     let place = outer as f64 * SAMPLE as f64 / count as f64;
@@ -243,6 +246,35 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     };
     let nth = |numbers: &mut [f64], place: usize| *numbers.select_nth_unstable_by(place, f64::total_cmp).1;
     [nth(&mut lowest, outer), nth(&mut highest, last)]
+}
+
+/// Fewer outer numbers than this are kept in their order while all are gone through.
+const FEW_OUTER: usize = 24;
+
+/// The numbers that have so few below them and so few above.
+fn few_outer(numbers: &[f64], outer: usize) -> [f64; 2] {
+    let (mut least, mut most) = ([f64::INFINITY; FEW_OUTER], [f64::INFINITY; FEW_OUTER]);
+    for block in numbers.chunks(16) {
+        // Most blocks have none of them.
+        let [low, high] = ends_of(block);
+        if low < least[outer] {
+            block.iter().for_each(|number| insert(&mut least[..=outer], *number));
+        }
+        if -high < most[outer] {
+            block.iter().for_each(|number| insert(&mut most[..=outer], -number));
+        }
+    }
+    [least[outer], -most[outer]]
+}
+
+/// Puts a number into its place in an ordered list of the least ones.
+fn insert(least: &mut [f64], number: f64) {
+    let last = least.len() - 1;
+    if number < least[last] {
+        let place = least.partition_point(|other| *other <= number);
+        least.copy_within(place..last, place + 1);
+        least[place] = number;
+    }
 }
 
 /// Numbers of a sample, which tells about where another one is.
