@@ -359,9 +359,8 @@ fn clouds_are_searched_like_images() {
         points.push(depth.depth(column, row).map_or([f64::NAN; 3], |z| (ray * z).into()));
     }
     let detect = |points: &[[f64; 3]]| {
-        let (view, taken) = (PointsView::from_f64(points), vec![0; points.len()]);
-        let options = DetectionOptions::default();
-        detect_points_until(&view, &taken, &mut Looks::default(), &options, &|| false).unwrap()
+        let (view, options) = (PointsView::from_f64(points), DetectionOptions::default());
+        detect_points_until(&view, &mut Looks::default(), &options, &|| false).unwrap()
     };
     let found = detect(&points).unwrap();
     assert_eq!(found.cylinders.len(), 1, "{:?}", found.cylinders);
@@ -369,8 +368,6 @@ fn clouds_are_searched_like_images() {
     assert_eq!(found.labels.len(), points.len());
     assert_eq!(found.labels.iter().filter(|&&label| label == 1).count(), found.cylinders[0].pixels);
     for bad in [&[][..], &[[f64::NAN; 3]; 100], &[[1.0, 2.0, 3.0]; 100], &[[1e300, -1e300, 1e-300]; 60]] {
-        assert!(
-            detect(bad).is_none_or(|found| found.cylinders.is_empty() && found.labels.len() == bad.len())
-        );
+        assert!(detect(bad).is_none_or(|found| found.cylinders.is_empty() && found.labels.is_empty()));
     }
 }

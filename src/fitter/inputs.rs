@@ -177,7 +177,11 @@ impl Fitter {
     }
 
     /// The same for points with these numbers in place of a mask: see [`PointCloud::push_numbered`].
-    pub(crate) fn push_numbered(&mut self, points: &PointsView<'_>, numbers: &[usize]) -> Result<()> {
+    pub(crate) fn push_numbered(
+        &mut self,
+        points: &PointsView<'_>,
+        numbers: impl ExactSizeIterator<Item = usize>,
+    ) -> Result<()> {
         self.view_mut().cloud.push_numbered(points, numbers)
     }
 

@@ -26,7 +26,7 @@ pub use image::GreyImage;
 pub use mask::Mask;
 use nalgebra::Vector2;
 pub(crate) use points::check_weights;
-pub(crate) use points::{ENOUGH, are_many};
+pub(crate) use points::{ENOUGH, are_many, spread};
 pub use points::{Offsets, PointCloud};
 pub(crate) use reduced::Squares;
 pub use reduced::{ReducedImage, from_reduced};

@@ -11,7 +11,7 @@ use super::views::PointsView;
 use crate::error::{Error, Result, reserve};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
-pub(crate) use part::{ENOUGH, are_many};
+pub(crate) use part::{ENOUGH, are_many, spread};
 use pulp::Arch;
 use sums::{Along, Moments};
 
@@ -255,13 +255,19 @@ impl PointCloud {
     ///
     /// # Errors
     /// `EmptyMask` for none, else as [`PointCloud::push_points`].
-    pub(crate) fn push_numbered(&mut self, view: &PointsView<'_>, numbers: &[usize]) -> Result<()> {
+    pub(crate) fn push_numbered(
+        &mut self,
+        view: &PointsView<'_>,
+        numbers: impl ExactSizeIterator<Item = usize>,
+    ) -> Result<()> {
         let (width, height) = (view.width(), view.height());
-        if numbers.is_empty() {
+        if numbers.len() == 0 {
             return Err(Error::EmptyMask { width, height });
         }
-        let pixels = numbers.iter().map(|number| (number % width, number / width));
-        self.push_some(view, Some((numbers.len(), pixels)))
+        let count = numbers.len();
+        // Most clouds are a single row, and a division takes longer than all else that is done with a point.
+        let place = |number| if height == 1 { (number, 0) } else { (number % width, number / width) };
+        self.push_some(view, Some((count, numbers.map(place))))
     }
 
     /// Copies the usable points of so many pixels, or of all.

@@ -9,6 +9,7 @@ use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, 
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
+use crate::memory::apart;
 use crate::observations::{Frame, MaskView, PointsView};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
@@ -88,22 +89,17 @@ impl<'a> Fits<'a> {
     }
 
     /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
-    /// over the points that are not `taken`.
+    /// over the points that belong to no other yet.
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
         looks: &Looks,
-        taken: &[u16],
         task: &Task,
         share: Option<&Share<'_>>,
     ) -> Result<Box<Found>> {
         let mut detection = self.seen.cylinders[task.cylinder];
-        let (width, _) = self.size;
-        let place = |k: usize| points.points.at(k % width, k / width);
-        let places_of = |region: &[usize]| region.iter().map(|&k| place(k)).collect::<Vec<Vector3<f64>>>();
-        let number = |k: usize| looks.part().map_or(k, |part| part[k] as usize);
-        let mut region: Vec<usize> = indices_of(&self.seen.labels, task.cylinder).map(number).collect();
-        let mut places = places_of(&region);
+        let of_look = indices_of(&self.seen.labels, task.cylinder);
+        let mut region: Vec<u32> = of_look.map(|k| looks.in_all(k)).collect();
         // With very many points each step takes as long as several of a fit.
         let check = |iterations| match share {
             Some(share) if share.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
@@ -112,41 +108,44 @@ impl<'a> Fits<'a> {
         let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
-            let Some(all) = looks.places() else { break };
             let few = thinned(&region);
             let seen = Detection { pixels: few.len(), ..detection };
-            let fit = self.of_region(points, (&few, &places_of(&few)), &seen, share)?;
+            let fit = self.of_region(points, looks, &few, &seen, share)?;
             let cylinder = fit.1.cylinder;
             last = Some(fit);
-            let of_use = |&k: &usize| taken[k] == 0 && points.weight(k % width, k / width) > 0.0;
-            let reach = reach_of(&cylinder, &places);
-            let free = all.near(&cylinder, reach).filter(of_use).map(|k| (k, place(k)));
-            let next = grown(&cylinder, reach, &places, free);
+            // A body may have many points, for which no memory is kept.
+            let next = apart(|| {
+                let reach = reach_of(&cylinder, places_of(looks, &region));
+                grown(&cylinder, reach, places_of(looks, &region), looks.near(&cylinder, reach))
+            });
             check(0)?;
             detection.cylinder = cylinder;
             if next.len() < FEWEST {
                 break;
             }
             let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
-            places = places_of(&next);
             region = next;
             detection.pixels = region.len();
             if settled {
                 break;
             }
         }
-        let is_one = self.seen.whole || is_round(&detection.cylinder, &places);
+        let is_one = self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
         check(0)?;
         // What is none has a score of 0. It needs no fit to all of its points but where that is enough to be returned.
         let is_returned = is_one || self.options.search.min_score == 0.0;
-        let (fitter, result) = match last {
-            Some(fit) if !is_returned => fit,
-            _ => self.of_region(points, (&region, &places), &detection, share)?,
-        };
+        if let Some((fitter, result)) = last
+            && !is_returned
+        {
+            let mut none = found(*fitter, detection.evidence, &detection, result);
+            none.score = 0.0;
+            return Ok(none);
+        }
+        let (fitter, result) = self.of_region(points, looks, &region, &detection, share)?;
         check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = Box::new(self.fitter()?);
-        whole.push_numbered(points, &region)?;
+        whole.push_numbered(points, region.iter().map(|&k| looks.given(k)))?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
         let mut found = found(*fitter, evidence, &detection, result);
@@ -155,21 +154,22 @@ impl<'a> Fits<'a> {
         Ok(found)
     }
 
-    /// The fit of a region of a cloud, with the numbers and places of its points.
+    /// The fit of a region of a cloud, by the numbers of its points.
     fn of_region(
         &self,
         points: &PointsView<'_>,
-        (region, places): (&[usize], &[Vector3<f64>]),
+        looks: &Looks,
+        region: &[u32],
         detection: &Detection,
         share: Option<&Share<'_>>,
     ) -> Result<(Box<Fitter>, FitResult)> {
-        let fit = |chosen: &[usize]| {
+        let fit = |chosen: &[u32]| {
             let mut fitter = Box::new(self.fitter()?);
-            fitter.push_numbered(points, chosen)?;
+            fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };
-        let middle = |cylinder: &Cylinder| self.middle(region, places, cylinder);
+        let middle = |cylinder: &Cylinder| self.middle(looks, region, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
         // Which points lie in the middle follows from the radius.
@@ -184,16 +184,16 @@ impl<'a> Fits<'a> {
         Ok((fitter, result))
     }
 
-    /// The points of a region, by their numbers and places, between the parts next to the limbs, which structured light and
+    /// The points of a region, by their numbers, between the parts next to the limbs, which structured light and
     /// stereo draw out; `None` where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and
     /// where little or less than half of the region would be left.
-    fn middle(&self, region: &[usize], places: &[Vector3<f64>], cylinder: &Cylinder) -> Option<Vec<usize>> {
+    fn middle(&self, looks: &Looks, region: &[u32], cylinder: &Cylinder) -> Option<Vec<u32>> {
         if !self.seen.from_origin || cylinder.contains_origin() {
             return None;
         }
         let band = Band::new(cylinder, MIDDLE);
-        let inner = region.iter().zip(places).filter(|(_, place)| band.contains(place));
-        let middle: Vec<usize> = inner.map(|(&k, _)| k).collect();
+        let inner = region.iter().copied().filter(|&k| band.contains(&looks.place(k)));
+        let middle: Vec<u32> = inner.collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
 
@@ -313,8 +313,13 @@ fn told_twice(result: &FitResult) -> bool {
 }
 
 /// Points of a region, spread over all of it, that lead to its body.
-fn thinned(region: &[usize]) -> Vec<usize> {
+fn thinned(region: &[u32]) -> Vec<u32> {
     region.iter().copied().step_by(region.len().div_ceil(ENOUGH).max(1)).collect()
+}
+
+/// Where the points of a region lie.
+fn places_of(looks: &Looks, region: &[u32]) -> impl ExactSizeIterator<Item = Vector3<f64>> + Clone {
+    region.iter().map(|&k| looks.place(k))
 }
 
 /// Standard deviation of the radius as a part of it, infinite where it is not known.
@@ -351,7 +356,7 @@ const FEWEST: usize = 50;
 const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
-const ENOUGH: usize = 10_000;
+const ENOUGH: usize = 2_500;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;

@@ -58,6 +58,11 @@ impl Slice {
         self.directions += direction;
     }
 
+    fn join(&mut self, other: &Self) {
+        self.count += other.count;
+        self.directions += other.directions;
+    }
+
     /// How far the directions are spread: 0 on a line along the surface, 1 all around.
     fn spread(&self) -> f64 {
         1.0 - self.directions.norm() / self.count.max(1.0)
@@ -65,8 +70,8 @@ impl Slice {
 }
 
 /// How far from the surface of a cylinder that was fitted to a region the points of its body lie.
-pub(super) fn reach_of(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
-    reach(cylinder, region.iter().copied()).min(MOST_REACH * cylinder.radius)
+pub(super) fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
+    reach(cylinder, region).min(MOST_REACH * cylinder.radius)
 }
 
 /// The points within a reach of the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may
@@ -74,23 +79,34 @@ pub(super) fn reach_of(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
 pub(super) fn grown(
     cylinder: &Cylinder,
     reach: f64,
-    region: &[Vector3<f64>],
-    points: impl Iterator<Item = (usize, Vector3<f64>)>,
-) -> Vec<usize> {
-    let mut of_region: Vec<i64> = region.iter().map(|point| slice_of(cylinder, point)).collect();
+    region: impl Iterator<Item = Vector3<f64>>,
+    points: impl Iterator<Item = (u32, Vector3<f64>)>,
+) -> Vec<u32> {
+    let mut of_region: Vec<i64> = region.map(|point| slice_of(cylinder, &point)).collect();
     of_region.sort_unstable();
     let stray = of_region.len() / STRAY;
     let [first, last] = [of_region[stray], of_region[of_region.len() - 1 - stray]];
+    drop(of_region);
     let mut slices: BTreeMap<i64, Slice> = BTreeMap::new();
-    let on_surface: Vec<(usize, i64)> = {
-        let near = points.filter(|(_, point)| cylinder.distance(point).abs() <= reach);
-        near.map(|(k, point)| {
-            let slice = slice_of(cylinder, &point);
-            slices.entry(slice).or_default().add(&outward(cylinder, &point));
-            (k, slice)
-        })
-        .collect()
-    };
+    // Runs of points in one slice: those that follow each other lie near each other.
+    let (mut on_surface, mut runs): (Vec<u32>, Vec<(i64, usize)>) = (Vec::new(), Vec::new());
+    let mut of_run = Slice::default();
+    for (k, point) in points.filter(|(_, point)| cylinder.distance(point).abs() <= reach) {
+        let slice = slice_of(cylinder, &point);
+        match runs.last_mut() {
+            Some((last, _)) if *last != slice => {
+                slices.entry(*last).or_default().join(&std::mem::take(&mut of_run));
+                runs.push((slice, on_surface.len()));
+            }
+            Some(_) => {}
+            None => runs.push((slice, 0)),
+        }
+        of_run.add(&outward(cylinder, &point));
+        on_surface.push(k);
+    }
+    if let Some((last, _)) = runs.last() {
+        slices.entry(*last).or_default().join(&of_run);
+    }
     let own = || slices.range(first..=last).map(|(_, slice)| slice);
     let typical = median(&mut own().map(|slice| slice.count).collect::<Vec<f64>>());
     let spread = median(&mut own().map(Slice::spread).collect::<Vec<f64>>());
@@ -107,21 +123,35 @@ pub(super) fn grown(
     };
     follow(&mut slices.range((Bound::Excluded(last), Bound::Unbounded)));
     follow(&mut slices.range(..first).rev());
-    on_surface.into_iter().filter(|(_, slice)| body.contains(slice)).map(|(k, _)| k).collect()
+    // Those of the body move to the front.
+    let mut count = 0;
+    for (index, (slice, begin)) in runs.iter().enumerate() {
+        let end = runs.get(index + 1).map_or(on_surface.len(), |(_, next)| *next);
+        if body.contains(slice) {
+            on_surface.copy_within(*begin..end, count);
+            count += end - begin;
+        }
+    }
+    on_surface.truncate(count);
+    on_surface
 }
 
 /// Whether points lie on a cylinder, and neither on planes that meet in an edge or pass it by nor on anything else: they scatter by little,
 /// what is left of them is noise but for less, and they bend by more than that.
-pub(super) fn is_round(cylinder: &Cylinder, region: &[Vector3<f64>]) -> bool {
-    let scatter = DEVIATION_OF_MEDIAN * median_size(region.iter().map(|point| cylinder.distance(point)));
+pub(super) fn is_round(
+    cylinder: &Cylinder,
+    region: impl ExactSizeIterator<Item = Vector3<f64>> + Clone,
+) -> bool {
+    let distances = region.clone().map(|point| cylinder.distance(&point));
+    let scatter = DEVIATION_OF_MEDIAN * median_size(distances);
     scatter <= MOST_SCATTER * cylinder.radius
+        && bend(cylinder, region.clone()) >= LEAST_BEND * scatter
         && misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius
-        && bend(cylinder, region) >= LEAST_BEND * scatter
 }
 
 /// The standard deviation of the residuals of points beyond their noise: of their means over patches of the surface, where the points of
 /// one patch tell the noise.
-fn misfit(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
+fn misfit(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
     let (x, y) = any_orthogonal(&cylinder.axis.direction);
     let patch_of = |point: &Vector3<f64>| {
         let outward = outward(cylinder, point);
@@ -130,8 +160,8 @@ fn misfit(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
     };
     let mut patches: BTreeMap<(i64, i64), [f64; 3]> = BTreeMap::new();
     for point in region {
-        let residual = cylinder.distance(point);
-        let [count, sum, squares] = patches.entry(patch_of(point)).or_default();
+        let residual = cylinder.distance(&point);
+        let [count, sum, squares] = patches.entry(patch_of(&point)).or_default();
         (*count, *sum, *squares) = (*count + 1.0, *sum + residual, *squares + residual * residual);
     }
     // Sums of squares of the means of patches, and of their points about these.
@@ -149,12 +179,12 @@ fn misfit(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
 
 /// By how much the nearer half of the points about the middle of an arc bends away from its tangent: what is flat does by no more than it
 /// scatters.
-fn bend(cylinder: &Cylinder, region: &[Vector3<f64>]) -> f64 {
-    let middle = region.iter().map(|point| outward(cylinder, point)).sum::<Vector3<f64>>();
+fn bend(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>> + Clone) -> f64 {
+    let middle = region.clone().map(|point| outward(cylinder, &point)).sum::<Vector3<f64>>();
     // All around there is none.
     let middle = middle.try_normalize(0.0).unwrap_or_default();
-    let depth = |point: &Vector3<f64>| cylinder.radius * (1.0 - middle.dot(&outward(cylinder, point)));
-    let mut depths: Vec<f64> = region.iter().map(depth).collect();
+    let depth = |point: Vector3<f64>| cylinder.radius * (1.0 - middle.dot(&outward(cylinder, &point)));
+    let mut depths: Vec<f64> = region.map(depth).collect();
     median(&mut depths)
 }
 
@@ -191,14 +221,16 @@ mod tests {
             points.push(Vector3::new(x, 1.0, z));
         }
         points.extend(half(-6.0, -4.0, 0.01).iter().map(|p| Vector3::new(1.2 * p.x, 1.2 * p.y, p.z)));
-        let reach = reach_of(&cylinder(), &region);
-        let grown = grown(&cylinder(), reach, &region, points.iter().copied().enumerate());
-        assert_eq!(grown, (0..own).collect::<Vec<usize>>());
+        let reach = reach_of(&cylinder(), region.iter().copied());
+        let grown = grown(&cylinder(), reach, region.iter().copied(), (0..).zip(points.iter().copied()));
+        assert_eq!(grown, (0..own as u32).collect::<Vec<u32>>());
     }
 
     #[test]
     fn round_is_what_bends_by_more_than_its_noise_and_fits() {
-        let round = |points: &[Vector3<f64>]| is_round(&cylinder(), points);
+        let round = |points: &[Vector3<f64>]| is_round(&cylinder(), points.iter().copied());
+        let misfit = |points: &[Vector3<f64>]| misfit(&cylinder(), points.iter().copied());
+        let bend = |points: &[Vector3<f64>]| bend(&cylinder(), points.iter().copied());
         assert!(round(&half(0.0, 2.0, 0.0)));
         assert!(round(&half(0.0, 2.0, 0.05)));
         // An ellipse.
@@ -216,11 +248,11 @@ mod tests {
                 })
             })
             .collect();
-        assert!(misfit(&cylinder(), &filled) < OUT_OF_ROUND && bend(&cylinder(), &filled) > 0.25);
+        assert!(misfit(&filled) < OUT_OF_ROUND && bend(&filled) > 0.25);
         assert!(!round(&filled));
         // A strip that bends by less than its noise.
         let strip = half(0.0, 2.0, 0.02).into_iter().filter(|p| p.x.abs() < 0.2).collect::<Vec<_>>();
-        assert!(misfit(&cylinder(), &strip) < OUT_OF_ROUND);
+        assert!(misfit(&strip) < OUT_OF_ROUND);
         assert!(!round(&strip));
     }
 }

@@ -273,16 +273,18 @@ impl Detector {
         // Rows of no points are as many as the caller likes.
         let (mut looks, mut more) = (Looks::default(), count > 0);
         while more {
-            let seen = self.search(observer, |stopped| {
-                detect_points_until(points, &scene.labels, &mut looks, &search, stopped)
-            })?;
+            let seen =
+                self.search(observer, |stopped| detect_points_until(points, &mut looks, &search, stopped))?;
             scene.complete &= !seen.as_ref().is_some_and(|seen| seen.cut_short);
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
-                let found = self.fit_all(fits, observer, |fits, task, share| {
-                    fits.of_points(points, &looks, &scene.labels, task, share)
-                })?;
-                scene.add(found);
+                let fit = || {
+                    self.fit_all(fits, observer, |fits, task, share| {
+                        fits.of_points(points, &looks, task, share)
+                    })
+                };
+                let found = if looks.is_large() { apart(fit) } else { fit() }?;
+                scene.add(found, &mut looks);
             }
             more = looks.go_on(!scene.cylinders.is_empty());
         }

@@ -2,7 +2,7 @@
 
 use super::check_memory;
 use super::labels::{indices_of, mask_of, renumber};
-use crate::detection::Evidence;
+use crate::detection::{Evidence, Looks};
 use crate::error::{Error, Result};
 use crate::extent::{ArcSample, Extent};
 use crate::fitter::{FitResult, Fitter, LimbObservation, Options};
@@ -28,8 +28,8 @@ pub struct Found {
     pub arcs: [Vec<ArcSample>; 2],
     /// The fit, without its mask: the labels have that.
     pub(super) fitter: Fitter,
-    /// The points of the body of a cloud; of no use once they have their label.
-    pub(super) region: Vec<usize>,
+    /// The points of the body of a cloud, by their numbers in its looks; of no use once they have their label.
+    pub(super) region: Vec<u32>,
 }
 
 impl Found {
@@ -97,10 +97,10 @@ impl Scene {
 
     /// Adds what another look has shown at the points that have no label yet. A body most of whose points others have is a part of
     /// one of these.
-    pub(super) fn add(&mut self, other: Self) {
+    pub(super) fn add(&mut self, other: Self, looks: &mut Looks) {
         for mut found in other.cylinders {
             let region = std::mem::take(&mut found.region);
-            let own = region.iter().filter(|&&k| self.labels[k] == 0).count();
+            let own = region.iter().filter(|&&k| self.labels[looks.given(k)] == 0).count();
             // Labels have 16 bits.
             let Ok(label) = u16::try_from(self.cylinders.len() + 1) else {
                 self.complete = false;
@@ -112,9 +112,11 @@ impl Scene {
             found.pixels = own;
             self.cylinders.push(found);
             region.into_iter().for_each(|k| {
-                if self.labels[k] == 0 {
-                    self.labels[k] = label;
+                let given = looks.given(k);
+                if self.labels[given] == 0 {
+                    self.labels[given] = label;
                 }
+                looks.remove(k);
             });
         }
         self.complete &= other.complete;

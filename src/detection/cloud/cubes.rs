@@ -1,145 +1,185 @@
-//! Cubes of space about the points of a cloud.
+//! A cloud in cubes: what is near lies one after the other.
 
+use super::points::Points;
 use super::{Asked, BETWEEN_QUESTIONS, STRAY};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
 use crate::statistics::at_both_ends;
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// The box of the points of a cloud, but for single ones far away.
+/// So many cubes along the longest side of a cloud, as a power of 2. Tiles of all levels have borders of cubes for borders.
+const FINE: u32 = super::looks::LEVELS + 1;
+
+/// Cubes beyond the box of a cloud to each side: as many as the largest tiles lie over it.
+const MARGIN: u32 = 1 << (FINE - 2);
+
+/// Cubes along each axis.
+const COUNT: u32 = (1 << FINE) + 2 * MARGIN;
+
+/// The number of no cube.
+const NONE: u32 = COUNT.pow(3);
+
+/// Fewest points of a tile: fewer show no body.
+const FEWEST: usize = 500;
+
+/// A grid of cubes about the box of the points of a cloud, but for single ones far away.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
+struct Cubes {
     low: Vector3<f64>,
-    /// The longest side.
-    size: f64,
-}
-
-/// Cubes that a box is cut into, laid half an edge off it: no border is one with edges half as long.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cubes {
-    bounds: Bounds,
     edge: f64,
-    /// How many along each axis.
-    count: usize,
 }
 
-/// All points of a cloud, in rows.
-pub(super) fn all<'a>(points: &PointsView<'a>) -> impl Iterator<Item = Vector3<f64>> + 'a {
-    let (width, height, points) = (points.width(), points.height(), points.points);
-    (0..height).flat_map(move |row| (0..width).map(move |column| points.at(column, row)))
-}
-
-impl Bounds {
+impl Cubes {
     /// `None` where there are no points, or all at one place.
-    pub fn of(points: &PointsView<'_>, asked: &Asked<'_>) -> Result<Option<Self>> {
+    fn about(points: &Points, asked: &Asked<'_>) -> Result<Option<Self>> {
         let (mut low, mut size) = (Vector3::zeros(), 0.0_f64);
-        for axis in 0..3 {
+        for (axis, low) in points.axes.iter().zip(&mut low) {
             asked()?;
-            let values: Vec<f64> = all(points).map(|point| point[axis]).filter(|x| x.is_finite()).collect();
+            let values: Vec<f64> = axis.iter().filter(|x| !x.is_nan()).map(|x| f64::from(*x)).collect();
             if values.is_empty() {
                 return Ok(None);
             }
             asked()?;
             let [first, last] = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
-            low[axis] = first;
+            *low = first;
             size = size.max(last - first);
         }
-        Ok((size > 0.0).then_some(Self { low, size }))
+        Ok((size > 0.0).then(|| Self { low: points.origin + low, edge: size / f64::from(1_u32 << FINE) }))
     }
 
-    /// Cubes with edges of 2^-level of the longest side.
-    pub fn cubes(&self, level: u32) -> Cubes {
-        let parts = 1_usize << level;
-        Cubes { bounds: *self, edge: self.size / parts as f64, count: parts + 1 }
+    /// The number of the cube of a point, [`NONE`] outside.
+    fn number(&self, point: &Vector3<f64>) -> u32 {
+        let at = ((point - self.low) / self.edge).add_scalar(f64::from(MARGIN));
+        let inside = at.iter().all(|x| (0.0..f64::from(COUNT)).contains(x));
+        if inside { at.iter().fold(0, |number, x| number * COUNT + *x as u32) } else { NONE }
+    }
+
+    fn place(number: u32) -> [u32; 3] {
+        [number / (COUNT * COUNT), number / COUNT % COUNT, number % COUNT]
+    }
+
+    fn middle(&self, number: u32) -> Vector3<f64> {
+        let place = Vector3::from(Self::place(number)).map(|k| f64::from(k) - f64::from(MARGIN) + 0.5);
+        self.low + self.edge * place
+    }
+
+    /// The tile in which a cube lies, an edge of a tile being 2^-level of the longest side. They are laid half an edge off the box: no
+    /// border is one of the next level.
+    fn tile(number: u32, level: u32) -> Option<[u32; 3]> {
+        if number == NONE {
+            return None;
+        }
+        let edge = 1 << (FINE - level);
+        let tile = Self::place(number).map(|k| (k + edge / 2).checked_sub(MARGIN).map(|k| k / edge));
+        let [Some(x), Some(y), Some(z)] = tile else { return None };
+        [x, y, z].iter().all(|k| *k <= 1 << level).then_some([x, y, z])
     }
 }
 
-impl Cubes {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.count.pow(3)
-    }
-
-    /// The number of the cube of a point; `None` outside.
-    pub fn number(&self, point: &Vector3<f64>) -> Option<usize> {
-        let at = ((point - self.bounds.low) / self.edge).add_scalar(0.5);
-        let inside = at.iter().all(|x| (0.0..self.count as f64).contains(x));
-        inside.then(|| at.iter().fold(0, |number, x| number * self.count + *x as usize))
-    }
-
-    fn middle(&self, number: usize) -> Vector3<f64> {
-        let count = self.count;
-        let place = Vector3::new(number / (count * count), number / count % count, number % count);
-        self.bounds.low + self.edge * place.map(|k| k as f64)
-    }
-}
-
-/// So many cubes along the longest side, as a power of 2: it matters to time alone.
-const FINE: u32 = 5;
-
-/// The points of a cloud cube by cube: what is near a surface is found without a look at all of them.
+/// The cubes of a cloud that have points, and which.
 #[derive(Debug)]
-pub(crate) struct Places {
+pub(super) struct Order {
     cubes: Cubes,
-    /// The numbers of the points of one cube after the other; at the end those that lie in none.
-    numbers: Vec<u32>,
-    /// Where the numbers of each cube begin, those of no cube last, and where all end.
-    firsts: Vec<u32>,
+    /// The number of each cube and its first point; the last, beyond all points, ends the one before.
+    firsts: Vec<(u32, u32)>,
+    /// The numbers that points have for the caller.
+    pub numbers: Vec<u32>,
 }
 
-impl Places {
-    pub(super) fn of(points: &PointsView<'_>, bounds: &Bounds, asked: &Asked<'_>) -> Result<Self> {
-        let cubes = bounds.cubes(FINE);
-        let mut of_points = Vec::with_capacity(points.width() * points.height());
-        // Where those of each cube end.
-        let mut firsts = vec![0_u32; cubes.len() + 1];
-        for (k, point) in all(points).enumerate() {
-            if k % BETWEEN_QUESTIONS == 0 {
-                asked()?;
+impl Order {
+    /// The order of points of the caller's, and these in it, where they do not lie all at one place. What is far away or of no use comes
+    /// last.
+    pub fn of(view: &PointsView<'_>, points: Points, asked: &Asked<'_>) -> Result<(Option<Self>, Points)> {
+        let Some(cubes) = Cubes::about(&points, asked)? else { return Ok((None, points)) };
+        let count = points.len();
+        // Much memory in a large cloud.
+        drop(points);
+        let (width, height) = (view.width(), view.height());
+        let mut of_points = Vec::with_capacity(count);
+        let mut ends = vec![0_u32; NONE as usize + 1];
+        for row in 0..height {
+            for column in 0..width {
+                if of_points.len().is_multiple_of(BETWEEN_QUESTIONS) {
+                    asked()?;
+                }
+                let cube = cubes.number(&view.points.at(column, row));
+                ends[cube as usize] += 1;
+                of_points.push(cube);
             }
-            let cube = cubes.number(&point).unwrap_or(cubes.len()) as u32;
-            firsts[cube as usize] += 1;
-            of_points.push(cube);
         }
+        let mut firsts: Vec<(u32, u32)> = Vec::new();
         let mut end = 0;
-        for first in &mut firsts {
-            end += *first;
-            *first = end;
+        for (cube, points) in (0..).zip(&mut ends) {
+            if *points > 0 {
+                firsts.push((cube, end));
+            }
+            end += *points;
+            *points = end;
         }
+        firsts.push((NONE + 1, end));
         asked()?;
-        let mut numbers = vec![0; of_points.len()];
+        let mut numbers = vec![0; count];
         for (k, cube) in of_points.iter().enumerate().rev() {
-            let first = &mut firsts[*cube as usize];
-            *first -= 1;
-            numbers[*first as usize] = k as u32;
+            let end = &mut ends[*cube as usize];
+            *end -= 1;
+            numbers[*end as usize] = k as u32;
         }
-        firsts.push(end);
-        Ok(Self { cubes, numbers, firsts })
+        drop((of_points, ends));
+        let mut points = Points::with_room(cubes.low, count)?;
+        for numbers in numbers.chunks(BETWEEN_QUESTIONS) {
+            asked()?;
+            for &number in numbers {
+                let number = number as usize;
+                let (column, row) = if height == 1 { (number, 0) } else { (number % width, number / width) };
+                points.push_given(view, column, row);
+            }
+        }
+        Ok((Some(Self { cubes, firsts, numbers }), points))
     }
 
-    /// The numbers of all points, and of some others, that lie within a reach of the surface of a cylinder, cube by cube.
+    /// The cubes that have points, with these.
+    fn filled(&self) -> impl Iterator<Item = (u32, Range<usize>)> {
+        self.firsts.windows(2).map(|two| (two[0].0, two[0].1 as usize..two[1].1 as usize))
+    }
+
+    /// The points of each tile of a level that has enough of them.
+    pub fn tiles(&self, level: u32) -> Vec<Vec<Range<usize>>> {
+        let mut tiles: BTreeMap<[u32; 3], Vec<Range<usize>>> = BTreeMap::new();
+        for (cube, range) in self.filled() {
+            let Some(tile) = Cubes::tile(cube, level) else { continue };
+            let ranges = tiles.entry(tile).or_default();
+            match ranges.last_mut() {
+                Some(last) if last.end == range.start => last.end = range.end,
+                _ => ranges.push(range),
+            }
+        }
+        let is_large = |ranges: &Vec<Range<usize>>| ranges.iter().map(Range::len).sum::<usize>() >= FEWEST;
+        tiles.into_values().filter(is_large).collect()
+    }
+
+    /// All points, and some others, that lie within a reach of the surface of a cylinder, cube by cube.
     pub fn near(&self, cylinder: &Cylinder, reach: f64) -> impl Iterator<Item = usize> + '_ {
         // Half the diagonal of a cube.
         let reach = reach + 0.5 * f64::sqrt(3.0) * self.cubes.edge;
         let cylinder = *cylinder;
-        let is_near = move |&number: &usize| {
-            let distance = cylinder.distance(&self.cubes.middle(number)).abs();
+        let is_near = move |cube: u32| {
+            let distance = cylinder.distance(&self.cubes.middle(cube)).abs();
             // It overflows where single points are so far away that cubes are as large as numbers go.
-            number == self.cubes.len() || distance <= reach || !distance.is_finite()
+            cube == NONE || distance <= reach || !distance.is_finite()
         };
-        let of_cube = |number: usize| self.firsts[number] as usize..self.firsts[number + 1] as usize;
-        let filled = (0..=self.cubes.len()).filter(move |&number| !of_cube(number).is_empty());
-        filled
-            .filter(is_near)
-            .flat_map(move |number| self.numbers[of_cube(number)].iter().map(|&k| k as usize))
+        self.filled().filter(move |(cube, _)| is_near(*cube)).flat_map(|(_, range)| range)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Error;
     use crate::geometry::Line;
+    use crate::statistics::ends;
 
     /// A cube of 30 × 30 × 30 points, one point far away and one that is none.
     fn cloud() -> Vec<[f64; 3]> {
@@ -149,35 +189,74 @@ mod tests {
         points
     }
 
+    fn order(points: &[[f64; 3]]) -> (Order, Points) {
+        let (view, asked) = (PointsView::from_f64(points), || Ok(()));
+        let (order, points) = Order::of(&view, Points::read(&view, &asked).unwrap(), &asked).unwrap();
+        (order.unwrap(), points)
+    }
+
+    #[test]
+    fn an_ordered_cloud_has_each_point_once() {
+        let given = cloud();
+        let (order, points) = order(&given);
+        assert_eq!((points.len(), points.usable), (given.len(), 27_001));
+        let mut numbers = order.numbers.clone();
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..given.len() as u32));
+        for (k, &number) in order.numbers.iter().enumerate().filter(|(k, _)| points.is_usable(*k)) {
+            assert!(
+                (points.place(k) - Vector3::from(given[number as usize])).norm()
+                    < 1e-5 * given[number as usize][0].abs().max(1.0)
+            );
+        }
+        let view = PointsView::from_f64(&given);
+        let read = Points::read(&view, &|| Ok(())).unwrap();
+        let cancelled = Order::of(&view, read, &|| Err(Error::Cancelled { iterations: 0 }));
+        assert!(matches!(cancelled, Err(Error::Cancelled { .. })));
+    }
+
     #[test]
     fn nothing_near_is_lost_where_distances_overflow() {
-        let mut points = cloud();
-        points.extend((0..300).map(|k| [if k % 2 == 0 { 1e200 } else { -0.7e200 }; 3]));
-        let view = PointsView::from_f64(&points);
-        let bounds = Bounds::of(&view, &|| Ok(())).unwrap().unwrap();
-        assert!(bounds.size > 1e200);
-        let places = Places::of(&view, &bounds, &|| Ok(())).unwrap();
+        let mut given = cloud();
+        given.extend((0..300).map(|k| [if k % 2 == 0 { 1e38 } else { -0.7e38 }; 3]));
+        let (order, points) = order(&given);
         let axis = Line { point: Vector3::new(3.0, 4.0, 5.0), direction: Vector3::new(0.6, 0.0, 0.8) };
-        let near = places.near(&Cylinder { axis, radius: 6.0 }, 0.5);
-        assert_eq!(near.filter(|&k| k < 27_000).count(), 27_000);
+        let near = order.near(&Cylinder { axis, radius: 6.0 }, 0.5);
+        assert_eq!(near.filter(|&k| order.numbers[k] < 27_000).count(), 27_000);
+        assert_eq!(points.usable, 27_301);
     }
 
     #[test]
     fn what_is_near_a_surface_is_in_the_cubes_next_to_it() {
-        let points = cloud();
-        let view = PointsView::from_f64(&points);
-        let bounds = Bounds::of(&view, &|| Ok(())).unwrap().unwrap();
-        assert!(bounds.size <= 30.0);
-        let places = Places::of(&view, &bounds, &|| Ok(())).unwrap();
+        let given = cloud();
+        let (order, points) = order(&given);
         let axis = Line { point: Vector3::new(3.0, 4.0, 5.0), direction: Vector3::new(0.6, 0.0, 0.8) };
         let cylinder = Cylinder { axis, radius: 6.0 };
-        let distance = |k: usize| cylinder.distance(&Vector3::from(points[k])).abs();
-        let mut near: Vec<usize> = places.near(&cylinder, 0.5).collect();
-        near.sort_unstable();
-        assert!(near.is_sorted_by(|a, b| a < b) && near.len() < points.len() / 3);
+        let distance = |k: usize| cylinder.distance(&points.place(k)).abs();
+        let near: Vec<usize> = order.near(&cylinder, 0.5).collect();
+        assert!(near.is_sorted_by(|a, b| a < b) && near.len() < given.len() / 3);
         let all = (0..points.len()).filter(|&k| distance(k) <= 0.5);
         assert!(all.clone().count() > 1000 && all.clone().all(|k| near.binary_search(&k).is_ok()));
         // A cube has a diagonal of less than 2.
-        assert!(near.iter().all(|&k| distance(k) <= 2.5 || k >= 27_000));
+        assert!(near.iter().all(|&k| distance(k) <= 2.5 || order.numbers[k] >= 27_000));
+    }
+
+    #[test]
+    fn each_point_is_in_one_tile_with_those_near_it() {
+        let (order, points) = order(&cloud()[..27_000]);
+        let tiles = order.tiles(1);
+        // The grid is half an edge off the box, which has 8, 14 and 8 points along a side of its tiles.
+        assert_eq!(tiles.len(), 27);
+        let mut counts = vec![0; points.len()];
+        for tile in &tiles {
+            let numbers = || tile.iter().cloned().flatten();
+            let range = |axis: usize| {
+                let [low, high] = ends(numbers().map(|k| points.at(k)[axis]));
+                high - low
+            };
+            assert!([0, 1, 2].into_iter().all(|axis| range(axis) <= 14.5));
+            numbers().for_each(|k| counts[k] += 1);
+        }
+        assert!(counts.iter().all(|count| *count == 1));
     }
 }

@@ -1,50 +1,70 @@
 //! What other points of a cloud hide: without a camera nothing else tells that a far wall shines through a near one.
 
-use super::Image;
+use super::Asked;
+use super::image::{Image, NOTHING, depth_of};
 use super::looks::LEAST_SIDE;
+use super::points::Points;
 use crate::detection::grid::STEEPEST;
+use crate::error::Result;
+
+/// Of two depths, none of which is no number.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
 
 impl Image {
     /// For each pixel the largest depth of a point on the surface that is nearest there or at a pixel beside it: what is farther by more
-    /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none. In single precision: a large
-    /// cloud has as many pixels as points.
-    fn reach(&self, depths: &[f64]) -> Vec<f32> {
-        let of_none = |k: u32| k as usize == depths.len() - 1;
-        let depth = |&k: &u32| if of_none(k) { f32::INFINITY } else { depths[k as usize] as f32 };
-        let mut rows: Vec<f32> = Vec::with_capacity(self.nearest.len());
-        let mut padded = vec![f32::INFINITY; self.width + 2];
-        for row in self.nearest.chunks_exact(self.width) {
-            padded[1..].iter_mut().zip(row.iter().map(depth)).for_each(|(padded, depth)| *padded = depth);
-            rows.extend(padded.windows(3).map(|three| three[0].min(three[1]).min(three[2])));
-        }
-        let factor = (1.0 + STEEPEST * LEAST_SIDE as f64 * self.spacing) as f32;
-        let row = |k: usize| &rows[k * self.width..(k + 1) * self.width];
-        let count = rows.len() / self.width;
-        let mut reach = Vec::with_capacity(rows.len());
-        for k in 0..count {
-            let beside = row(k.saturating_sub(1)).iter().zip(row((k + 1).min(count - 1)));
-            reach.extend(
-                row(k).iter().zip(beside).map(|(z, (above, below))| factor * z.min(*above).min(*below)),
-            );
+    /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none.
+    fn reach(&self) -> Vec<f32> {
+        let (width, height) = (self.raster.width, self.raster.height);
+        let factor = (1.0 + STEEPEST * LEAST_SIDE as f64 * self.raster.spacing) as f32;
+        // The least of each pixel and those beside it, of three rows.
+        let mut rows = [(); 3].map(|()| vec![f32::INFINITY; width]);
+        let mut padded = vec![f32::INFINITY; width + 2];
+        let mut read = |row: usize, least: &mut [f32]| {
+            padded[1..]
+                .iter_mut()
+                .zip(&self.nearest[row * width..(row + 1) * width])
+                .for_each(|(padded, seen)| *padded = depth_of(*seen));
+            let beside = padded[..width].iter().zip(&padded[1..]).zip(&padded[2..]);
+            for (least, ((left, middle), right)) in least.iter_mut().zip(beside) {
+                *least = lesser(lesser(*left, *middle), *right);
+            }
+        };
+        let mut reach = Vec::with_capacity(width * height);
+        read(0, &mut rows[1]);
+        for row in 0..height {
+            let [above, own, below] = &mut rows;
+            match row + 1 < height {
+                true => read(row + 1, below),
+                false => below.fill(f32::INFINITY),
+            }
+            let beside = above.iter().zip(&*own).zip(&*below);
+            reach.extend(beside.map(|((above, own), below)| factor * lesser(lesser(*above, *own), *below)));
+            rows.rotate_left(1);
         }
         reach
     }
 
-    /// How many points no others hide.
-    pub fn seen(&self, depths: &[f64]) -> usize {
-        let reach = self.reach(depths);
-        let seen = |pixel: u32, z: f64| reach.get(pixel as usize).is_some_and(|&reach| z <= f64::from(reach));
-        self.pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count()
+    /// How many of some points no others hide.
+    pub fn count_seen(&self, points: &Points, asked: &Asked<'_>) -> Result<usize> {
+        let reach = self.reach();
+        let mut count = 0;
+        self.raster.project(points, asked, |_, pixels, depths| {
+            let seen = |pixel: u32, z: f32| reach.get(pixel as usize).is_some_and(|reach| z <= *reach);
+            count += pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count();
+        })?;
+        Ok(count)
     }
 
     /// Empties the pixels that see something hidden: between the points of a near wall those of a far one shine through.
-    pub fn close(&mut self, depths: &[f64]) {
+    pub fn close(&mut self) {
         self.closed = true;
-        let reach = self.reach(depths);
-        let none = (depths.len() - 1) as u32;
-        for (k, reach) in self.nearest.iter_mut().zip(&reach) {
-            if depths[*k as usize] > f64::from(*reach) {
-                *k = none;
+        let reach = self.reach();
+        for (seen, reach) in self.nearest.iter_mut().zip(&reach) {
+            if depth_of(*seen) > *reach {
+                *seen = NOTHING;
             }
         }
     }

@@ -1,11 +1,16 @@
 //! The looks at a cloud: from where, at which part of it, and how finely.
 
 use super::super::grid::side_of_cells;
-use super::cubes::{Bounds, Places};
-use super::viewpoints::{Viewpoint, from_all_sides, of_origin};
-use super::{Asked, Cloud, FEWEST, tiles};
+use super::Asked;
+use super::cubes::Order;
+use super::image::FEWEST;
+use super::points::Points;
+use super::viewpoints::{Viewpoint, from_all_sides, of_origin, of_sensor};
 use crate::error::Result;
+use crate::geometry::Cylinder;
 use crate::observations::PointsView;
+use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Cells of a cloud take this many pixels to each side at least: with a point to a pixel, one in three is empty.
 pub(super) const LEAST_SIDE: usize = 3;
@@ -14,14 +19,21 @@ pub(super) const LEAST_SIDE: usize = 3;
 const FEW_CELLS: usize = 4_000;
 
 /// How often a cloud is cut into smaller tiles.
-const LEVELS: u32 = 4;
+pub(super) const LEVELS: u32 = 4;
 
 /// The sides that a tile is looked at from.
 const SIDES: usize = 6;
 
+/// The points of use of a tile, and their numbers in the cloud.
+#[derive(Debug, Default)]
+struct Tile {
+    points: Points,
+    numbers: Vec<u32>,
+}
+
 /// The looks at a cloud, one after the other: from its origin, and where that is not where all of it was seen from, from all sides, and
 /// from all sides of tiles of it, in which less hides the rest and pixels are as small as the points there allow.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Looks {
     /// From where the cloud, or the tile, is looked at.
     viewpoints: Vec<Viewpoint>,
@@ -38,86 +50,174 @@ pub(crate) struct Looks {
     /// How often the cloud is cut in halves; the whole of it is looked at first.
     level: u32,
     /// The points of the tiles of this level that are still to be looked at, the present one last.
-    tiles: Vec<Vec<u32>>,
+    tiles: Vec<Vec<Range<usize>>>,
     /// Whether the cloud has been cut into them.
     cut: bool,
-    /// Where the points of the cloud lie, once it has been asked for; `None` for no points.
-    bounds: Option<Option<Bounds>>,
-    places: Option<Places>,
+    /// All points: in the order of the caller until another one is needed, as where a sensor in the origin has seen them they are
+    /// looked at once.
+    points: Option<Points>,
+    order: Option<Order>,
+    /// The tile that is looked at; `None` for the whole cloud.
+    tile: Option<Tile>,
+    /// Some of the points that are looked at, where these are many.
+    sample: Option<Points>,
+    /// Whether tile and sample are to be read.
+    stale: bool,
+    /// Memory of an image, for the next one.
+    pub(super) memory: Vec<u64>,
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self {
+            viewpoints: Vec::new(),
+            current: 0,
+            side: LEAST_SIDE,
+            few_cells: false,
+            closed: false,
+            before: 0,
+            level: 0,
+            tiles: Vec::new(),
+            cut: false,
+            points: None,
+            order: None,
+            tile: None,
+            sample: None,
+            stale: true,
+            memory: Vec::new(),
+        }
+    }
 }
 
 impl Looks {
-    /// The numbers of the points that are looked at; `None` for all.
-    pub fn part(&self) -> Option<&[u32]> {
-        self.tiles.last().map(Vec::as_slice)
+    /// The number among all points of one that is looked at.
+    pub fn in_all(&self, k: usize) -> u32 {
+        self.tile.as_ref().map_or(k as u32, |tile| tile.numbers[k])
     }
 
-    /// Cuts the cloud into tiles where that is due. Whether there is anything to look at.
-    pub(super) fn prepare(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+    /// The number that the caller knows one of all points by.
+    pub fn given(&self, k: u32) -> usize {
+        self.order.as_ref().map_or(k, |order| order.numbers[k as usize]) as usize
+    }
+
+    /// Where one of all points lies.
+    pub fn place(&self, k: u32) -> Vector3<f64> {
+        self.points.as_ref().map_or_else(Vector3::zeros, |points| points.place(k as usize))
+    }
+
+    /// Those of all points that may lie within a reach of a surface, and where; none of a cloud that was looked at from its origin alone.
+    pub fn near(&self, cylinder: &Cylinder, reach: f64) -> impl Iterator<Item = (u32, Vector3<f64>)> {
+        self.order.iter().zip(&self.points).flat_map(move |(order, points)| {
+            let usable = order.near(cylinder, reach).filter(|&k| points.is_usable(k));
+            usable.map(|k| (k as u32, points.place(k)))
+        })
+    }
+
+    /// Whether many of the points are looked at, and others will be few.
+    pub fn is_large(&self) -> bool {
+        self.order.is_some() && self.level <= 1
+    }
+
+    /// One of all points belongs to a body: later looks do not see it.
+    pub fn remove(&mut self, k: u32) {
+        if let Some(points) = &mut self.points {
+            points.remove(k as usize);
+            self.stale = true;
+        }
+    }
+
+    /// The points that are looked at.
+    pub(super) fn part(&self) -> Option<&Points> {
+        self.tile.as_ref().map(|tile| &tile.points).or(self.points.as_ref())
+    }
+
+    /// Some of them, or all, which tell about where they are.
+    pub(super) fn sample(&self) -> Option<&Points> {
+        self.sample.as_ref().or(self.part())
+    }
+
+    /// The viewpoint of the present look.
+    pub(super) fn viewpoint(&self) -> Option<&Viewpoint> {
+        self.viewpoints.get(self.current)
+    }
+
+    /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
+    pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+        if self.points.is_none() {
+            self.points = Some(Points::read(view, asked)?);
+        }
         if self.level > 0 && !self.cut {
-            if let Some(bounds) = self.bounds(points, asked)? {
-                self.tiles = tiles::of(points, &bounds, self.level, asked)?;
-            }
+            self.tiles = self.order.as_ref().map_or_else(Vec::new, |order| order.tiles(self.level));
             self.cut = true;
         }
-        Ok(self.level == 0 || !self.tiles.is_empty())
-    }
-
-    fn bounds(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<Option<Bounds>> {
-        if self.bounds.is_none() {
-            self.bounds = Some(Bounds::of(points, asked)?);
+        if self.level > 0 && self.tiles.is_empty() {
+            return Ok(false);
         }
-        Ok(self.bounds.flatten())
-    }
-
-    /// The cubes of all points of the cloud, which [`Looks::places`] then has.
-    pub(super) fn place(&mut self, points: &PointsView<'_>, asked: &Asked<'_>) -> Result<()> {
-        if self.places.is_none()
-            && let Some(bounds) = self.bounds(points, asked)?
-        {
-            self.places = Some(Places::of(points, &bounds, asked)?);
-        }
-        Ok(())
-    }
-
-    /// The cubes of the points of a cloud of which the bodies that were found may be pieces.
-    pub fn places(&self) -> Option<&Places> {
-        self.places.as_ref()
-    }
-
-    /// The viewpoint of the look at points; `None` for too few points.
-    pub(super) fn viewpoint(&mut self, points: &Cloud, asked: &Asked<'_>) -> Result<Option<Viewpoint>> {
-        if points.usable < FEWEST {
-            return Ok(None);
+        self.read_part();
+        if self.part().is_none_or(|points| points.usable < FEWEST) {
+            return Ok(false);
         }
         if self.viewpoints.is_empty() {
             self.side = LEAST_SIDE;
             if self.level == 0 {
-                self.viewpoints = of_origin(points);
+                self.viewpoints.extend(self.part().and_then(of_sensor));
+                if self.viewpoints.is_empty() {
+                    self.put_in_order(view, asked)?;
+                    self.viewpoints = self.sample().map(of_origin).unwrap_or_default();
+                }
             }
             if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {
-                self.viewpoints.extend(from_all_sides(points, asked)?);
+                self.look_from_all_sides();
             }
         }
-        Ok(self.viewpoints.get(self.current).copied())
+        Ok(self.viewpoint().is_some())
+    }
+
+    fn look_from_all_sides(&mut self) {
+        let viewpoints = self.sample().map(from_all_sides).unwrap_or_default();
+        self.viewpoints.extend(viewpoints);
+    }
+
+    /// Reads the points of the tile and the sample of those that are looked at, where others have been.
+    fn read_part(&mut self) {
+        if !self.stale {
+            return;
+        }
+        self.stale = false;
+        if let (Some(ranges), Some(all)) = (self.tiles.last(), &self.points) {
+            let Tile { points, numbers } = self.tile.get_or_insert_default();
+            points.start_from(all.origin);
+            numbers.clear();
+            ranges.iter().for_each(|range| points.push_usable(all, range.clone(), numbers));
+        }
+        // A cloud that is looked at once takes little time.
+        self.sample = self.order.as_ref().and(self.part()).and_then(Points::sample);
+    }
+
+    /// Puts the points of the cloud into an order in which those near each other follow each other.
+    pub(super) fn put_in_order(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<()> {
+        if let Some(points) = self.points.take_if(|_| self.order.is_none()) {
+            let (order, points) = Order::of(view, points, asked)?;
+            (self.order, self.points, self.stale) = (order, Some(points), true);
+            self.read_part();
+        }
+        Ok(())
     }
 
     /// Notes what the image of the present look is like: its size, and whether there is another wall behind what is seen.
-    pub(super) fn note(
-        &mut self,
-        (width, height): (usize, usize),
-        closed: bool,
-        points: &Cloud,
-        asked: &Asked<'_>,
-    ) -> Result<()> {
+    pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool) {
         self.few_cells = width * height < FEW_CELLS * self.side * self.side;
-        let viewpoint = self.viewpoints[self.current];
+        let Some(viewpoint) = self.viewpoint().copied() else { return };
         self.closed |= closed && viewpoint.is_origin();
         if viewpoint.is_sensor() && closed && self.viewpoints.len() == 1 {
             // No sensor was there.
-            self.viewpoints.extend(from_all_sides(points, asked)?);
+            self.look_from_all_sides();
         }
-        Ok(())
+    }
+
+    /// Keeps the memory of an image for the next one; that of the whole cloud is much, and looked at a few times.
+    pub(super) fn keep(&mut self, memory: Vec<u64>) {
+        self.memory = if self.level > 0 { memory } else { Vec::new() };
     }
 
     /// Pixels along the side of a cell of an image of some size.
@@ -153,6 +253,7 @@ impl Looks {
         self.viewpoints.clear();
         self.current = 0;
         self.tiles.pop();
+        self.stale = true;
         if self.tiles.is_empty() {
             self.level += 1;
             self.cut = false;

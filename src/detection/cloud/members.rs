@@ -1,12 +1,15 @@
 //! Which points of a cloud lie on the cylinders that its image shows.
 
-use super::{Asked, BETWEEN_QUESTIONS, Cloud, Image, OUTSIDE};
+use super::image::Image;
+use super::points::Points;
+use super::{Asked, BETWEEN_QUESTIONS};
 use crate::detection::{Detection, Detections};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Points lie on a surface up to so many standard deviations from it.
 const REACH: f64 = 4.0;
@@ -15,8 +18,11 @@ const REACH: f64 = 4.0;
 /// are, by some percent.
 const OFF: f64 = 0.15;
 
-/// Points of a cloud that are enough to tell the reach: their distances would take as much memory as the points.
-const SAMPLE: usize = 100_000;
+/// Points of a surface that are enough to tell the reach.
+const SAMPLE: usize = 20_000;
+
+/// Points that follow each other, of which none is asked where all are far from a surface.
+const BLOCK: usize = 64;
 
 /// A surface that was found, and how far from it its points lie at most.
 struct Surface {
@@ -55,72 +61,134 @@ pub(crate) fn reach(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f6
     off.abs() + REACH * scatter
 }
 
-/// The surfaces of the cylinders that an image shows.
-fn surfaces(points: &Cloud, image: &Image, seen: &Detections) -> Vec<Surface> {
-    if image.closed {
-        let surface = |detection: &Detection| {
-            let Detection { cylinder, along, .. } = *detection;
-            let about = Surface { cylinder, along, reach: OFF * cylinder.radius };
-            let sample = points.usable().step_by(points.usable.div_ceil(SAMPLE).max(1));
-            Surface::new(detection, sample.filter(|point| about.distance(point).is_some()))
+/// A ball about points that follow each other.
+struct Ball {
+    middle: Vector3<f64>,
+    radius: f64,
+}
+
+impl Ball {
+    /// Those about all points of an image, block by block.
+    fn all(points: &Points, image: &Image) -> Vec<Self> {
+        let of_block = |first: usize| {
+            let [low, high] = bounds(points, first..points.len().min(first + BLOCK));
+            // A little more for what single precision leaves.
+            let radius = 0.5005 * (high - low).norm();
+            Self { middle: image.raster.pose.turn(&(0.5 * (low + high))), radius }
         };
-        return seen.cylinders.iter().map(surface).collect();
+        (0..points.len()).step_by(BLOCK).map(of_block).collect()
     }
-    let none = points.len() as u32;
-    let mut of_cylinders: Vec<Vec<u32>> = seen.cylinders.iter().map(|_| Vec::new()).collect();
-    for (&label, &nearest) in seen.labels.iter().zip(&image.nearest) {
-        if label != 0 && nearest != none {
-            of_cylinders[usize::from(label) - 1].push(nearest);
-        }
+
+    /// Whether it may have points of a surface.
+    fn meets(&self, surface: &Surface) -> bool {
+        surface.cylinder.distance(&self.middle).abs() <= surface.reach + self.radius
     }
-    let points_of = |own: Vec<u32>| own.into_iter().map(|k| points.at(k as usize));
+}
+
+/// The surfaces of the cylinders that a closed image shows, by points on all sides of them.
+fn surfaces_all_around(points: &Points, image: &Image, seen: &Detections, balls: &[Ball]) -> Vec<Surface> {
+    let surface = |detection: &Detection| {
+        let Detection { cylinder, along, .. } = *detection;
+        let about = Surface { cylinder, along, reach: OFF * cylinder.radius };
+        let near: Vec<usize> = (0..balls.len()).filter(|&block| balls[block].meets(&about)).collect();
+        let step = (near.len() * BLOCK).div_ceil(SAMPLE).max(1);
+        let of_block = |block: usize| block * BLOCK..points.len().min((block + 1) * BLOCK);
+        let sample = near.into_iter().flat_map(of_block).step_by(step);
+        let places = sample.map(|k| image.raster.pose.turn(&points.at(k)));
+        Surface::new(detection, places.filter(|point| about.distance(point).is_some()))
+    };
+    seen.cylinders.iter().map(surface).collect()
+}
+
+/// The surfaces of the cylinders that an image shows, by the points that are seen.
+fn surfaces(points: &Points, image: &Image, seen: &Detections) -> Vec<Surface> {
+    let place = |k: usize| image.raster.pose.turn(&points.at(k));
+    let mut of_cylinders: Vec<Vec<usize>> = seen.cylinders.iter().map(|_| Vec::new()).collect();
+    for (pixel, &label) in seen.labels.iter().enumerate().filter(|(_, label)| **label != 0) {
+        of_cylinders[usize::from(label) - 1].extend(image.point_at(pixel));
+    }
     let cylinders = seen.cylinders.iter().zip(of_cylinders);
-    cylinders.map(|(detection, own)| Surface::new(detection, points_of(own))).collect()
+    cylinders.map(|(detection, own)| Surface::new(detection, own.into_iter().map(place))).collect()
 }
 
 /// The number of the cylinder of each point.
 pub(super) fn labels(
-    points: &Cloud,
+    points: &Points,
     image: &Image,
     seen: &Detections,
     asked: &Asked<'_>,
 ) -> Result<Vec<u16>> {
     let mut labels = vec![0; points.len()];
-    if seen.cylinders.is_empty() {
-        return Ok(labels);
-    }
-    let surfaces = surfaces(points, image, seen);
-    for (part, labels) in labels.chunks_mut(BETWEEN_QUESTIONS).enumerate() {
-        asked()?;
-        for (k, label) in (part * BETWEEN_QUESTIONS..).zip(labels) {
-            *label = match image.closed {
-                true => all_around(points, k, &surfaces),
-                false => where_seen(points, k, image, seen, &surfaces),
-            };
-        }
+    if image.closed {
+        label_all_around(points, image, seen, &mut labels, asked)?;
+    } else {
+        let surfaces = surfaces(points, image, seen);
+        label_where_seen(points, image, (seen, &surfaces), &mut labels, asked)?;
     }
     Ok(labels)
 }
 
-/// The cylinder on whose surface a point lies, on whatever side.
-fn all_around(points: &Cloud, k: usize, surfaces: &[Surface]) -> u16 {
-    let point = points.at(k);
-    let near = (1..).zip(surfaces).filter_map(|(label, surface)| Some((label, surface.distance(&point)?)));
-    near.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(label, _)| label)
+/// Gives points the cylinders on whose surfaces they lie, on whatever side.
+fn label_all_around(
+    points: &Points,
+    image: &Image,
+    seen: &Detections,
+    labels: &mut [u16],
+    asked: &Asked<'_>,
+) -> Result<()> {
+    let pose = &image.raster.pose;
+    let balls = Ball::all(points, image);
+    let surfaces = surfaces_all_around(points, image, seen, &balls);
+    for (block, (labels, ball)) in labels.chunks_mut(BLOCK).zip(&balls).enumerate() {
+        let first = block * BLOCK;
+        if first.is_multiple_of(BETWEEN_QUESTIONS) {
+            asked()?;
+        }
+        let near: Vec<(u16, &Surface)> = (1..).zip(&surfaces).filter(|(_, own)| ball.meets(own)).collect();
+        if near.is_empty() {
+            continue;
+        }
+        for (k, label) in (first..).zip(labels) {
+            let point = pose.turn(&points.at(k));
+            let distances = near.iter().filter_map(|(label, own)| Some((*label, own.distance(&point)?)));
+            *label = distances.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(label, _)| label);
+        }
+    }
+    Ok(())
 }
 
-/// The cylinder that the pixel of a point sees. The nearest point is seen there; those behind it belong to something else, unless they are
-/// as near as a pixel is wide, or lie on the same wall: the nearest points alone would be a wall that is too near.
-fn where_seen(points: &Cloud, k: usize, image: &Image, seen: &Detections, surfaces: &[Surface]) -> u16 {
-    let depths = &points.axes[2];
-    let label = match image.pixels[k] {
-        OUTSIDE => 0,
-        pixel => seen.labels[pixel as usize],
-    };
-    if label == 0 {
-        return 0;
-    }
-    let depth = depths[image.nearest[image.pixels[k] as usize] as usize];
-    let beside = depths[k] - depth <= 2.0 * image.spacing * depth;
-    if beside || surfaces[usize::from(label) - 1].shows(&points.at(k)) { label } else { 0 }
+/// The box of some points of use that follow each other.
+fn bounds(points: &Points, range: Range<usize>) -> [Vector3<f64>; 2] {
+    let ends = points.axes.each_ref().map(|axis| {
+        let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+        for x in &axis[range.clone()] {
+            low = if *x < low { *x } else { low };
+            high = if *x > high { *x } else { high };
+        }
+        [f64::from(low), f64::from(high)]
+    });
+    [0, 1].map(|end| Vector3::from(ends.map(|ends| ends[end])))
+}
+
+/// Gives points the cylinders that their pixels see. The nearest point is seen there; those behind it belong to something else, unless they
+/// are as near as a pixel is wide, or lie on the same wall: the nearest points alone would be a wall that is too near.
+fn label_where_seen(
+    points: &Points,
+    image: &Image,
+    (seen, surfaces): (&Detections, &[Surface]),
+    labels: &mut [u16],
+    asked: &Asked<'_>,
+) -> Result<()> {
+    let raster = &image.raster;
+    raster.project(points, asked, |first, pixels, depths| {
+        for (k, (&pixel, &depth)) in (first..).zip(pixels.iter().zip(depths)) {
+            let Some(&label) = seen.labels.get(pixel as usize).filter(|label| **label != 0) else { continue };
+            let nearest = f64::from(image.depth_at(pixel as usize));
+            let beside = f64::from(depth) - nearest <= 2.0 * raster.spacing * nearest;
+            let own = &surfaces[usize::from(label) - 1];
+            if beside || own.shows(&raster.pose.turn(&points.at(k))) {
+                labels[k] = label;
+            }
+        }
+    })
 }

@@ -1,16 +1,18 @@
 //! From where a cloud is looked at.
 
-use super::{Asked, BETWEEN_QUESTIONS, Cloud, is_in_front};
-use crate::error::Result;
+use super::image::count_in_front;
+use super::points::{Points, Pose};
 use crate::statistics::median;
 use nalgebra::{Matrix3, Vector3};
-use pulp::Arch;
 
 /// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
 const WIDEST: f64 = 3.0;
 
 /// What a place sees all around it is cut into the faces of a cube, five degrees wider to each side.
 const WIDEST_OF_FACE: f64 = 1.19;
+
+/// Points that tell in which directions others are spread.
+const ENOUGH: usize = 1024;
 
 /// Nearly all points.
 const NEARLY_ALL: f64 = 0.98;
@@ -36,6 +38,14 @@ pub(super) struct Viewpoint {
 }
 
 impl Viewpoint {
+    /// The origin, along the z axis.
+    const SENSOR: Self = Self {
+        rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        origin: Vector3::new(0.0, 0.0, 0.0),
+        widest: WIDEST,
+        kind: Kind::Sensor,
+    };
+
     /// From a place along a direction.
     fn new(origin: Vector3<f64>, z: &Vector3<f64>, widest: f64, kind: Kind) -> Self {
         let (x, y) = crate::geometry::any_orthogonal(z);
@@ -57,34 +67,27 @@ impl Viewpoint {
         self.kind == Kind::Sensor
     }
 
-    /// The coordinates of a point for it.
-    pub fn turn(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation * (point - self.origin)
+    /// The pose of the camera at points.
+    pub fn pose(&self, points: &Points) -> Pose {
+        Pose { rotation: self.rotation, offset: self.rotation * (points.origin - self.origin) }
     }
 }
 
-/// From the origin: along the z axis where nearly all points lie in front of a camera there, else towards the points where they lie about one
-/// direction, else to all sides.
-pub(super) fn of_origin(points: &Cloud) -> Vec<Viewpoint> {
+/// The origin along the z axis, where nearly all points lie in front of a camera there.
+pub(super) fn of_sensor(points: &Points) -> Option<Viewpoint> {
+    let in_front = count_in_front(points, &Viewpoint::SENSOR.pose(points), WIDEST);
+    (in_front as f64 >= NEARLY_ALL * points.usable as f64).then_some(Viewpoint::SENSOR)
+}
+
+/// From the origin: towards the points, some of which are given, where they lie about one direction, else to all sides.
+pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
     let origin = Vector3::zeros();
-    let enough = |count: u32| f64::from(count) >= NEARLY_ALL * points.usable as f64;
-    let [x, y, z] = &points.axes;
-    let in_front = || {
-        let rays = x.iter().zip(y).zip(z);
-        rays.map(|((x, y), z)| u32::from(is_in_front(*x, *y, *z, WIDEST))).sum::<u32>()
-    };
-    if enough(Arch::new().dispatch(in_front)) {
-        let rotation = Matrix3::identity();
-        return vec![Viewpoint { rotation, origin, widest: WIDEST, kind: Kind::Sensor }];
-    }
-    let towards = points.usable().filter_map(|p| p.try_normalize(0.0)).sum::<Vector3<f64>>();
+    let places = points.all_usable().map(|p| p + points.origin);
+    let towards = places.filter_map(|p| p.try_normalize(0.0)).sum::<Vector3<f64>>();
     if let Some(towards) = towards.try_normalize(0.0) {
         let viewpoint = Viewpoint::new(origin, &towards, WIDEST, Kind::Origin);
-        let in_front = points.usable().map(|p| {
-            let p = viewpoint.turn(&p);
-            u32::from(is_in_front(p.x, p.y, p.z, WIDEST))
-        });
-        if enough(in_front.sum()) {
+        let in_front = count_in_front(points, &viewpoint.pose(points), WIDEST);
+        if in_front as f64 >= NEARLY_ALL * points.usable as f64 {
             return vec![viewpoint];
         }
     }
@@ -92,21 +95,20 @@ pub(super) fn of_origin(points: &Cloud) -> Vec<Viewpoint> {
     (0..6).map(|k| Viewpoint::new(origin, &direction(k), WIDEST_OF_FACE, Kind::Origin)).collect()
 }
 
-/// From far away along the principal directions of the spread of the points, that of the least first, from both sides.
-pub(super) fn from_all_sides(points: &Cloud, asked: &Asked<'_>) -> Result<Vec<Viewpoint>> {
-    let mut middle = Vector3::zeros();
-    for axis in 0..3 {
-        let mut values: Vec<f64> = points.usable().map(|p| p[axis]).collect();
-        asked()?;
-        middle[axis] = median(&mut values);
-        asked()?;
-    }
+/// From far away along the principal directions of the spread of points, some of which are given, that of the least first, from both
+/// sides.
+pub(super) fn from_all_sides(points: &Points) -> Vec<Viewpoint> {
+    let step = points.usable.div_ceil(ENOUGH).max(1);
+    let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
+    let mut numbers = Vec::with_capacity(some.len());
+    let middle = Vector3::from_fn(|axis, _| {
+        numbers.clear();
+        numbers.extend(some.iter().map(|point| point[axis]));
+        median(&mut numbers)
+    });
     let mut spread = Matrix3::zeros();
-    let mut distances: Vec<f64> = Vec::with_capacity(points.usable);
-    for (k, point) in points.usable().enumerate() {
-        if k % BETWEEN_QUESTIONS == 0 {
-            asked()?;
-        }
+    let mut distances: Vec<f64> = Vec::with_capacity(some.len());
+    for point in &some {
         let offset = point - middle;
         // Far points count as near ones: directions alone.
         let norm = offset.norm();
@@ -115,11 +117,11 @@ pub(super) fn from_all_sides(points: &Cloud, asked: &Asked<'_>) -> Result<Vec<Vi
             spread += offset * offset.transpose() / norm;
         }
     }
-    asked()?;
     let size = median(&mut distances);
     if size <= 0.0 {
-        return Ok(Vec::new());
+        return Vec::new();
     }
+    let middle = points.origin + middle;
     let eigen = spread.symmetric_eigen();
     let mut order = [0, 1, 2];
     order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
@@ -132,5 +134,5 @@ pub(super) fn from_all_sides(points: &Cloud, asked: &Asked<'_>) -> Result<Vec<Vi
             viewpoints.push(Viewpoint::new(middle - z * (10.0 * size), &z, WIDEST, Kind::Elsewhere));
         }
     }
-    Ok(viewpoints)
+    viewpoints
 }

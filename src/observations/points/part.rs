@@ -26,7 +26,7 @@ impl PointCloud {
 
 /// So many places of a list, evenly spread over it, none of them twice; without the period of rows where they are no more than
 /// half of it.
-fn spread(length: usize, count: usize) -> List<usize> {
+pub(crate) fn spread(length: usize, count: usize) -> List<usize> {
     let count = count.min(length);
     if count > length / 2 {
         return (0..count).map(|k| k * length / count).collect();
