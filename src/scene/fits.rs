@@ -356,7 +356,7 @@ const FEWEST: usize = 50;
 const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
-const ENOUGH: usize = 2_500;
+const ENOUGH: usize = 10_000;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;
