@@ -96,7 +96,8 @@ fn found<'a>(scene: &'a Scene, pipe: &Pipe, offset: &Vector3<f64>) -> Vec<&'a Cy
 #[test]
 fn pipes_in_a_room_are_found_wherever_its_origin_is() {
     let points = room(&mut Dice::new(21));
-    for offset in [[0.0; 3], [3.0, 3.0, 0.0], [0.3, -0.2, 40.0], [4000.0, 5000.0, 120.0]] {
+    let far = [[4000.0, 5000.0, 120.0], [5e6, 4e6, 7e6]];
+    for offset in [[0.0; 3], [3.0, 3.0, 0.0], [0.3, -0.2, 40.0]].into_iter().chain(far) {
         let offset = Vector3::from(offset);
         let moved: Vec<Vector3<f64>> = points.iter().map(|point| point + offset).collect();
         let scene = detect(&moved, 1);

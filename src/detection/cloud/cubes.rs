@@ -191,7 +191,8 @@ mod tests {
 
     fn order(points: &[[f64; 3]]) -> (Order, Points) {
         let (view, asked) = (PointsView::from_f64(points), || Ok(()));
-        let (order, points) = Order::of(&view, Points::read(&view, &asked).unwrap(), &asked).unwrap();
+        let (order, points) =
+            Order::of(&view, Points::read(&view, Vector3::zeros(), &asked).unwrap(), &asked).unwrap();
         (order.unwrap(), points)
     }
 
@@ -210,7 +211,7 @@ mod tests {
             );
         }
         let view = PointsView::from_f64(&given);
-        let read = Points::read(&view, &|| Ok(())).unwrap();
+        let read = Points::read(&view, Vector3::zeros(), &|| Ok(())).unwrap();
         let cancelled = Order::of(&view, read, &|| Err(Error::Cancelled { iterations: 0 }));
         assert!(matches!(cancelled, Err(Error::Cancelled { .. })));
     }

@@ -327,7 +327,7 @@ mod tests {
     };
 
     fn read(points: &[[f32; 3]]) -> Points {
-        Points::read(&PointsView::from_f32(points), &|| Ok(())).unwrap()
+        Points::read(&PointsView::from_f32(points), Vector3::zeros(), &|| Ok(())).unwrap()
     }
 
     #[test]
@@ -341,7 +341,7 @@ mod tests {
             asked.set(asked.get() + 1);
             cancelled_if(asked.get() >= end.get())
         };
-        let points = Points::read(&PointsView::from_f32(&points), &question).unwrap();
+        let points = Points::read(&PointsView::from_f32(&points), Vector3::zeros(), &question).unwrap();
         assert_eq!(asked.replace(0), 3);
         let image = || Image::of(&points, &points, (&AS_GIVEN, 3.0), Vec::new(), &question);
         assert!(image().unwrap().is_some());

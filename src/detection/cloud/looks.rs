@@ -5,7 +5,7 @@ use super::Asked;
 use super::cubes::Order;
 use super::image::FEWEST;
 use super::points::Points;
-use super::viewpoints::{Viewpoint, from_all_sides, of_origin, of_sensor};
+use super::viewpoints::{Viewpoint, are_far, from_all_sides, of_origin, of_sensor};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
@@ -43,7 +43,9 @@ pub(crate) struct Looks {
     side: usize,
     /// Whether finer cells may show more.
     few_cells: bool,
-    /// Whether some image of the origin has another wall behind what is seen.
+    /// Whether the origin is too far from the points to have seen them.
+    far: bool,
+    /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
     closed: bool,
     /// How often the same surface may have been looked at before.
     before: usize,
@@ -74,6 +76,7 @@ impl Default for Looks {
             current: 0,
             side: LEAST_SIDE,
             few_cells: false,
+            far: false,
             closed: false,
             before: 0,
             level: 0,
@@ -144,7 +147,15 @@ impl Looks {
     /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
     pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
         if self.points.is_none() {
-            self.points = Some(Points::read(view, asked)?);
+            let mut points = Points::read(view, Vector3::zeros(), asked)?;
+            self.far = are_far(&points);
+            if self.far {
+                let among_them = points.all_usable().next().unwrap_or_default();
+                points = Points::read(view, among_them, asked)?;
+                // More than one place may have seen them.
+                self.closed = true;
+            }
+            self.points = Some(points);
         }
         if self.level > 0 && !self.cut {
             self.tiles = self.order.as_ref().map_or_else(Vec::new, |order| order.tiles(self.level));
@@ -160,10 +171,11 @@ impl Looks {
         if self.viewpoints.is_empty() {
             self.side = LEAST_SIDE;
             if self.level == 0 {
-                self.viewpoints.extend(self.part().and_then(of_sensor));
+                let near = !self.far;
+                self.viewpoints.extend(self.part().filter(|_| near).and_then(of_sensor));
                 if self.viewpoints.is_empty() {
                     self.put_in_order(view, asked)?;
-                    self.viewpoints = self.sample().map(of_origin).unwrap_or_default();
+                    self.viewpoints = self.sample().filter(|_| near).map(of_origin).unwrap_or_default();
                 }
             }
             if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {

@@ -29,10 +29,10 @@ impl Points {
         Ok(points)
     }
 
-    /// All of a cloud as they come, relative to its origin.
-    pub fn read(view: &PointsView<'_>, asked: &Asked<'_>) -> Result<Self> {
+    /// All of a cloud as they come, relative to a place.
+    pub fn read(view: &PointsView<'_>, origin: Vector3<f64>, asked: &Asked<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
-        let mut points = Self::with_room(Vector3::zeros(), width * height)?;
+        let mut points = Self::with_room(origin, width * height)?;
         for row in 0..height {
             for column in 0..width {
                 if points.len().is_multiple_of(BETWEEN_QUESTIONS) {

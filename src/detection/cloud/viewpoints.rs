@@ -11,6 +11,10 @@ const WIDEST: f64 = 3.0;
 /// What a place sees all around it is cut into the faces of a cube, five degrees wider to each side.
 const WIDEST_OF_FACE: f64 = 1.19;
 
+/// Clouds that look smaller than this from their origin, by the tangent of half the angle, were not seen from there. Single precision
+/// tells 10⁻⁷ of a distance, less than the noise of what was.
+const NARROWEST: f64 = 1e-3;
+
 /// Points that tell in which directions others are spread.
 const ENOUGH: usize = 1024;
 
@@ -95,9 +99,8 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
     (0..6).map(|k| Viewpoint::new(origin, &direction(k), WIDEST_OF_FACE, Kind::Origin)).collect()
 }
 
-/// From far away along the principal directions of the spread of points, some of which are given, that of the least first, from both
-/// sides.
-pub(super) fn from_all_sides(points: &Points) -> Vec<Viewpoint> {
+/// Some points, their middle, and how far from that they lie.
+fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
     let step = points.usable.div_ceil(ENOUGH).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
     let mut numbers = Vec::with_capacity(some.len());
@@ -106,20 +109,33 @@ pub(super) fn from_all_sides(points: &Points) -> Vec<Viewpoint> {
         numbers.extend(some.iter().map(|point| point[axis]));
         median(&mut numbers)
     });
+    numbers.clear();
+    numbers.extend(some.iter().map(|point| (point - middle).norm()));
+    let size = median(&mut numbers);
+    (some, middle, size)
+}
+
+/// Whether points are so far from the origin of their cloud that nothing there has seen them, as in coordinates of a map: single
+/// precision would not tell their rays apart.
+pub(super) fn are_far(points: &Points) -> bool {
+    let (_, middle, size) = middle_of_some(points);
+    size < NARROWEST * (points.origin + middle).norm()
+}
+
+/// From far away along the principal directions of the spread of points, some of which are given, that of the least first, from both
+/// sides.
+pub(super) fn from_all_sides(points: &Points) -> Vec<Viewpoint> {
+    let (some, middle, size) = middle_of_some(points);
+    if size <= 0.0 {
+        return Vec::new();
+    }
     let mut spread = Matrix3::zeros();
-    let mut distances: Vec<f64> = Vec::with_capacity(some.len());
-    for point in &some {
-        let offset = point - middle;
+    for offset in some.iter().map(|point| point - middle) {
         // Far points count as near ones: directions alone.
         let norm = offset.norm();
-        distances.push(norm);
         if norm > 0.0 {
             spread += offset * offset.transpose() / norm;
         }
-    }
-    let size = median(&mut distances);
-    if size <= 0.0 {
-        return Vec::new();
     }
     let middle = points.origin + middle;
     let eigen = spread.symmetric_eigen();
