@@ -168,6 +168,18 @@ impl Raster {
         self.width * self.height
     }
 
+    /// The same in single precision.
+    fn single(&self) -> View {
+        View {
+            pose: self.pose.single(),
+            scale: (1.0 / self.spacing) as f32,
+            low: self.low.map(|low| (low / self.spacing) as f32),
+            size: [self.width as f32, self.height as f32],
+            width: self.width as u32,
+            outside: self.outside() as u32,
+        }
+    }
+
     /// Goes through points by blocks: the number of the first, and the pixel and the depth of each.
     pub fn project(
         &self,
@@ -176,6 +188,7 @@ impl Raster {
         mut each: impl FnMut(usize, &[u32], &[f32]),
     ) -> Result<()> {
         let (mut pixels, mut depths) = ([0; BLOCK], [0.0; BLOCK]);
+        let view = self.single();
         for first in (0..points.len()).step_by(BLOCK) {
             if first.is_multiple_of(BETWEEN_QUESTIONS) {
                 asked()?;
@@ -183,7 +196,7 @@ impl Raster {
             let axes = part(points, first..points.len().min(first + BLOCK));
             let count = axes[0].len();
             let (pixels, depths) = (&mut pixels[..count], &mut depths[..count]);
-            Arch::new().dispatch(Projection { raster: self, axes, pixels, depths });
+            Arch::new().dispatch(Projection { view: &view, axes, pixels, depths });
             each(first, pixels, depths);
         }
         Ok(())
@@ -200,9 +213,21 @@ fn whole_part(x: f32) -> u32 {
     (below + WHOLE).to_bits() & 0x7f_ffff
 }
 
+/// A raster in single precision.
+struct View {
+    pose: [[f32; 4]; 3],
+    /// Pixels to a slope of 1.
+    scale: f32,
+    /// Where the first pixel begins, in pixels.
+    low: [f32; 2],
+    size: [f32; 2],
+    width: u32,
+    outside: u32,
+}
+
 /// One pass over points for their pixels and depths.
 struct Projection<'a> {
-    raster: &'a Raster,
+    view: &'a View,
     axes: [&'a [f32]; 3],
     pixels: &'a mut [u32],
     depths: &'a mut [f32],
@@ -213,12 +238,8 @@ impl WithSimd for Projection<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { raster, axes: [x, y, z], pixels, depths } = self;
-        let pose = raster.pose.single();
-        let (right, bottom) = (raster.width as f32, raster.height as f32);
-        let scale = (1.0 / raster.spacing) as f32;
-        let [left, top] = raster.low.map(|low| (low / raster.spacing) as f32);
-        let (width, outside) = (raster.width as u32, raster.outside() as u32);
+        let Self { view, axes: [x, y, z], pixels, depths } = self;
+        let View { pose, scale, low: [left, top], size: [right, bottom], width, outside } = *view;
         let places = pixels.iter_mut().zip(depths);
         for ((pixel, depth), ((x, y), z)) in places.zip(x.iter().zip(y).zip(z)) {
             let [x, y, z] = turned(&pose, [*x, *y, *z]);
