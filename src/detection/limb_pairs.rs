@@ -73,20 +73,19 @@ pub(super) struct ImageEdges {
 pub(super) struct Support {
     /// The part of each limb that edges cover: at the negative and the positive side of [`passes`].
     pub covered: [f64; 2],
-    /// The limbs, and the pieces of them that edges cover.
-    limbs: List<(Limb, u32)>,
     /// How long that is, in pixels.
     pub length: f64,
     /// Rays along them.
     pub tangents: List<Tangent>,
+    /// The limbs at these sides, and the pieces of each that edges cover.
+    limbs: [Option<(Limb, u32)>; 2],
 }
 
 impl Support {
     /// Whether an edge covers the limb on a side, −1 or 1, next to a ray.
     pub fn covers(&self, sign: f64, ray: &Vector3<f64>) -> bool {
-        let side = usize::from(sign > 0.0);
-        let mut limbs = self.limbs.iter().filter(|(limb, _)| limb.side == side);
-        limbs.any(|(limb, pieces)| limb.piece_at(&ray.xy()).is_some_and(|k| pieces >> k & 1 == 1))
+        let limb = self.limbs[usize::from(sign > 0.0)].as_ref();
+        limb.is_some_and(|(limb, pieces)| limb.piece_at(&ray.xy()).is_some_and(|k| pieces >> k & 1 == 1))
     }
 }
 
@@ -179,7 +178,8 @@ impl ImageEdges {
             let covered = part(pieces);
             support.covered[limb.side] = covered;
             support.length += covered * limb.length / self.pixel;
-            support.limbs.push((limb, pieces));
+            let side = limb.side;
+            support.limbs[side] = Some((limb, pieces));
         }
         Some(support)
     }

@@ -43,8 +43,6 @@ pub(crate) struct Looks {
     side: usize,
     /// Whether finer cells may show more.
     few_cells: bool,
-    /// Whether the origin is too far from the points to have seen them.
-    far: bool,
     /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
     closed: bool,
     /// How often the same surface may have been looked at before.
@@ -76,7 +74,6 @@ impl Default for Looks {
             current: 0,
             side: LEAST_SIDE,
             few_cells: false,
-            far: false,
             closed: false,
             before: 0,
             level: 0,
@@ -146,10 +143,11 @@ impl Looks {
 
     /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
     pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+        let mut far = false;
         if self.points.is_none() {
             let mut points = Points::read(view, Vector3::zeros(), asked)?;
-            self.far = are_far(&points);
-            if self.far {
+            far = are_far(&points);
+            if far {
                 let among_them = points.all_usable().next().unwrap_or_default();
                 points = Points::read(view, among_them, asked)?;
                 // More than one place may have seen them.
@@ -171,11 +169,10 @@ impl Looks {
         if self.viewpoints.is_empty() {
             self.side = LEAST_SIDE;
             if self.level == 0 {
-                let near = !self.far;
-                self.viewpoints.extend(self.part().filter(|_| near).and_then(of_sensor));
+                self.viewpoints.extend(self.part().filter(|_| !far).and_then(of_sensor));
                 if self.viewpoints.is_empty() {
                     self.put_in_order(view, asked)?;
-                    self.viewpoints = self.sample().filter(|_| near).map(of_origin).unwrap_or_default();
+                    self.viewpoints = self.sample().filter(|_| !far).map(of_origin).unwrap_or_default();
                 }
             }
             if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {

@@ -118,7 +118,8 @@ fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
 /// Whether points are so far from the origin of their cloud that nothing there has seen them, as in coordinates of a map: single
 /// precision would not tell their rays apart.
 pub(super) fn are_far(points: &Points) -> bool {
-    let (_, middle, size) = middle_of_some(points);
+    let sample = points.sample();
+    let (_, middle, size) = middle_of_some(sample.as_ref().unwrap_or(points));
     size < NARROWEST * (points.origin + middle).norm()
 }
 
