@@ -105,7 +105,9 @@ pub enum Error {
     },
     /// The points lie on one straight line, such as a single generator of the cylinder.
     #[error(
-        "the points lie on one line: they spread {across:.3e} across a line of length {along:.3e}; give points that cover more of the circumference"
+        "the points lie on one line: they spread {} across a line of length {}; give points that cover more of the circumference",
+        short(*across),
+        short(*along)
     )]
     CollinearPoints {
         /// Root mean square spread along the line.
@@ -272,7 +274,9 @@ impl Error {
 
 fn planar(radius: f64, spread: f64, limit: f64, axis_limited: bool) -> String {
     let grew = format!(
-        "the radius reached {radius:.3e}, more than {limit} times their spread of {spread:.3e} across the axis"
+        "the radius reached {}, more than {limit} times their spread of {} across the axis",
+        short(radius),
+        short(spread)
     );
     match axis_limited {
         true => format!(
@@ -321,6 +325,17 @@ fn cancelled(iterations: usize) -> String {
     }
 }
 
+/// A length with four digits: 0.1154, 24.53, 0; what is very small or large in scientific notation.
+pub(crate) fn short(length: f64) -> String {
+    let exponent = length.abs().log10().floor();
+    match length {
+        0.0 => "0".into(),
+        _ if length.is_infinite() => "infinity".into(),
+        _ if (-4.0..4.0).contains(&exponent) => format!("{length:.*}", (3.0 - exponent) as usize),
+        _ => format!("{length:.3e}"),
+    }
+}
+
 /// The longest number that is written digit by digit: any `u64`.
 const MOST_DIGITS: usize = 20;
 
@@ -354,6 +369,8 @@ mod tests {
             Error::Cancelled { iterations: 3 }.to_string(),
             "cancelled by the caller after 3 iterations"
         );
+        let lengths = [0.0, 1.154e-1, 2.4534e1, 9999.4, 12_345.6, 2e-5, f64::INFINITY].map(short);
+        assert_eq!(lengths, ["0", "0.1154", "24.53", "9999", "1.235e4", "2.000e-5", "infinity"]);
         let error = Error::EmptyMask { width: 0, height: 0 };
         assert_eq!(
             error.to_string(),

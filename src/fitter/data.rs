@@ -6,7 +6,7 @@ use super::few::Neighbours;
 use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
 use super::view::View;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, short};
 use crate::geometry::{Cylinder, CylinderLimits, LocalFrame, RigidMotion, Walls};
 use crate::memory::{ByView, List};
 use crate::noise::ImageNoise;
@@ -207,9 +207,9 @@ impl<'a> Data<'a> {
         data.unit = data.covariance.trace().sqrt();
         let smallest = options.cylinder_limits.radius_min;
         if smallest > LARGEST_KNOWN_RADIUS * data.unit {
-            let size = data.unit;
             let requirement = format!(
-                "be at most {LARGEST_KNOWN_RADIUS} times the size of the points, {size:.3e}: check its unit"
+                "be at most {LARGEST_KNOWN_RADIUS} times the size of the points, {}: check its unit",
+                short(data.unit)
             );
             return Err(Error::argument("options.radius_min", smallest, requirement));
         }

@@ -28,7 +28,7 @@ mod sample;
 mod score;
 
 use super::moments::Spread;
-use crate::error::{Error, Result, not_negative};
+use crate::error::{Error, Result, not_negative, short};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::observations::{PointCloud, PointsView};
@@ -128,8 +128,8 @@ pub fn ransac(
         let Search { scorer, best, check, samples, .. } = search;
         let nothing = || {
             no_start(format!(
-                "none of {iterations} samples gave a cylinder with {FEWEST_POINTS} points within {:.3e}",
-                scorer.threshold
+                "none of {iterations} samples gave a cylinder with {FEWEST_POINTS} points within {}",
+                short(scorer.threshold)
             ))
         };
         let cylinder = best.ok_or_else(nothing)?.cylinder;
