@@ -191,7 +191,7 @@ fn with_an_image_a_unit_that_is_a_power_of_two_changes_no_score() {
 fn depth_that_lies_pixels_beside_the_image_is_moved() {
     let inputs = frames::Inputs::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scene"));
     let (width, height) = inputs.size;
-    let found = |by: [i32; 2], use_image: bool| {
+    let found_above = |min_score: f64, by: [i32; 2], use_image: bool| {
         let mut depth = vec![0; inputs.depth.len()];
         for (k, value) in inputs.depth.iter().enumerate() {
             let (x, y) = ((k % width) as i32 + by[0], (k / width) as i32 + by[1]);
@@ -204,8 +204,13 @@ fn depth_that_lies_pixels_beside_the_image_is_moved() {
         frame.set_depth(&depth, &DepthRange::default()).unwrap();
         frame.set_image(&ImageView::from_u8(&inputs.image, inputs.size).unwrap()).unwrap();
         let mut detector = Detector::new();
-        detector.set_options(DetectorOptions { use_image, ..DetectorOptions::default() }).unwrap();
+        let mut options = DetectorOptions { use_image, ..DetectorOptions::default() };
+        options.search.min_score = min_score;
+        detector.set_options(options).unwrap();
         detector.detect(&frame).unwrap()
+    };
+    let found = |by: [i32; 2], use_image: bool| {
+        found_above(DetectorOptions::default().search.min_score, by, use_image)
     };
     let radii = |scene: &Scene| {
         let mut radii: Vec<f64> = scene.cylinders.iter().map(|found| found.result.cylinder.radius).collect();
@@ -244,6 +249,9 @@ fn depth_that_lies_pixels_beside_the_image_is_moved() {
         assert!(hits * 10 > count * 9, "{by:?}: {hits} of {count}");
         assert_eq!(found(by, false).depth_moved, [0, 0]);
     }
+    // Where nothing is found nothing confirms the shift.
+    let nothing = found_above(1.0, [3, 0], true);
+    assert!(nothing.cylinders.is_empty() && nothing.depth_moved == [0, 0], "{:?}", nothing.depth_moved);
 }
 
 #[test]

@@ -213,6 +213,10 @@ impl Detector {
         })?;
         let fits = Fits::new(&self.options, found, size);
         let scene = self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
+        if scene.cylinders.is_empty() {
+            // Nothing confirms the shift.
+            depth_moved = [0; 2];
+        }
         let mut scene = Scene { depth_moved, ..scene };
         if depth_moved != [0; 2] {
             scene.labels = moved(&scene.labels, size, depth_moved.map(|by| -by))?;
