@@ -2,8 +2,10 @@
 
 use crate::support::{Copy, data, fails, fit, fitted, run, vector, without_seconds};
 use serde_json::Value;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use tempfile::TempDir;
 
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap().keys().map(String::as_str).collect()
@@ -313,11 +315,35 @@ fn a_reader_that_leaves_early_is_no_failure() {
 
 #[test]
 fn a_folder_that_cannot_be_made_is_a_failure_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
+    let out = TempDir::new().unwrap();
+    std::fs::write(out.path().join("w004"), "").unwrap();
+    let frames = [data("w004"), data("w022")];
+    let run = run(["fit".as_ref(), "--json".as_ref(), "--out".as_ref(), out.path().as_os_str()]
+        .into_iter()
+        .chain(frames.iter().map(|frame| frame.as_os_str())));
+    let objects = run.objects();
+    assert_eq!(
+        (run.code, &objects[0]["error"]["status"]),
+        (1, &"FILE_NOT_WRITABLE".into()),
+        "{}",
+        run.stdout
+    );
+    assert!(objects[1]["cylinder"].is_object() && out.path().join("w022/overlay.png").is_file());
+}
+
+/// Every frame was fitted before it came out that nothing could be written.
+#[test]
+fn a_folder_that_cannot_be_made_is_told_before_the_work() {
+    let folder = TempDir::new().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "").unwrap();
     let out = file.join("out");
-    fails(&data("w004"), &["--out", out.to_str().unwrap()], "FILE_NOT_WRITABLE", &["out"]);
     let demo = run(["demo", "--out", out.to_str().unwrap()]);
     assert!(demo.code == 1 && demo.stderr.contains("FILE_NOT_WRITABLE"), "{}", demo.stderr);
+    for command in ["fit", "detect"] {
+        let arguments: [&OsStr; 4] = [command.as_ref(), "no frame".as_ref(), "--out".as_ref(), out.as_ref()];
+        let run = run(arguments);
+        assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{}", run.stderr);
+        assert!(run.stderr.contains("file/out") && !run.stderr.contains("no frame"), "{}", run.stderr);
+    }
 }

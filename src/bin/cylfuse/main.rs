@@ -41,7 +41,7 @@ use plan_arguments::PlanArguments;
 use report::{Outcome, Report};
 use std::fmt::Display;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -72,6 +72,12 @@ fn option_error(error: &cylfuse::error::Error) -> String {
     format!("{} ({})", failure::in_words(error), error.name())
 }
 
+/// Whether results can be written, before there is work to lose.
+fn can_write(out: Option<&Path>, report: Option<&Path>) -> bool {
+    out.is_none_or(|folder| !complained(fit::create_folder(folder)))
+        && report.is_none_or(|path| !complained(fit::check_writable(path)))
+}
+
 /// Fits everything; tells whether something failed.
 fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     let settings = match arguments.check() {
@@ -83,9 +89,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
         Err(error) => usage_error("fit", ErrorKind::ValueValidation, &option_error(&error)),
     };
     let inputs = inputs::of(&arguments.points, &arguments.frames, arguments.out.as_deref());
-    if let Some(path) = &arguments.common.report
-        && complained(fit::check_writable(path))
-    {
+    if !can_write(arguments.out.as_deref(), arguments.common.report.as_deref()) {
         return Ok(true);
     }
     let progress = progress_bar(inputs.len());
@@ -127,9 +131,7 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let illustrate = arguments.common.report.is_some();
     let settings = detect::Settings { options, image: !arguments.common.no_image, illustrate };
     let inputs = inputs::of(&arguments.points, &arguments.frames, arguments.out.as_deref());
-    if let Some(path) = &arguments.common.report
-        && complained(fit::check_writable(path))
-    {
+    if !can_write(arguments.out.as_deref(), arguments.common.report.as_deref()) {
         return Ok(true);
     }
     let progress = progress_bar(inputs.len());
