@@ -48,6 +48,26 @@ fn a_limb_that_few_blocks_show_counts_where_the_mask_has_it() {
     assert!(result.limbs_located == 2 && relative < 0.005 && deviations < 2.0, "{relative} {deviations}");
 }
 
+/// Such a mask was fitted without a word, by one of the two or by something between them.
+#[test]
+fn a_mask_of_two_bodies_is_told() {
+    let frame = frame(Kind::Table, 81009);
+    let pixels = |object: u16| frame.labels.iter().filter(|label| **label == object).count();
+    let objects: Vec<u16> = frame.cylinders.iter().map(|seen| seen.truth.object).collect();
+    let objects: Vec<u16> = objects.into_iter().filter(|object| pixels(*object) > 2000).collect();
+    assert!(objects.len() > 1, "{objects:?}");
+    let told = |chosen: &[u16]| {
+        let mask = frame.labels.iter().map(|label| u8::from(chosen.contains(label))).collect();
+        fit_within(&frame, FOCAL, mask).flags.contains(Flags::MASK_DISAGREES)
+    };
+    for (k, &first) in objects.iter().enumerate() {
+        assert!(!told(&[first]), "{first}");
+        for &second in &objects[k + 1..] {
+            assert!(told(&[first, second]), "{first} {second}");
+        }
+    }
+}
+
 /// What is left of a mask without the pixels that are nearer to its border than so many.
 fn eroded(mask: &[bool], by: usize) -> Vec<u8> {
     let (width, height) = SIZE;

@@ -5,7 +5,7 @@ mod support;
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::extent::EndState;
-use cylfuse::fitter::{Fitter, Options, Part};
+use cylfuse::fitter::{Fitter, Flags, Options, Part};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use cylfuse::observations::{DepthRange, DepthView, MaskView};
 use nalgebra::{Vector2, Vector3};
@@ -194,6 +194,7 @@ fn the_body_is_measured_whatever_the_mask_holds() {
         for whole in [false, true] {
             let mut fitter = scene.fitter(|part| whole || part == Part::Body);
             let fit = fitter.fit().unwrap();
+            assert!(!fit.flags.contains(Flags::MASK_DISAGREES), "whole {whole}");
             let difference = scene.cylinder.compare(&fit.cylinder);
             assert!(difference.angle < 0.005, "{}", difference.angle);
             assert!(difference.radius_relative.abs() < 0.01, "{}", difference.radius_relative);
@@ -215,6 +216,7 @@ fn a_bottle_ends_at_its_shoulder() {
         let scene = Scene::with_axis(Top::Neck, direction);
         let mut fitter = scene.fitter(|_| true);
         let fit = fitter.fit().unwrap();
+        assert!(!fit.flags.contains(Flags::MASK_DISAGREES));
         let difference = scene.cylinder.compare(&fit.cylinder);
         assert!(difference.angle < 0.01, "{}", difference.angle);
         assert!(difference.radius_relative.abs() < 0.02, "{}", difference.radius_relative);
@@ -231,7 +233,9 @@ fn check_body_within(top: Top, direction: Vector3<f64>, most: [f64; 2]) {
     let depth = scene.pixels(|_, depth| depth as f32);
     let depth: Vec<f32> = depth.into_iter().map(|depth| depth + 5e-4 * noise.normal() as f32).collect();
     let mut fitter = scene.fitter_with(|_| true, &depth);
-    let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
+    let fit = fitter.fit().unwrap();
+    assert!(!fit.flags.contains(Flags::MASK_DISAGREES));
+    let difference = scene.cylinder.compare(&fit.cylinder);
     assert!(difference.angle < most[0], "{}", difference.angle);
     assert!(difference.radius_relative.abs() < most[1], "{}", difference.radius_relative);
     // It is seen, and with it the body is as long as the object.

@@ -79,7 +79,8 @@ const (
 	// body is no cylinder, or one of the lines is no limb.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
 	// FlagMaskDisagrees: the mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and
-	// the deviation of the radius says; or no limb was seen, and the points contest the mask.
+	// the deviation of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another
+	// body.
 	FlagMaskDisagrees Flags = C.CYLFUSE_RESULT_FLAGS_MASK_DISAGREES
 )
 

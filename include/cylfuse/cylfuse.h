@@ -1182,7 +1182,9 @@ typedef uint32_t cylfuse_result_flags;
  * image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
  * border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
  * something else. Only where fewer than two limbs of a view were located or given. Or no limb was seen, and the points
- * contest the radius by the sides of the mask, or would scatter 3 times as much if these were followed.
+ * contest the radius by the sides of the mask, or would scatter 3 times as much if these were followed. Or the mask
+ * holds another body: more than a tenth of its pixels, without those beside its outline, have points outside of the
+ * cylinder and of its lids and rings.
  */
 #define CYLFUSE_RESULT_FLAGS_MASK_DISAGREES 1048576
 

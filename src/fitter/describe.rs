@@ -134,7 +134,7 @@ pub(super) fn describe(
     let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
     let contests = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
         && data.views.iter().any(|view| view.view.mask_is_drawn());
-    if contests || uncertainty.as_ref().is_some_and(disagrees) {
+    if contests || uncertainty.as_ref().is_some_and(disagrees) || data.mask_holds_another(cylinder, scales) {
         flags |= Flags::MASK_DISAGREES;
     }
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());

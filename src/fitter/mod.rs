@@ -23,6 +23,7 @@ mod minimum;
 mod misfit;
 mod objective;
 mod options;
+mod other_body;
 mod outlier;
 mod outline;
 mod queries;

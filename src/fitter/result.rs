@@ -70,7 +70,8 @@ bitflags::bitflags! {
         /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
         /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image
         /// ends it. Only where fewer than two limbs were located or given. Or no limb was seen, and the points contest the radius by the
-        /// sides of the mask, or would scatter 3 times as much if these were followed.
+        /// sides of the mask, or would scatter 3 times as much if these were followed. Or the mask holds another body: more than a tenth
+        /// of its pixels, without those beside its outline, have points outside of the cylinder and of its lids and rings.
         const MASK_DISAGREES = 1 << 20;
     }
 }

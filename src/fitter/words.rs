@@ -58,7 +58,7 @@ const TEXTS: &[(Flags, &CStr)] = &[
         Flags::BODY_TAPERS,
         c"BODY_TAPERS: the body tapers, or one limb is something else; the radius changes along the axis",
     ),
-    (Flags::MASK_DISAGREES, c"MASK_DISAGREES: the mask ends far beside a limb of the cylinder"),
+    (Flags::MASK_DISAGREES, c"MASK_DISAGREES: the mask ends far beside a limb of the cylinder, or holds another body"),
 ];
 
 impl Flags {

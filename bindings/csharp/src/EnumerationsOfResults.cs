@@ -109,7 +109,8 @@ namespace Cylfuse
         /// is no cylinder, or one of the lines is no limb.</summary>
         BodyTapers = 524288,
         /// <summary>The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the
-        /// deviation of the radius says; or no limb was seen, and the points contest the mask.</summary>
+        /// deviation of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another
+        /// body.</summary>
         MaskDisagrees = 1048576,
     }
 

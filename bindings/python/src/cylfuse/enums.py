@@ -365,7 +365,7 @@ class ResultFlags(IntFlag):
     #: cylinder, or one of the lines is no limb.
     BODY_TAPERS = 524288
     #: The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation
-    #: of the radius says; or no limb was seen, and the points contest the mask.
+    #: of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another body.
     MASK_DISAGREES = 1048576
 
     @property
