@@ -155,6 +155,26 @@ fn bar_beside(other: Body, seed: u64) -> (FitResult, f64, f64) {
     (result, relative, deviations)
 }
 
+/// No limb of a cup or cone is located, as a cylinder has other ones, and half of its points pass for those of a cylinder.
+#[test]
+fn sides_of_a_mask_that_converge_are_told() {
+    let wall = body(0, Shape::Plane, Vector3::new(0.0, 0.0, 1.0), -Vector3::z(), 0.3);
+    for (wider, tapers) in [(0.0, false), (0.002, false), (0.008, true), (0.012, true)] {
+        let radii = [RADIUS - wider, RADIUS + wider];
+        let frustum = body(
+            1,
+            Shape::Turned { radii, length: 0.12, bore: None },
+            BAR,
+            Vector3::new(0.98, 0.14, 0.14).normalize(),
+            0.6,
+        );
+        let scene = Scene { bodies: vec![frustum, wall], ambient: 0.4, ..Scene::default() };
+        let frame = captured(&scene, FOCAL, 83230);
+        let result = fit_without_image(&frame, FOCAL, drawn_mask(&frame.body, SIZE, 83230));
+        assert_eq!(result.flags.contains(Flags::BODY_TAPERS), tapers, "{wider}: {:?}", result.flags);
+    }
+}
+
 /// A plane through which the bar is sunk buries one of its limbs, and leaves the other one.
 #[test]
 fn where_a_plane_touches_the_body_is_no_limb() {

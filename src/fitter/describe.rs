@@ -131,15 +131,19 @@ pub(super) fn describe(
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(&frame, scales);
     flags.set(Flags::POOR_FIT, count > 0 && poor);
-    let disagrees = |stated: &Uncertainty| data.mask_disagrees(held, cylinder, scales, stated.radius());
     let contests = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
         && data.views.iter().any(|view| view.view.mask_is_drawn());
-    if contests || uncertainty.as_ref().is_some_and(disagrees) || data.mask_holds_another(cylinder, scales) {
+    if contests || data.mask_holds_another(cylinder, scales) {
         flags |= Flags::MASK_DISAGREES;
+    }
+    if let Some(stated) = &uncertainty {
+        flags |= data.masks_against(held, cylinder, scales, stated.radius());
     }
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
-    flags.set(Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong));
+    if taper.is_some_and(Taper::is_wrong) {
+        flags |= Flags::BODY_TAPERS;
+    }
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
     let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();

@@ -65,7 +65,8 @@ bitflags::bitflags! {
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one
-        /// of the lines is no limb.
+        /// of the lines is no limb. Or, where fewer than two limbs were located or given, the sides of the mask converge: by more
+        /// than 3 standard deviations, and by a slope of the radius of more than 0.05.
         const BODY_TAPERS = 1 << 19;
         /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
         /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image

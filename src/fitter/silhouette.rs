@@ -2,16 +2,18 @@
 //!
 //! A mask is a hint and roughly drawn, but not by many pixels along most of a body. Where it ends far within a limb, or goes on
 //! far beyond one, depth and image are misaligned, the depth is smeared beyond the body, or the mask holds something else.
-//! Lids, handles and what stands in front change the width of a mask, too: along a part of the axis, or the depth shows it.
+//! Lids, handles and what stands in front change the width of a mask, too: along a part of the axis, or the depth shows it. Where
+//! the width changes all along it, the body is no cylinder.
 
 use super::data::{Data, ViewData};
 use super::held::{Held, HeldView};
+use super::result::Flags;
 use super::scales::Scales;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::memory::List;
 use crate::observations::{DepthImage, Mask, pixel_at};
-use crate::statistics::at_both_ends;
+use crate::statistics::{at_both_ends, median, median_and_deviation};
 use nalgebra::{Vector2, Vector3};
 
 /// Places along the axis at which the mask is looked at.
@@ -30,6 +32,9 @@ const DEVIATIONS: f64 = 3.0;
 
 /// Steps from a limb to the axis in which the end of a mask is looked for.
 const STEPS: usize = 16;
+
+/// How steep the sides of a mask are at least against the limbs, as a change of the radius along the axis, where the body tapers.
+const STEEPEST: f64 = 0.05;
 
 /// What stands in front is nearer than the surface by this many standard deviations of the points.
 const NEARER: f64 = 3.0;
@@ -53,25 +58,25 @@ struct Silhouette<'a> {
 }
 
 impl Data<'_> {
-    /// Whether the mask of a view ends beside a limb of a cylinder whose radius has a standard deviation, along most of the axis.
-    pub fn mask_disagrees(&self, held: &Held, cylinder: &Cylinder, scales: &Scales, deviation: f64) -> bool {
-        let mut views = self.views.iter().zip(&held.views).zip(&scales.views);
-        self.is_robust()
-            && views.any(|((view, held), scales)| {
-                let nearer = NEARER * scales.point;
-                mask_disagrees(view, held, view.seen(cylinder), nearer, deviation) == Some(true)
-            })
+    /// What the masks of the views say against a cylinder whose radius has a standard deviation: `MASK_DISAGREES` where one ends
+    /// beside a limb along most of the axis, `BODY_TAPERS` where its sides converge.
+    pub fn masks_against(&self, held: &Held, cylinder: &Cylinder, scales: &Scales, deviation: f64) -> Flags {
+        let views = self.views.iter().zip(&held.views).zip(&scales.views).filter(|_| self.is_robust());
+        let against = views.filter_map(|((view, held), scales)| {
+            mask_against(view, held, view.seen(cylinder), NEARER * scales.point, deviation)
+        });
+        against.fold(Flags::empty(), Flags::union)
     }
 }
 
 /// `None` where there is nothing to compare.
-fn mask_disagrees(
+fn mask_against(
     view: &ViewData<'_>,
     held: &HeldView,
     cylinder: Cylinder,
     nearer: f64,
     deviation: f64,
-) -> Option<bool> {
+) -> Option<Flags> {
     // Two limbs that are seen confirm each other, whatever the mask is.
     if held.located + held.given >= 2 || !view.view.sides_tell() {
         return None;
@@ -85,9 +90,10 @@ fn mask_disagrees(
     let noise = &view.noise;
     let allowed = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
     let lines = LimbFrame::new(&cylinder)?.limb_lines();
-    let disagrees = lines.into_iter().any(|line| {
-        let counts = (0..PLACES).fold([0; 3], |mut counts, k| {
-            let along = low + (high - low) * (k as f64 + 0.5) / PLACES as f64;
+    let places: [f64; PLACES] =
+        std::array::from_fn(|k| low + (high - low) * (k as f64 + 0.5) / PLACES as f64);
+    let disagrees = lines.iter().any(|line| {
+        let counts = places.iter().fold([0; 3], |mut counts, &along| {
             let middle = axis.at(along);
             let limb = line.nearest_to(&middle);
             let beside = silhouette.beside([&middle, &limb], allowed, DEVIATIONS * deviation / radius);
@@ -98,8 +104,40 @@ fn mask_disagrees(
         let most = (near + within + beyond).max(PLACES / 2) / 2;
         within > most || beyond > most
     });
+    let width = |&along: &f64| {
+        let middle = axis.at(along);
+        let sides = lines.each_ref().map(|line| silhouette.side([&middle, &line.nearest_to(&middle)]));
+        let [(one, half), (other, other_half)] = [sides[0]?, sides[1]?];
+        Some([along / radius, (one + other) / (half + other_half), half + other_half])
+    };
+    let widths: List<[f64; 3]> = places.iter().filter_map(width).collect();
+    let tapers = slope(&widths, noise.unevenness)
+        .is_some_and(|[slope, deviation]| slope.abs() > STEEPEST.max(DEVIATIONS * deviation));
+    let mut against = Flags::empty();
+    against.set(Flags::MASK_DISAGREES, disagrees);
+    against.set(Flags::BODY_TAPERS, tapers);
     // The most work comes last: most masks are where the limbs are.
-    Some(disagrees && view.view.mask_is_drawn())
+    (!against.is_empty() && view.view.mask_is_drawn()).then_some(against)
+}
+
+/// How the radius changes along the axis and the standard deviation of that, by positions along it in radii, by how much the
+/// mask is wider there than the cylinder as a part of its width, and that width in pixels. By the median of the slopes of all
+/// pairs (Theil and Sen), as lids and handles change the width of a part.
+fn slope(widths: &[[f64; 3]], unevenness: f64) -> Option<[f64; 2]> {
+    if widths.len() < PLACES / 2 {
+        return None;
+    }
+    let pairs = widths.iter().enumerate().flat_map(|(k, a)| widths[..k].iter().map(move |b| (a, b)));
+    let mut slopes: List<f64> = pairs.map(|(a, b)| (a[1] - b[1]) / (a[0] - b[0])).collect();
+    let slope = median(&mut slopes);
+    let mut left: List<f64> = widths.iter().map(|[x, y, _]| y - slope * x).collect();
+    let [_, left] = median_and_deviation(&mut left);
+    let mean = |k: usize| widths.iter().map(|width| width[k]).sum::<f64>() / widths.len() as f64;
+    let (middle, pixels) = (mean(0), mean(2));
+    let spread = widths.iter().map(|[x, ..]| (x - middle).powi(2)).sum::<f64>().sqrt();
+    // Either side of the mask is uneven.
+    let uneven = 2.0_f64.sqrt() * unevenness / pixels;
+    Some([slope, left.max(uneven) / spread])
 }
 
 impl Silhouette<'_> {
@@ -124,6 +162,29 @@ impl Silhouette<'_> {
         let mut missing = inward.take_while(|&(x, y)| !self.mask.contains(x, y));
         let hidden = missing.any(|pixel| self.is_hidden(pixel));
         (!hidden).then_some(Beside::Within)
+    }
+
+    /// By how many pixels the mask ends beyond the limb beside a point of the axis, and how many lie between the two. `None` as above,
+    /// and where the mask ends farther beyond the limb than the axis lies within.
+    fn side(&self, [middle, limb]: [&Vector3<f64>; 2]) -> Option<(f64, f64)> {
+        let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
+        let width = (limb - middle).norm();
+        let outward = (limb - middle) / width;
+        let pixel = |offset: f64| self.pixel(&(limb + outward * offset));
+        let is_set = |(x, y): (usize, usize)| self.mask.contains(x, y);
+        let beyond = is_set(pixel(0.0)?);
+        let step = if beyond { 1.0 } else { -1.0 };
+        for k in 1..=width as usize {
+            let offset = step * k as f64;
+            let at = pixel(offset)?;
+            if is_set(at) != beyond {
+                return Some((offset - step / 2.0, width));
+            }
+            if !beyond && self.is_hidden(at) {
+                return None;
+            }
+        }
+        None
     }
 
     /// The pixel at a place in the image.

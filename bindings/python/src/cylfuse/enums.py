@@ -362,7 +362,7 @@ class ResultFlags(IntFlag):
     #: cylinder has.
     POOR_FIT = 262144
     #: The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
-    #: cylinder, or one of the lines is no limb.
+    #: cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
     BODY_TAPERS = 524288
     #: The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation
     #: of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another body.

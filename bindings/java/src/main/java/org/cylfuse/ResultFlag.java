@@ -70,7 +70,7 @@ public enum ResultFlag {
     POOR_FIT(262144),
     /**
      * The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
-     * cylinder, or one of the lines is no limb.
+     * cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
      */
     BODY_TAPERS(524288),
     /**
