@@ -249,9 +249,11 @@ fn depth_that_lies_pixels_beside_the_image_is_moved() {
         assert!(hits * 10 > count * 9, "{by:?}: {hits} of {count}");
         assert_eq!(found(by, false).depth_moved, [0, 0]);
     }
-    // Where nothing is found nothing confirms the shift.
-    let nothing = found_above(1.0, [3, 0], true);
-    assert!(nothing.cylinders.is_empty() && nothing.depth_moved == [0, 0], "{:?}", nothing.depth_moved);
+    // Where nothing is found nothing confirms the shift: these are candidates until their fits.
+    for min_score in [0.9983, 0.9985] {
+        let nothing = found_above(min_score, [3, 0], true);
+        assert!(nothing.cylinders.is_empty() && nothing.depth_moved == [0, 0], "{:?}", nothing.depth_moved);
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use cylfuse::fitter::{Fitter, Flags, Options, Part};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
 use cylfuse::observations::{DepthRange, DepthView, MaskView};
 use nalgebra::{Vector2, Vector3};
-use support::Noise;
+use support::{Noise, limb_segments};
 
 const SIZE: (usize, usize) = (240, 200);
 
@@ -206,6 +206,32 @@ fn the_body_is_measured_whatever_the_mask_holds() {
             let of_rim = if top == Top::Dark { EndState::Unknown } else { EndState::Seen };
             assert!(states.contains(&of_rim) && states.contains(&EndState::Seen), "{states:?}");
         }
+    }
+}
+
+/// The wall in such a mask was another body, though the caller had cut it off.
+#[test]
+fn what_is_beyond_the_depths_that_count_is_no_other_body() {
+    let scene = Scene::new(Top::Closed);
+    let depth = scene.pixels(|_, depth| depth as f32);
+    let depth = DepthView::from_f32(&depth, SIZE, 1.0).unwrap();
+    let of_object: Vec<bool> = scene.pixels(|part, _| part.is_some());
+    let columns: Vec<usize> = (0..of_object.len()).filter(|k| of_object[*k]).map(|k| k % SIZE.0).collect();
+    let (first, last) = (columns.iter().min().unwrap(), columns.iter().max().unwrap());
+    let rows: Vec<usize> = (0..of_object.len()).filter(|k| of_object[*k]).map(|k| k / SIZE.0).collect();
+    let in_box = |k: usize| {
+        (first - 10..=last + 10).contains(&(k % SIZE.0))
+            && (rows[0]..=rows[rows.len() - 1]).contains(&(k / SIZE.0))
+    };
+    let mask: Vec<u8> = (0..of_object.len()).map(|k| u8::from(in_box(k))).collect();
+    let mask = MaskView::from_u8(&mask, SIZE).unwrap();
+    for (max, told) in [(f64::INFINITY, true), (0.9 * WALL, false)] {
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(*scene.camera.intrinsics()).unwrap();
+        fitter.push_depth(&depth, Some(&mask), &DepthRange { max, ..DepthRange::default() }).unwrap();
+        fitter.push_edges(&limb_segments(&scene.cylinder, &scene.camera)).unwrap();
+        let fit = fitter.fit().unwrap();
+        assert_eq!(fit.flags.contains(Flags::MASK_DISAGREES), told, "{max}: {fit:?}");
     }
 }
 

@@ -33,7 +33,7 @@ impl Data<'_> {
         self.is_robust()
             && views.any(|(view, scales)| {
                 let cylinder = view.seen(cylinder);
-                let distance = cylinder.axis.nearest_to_origin().norm();
+                let distance = view.into_view.point(&self.center).norm();
                 let wider = (WIDER * cylinder.radius).min(LARGEST_DEPTH_NOISE * distance);
                 let reach = (DEVIATIONS * scales.point).max(wider);
                 holds_another(view, &cylinder, reach, &self.options.noise) == Some(true)
@@ -45,7 +45,7 @@ impl Data<'_> {
 /// too few have a depth, and where the mask is no hint of the caller.
 fn holds_another(view: &ViewData<'_>, cylinder: &Cylinder, reach: f64, noise: &NoiseModel) -> Option<bool> {
     let (camera, mask, depth) = (view.camera()?, view.view.mask.as_ref()?, view.view.depth()?);
-    if !view.view.sides_tell() || cylinder.contains_origin() {
+    if view.view.mask_is_body || cylinder.contains_origin() {
         return None;
     }
     // Beside its outline a mask may hold the background.
@@ -57,11 +57,14 @@ fn holds_another(view: &ViewData<'_>, cylinder: &Cylinder, reach: f64, noise: &N
             && set(Some(x), y.checked_sub(margin))
             && set(Some(x), y.checked_add(margin))
     };
+    // What the caller has cut off is no part of the mask.
+    let range = view.view.frame.depth_range();
+    let depth = |x, y| depth.depth(x, y).filter(|z| (range.min..=range.max).contains(z));
     let stride = (mask.count() as f64 / SAMPLE).sqrt().ceil().max(1.0) as usize;
     let pixels = mask.set_pixels_of_grid(stride).filter(is_inner);
     let mut all = 0;
     let mut others: List<Vector3<f64>> = List::new();
-    for (ray, z) in pixels.filter_map(|(x, y)| camera.ray_of_pixel(x, y).zip(depth.depth(x, y))) {
+    for (ray, z) in pixels.filter_map(|(x, y)| camera.ray_of_pixel(x, y).zip(depth(x, y))) {
         all += 1;
         let point = ray * z;
         if cylinder.distance(&point) > reach {

@@ -1,4 +1,4 @@
-//! Whether the mask that the caller gave ends beside the limbs of the fitted cylinder.
+//! Whether the mask that the caller gave ends beside the limbs of the fitted cylinder, or its sides converge.
 //!
 //! A mask is a hint and roughly drawn, but not by many pixels along most of a body. Where it ends far within a limb, or goes on
 //! far beyond one, depth and image are misaligned, the depth is smeared beyond the body, or the mask holds something else.
@@ -110,8 +110,10 @@ fn mask_against(
         let [(one, half), (other, other_half)] = [sides[0]?, sides[1]?];
         Some([along / radius, (one + other) / (half + other_half), half + other_half])
     };
-    let widths: List<[f64; 3]> = places.iter().filter_map(width).collect();
-    let tapers = slope(&widths, noise.unevenness)
+    // Only the depth tells what hides a limb.
+    let seen = silhouette.depth.map_or(&places[..0], |_| &places);
+    let widths: List<[f64; 3]> = seen.iter().filter_map(width).collect();
+    let tapers = slope(&widths, noise.side)
         .is_some_and(|[slope, deviation]| slope.abs() > STEEPEST.max(DEVIATIONS * deviation));
     let mut against = Flags::empty();
     against.set(Flags::MASK_DISAGREES, disagrees);
@@ -122,8 +124,9 @@ fn mask_against(
 
 /// How the radius changes along the axis and the standard deviation of that, by positions along it in radii, by how much the
 /// mask is wider there than the cylinder as a part of its width, and that width in pixels. By the median of the slopes of all
-/// pairs (Theil and Sen), as lids and handles change the width of a part.
-fn slope(widths: &[[f64; 3]], unevenness: f64) -> Option<[f64; 2]> {
+/// pairs (Theil and Sen), as lids and handles change the width of a part. Masks are off by `side` at either end of a side: they may
+/// be drawn from corner to corner.
+fn slope(widths: &[[f64; 3]], side: f64) -> Option<[f64; 2]> {
     if widths.len() < PLACES / 2 {
         return None;
     }
@@ -132,12 +135,12 @@ fn slope(widths: &[[f64; 3]], unevenness: f64) -> Option<[f64; 2]> {
     let slope = median(&mut slopes);
     let mut left: List<f64> = widths.iter().map(|[x, y, _]| y - slope * x).collect();
     let [_, left] = median_and_deviation(&mut left);
+    let reach = widths[widths.len() - 1][0] - widths[0][0];
     let mean = |k: usize| widths.iter().map(|width| width[k]).sum::<f64>() / widths.len() as f64;
     let (middle, pixels) = (mean(0), mean(2));
     let spread = widths.iter().map(|[x, ..]| (x - middle).powi(2)).sum::<f64>().sqrt();
-    // Either side of the mask is uneven.
-    let uneven = 2.0_f64.sqrt() * unevenness / pixels;
-    Some([slope, left.max(uneven) / spread])
+    let corners = 2.0 * side / (pixels * reach);
+    Some([slope, (left / spread).max(corners)])
 }
 
 impl Silhouette<'_> {
@@ -164,8 +167,8 @@ impl Silhouette<'_> {
         (!hidden).then_some(Beside::Within)
     }
 
-    /// By how many pixels the mask ends beyond the limb beside a point of the axis, and how many lie between the two. `None` as above,
-    /// and where the mask ends farther beyond the limb than the axis lies within.
+    /// By how many pixels the mask ends beyond the limb beside a point of the axis, and how many lie between the two. `None` as in
+    /// [`Self::beside`], and where the mask ends farther beyond the limb than the axis lies within.
     fn side(&self, [middle, limb]: [&Vector3<f64>; 2]) -> Option<(f64, f64)> {
         let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
         let width = (limb - middle).norm();

@@ -41,7 +41,8 @@ impl Taper {
     }
 
     /// Whether it is more than noise and what is usual.
-    pub(super) fn is_wrong(self) -> bool {
+    #[must_use]
+    pub fn is_wrong(self) -> bool {
         self.slope.abs() > TAPERS * self.deviation.hypot(USUAL_TURN)
     }
 }

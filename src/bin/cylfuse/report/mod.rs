@@ -210,7 +210,7 @@ fn explain(flag: Flags, result: &FitResult) -> String {
             let (scale, radius) = (result.point_scale, result.cylinder.radius);
             Some(format!("they scatter by {scale:.3} about a radius of {radius:.3}"))
         }
-        Flags::BODY_TAPERS => result.taper.map(|taper| {
+        Flags::BODY_TAPERS => result.taper.filter(|taper| taper.is_wrong()).map(|taper| {
             format!("by {:.1} ± {:.1} % of the length", 100.0 * taper.slope, 100.0 * taper.deviation)
         }),
         _ => None,
