@@ -222,6 +222,16 @@ pub struct ImageNoise {
     pub blur: f64,
 }
 
+/// Masks may end this many standard deviations of their unevenness beyond their largest growth.
+const UNEVEN: f64 = 2.0;
+
+impl ImageNoise {
+    /// The farthest that the boundary of a mask may be off.
+    pub(crate) fn largest_margin(&self) -> f64 {
+        self.growth + UNEVEN * self.unevenness
+    }
+}
+
 impl ImageNoise {
     /// The same in an image whose pixels are the means of boxes of `factor` columns and rows.
     #[must_use]

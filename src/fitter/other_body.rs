@@ -20,9 +20,6 @@ const LEAST: usize = 40;
 const DEVIATIONS: f64 = 3.0;
 const WIDER: f64 = 0.05;
 
-/// Masks may end this many standard deviations of their unevenness beyond their largest growth.
-const UNEVEN: f64 = 2.0;
-
 /// The largest part of the pixels that may belong to something else: docs/measurements-masks.md, "Masks of two bodies".
 const LARGEST_PART: f64 = 0.1;
 
@@ -49,7 +46,7 @@ fn holds_another(view: &ViewData<'_>, cylinder: &Cylinder, reach: f64, noise: &N
         return None;
     }
     // Beside its outline a mask may hold the background.
-    let margin = (view.noise.growth + UNEVEN * view.noise.unevenness).ceil() as usize;
+    let margin = view.noise.largest_margin().ceil() as usize;
     let is_inner = |&(x, y): &(usize, usize)| {
         let set = |x: Option<usize>, y: Option<usize>| x.zip(y).is_some_and(|(x, y)| mask.contains(x, y));
         set(x.checked_sub(margin), Some(y))

@@ -24,10 +24,7 @@ const PLACES: usize = 16;
 const SAMPLE: usize = 64;
 const BEYOND: usize = SAMPLE / 10;
 
-/// Masks may end this many standard deviations of their unevenness beyond their largest growth.
-const UNEVEN: f64 = 2.0;
-
-/// And this many of a side, where the masks of the caller are rougher, and of the radius.
+/// Masks may end this many standard deviations of a side beside it, where the masks of the caller are rougher, and of the radius.
 const DEVIATIONS: f64 = 3.0;
 
 /// Steps from a limb to the axis in which the end of a mask is looked for.
@@ -88,7 +85,7 @@ fn mask_against(
         view.view.cloud.sampled(SAMPLE).map(|point| axis.position_of(&point)).collect();
     let [low, high] = at_both_ends(&positions, BEYOND.min(positions.len().checked_sub(1)? / 2));
     let noise = &view.noise;
-    let allowed = (noise.growth + UNEVEN * noise.unevenness).max(DEVIATIONS * noise.side);
+    let allowed = noise.largest_margin().max(DEVIATIONS * noise.side);
     let lines = LimbFrame::new(&cylinder)?.limb_lines();
     let places: [f64; PLACES] =
         std::array::from_fn(|k| low + (high - low) * (k as f64 + 0.5) / PLACES as f64);
