@@ -1168,7 +1168,8 @@ typedef uint32_t cylfuse_result_flags;
  * The points do not lie on the cylinder, so its numbers mean nothing: `point_deviation` is more than 1 % of their
  * distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
  * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
- * Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does.
+ * Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does. Or they lie on two
+ * planes, as the sides of a box do.
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 /**

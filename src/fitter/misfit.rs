@@ -1,12 +1,14 @@
-//! Whether the points lie on a body that is no cylinder: one that is bent, bulges as a sphere does, or widens.
+//! Whether the points lie on a body that is no cylinder: one that is bent, bulges as a sphere does, or widens, or a box.
 //!
 //! The scale of the points tells it only where the body is wrong by more than depth cameras scatter. What such a body leaves
 //! is small, but no noise: it changes smoothly along the axis. So distances from the cylinder are explained twice by least
 //! squares, along the position x on the axis and the angle φ about it: by what a cylinder near by leaves, 1, cos φ, sin φ,
-//! x cos φ and x sin φ, and by x, x², x² cos φ and x² sin φ besides, which are a cone, a bulge and a bend.
+//! x cos φ and x sin φ, and by x, x², x² cos φ and x² sin φ besides, which are a cone, a bulge and a bend. What changes
+//! across the axis may be the depth beside limbs, so there the points are asked whether two planes explain them better.
 
 use super::data::{Data, ViewData};
 use super::scales::Scales;
+use super::two_planes::{TwoPlanes, Weighted};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::PointCloud;
@@ -21,7 +23,7 @@ const TERMS: usize = 9;
 const OF_CYLINDER: usize = 5;
 
 /// What the shape explains must have this part of the variance that is left at least: the waves of time of flight on right
-/// cylinders explain as much now and then.
+/// cylinders explain as much now and then. So must two planes: docs/measurements-masks.md, "Boxes".
 const LEAST_GAIN: f64 = 1.0;
 
 /// The root mean square of what the shape explains as a part of the radius. Those waves have 1.9 % of it at most, bent pipes
@@ -53,6 +55,18 @@ fn terms(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Terms) {
     )
 }
 
+/// Points of a cloud with their weights about a cylinder: Tukey's with a cutoff.
+fn sample(cloud: &PointCloud, cylinder: &Cylinder, cutoff: f64) -> List<(f64, Vector3<f64>)> {
+    let count = SAMPLE.min(cloud.len());
+    let weighted = (0..count).map(|k| k * cloud.len() / count).map(|index| {
+        let point = cloud.point(index);
+        let part = cylinder.distance(&point) / cutoff;
+        let root = (1.0 - part * part).max(0.0);
+        (cloud.weight(index) * root * root, point)
+    });
+    weighted.filter(|(weight, _)| *weight > 0.0).collect()
+}
+
 /// A body that explains the distances of points from a cylinder.
 struct Shape {
     coefficients: Terms,
@@ -62,24 +76,18 @@ struct Shape {
 }
 
 impl Shape {
-    /// By the points of a cloud that lie within a cutoff; `None` where they do not determine it.
-    fn new(cloud: &PointCloud, frame: &LocalFrame, cutoff: f64) -> Option<Self> {
+    /// By points with weights; `None` where they do not determine it.
+    fn new(points: &[(f64, Vector3<f64>)], frame: &LocalFrame) -> Option<Self> {
         let mut normal = SMatrix::<f64, TERMS, TERMS>::zeros();
         let mut right = Terms::zeros();
         let (mut square, mut total) = (0.0, 0.0);
-        let count = SAMPLE.min(cloud.len());
-        for index in (0..count).map(|k| k * cloud.len() / count) {
-            let (distance, terms) = terms(frame, &cloud.point(index));
-            let part = distance / cutoff;
-            let root = 1.0 - part * part;
-            if root > 0.0 {
-                let weight = cloud.weight(index) * root * root;
-                let weighted = terms * weight;
-                normal.ger(1.0, &weighted, &terms, 1.0);
-                right += weighted * distance;
-                square += weight * distance * distance;
-                total += weight;
-            }
+        for (weight, point) in points {
+            let (distance, terms) = terms(frame, point);
+            let weighted = terms * *weight;
+            normal.ger(1.0, &weighted, &terms, 1.0);
+            right += weighted * distance;
+            square += weight * distance * distance;
+            total += weight;
         }
         let lower = (normal + SMatrix::identity() * (RIDGE * total)).cholesky()?.unpack();
         // The squares of these are what one term after the other explains.
@@ -100,20 +108,58 @@ impl Data<'_> {
 }
 
 fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
-    let cutoff = TUKEY_EFFICIENT * scales.point;
-    let Some(shape) = Shape::new(&view.view.cloud, frame, cutoff) else { return false };
-    let least = LEAST_PART * frame.cylinder.radius;
-    if !(shape.explained >= LEAST_GAIN * shape.left && shape.explained >= least * least) {
-        return false;
-    }
-    // Where a shape is, its residuals pass for correlated noise: what is left beside it tells how many are independent.
-    let residual = |point: Vector3<f64>| {
-        let (distance, terms) = terms(frame, &point);
+    let points = sample(&view.view.cloud, &frame.cylinder, TUKEY_EFFICIENT * scales.point);
+    let Some(shape) = Shape::new(&points, frame) else { return false };
+    let of_shape = Rival { explained: shape.explained, left: shape.left, numbers: TERMS as f64 };
+    let beside_shape = |point: &Vector3<f64>| {
+        let (distance, terms) = terms(frame, point);
         distance - terms.dot(&shape.coefficients)
     };
-    let residuals: List<f64> = view.neighbours.cloud(view).points().map(residual).collect();
-    let cutoff = TUKEY_EFFICIENT * shape.left.sqrt();
-    let independent = view.neighbours.independent_points(view, frame, &residuals, cutoff);
-    let [freed, freedom] = [(TERMS - OF_CYLINDER) as f64, independent - TERMS as f64];
-    independent >= LEAST_INDEPENDENT && shape.explained / freed > SIGNIFICANT * shape.left / freedom
+    of_shape.wins(view, frame, beside_shape) || is_box(view, frame, &points, shape.explained + shape.left)
+}
+
+/// Whether two planes that meet along the axis explain the points better than a cylinder near by does, which leaves some variance.
+fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)], variance: f64) -> bool {
+    let axis = frame.cylinder.axis;
+    let towards: Vector3<f64> =
+        points.iter().map(|(weight, point)| (point - axis.nearest_to(point)) * *weight).sum();
+    let Some(towards) = towards.try_normalize(0.0) else { return false };
+    let across = axis.direction.cross(&towards);
+    let place = |point: &Vector3<f64>| {
+        let place = point - axis.point;
+        Vector3::new(place.dot(&axis.direction), place.dot(&across), place.dot(&towards))
+    };
+    let mut weighted: List<Weighted> =
+        points.iter().map(|(weight, point)| Weighted { weight: *weight, place: place(point) }).collect();
+    let Some(planes) = TwoPlanes::new(&mut weighted) else { return false };
+    let left = planes.variance(&weighted);
+    let rival = Rival { explained: variance - left, left, numbers: TwoPlanes::NUMBERS };
+    rival.wins(view, frame, |point| planes.distance(&place(point)))
+}
+
+/// Another body than a cylinder.
+struct Rival {
+    /// The variance that it explains and a cylinder does not, and what is left.
+    explained: f64,
+    left: f64,
+    /// How many numbers the points determine.
+    numbers: f64,
+}
+
+impl Rival {
+    /// Whether it explains the points of a view better, by much and by no chance: an F-test. `beside` is the distance of a point from it.
+    fn wins(&self, view: &ViewData<'_>, frame: &LocalFrame, beside: impl Fn(&Vector3<f64>) -> f64) -> bool {
+        let Self { explained, left, numbers } = *self;
+        let least = LEAST_PART * frame.cylinder.radius;
+        if !(explained >= LEAST_GAIN * left && explained >= least * least) {
+            return false;
+        }
+        // Where a cylinder is wrong, what it leaves passes for correlated noise: what is left beside the other body tells how
+        // many points are independent.
+        let residuals: List<f64> = view.neighbours.cloud(view).points().map(|point| beside(&point)).collect();
+        let cutoff = TUKEY_EFFICIENT * left.sqrt();
+        let independent = view.neighbours.independent_points(view, frame, &residuals, cutoff);
+        let [freed, freedom] = [numbers - OF_CYLINDER as f64, independent - numbers];
+        independent >= LEAST_INDEPENDENT && explained / freed > SIGNIFICANT * left / freedom
+    }
 }

@@ -35,6 +35,7 @@ mod selection;
 mod silhouette;
 mod start;
 mod taper;
+mod two_planes;
 mod uncertainty;
 mod view;
 mod words;

@@ -103,7 +103,7 @@ namespace Cylfuse
         MaskEndsWithDepth = 131072,
         /// <summary>The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance
         /// from the camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that
-        /// no cylinder has.</summary>
+        /// no cylinder has, or lie on two planes, as the sides of a box do.</summary>
         PoorFit = 262144,
         /// <summary>The lines of both limbs turn against each other, so that the radius changes along the axis: the body
         /// is no cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.</summary>

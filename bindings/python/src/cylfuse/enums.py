@@ -359,7 +359,7 @@ class ResultFlags(IntFlag):
     MASK_ENDS_WITH_DEPTH = 131072
     #: The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
     #: camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that no
-    #: cylinder has.
+    #: cylinder has, or lie on two planes, as the sides of a box do.
     POOR_FIT = 262144
     #: The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
     #: cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.

@@ -65,7 +65,7 @@ public enum ResultFlag {
     /**
      * The points do not lie on the cylinder: they scatter about its surface by more than 1 % of their distance from the
      * camera or, without a camera, by more than a quarter of the radius, or have a shape along the axis that no
-     * cylinder has.
+     * cylinder has, or lie on two planes, as the sides of a box do.
      */
     POOR_FIT(262144),
     /**
