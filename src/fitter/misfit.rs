@@ -120,6 +120,10 @@ fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> 
 
 /// Whether two planes that meet along the axis explain the points better than a cylinder near by does, which leaves some variance.
 fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)], variance: f64) -> bool {
+    // Most cylinders leave less.
+    if !(variance >= least_explained(frame)) {
+        return false;
+    }
     let axis = frame.cylinder.axis;
     let towards: Vector3<f64> =
         points.iter().map(|(weight, point)| (point - axis.nearest_to(point)) * *weight).sum();
@@ -129,12 +133,16 @@ fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)
         let place = point - axis.point;
         Vector3::new(place.dot(&axis.direction), place.dot(&across), place.dot(&towards))
     };
-    let mut weighted: List<Weighted> =
+    let weighted: List<Weighted> =
         points.iter().map(|(weight, point)| Weighted { weight: *weight, place: place(point) }).collect();
-    let Some(planes) = TwoPlanes::new(&mut weighted) else { return false };
-    let left = planes.variance(&weighted);
+    let Some((planes, left)) = TwoPlanes::new(&weighted) else { return false };
     let rival = Rival { explained: variance - left, left, numbers: TwoPlanes::NUMBERS };
     rival.wins(view, frame, |point| planes.distance(&place(point)))
+}
+
+/// The variance that another body explains at least.
+fn least_explained(frame: &LocalFrame) -> f64 {
+    (LEAST_PART * frame.cylinder.radius).powi(2)
 }
 
 /// Another body than a cylinder.
@@ -150,8 +158,7 @@ impl Rival {
     /// Whether it explains the points of a view better, by much and by no chance: an F-test. `beside` is the distance of a point from it.
     fn wins(&self, view: &ViewData<'_>, frame: &LocalFrame, beside: impl Fn(&Vector3<f64>) -> f64) -> bool {
         let Self { explained, left, numbers } = *self;
-        let least = LEAST_PART * frame.cylinder.radius;
-        if !(explained >= LEAST_GAIN * left && explained >= least * least) {
+        if !(explained >= LEAST_GAIN * left && explained >= least_explained(frame)) {
             return false;
         }
         // Where a cylinder is wrong, what it leaves passes for correlated noise: what is left beside the other body tells how

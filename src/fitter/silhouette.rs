@@ -144,10 +144,8 @@ impl Silhouette<'_> {
     /// Where the mask ends at the limb beside a point of the axis: near it when they differ by no more than what masks are `allowed`,
     /// in pixels, and what the radius is `uncertain`, as a part of it. `None` where the image ends, something in front hides the
     /// limb, or neither is seen.
-    fn beside(&self, [middle, limb]: [&Vector3<f64>; 2], allowed: f64, uncertain: f64) -> Option<Beside> {
-        let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
-        let width = (limb - middle).norm();
-        let outward = (limb - middle) / width;
+    fn beside(&self, across: [&Vector3<f64>; 2], allowed: f64, uncertain: f64) -> Option<Beside> {
+        let (limb, outward, width) = self.limb_across(across)?;
         let limit = allowed.hypot(uncertain * width);
         let within = self.pixel(&(limb - outward * limit.min(width)))?;
         let beyond = self.pixel(&(limb + outward * limit))?;
@@ -166,10 +164,8 @@ impl Silhouette<'_> {
 
     /// By how many pixels the mask ends beyond the limb beside a point of the axis, and how many lie between the two. `None` as in
     /// [`Self::beside`], and where the mask ends farther beyond the limb than the axis lies within.
-    fn side(&self, [middle, limb]: [&Vector3<f64>; 2]) -> Option<(f64, f64)> {
-        let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
-        let width = (limb - middle).norm();
-        let outward = (limb - middle) / width;
+    fn side(&self, across: [&Vector3<f64>; 2]) -> Option<(f64, f64)> {
+        let (limb, outward, width) = self.limb_across(across)?;
         let pixel = |offset: f64| self.pixel(&(limb + outward * offset));
         let is_set = |(x, y): (usize, usize)| self.mask.contains(x, y);
         let beyond = is_set(pixel(0.0)?);
@@ -185,6 +181,13 @@ impl Silhouette<'_> {
             }
         }
         None
+    }
+
+    /// A point of a limb beside one of the axis in the image, the direction away from the axis, and the pixels between the two.
+    fn limb_across(&self, [middle, limb]: [&Vector3<f64>; 2]) -> Option<(Vector2<f64>, Vector2<f64>, f64)> {
+        let (middle, limb) = (self.camera.project(middle)?, self.camera.project(limb)?);
+        let width = (limb - middle).norm();
+        Some((limb, (limb - middle) / width, width))
     }
 
     /// The pixel at a place in the image.

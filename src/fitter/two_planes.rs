@@ -1,9 +1,9 @@
 //! Two planes that meet along a cylinder: the sides of a box that is fitted as one.
 
-use crate::memory::List;
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use crate::statistics::ends;
+use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Places at which the points are divided between two planes: after every sixteenth of them, but for the outermost.
+/// Parts of equal width across the axis, between any two of which the planes may meet.
 const PARTS: usize = 16;
 
 /// A point with its weight: where it lies along the axis of the cylinder, and in two directions across it, of which the last one
@@ -14,11 +14,10 @@ pub(super) struct Weighted {
     pub place: Vector3<f64>,
 }
 
-/// A plane with its normal on either side of a place across the axis.
+/// A plane on either side of a place across the axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TwoPlanes {
-    points: [Vector3<f64>; 2],
-    normals: [Vector3<f64>; 2],
+    planes: [Plane; 2],
     edge: f64,
 }
 
@@ -26,37 +25,42 @@ impl TwoPlanes {
     /// How many numbers the points determine: three of each plane, and the edge.
     pub const NUMBERS: f64 = 7.0;
 
-    /// Those from which the points are least far; the points are put in order across the axis.
-    pub fn new(points: &mut [Weighted]) -> Option<Self> {
-        points.sort_by(|a, b| a.place.y.total_cmp(&b.place.y));
-        let mut sum = Sums::default();
-        let sums: List<Sums> = points
-            .iter()
-            .map(|point| {
-                sum = sum.with(point);
-                sum
-            })
-            .collect();
-        let divided = (2..PARTS - 1).filter_map(|part| {
-            let first = points.len() * part / PARTS;
-            let sums = sums.get(first.checked_sub(1)?)?;
-            let planes = [sums.plane()?, sum.without(sums).plane()?];
-            Some((planes[0].2 + planes[1].2, planes, points[first].place.y))
+    /// Those from which the points are least far, and the weighted mean of the squared distances.
+    pub fn new(points: &[Weighted]) -> Option<(Self, f64)> {
+        let [first, last] = ends(points.iter().map(|point| point.place.y));
+        let step = (last - first) / PARTS as f64;
+        let mut sums = [Sums::default(); PARTS];
+        for point in points {
+            let part = ((point.place.y - first) / step) as usize;
+            sums[part.min(PARTS - 1)].add(point);
+        }
+        let all = sums.iter().fold(Sums::default(), |all, part| all.with(part));
+        let mut one = Sums::default();
+        let divided = (1..PARTS).filter_map(|part| {
+            one = one.with(&sums[part - 1]);
+            let [(a, of_a), (b, of_b)] = [one.plane()?, all.without(&one).plane()?];
+            Some((Self { planes: [a, b], edge: first + step * part as f64 }, (of_a + of_b) / all.weight))
         });
-        let (_, [a, b], edge) = divided.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Self { points: [a.0, b.0], normals: [a.1, b.1], edge })
+        divided.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The distance of a place from the plane on its side.
     pub fn distance(&self, place: &Vector3<f64>) -> f64 {
-        let side = usize::from(place.y >= self.edge);
-        self.normals[side].dot(&(place - self.points[side]))
+        self.planes[usize::from(place.y >= self.edge)].distance(place)
     }
+}
 
-    /// The weighted mean of the squared distances of the points.
-    pub fn variance(&self, points: &[Weighted]) -> f64 {
-        let squares = points.iter().map(|point| point.weight * self.distance(&point.place).powi(2));
-        squares.sum::<f64>() / points.iter().map(|point| point.weight).sum::<f64>()
+/// The plane z = z₀ + s · ((x, y) − (x₀, y₀)) through a point with slopes s.
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    point: Vector3<f64>,
+    slopes: Vector2<f64>,
+}
+
+impl Plane {
+    fn distance(&self, place: &Vector3<f64>) -> f64 {
+        let from_point = place - self.point;
+        (from_point.z - self.slopes.dot(&from_point.xy())) / (1.0 + self.slopes.norm_squared()).sqrt()
     }
 }
 
@@ -69,11 +73,17 @@ struct Sums {
 }
 
 impl Sums {
-    fn with(&self, Weighted { weight, place }: &Weighted) -> Self {
+    fn add(&mut self, Weighted { weight, place }: &Weighted) {
+        self.weight += weight;
+        self.first += place * *weight;
+        self.second += place * place.transpose() * *weight;
+    }
+
+    fn with(&self, other: &Self) -> Self {
         Self {
-            weight: self.weight + weight,
-            first: self.first + place * *weight,
-            second: self.second + place * place.transpose() * *weight,
+            weight: self.weight + other.weight,
+            first: self.first + other.first,
+            second: self.second + other.second,
         }
     }
 
@@ -85,13 +95,14 @@ impl Sums {
         }
     }
 
-    /// A point of the plane through the points, its normal, and the sum of the squared distances from it.
-    fn plane(&self) -> Option<(Vector3<f64>, Vector3<f64>, f64)> {
-        let middle = self.first / self.weight;
-        let SymmetricEigen { eigenvalues, eigenvectors } =
-            SymmetricEigen::try_new(self.second - self.first * middle.transpose(), f64::EPSILON, 100)?;
-        let (least, square) = eigenvalues.argmin();
-        Some((middle, eigenvectors.column(least).into(), square.max(0.0)))
+    /// The plane from which the points are least far along z, and the sum of the squared distances from it.
+    fn plane(&self) -> Option<(Plane, f64)> {
+        let point = self.first / self.weight;
+        let about = self.second - self.first * point.transpose();
+        let along_z = Vector2::new(about[(0, 2)], about[(1, 2)]);
+        let slopes = about.fixed_view::<2, 2>(0, 0).try_inverse()? * along_z;
+        let squares = (about[(2, 2)] - slopes.dot(&along_z)) / (1.0 + slopes.norm_squared());
+        Some((Plane { point, slopes }, squares))
     }
 }
 
@@ -108,27 +119,25 @@ mod tests {
 
     #[test]
     fn the_sides_of_a_box_are_two_planes() {
-        let mut points = points(|x, y| 0.1 * x - (y - 0.3).abs());
-        let planes = TwoPlanes::new(&mut points).unwrap();
-        assert!(planes.variance(&points) < 1e-20, "{planes:?}");
-        assert!((0.2..=0.5).contains(&planes.edge), "{planes:?}");
-        // At x = 0 and y = −0.7 the surface is at z = −1, and steep by 1 across and by 0.1 along the axis.
-        let distance = planes.distance(&Vector3::new(0.0, -0.7, 0.0)).abs();
+        let (planes, variance) = TwoPlanes::new(&points(|x, y| 0.1 * x - (y - 0.1).abs())).unwrap();
+        assert!(variance < 1e-15, "{variance} {planes:?}");
+        assert!((0.0..=0.2).contains(&planes.edge), "{planes:?}");
+        // At x = 0 and y = −0.9 the surface is at z = −1, and steep by 1 across and by 0.1 along the axis.
+        let distance = planes.distance(&Vector3::new(0.0, -0.9, 0.0)).abs();
         assert!((distance - 1.0 / 2.01_f64.sqrt()).abs() < 1e-9, "{distance}");
     }
 
     #[test]
     fn the_sides_of_a_cylinder_are_none() {
-        let mut points = points(|_, y| (1.0 - y * y).sqrt());
-        let planes = TwoPlanes::new(&mut points).unwrap();
-        assert!(planes.variance(&points) > 1e-3, "{planes:?}");
+        let (planes, variance) = TwoPlanes::new(&points(|_, y| (1.0 - y * y).sqrt())).unwrap();
+        assert!(variance > 1e-3, "{variance} {planes:?}");
     }
 
     #[test]
-    fn no_points_and_points_without_weight_are_no_sides() {
-        assert!(TwoPlanes::new(&mut []).is_none());
-        let mut points = points(|_, y| -y.abs());
-        points.iter_mut().for_each(|point| point.weight = 0.0);
-        assert!(TwoPlanes::new(&mut points).is_none_or(|planes| !(planes.variance(&points) <= 1.0)));
+    fn no_points_and_points_in_one_place_are_no_sides() {
+        let place = Weighted { weight: 1.0, place: Vector3::new(0.1, 0.2, 0.3) };
+        for points in [&[][..], &[place; 20]] {
+            assert!(TwoPlanes::new(points).is_none_or(|(_, variance)| variance.is_nan()));
+        }
     }
 }
