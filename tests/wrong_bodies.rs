@@ -17,8 +17,18 @@ const FOCAL: f64 = 569.6;
 const RADIUS: f64 = 0.04;
 
 /// The warnings of the near half of a body along x, whose axis runs at height `middle(x)`, and whose surface is `radius(x, φ)` from
-/// it at the angle φ from where it is nearest to the camera; with a standard deviation of the noise of `noise`.
+/// it at the angle φ from where it is nearest to the camera; with noise of some standard deviation.
 fn warnings(middle: impl Fn(f64) -> f64, radius: impl Fn(f64, f64) -> f64, deviation: f64) -> Flags {
+    warnings_of_arc(2.4, middle, radius, deviation)
+}
+
+/// The same of an arc of so many radians.
+fn warnings_of_arc(
+    arc: f64,
+    middle: impl Fn(f64) -> f64,
+    radius: impl Fn(f64, f64) -> f64,
+    deviation: f64,
+) -> Flags {
     let mut state = 1_u64;
     let mut noise = || {
         // Of four uniform numbers.
@@ -30,7 +40,7 @@ fn warnings(middle: impl Fn(f64) -> f64, radius: impl Fn(f64, f64) -> f64, devia
         deviation * sum / (1.0_f64 / 3.0).sqrt()
     };
     let mut point = |k: usize| {
-        let (x, turn) = (0.16 * ((k / 40) as f64 / 59.0 - 0.5), 2.4 * ((k % 40) as f64 / 39.0 - 0.5));
+        let (x, turn) = (0.16 * ((k / 40) as f64 / 59.0 - 0.5), arc * ((k % 40) as f64 / 39.0 - 0.5));
         let around = Vector3::new(0.0, turn.sin(), -turn.cos()) * (radius(x, turn) + noise());
         Vector3::new(x, middle(x), 0.8) + around
     };
@@ -61,9 +71,19 @@ fn points_of_a_body_that_is_no_cylinder_are_a_poor_fit() {
 #[test]
 fn points_of_a_box_are_a_poor_fit() {
     let side = |_: f64, turn: f64| RADIUS / (std::f64::consts::FRAC_PI_4 - turn.abs()).cos();
-    for noise in [NOISE, 0.002] {
+    for noise in [0.0, NOISE, 0.002] {
         let flags = warnings(|_| 0.0, side, noise);
         assert!(flags.contains(Flags::POOR_FIT), "{noise}: {flags:?}");
+    }
+}
+
+#[test]
+fn points_of_any_arc_of_a_cylinder_are_no_poor_fit() {
+    for arc in [0.6, 1.2, 1.8, 2.4, 3.1, 4.5, 6.2] {
+        for noise in [0.0, NOISE, 0.001, 0.003] {
+            let flags = warnings_of_arc(arc, |_| 0.0, |_, _| RADIUS, noise);
+            assert!(!flags.contains(Flags::POOR_FIT), "{arc} {noise}: {flags:?}");
+        }
     }
 }
 

@@ -102,7 +102,8 @@ impl Sums {
         let along_z = Vector2::new(about[(0, 2)], about[(1, 2)]);
         let slopes = about.fixed_view::<2, 2>(0, 0).try_inverse()? * along_z;
         let squares = (about[(2, 2)] - slopes.dot(&along_z)) / (1.0 + slopes.norm_squared());
-        Some((Plane { point, slopes }, squares))
+        // Less than nothing is rounding.
+        Some((Plane { point, slopes }, squares.max(0.0)))
     }
 }
 
