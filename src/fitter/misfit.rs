@@ -11,7 +11,7 @@ use super::scales::Scales;
 use super::two_planes::{TwoPlanes, Weighted};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
-use crate::observations::PointCloud;
+use crate::observations::{PointCloud, spread};
 use crate::residuals::{RobustScales, TUKEY_EFFICIENT};
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -23,7 +23,7 @@ const TERMS: usize = 9;
 const OF_CYLINDER: usize = 5;
 
 /// What the shape explains must have this part of the variance that is left at least: the waves of time of flight on right
-/// cylinders explain as much now and then. So must two planes: docs/measurements-masks.md, "Boxes".
+/// cylinders explain as much now and then. Two planes must explain as much, too: docs/measurements-masks.md, "Boxes".
 const LEAST_GAIN: f64 = 1.0;
 
 /// The root mean square of what the shape explains as a part of the radius. Those waves have 1.9 % of it at most, bent pipes
@@ -57,14 +57,15 @@ fn terms(frame: &LocalFrame, point: &Vector3<f64>) -> (f64, Terms) {
 
 /// Points of a cloud with their weights about a cylinder: Tukey's with a cutoff.
 fn sample(cloud: &PointCloud, cylinder: &Cylinder, cutoff: f64) -> List<(f64, Vector3<f64>)> {
-    let count = SAMPLE.min(cloud.len());
-    let weighted = (0..count).map(|k| k * cloud.len() / count).map(|index| {
+    let weighted = |&index: &usize| {
         let point = cloud.point(index);
         let part = cylinder.distance(&point) / cutoff;
         let root = (1.0 - part * part).max(0.0);
         (cloud.weight(index) * root * root, point)
-    });
-    weighted.filter(|(weight, _)| *weight > 0.0).collect()
+    };
+    // Of a column of an image any noise of depth lies in a plane.
+    let points = spread(cloud.len(), SAMPLE);
+    points.iter().map(weighted).filter(|(weight, _)| *weight > 0.0).collect()
 }
 
 /// A body that explains the distances of points from a cylinder.
@@ -118,7 +119,7 @@ fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> 
     of_shape.wins(view, frame, beside_shape) || is_box(view, frame, &points, shape.explained + shape.left)
 }
 
-/// Whether two planes that meet along the axis explain the points better than a cylinder near by does, which leaves some variance.
+/// Whether two planes along the axis explain the points better than the best cylinder near by, which leaves `variance`.
 fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)], variance: f64) -> bool {
     // Most cylinders leave less.
     if !(variance >= least_explained(frame)) {

@@ -61,7 +61,8 @@ bitflags::bitflags! {
         /// 1 % of their distance from the camera, which no depth camera does, and by more than three times the noise of
         /// depth where the caller states it; without a camera, by more than a quarter of the radius. Or what they leave has a shape
         /// along the axis that no cylinder has: that of a pipe that is bent or a sphere, with 2 % of the radius and more
-        /// and more than all that is left beside it. Or two planes, as of the sides of a box, leave at most half of the variance.
+        /// and more than all that is left beside it. Or two planes, as of the sides of a box, leave at most half of the
+        /// variance that a cylinder leaves.
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one

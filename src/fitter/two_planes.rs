@@ -1,29 +1,29 @@
-//! Two planes that meet along a cylinder: the sides of a box that is fitted as one.
+//! Two planes, one on either side of a line along the axis of a cylinder: the sides of a box that is fitted as one.
 
 use crate::statistics::ends;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Parts of equal width across the axis, between any two of which the planes may meet.
+/// Parts of equal width across the axis, between any two of which one plane may end and the other begin.
 const PARTS: usize = 16;
+
+/// What the correlation of where points lie along and across the axis leaves at least of their variance.
+const LEAST_SPREAD: f64 = 0.01;
 
 /// A point with its weight: where it lies along the axis of the cylinder, and in two directions across it, of which the last one
 /// leads from the axis to the points.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Weighted {
     pub weight: f64,
     pub place: Vector3<f64>,
 }
 
-/// A plane on either side of a place across the axis.
+/// A plane on either side of a line along the axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TwoPlanes {
-    planes: [Plane; 2],
-    edge: f64,
-}
+pub(super) struct TwoPlanes([Plane; 2]);
 
 impl TwoPlanes {
-    /// How many numbers the points determine: three of each plane, and the edge.
-    pub const NUMBERS: f64 = 7.0;
+    /// How many numbers the points determine: three of each plane.
+    pub const NUMBERS: f64 = 6.0;
 
     /// Those from which the points are least far, and the weighted mean of the squared distances.
     pub fn new(points: &[Weighted]) -> Option<(Self, f64)> {
@@ -38,15 +38,30 @@ impl TwoPlanes {
         let mut one = Sums::default();
         let divided = (1..PARTS).filter_map(|part| {
             one = one.with(&sums[part - 1]);
-            let [(a, of_a), (b, of_b)] = [one.plane()?, all.without(&one).plane()?];
-            Some((Self { planes: [a, b], edge: first + step * part as f64 }, (of_a + of_b) / all.weight))
+            Self::of([&one, &all.without(&one)])
         });
-        divided.min_by(|a, b| a.1.total_cmp(&b.1))
+        let (best, _) = divided.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        // A part may have points of both.
+        let mut sums = [Sums::default(); 2];
+        points.iter().for_each(|point| sums[best.seen_at(&point.place)].add(point));
+        Self::of(sums.each_ref())
     }
 
-    /// The distance of a place from the plane on its side.
+    /// The planes through two sets of points, and the weighted mean of the squared distances.
+    fn of(sums: [&Sums; 2]) -> Option<(Self, f64)> {
+        let [(a, of_a), (b, of_b)] = [sums[0].plane()?, sums[1].plane()?];
+        Some((Self([a, b]), (of_a + of_b) / (sums[0].weight + sums[1].weight)))
+    }
+
+    /// Which plane is the surface at a place across: that of a box is the lower one, as z leads away from the axis.
+    fn seen_at(&self, place: &Vector3<f64>) -> usize {
+        let [one, other] = self.0.map(|plane| plane.height_of(place));
+        usize::from(one > other)
+    }
+
+    /// How far a place lies outside of the surface.
     pub fn distance(&self, place: &Vector3<f64>) -> f64 {
-        self.planes[usize::from(place.y >= self.edge)].distance(place)
+        self.0[self.seen_at(place)].distance(place)
     }
 }
 
@@ -58,9 +73,12 @@ struct Plane {
 }
 
 impl Plane {
+    fn height_of(&self, place: &Vector3<f64>) -> f64 {
+        self.point.z + self.slopes.dot(&(place - self.point).xy())
+    }
+
     fn distance(&self, place: &Vector3<f64>) -> f64 {
-        let from_point = place - self.point;
-        (from_point.z - self.slopes.dot(&from_point.xy())) / (1.0 + self.slopes.norm_squared()).sqrt()
+        (place.z - self.height_of(place)) / (1.0 + self.slopes.norm_squared()).sqrt()
     }
 }
 
@@ -95,12 +113,15 @@ impl Sums {
         }
     }
 
-    /// The plane from which the points are least far along z, and the sum of the squared distances from it.
+    /// The plane from which the points are least far along z, and the sum of the squared distances from it; `None` where the points
+    /// lie along a line.
     fn plane(&self) -> Option<(Plane, f64)> {
         let point = self.first / self.weight;
         let about = self.second - self.first * point.transpose();
         let along_z = Vector2::new(about[(0, 2)], about[(1, 2)]);
-        let slopes = about.fixed_view::<2, 2>(0, 0).try_inverse()? * along_z;
+        let across = about.fixed_view::<2, 2>(0, 0).into_owned();
+        let spread = across.determinant() > LEAST_SPREAD * across[(0, 0)] * across[(1, 1)];
+        let slopes = spread.then(|| across.try_inverse()).flatten()? * along_z;
         let squares = (about[(2, 2)] - slopes.dot(&along_z)) / (1.0 + slopes.norm_squared());
         // Less than nothing is rounding.
         Some((Plane { point, slopes }, squares.max(0.0)))
@@ -122,23 +143,23 @@ mod tests {
     fn the_sides_of_a_box_are_two_planes() {
         let (planes, variance) = TwoPlanes::new(&points(|x, y| 0.1 * x - (y - 0.1).abs())).unwrap();
         assert!(variance < 1e-15, "{variance} {planes:?}");
-        assert!((0.0..=0.2).contains(&planes.edge), "{planes:?}");
         // At x = 0 and y = −0.9 the surface is at z = −1, and steep by 1 across and by 0.1 along the axis.
-        let distance = planes.distance(&Vector3::new(0.0, -0.9, 0.0)).abs();
-        assert!((distance - 1.0 / 2.01_f64.sqrt()).abs() < 1e-9, "{distance}");
+        let distance = planes.distance(&Vector3::new(0.0, -0.9, -0.5));
+        assert!((distance - 0.5 / 2.01_f64.sqrt()).abs() < 1e-9, "{distance}");
     }
 
     #[test]
-    fn the_sides_of_a_cylinder_are_none() {
+    fn a_cylinder_is_not_two_planes() {
         let (planes, variance) = TwoPlanes::new(&points(|_, y| (1.0 - y * y).sqrt())).unwrap();
         assert!(variance > 1e-3, "{variance} {planes:?}");
     }
 
     #[test]
-    fn no_points_and_points_in_one_place_are_no_sides() {
-        let place = Weighted { weight: 1.0, place: Vector3::new(0.1, 0.2, 0.3) };
-        for points in [&[][..], &[place; 20]] {
-            assert!(TwoPlanes::new(points).is_none_or(|(_, variance)| variance.is_nan()));
+    fn no_points_and_points_along_lines_are_no_planes() {
+        let place = |x: f64, y: f64| Weighted { weight: 1.0, place: Vector3::new(x, y, (97.0 * x).sin()) };
+        let columns: Vec<Weighted> = (0..40).map(|k| place(f64::from(k / 2), f64::from(k % 2))).collect();
+        for points in [&[][..], &[place(0.1, 0.2); 20], &columns] {
+            assert!(TwoPlanes::new(points).is_none(), "{points:?}");
         }
     }
 }
