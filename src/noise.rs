@@ -230,9 +230,7 @@ impl ImageNoise {
     pub(crate) fn largest_margin(&self) -> f64 {
         self.growth + UNEVEN * self.unevenness
     }
-}
 
-impl ImageNoise {
     /// The same in an image whose pixels are the means of boxes of `factor` columns and rows.
     #[must_use]
     pub fn reduced(&self, factor: usize) -> Self {

@@ -35,6 +35,12 @@ fn alone(
     (points, truth)
 }
 
+/// One of so many directions of half a turn about z, up or down by chance.
+fn turned(turn: u32, turns: u32, dice: &mut Dice) -> Vector3<f64> {
+    let angle = f64::from(turn) * std::f64::consts::PI / f64::from(turns);
+    Vector3::new(angle.cos(), angle.sin(), dice.between(-0.3, 0.3))
+}
+
 /// The score of the only cylinder, which must be this one.
 fn score_of(points: &[[f64; 3]], truth: &Cylinder) -> f64 {
     let scene = Detector::new().detect_points(&PointsView::from_f64(points)).unwrap();
@@ -51,8 +57,7 @@ fn a_cylinder_alone_in_a_cloud_is_found_whatever_its_direction() {
     let mut dice = Dice::new(11);
     for (whole, count) in [(true, 20_000), (false, 10_000), (true, 3_000), (false, 1_500)] {
         for turn in 0..12 {
-            let turn = f64::from(turn) * std::f64::consts::PI / 12.0;
-            let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
+            let direction = turned(turn, 12, &mut dice);
             let (points, truth) = alone(direction, 0.5, (count, whole), 0.001, &mut dice);
             assert!(score_of(&points, &truth) > 0.9);
         }
@@ -64,8 +69,7 @@ fn a_cylinder_alone_in_a_cloud_is_found_whatever_its_direction() {
 fn noise_does_not_change_the_radius_of_a_tube_that_was_seen_all_around() {
     let mut dice = Dice::new(13);
     for turn in 0..6 {
-        let turn = f64::from(turn) * std::f64::consts::PI / 6.0;
-        let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
+        let direction = turned(turn, 6, &mut dice);
         let (points, truth) = alone(direction, 0.5, (20_000, true), 0.0035, &mut dice);
         let scene = Detector::new().detect_points(&PointsView::from_f64(&points)).unwrap();
         let [found] = &scene.cylinders[..] else { panic!("{:?}", scene.cylinders) };
@@ -79,8 +83,7 @@ fn noise_does_not_change_the_radius_of_a_tube_that_was_seen_all_around() {
 fn a_tube_as_long_as_wide_is_found_in_a_cloud_from_nowhere() {
     let mut dice = Dice::new(12);
     for turn in 0..12 {
-        let turn = f64::from(turn) * std::f64::consts::PI / 12.0;
-        let direction = Vector3::new(turn.cos(), turn.sin(), dice.between(-0.3, 0.3));
+        let direction = turned(turn, 12, &mut dice);
         let (mut points, truth) = alone(direction, 0.1, (10_000, true), 0.001, &mut dice);
         points.iter_mut().for_each(|point| point[2] -= 1.0);
         let axis = Line { point: truth.axis.point - Vector3::z(), ..truth.axis };
