@@ -48,8 +48,8 @@ const (
 	FlagWeakRadius Flags = C.CYLFUSE_RESULT_FLAGS_WEAK_RADIUS
 	// FlagResolutionLost: the coordinates are coarser than 0.01 % of the radius.
 	FlagResolutionLost Flags = C.CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST
-	// FlagNotConverged: the limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for
-	// its fit, or no fit was as good, and it is what the search found.
+	// FlagNotConverged: the limit of iterations came before convergence. Of a cylinder of a scene also: its depth came
+	// without an image, no work was left for its fit, or no fit was as good, and it is what the search found.
 	FlagNotConverged Flags = C.CYLFUSE_RESULT_FLAGS_NOT_CONVERGED
 	// FlagHiddenWall: most points lie on the wall that the camera cannot see.
 	FlagHiddenWall Flags = C.CYLFUSE_RESULT_FLAGS_HIDDEN_WALL

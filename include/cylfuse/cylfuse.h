@@ -1112,8 +1112,8 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_RESOLUTION_LOST 128
 /**
- * The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit (see
- * `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
+ * The limit of iterations came before convergence. Of a cylinder of a scene also: its depth came without an image,
+ * no work was left for its fit (see `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
  */
 #define CYLFUSE_RESULT_FLAGS_NOT_CONVERGED 256
 /**

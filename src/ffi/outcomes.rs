@@ -236,8 +236,8 @@ impl cylfuse_result_flags {
     pub const WEAK_RADIUS: cylfuse_result_flags = cylfuse_result_flags(64);
     /// The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     pub const RESOLUTION_LOST: cylfuse_result_flags = cylfuse_result_flags(128);
-    /// The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit (see
-    /// `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
+    /// The limit of iterations came before convergence. Of a cylinder of a scene also: its depth came without an image,
+    /// no work was left for its fit (see `cylfuse_detector_is_complete`), or no fit was as good, and it is what the search found.
     pub const NOT_CONVERGED: cylfuse_result_flags = cylfuse_result_flags(256);
     /// Most points lie on the wall that the camera cannot see.
     pub const HIDDEN_WALL: cylfuse_result_flags = cylfuse_result_flags(512);

@@ -28,8 +28,8 @@ bitflags::bitflags! {
         const WEAK_RADIUS = 1 << 6;
         /// The coordinates are coarser than 0.01 % of the radius: an f32 cloud far from the origin.
         const RESOLUTION_LOST = 1 << 7;
-        /// The limit of iterations came before convergence. Of a cylinder of a scene also: there was no work left for its fit,
-        /// or no fit was as good, and it is what the search found.
+        /// The limit of iterations came before convergence. Of a cylinder of a scene also: its depth came without an image,
+        /// there was no work left for its fit, or no fit was as good, and it is what the search found.
         const NOT_CONVERGED = 1 << 8;
         /// Most points lie on the wall that the camera cannot see.
         const HIDDEN_WALL = 1 << 9;

@@ -25,7 +25,10 @@ const TEXTS: &[(Flags, &CStr)] = &[
         Flags::RESOLUTION_LOST,
         c"RESOLUTION_LOST: the coordinates are coarser than 0.01 % of the radius; store them as doubles",
     ),
-    (Flags::NOT_CONVERGED, c"NOT_CONVERGED: not converged; allow more iterations"),
+    (
+        Flags::NOT_CONVERGED,
+        c"NOT_CONVERGED: not converged; allow more iterations, unless a search found the cylinder and kept it",
+    ),
     (Flags::HIDDEN_WALL, c"HIDDEN_WALL: most points lie on the wall that the camera cannot see"),
     (Flags::CAMERA_INSIDE, c"CAMERA_INSIDE: the camera is inside the cylinder, which has no limbs then"),
     (Flags::POINTS_NOT_FINITE, c"POINTS_NOT_FINITE: points that are not finite were left out"),

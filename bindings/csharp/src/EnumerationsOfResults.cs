@@ -69,8 +69,8 @@ namespace Cylfuse
         WeakRadius = 64,
         /// <summary>The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.</summary>
         ResolutionLost = 128,
-        /// <summary>The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its
-        /// fit, or no fit was as good, and it is what the search found.</summary>
+        /// <summary>The limit of iterations came before convergence. Of a cylinder of a scene also: its depth came
+        /// without an image, no work was left for its fit, or no fit was as good, and it is what the search found.</summary>
         NotConverged = 256,
         /// <summary>Most points lie on the wall that the camera cannot see.</summary>
         HiddenWall = 512,

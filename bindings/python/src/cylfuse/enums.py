@@ -334,8 +334,8 @@ class ResultFlags(IntFlag):
     WEAK_RADIUS = 64
     #: The coordinates are coarser than 0.01 % of the radius: a float cloud far from the origin.
     RESOLUTION_LOST = 128
-    #: The limit of iterations came before convergence. Of a cylinder of a scene also: no work was left for its fit, or
-    #: no fit was as good, and it is what the search found.
+    #: The limit of iterations came before convergence. Of a cylinder of a scene also: its depth came without an image,
+    #: no work was left for its fit, or no fit was as good, and it is what the search found.
     NOT_CONVERGED = 256
     #: Most points lie on the wall that the camera cannot see.
     HIDDEN_WALL = 512
