@@ -21,10 +21,6 @@ const SIZES: [usize; 4] = [2, 4, 8, 14];
 /// edge of a box is as round.
 const THINNEST: f64 = 1.7;
 
-/// The least radius in standard deviations of the depth of a cell. The front of a cylinder lies within one radius of depth; where nineteen
-/// in twenty of its cells spread as far, it may as well be flat.
-const FAINTEST: f64 = 4.0;
-
 /// How far the direction of a short cylinder may be off, in radians: the fit has to keep to a known direction, the
 /// search does not.
 const DIRECTION_ERROR: f64 = 0.1;
@@ -347,7 +343,6 @@ fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOption
     allowed
         && candidate.gain > 5.0
         && cylinder.radius >= THINNEST * scene.grid.spacing * depth
-        && cylinder.radius >= FAINTEST * scene.noise.deviation * depth * depth
         && cylinder.radius >= options.limits.radius_min
         && cylinder.radius <= options.limits.radius_max
         && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
