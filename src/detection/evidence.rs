@@ -55,6 +55,8 @@ pub struct Evidence {
     pub slope: Option<[f64; 2]>,
     /// The radius in pixels.
     pub radius_pixels: f64,
+    /// The standard deviation of the depth of a cell, as a part of the radius.
+    pub scatter: f64,
 }
 
 /// Lids are wider than their cans by this part of the radius.
@@ -69,10 +71,6 @@ const SEEN_PART: f64 = 0.8;
 /// Edges along both sides of what has this radius in pixels or less may be those of a stripe on a smooth surface: filters of the depth
 /// smooth a step over half of it to either side of a limb.
 const WIDEST_STRIPE: f64 = 2.0 * DRAWN_OUT;
-
-/// The least radius in standard deviations of the depth of a cell. The front of a cylinder lies within one radius of depth; where nineteen
-/// in twenty of its cells spread as far, it may as well be flat.
-const FAINTEST: f64 = 4.0;
 
 /// A ray that is met with a cylinder takes as long as so many visits.
 const VISITS_OF_RAY: usize = 2;
@@ -108,12 +106,10 @@ impl Scene<'_> {
         let [mut left, mut right] = ends_of(across);
         let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
         evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
-        // Where all surfaces bend the noise seems larger than it is, but cells lie near theirs.
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
-        let scatter = evidence.rms.min(1.0) * self.noise.deviation * depth * depth;
-        if cylinder.radius < FAINTEST * scatter {
-            return None;
-        }
+        // Where all surfaces bend the noise seems larger than it is, but cells lie near theirs.
+        let deviation = evidence.rms.min(1.0) * self.noise.deviation * depth * depth;
+        evidence.scatter = deviation / cylinder.radius;
         if cylinder.contains_origin() {
             // From inside, rays pass the axis at any distance; the turn of the wall tells how much of it is seen.
             let half = 0.5 * self.turn(candidate);

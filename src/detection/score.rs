@@ -74,6 +74,10 @@ const IMAGE_FITTED: Weights = Weights {
 /// or a board. The odds of the depth multiply these; whatever else is known of a body, a flat one shows it, too.
 const ROUND: f64 = 50.0;
 
+/// From a standard deviation of the depth of a cell on that is this part of the radius, these odds are even: the front of a cylinder lies
+/// within one radius of depth, so that noise hides its shape, and straight sides may be chance. Rendered boards and pipes tell where.
+const HIDDEN: f64 = 0.4;
+
 /// A fit is taken to multiply the odds of a cylinder by less than this. In those scenes it does so by up to 15 by depth alone and by
 /// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes.
 const MOST_BY_FIT: f64 = 13.0;
@@ -107,7 +111,8 @@ impl Evidence {
             (Some(_), Some(_)) => IMAGE_FITTED,
         };
         let sum: f64 = weights.terms.iter().zip(self.terms()).map(|(weight, term)| weight * term).sum();
-        let round = ROUND.ln() + self.over_flat();
+        let sides = if self.scatter < HIDDEN { ROUND.ln() } else { 0.0 };
+        let round = sides + self.over_flat();
         1.0 / (1.0 + (-sum - weights.constant).exp() + (-round).exp())
     }
 
