@@ -242,8 +242,13 @@ mod tests {
             assert!(flat.score() < 0.01, "{}", flat.score());
         }
         // The depth tells nothing.
-        let score = Evidence { over_plane: 0.0, ..board }.score();
-        assert!((0.9..0.98).contains(&score), "{score}");
+        let told_nothing = Evidence { over_plane: 0.0, ..board };
+        assert!((0.9..0.98).contains(&told_nothing.score()), "{}", told_nothing.score());
+        // Nor could it, for noise; but where it tells all the same it is believed.
+        let hidden = Evidence { scatter: 0.5, ..told_nothing };
+        assert!((0.4..=0.5).contains(&hidden.score()), "{}", hidden.score());
+        let seen = Evidence { scatter: 0.5, ..board };
+        assert_eq!(seen.score(), board.score());
     }
 
     #[test]
