@@ -124,7 +124,9 @@ fn boards_in_noise_as_large_as_they_are_pass_for_no_cylinders() {
         };
         let depth: Vec<u16> = (0..width * height).map(depth).collect();
         for image in [None, Some(&image[..])] {
-            complaints.extend(complaint(&format!("seed {seed}"), &depth, image));
+            let complaint = complaint(&format!("seed {seed}"), &depth, image);
+            assert!(image.is_none() || complaint.is_none(), "with an image, {complaint:?}");
+            complaints.extend(complaint);
         }
     }
     assert!(complaints.len() <= BOARDS, "{}", complaints.join("\n"));
