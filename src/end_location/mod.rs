@@ -86,6 +86,8 @@ pub struct EndSearch<'a> {
     pub mask: &'a Mask,
     /// What is known of it.
     pub content: MaskContent,
+    /// Whether it was drawn in the image, by a person or a network, and not made of the depth.
+    pub drawn: bool,
     /// The depth image, which tells what an end is.
     pub depth: Option<&'a DepthImage>,
     /// The grey image, on the grid of the mask.
@@ -248,8 +250,8 @@ impl End {
 }
 
 fn surroundings<'a>(search: &EndSearch<'a>, cylinder: &'a Cylinder) -> Surroundings<'a> {
-    let EndSearch { camera, mask, depth, tolerance, noise, .. } = *search;
-    Surroundings { camera, mask, depth, cylinder, tolerance, noise }
+    let EndSearch { camera, mask, drawn, depth, tolerance, noise, .. } = *search;
+    Surroundings { camera, mask, depth, cylinder, tolerance, noise, drawn }
 }
 
 /// The least and the greatest position along the axis of the points completed over every `stride`-th row and
@@ -273,7 +275,8 @@ fn locate(
     let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
         return End { rim, ..extreme(silhouette.extreme(outward), outward, surroundings) };
     };
-    let state = surroundings.state(rough.position, outward);
+    let inside = rough.inside.then(|| surroundings.state_inside(rough.position, outward)).flatten();
+    let state = inside.unwrap_or_else(|| surroundings.state(rough.position, outward));
     let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
     if let Some(position) = cut {
         // The last pixel lies within a pixel of the border.
@@ -309,7 +312,7 @@ mod tests {
 
     #[test]
     fn an_arc_that_is_uncertain_gives_way_to_the_rough_end() {
-        let rough = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3 };
+        let rough = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3, inside: true };
         let arc = |deviation: f64| ArcEnd {
             position: 0.104,
             deviation,

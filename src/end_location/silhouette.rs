@@ -34,6 +34,9 @@ constants! {
     /// occluder.
     ROBUST_DEVIATION = 0.8, "σ";
 
+    /// The fewest generators inside the image that tell an end of which the border cuts off the rest.
+    LEAST_INSIDE = 3.0, "";
+
     /// Rounds of reweighting of the mean of the generators.
     REWEIGHTINGS = 10.0, "";
 }
@@ -60,6 +63,8 @@ pub(super) struct RoughEnd {
     pub deviation: f64,
     /// Length along the axis of one pixel across the arc of the end.
     pub pixel: f64,
+    /// Whether it is told inside the image, whose border may cut off a part of it.
+    pub inside: bool,
 }
 
 impl<'a> Silhouette<'a> {
@@ -102,21 +107,33 @@ impl<'a> Silhouette<'a> {
     /// The end towards `outward`; `None` when no generator shows it.
     pub fn end(&self, surroundings: &Surroundings<'_>, outward: f64) -> Option<RoughEnd> {
         let (extreme, noise) = (self.extreme(outward), &self.noise);
-        // (place on the surface, position, pixels per unit across the arc)
         let mut ends = List::with_capacity(GENERATORS.count());
         for angle in self.surface.generators(GENERATORS.count(), WIDTH_PART.get()) {
             let generator = self.surface.generator(angle);
             let Some(crossing) = generator.crossing(extreme) else { continue };
             let step = STEP_PIXELS.get() * noise.pixel / crossing.along;
             let Some(position) = self.last_in_mask(&generator, step, outward) else { continue };
-            ends.push((generator.point(position), position, crossing.across));
+            let state = surroundings.state_on(&generator.point(position), outward);
+            ends.push(GeneratorEnd { state, position, across: crossing.across });
         }
-        let all: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
+        let mean = |ends: &[GeneratorEnd]| robust_mean(ends, ROBUST_DEVIATION.get() * noise.boundary);
         // Generators that an occluder covers end early.
-        ends.retain(|(rim, ..)| surroundings.state_on(rim, outward) != EndState::Hidden);
-        let open: List<_> = ends.iter().map(|&(_, position, across)| (position, across)).collect();
-        let used = if open.is_empty() { all } else { open };
-        let (position, across) = robust_mean(&used, ROBUST_DEVIATION.get() * noise.boundary)?;
+        let open = chosen(&ends, |state| state != EndState::Hidden);
+        let uncut = chosen(&open, |state| state != EndState::Cut);
+        let enough = surroundings.drawn && uncut.len() >= LEAST_INSIDE.count();
+        // So do those that the border cuts off. Where they go on beyond the others, it cuts off the end.
+        let is_off = |end: &&GeneratorEnd, position: f64| {
+            let off = (end.position - position) * outward * end.across;
+            off > noise.beyond()[0] || off < -noise.beyond()[0] && end.state != EndState::Cut
+        };
+        let off = |position: f64| open.iter().filter(|end| is_off(end, position)).count();
+        let told = mean(&uncut).filter(|(position, _)| enough && 4 * off(*position) <= uncut.len());
+        let used = match told {
+            Some(_) => uncut,
+            None if open.is_empty() => ends,
+            None => open,
+        };
+        let (position, across) = told.or_else(|| mean(&used))?;
         let pixel = 1.0 / across;
         let width = 2.0 * WIDTH_PART.get() * self.surface.half_width(extreme)?;
         let places = (width * used.len() as f64 / GENERATORS.count() as f64 / noise.correlation).max(1.0);
@@ -126,13 +143,15 @@ impl<'a> Silhouette<'a> {
             position: position - outward * bias * pixel,
             deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
             pixel,
+            inside: told.is_some(),
         })
     }
 
     /// An end that the depth shows within the mask.
     pub fn of_depth(&self, end: &BodyEnd) -> Option<RoughEnd> {
         let pixel = 1.0 / self.surface.crossing(0.0, end.position)?.across;
-        pixel.is_finite().then_some(RoughEnd { position: end.position, deviation: end.deviation, pixel })
+        let &BodyEnd { position, deviation, .. } = end;
+        pixel.is_finite().then_some(RoughEnd { position, deviation, pixel, inside: true })
     }
 
     /// Where a generator leaves the mask for the last time.
@@ -209,26 +228,41 @@ impl<'a> Silhouette<'a> {
     }
 }
 
+/// Where a generator leaves the mask.
+#[derive(Clone, Copy)]
+struct GeneratorEnd {
+    /// What lies beyond.
+    state: EndState,
+    position: f64,
+    /// Pixels across the arc of the end by length along the axis.
+    across: f64,
+}
+
+/// Those of some states.
+fn chosen(ends: &[GeneratorEnd], choose: impl Fn(EndState) -> bool) -> List<GeneratorEnd> {
+    ends.iter().filter(|end| choose(end.state)).copied().collect()
+}
+
 /// Whether a mask holds the pixel at a place.
 pub(super) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     pixel_at(pixel).is_some_and(|(column, row)| mask.contains(column, row))
 }
 
-/// A location of positions whose standard deviation is `deviation` over their second number, robust against a minority
+/// A location of the ends of generators whose standard deviation is `deviation` over their pixels by length, robust against a minority
 /// of others, and the root mean square of these numbers there.
-fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
+fn robust_mean(ends: &[GeneratorEnd], deviation: f64) -> Option<(f64, f64)> {
     let mut sorted = List::from(ends);
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let total: f64 = sorted.iter().map(|end| end.1 * end.1).sum();
+    sorted.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let total: f64 = sorted.iter().map(|end| end.across * end.across).sum();
     let mut below = 0.0;
     let mut location = sorted.iter().find_map(|end| {
-        below += end.1 * end.1;
-        (below >= 0.5 * total).then_some(end.0)
+        below += end.across * end.across;
+        (below >= 0.5 * total).then_some(end.position)
     })?;
     let mut across = 0.0;
     let distances = |location: f64, residuals: &mut [f64]| {
-        for (&(position, scale), residual) in sorted.iter().zip(residuals) {
-            *residual = (position - location) * scale;
+        for (end, residual) in sorted.iter().zip(residuals) {
+            *residual = (end.position - location) * end.across;
         }
     };
     let mut residuals = List::filled(0.0, sorted.len());
@@ -236,9 +270,9 @@ fn robust_mean(ends: &[(f64, f64)], deviation: f64) -> Option<(f64, f64)> {
     let reweighting = Reweighting { rounds: REWEIGHTINGS.count(), scale: Scale::Known(deviation) };
     reweighting.continue_from(&mut residuals, |weights, residuals| {
         let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
-        for (&(position, scale), weight) in sorted.iter().zip(weights) {
-            sum += weight * scale * scale * position;
-            total += weight * scale * scale;
+        for (end, weight) in sorted.iter().zip(weights) {
+            sum += weight * end.across * end.across * end.position;
+            total += weight * end.across * end.across;
             count += weight;
         }
         if !(total > 0.0) {

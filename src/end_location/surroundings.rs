@@ -14,6 +14,9 @@ constants! {
 
     /// The part of the visible arc that these lines cover: near the limbs depth is worst.
     ARC_PART = 0.7, "";
+
+    /// The part of these lines that tell what an end is where the border of the image cuts off the others.
+    INSIDE_PART = 0.2, "";
 }
 
 /// What is looked at beyond an end.
@@ -25,6 +28,8 @@ pub(super) struct Surroundings<'a> {
     /// Depth differences up to this are noise.
     pub tolerance: f64,
     pub noise: ImageNoise,
+    /// Whether the mask was drawn in the image, and not made of the depth, of which sensors measure none beside the border.
+    pub drawn: bool,
 }
 
 /// How often the places beyond an end told each state.
@@ -34,11 +39,26 @@ struct Votes {
     hidden: usize,
     seen: usize,
     unknown: usize,
+    /// Places that the mask holds: there the surface goes on.
+    in_mask: usize,
 }
 
 impl Votes {
+    fn add(&mut self, other: &Self) {
+        self.cut += other.cut;
+        self.hidden += other.hidden;
+        self.seen += other.seen;
+        self.unknown += other.unknown;
+        self.in_mask += other.in_mask;
+    }
+
+    /// Those inside the image; `None` where there are none.
+    fn inside(self) -> Option<Self> {
+        (self.hidden + self.seen + self.unknown > 0).then_some(Self { cut: 0, ..self })
+    }
+
     fn state(&self) -> EndState {
-        let Self { cut, hidden, seen, unknown } = *self;
+        let Self { cut, hidden, seen, unknown, .. } = *self;
         let most = cut.max(hidden).max(seen).max(unknown);
         match most {
             0 => EndState::Unknown,
@@ -56,16 +76,32 @@ impl Surroundings<'_> {
     pub fn state(&self, position: f64, outward: f64) -> EndState {
         let mut votes = Votes::default();
         for rim in self.rim(position) {
-            self.look(&rim, outward, &mut votes);
+            votes.add(&self.look(&rim, outward));
         }
         votes.state()
     }
 
+    /// The same by the lines alone on which the surface ends inside the image, where the border may cut off the others; `None` where
+    /// there are few, and for a mask that was made of the depth.
+    pub fn state_inside(&self, position: f64, outward: f64) -> Option<EndState> {
+        if !self.drawn {
+            return None;
+        }
+        let (mut votes, mut lines) = (Votes::default(), 0);
+        for rim in self.rim(position) {
+            if let Some(inside) = self.look(&rim, outward).inside().filter(|inside| inside.in_mask == 0) {
+                votes.add(&inside);
+                lines += 1;
+            }
+        }
+        (f64::from(lines) >= INSIDE_PART.get() * GENERATORS.get()).then(|| votes.state())
+    }
+
     /// The same for one point of an end circle.
     pub fn state_on(&self, rim: &Vector3<f64>, outward: f64) -> EndState {
-        let mut votes = Votes::default();
-        self.look(rim, outward, &mut votes);
-        votes.state()
+        let votes = self.look(rim, outward);
+        // A mask that was drawn goes on to the border, or is no further off than the first place.
+        votes.inside().filter(|_| self.drawn).unwrap_or(votes).state()
     }
 
     /// Whether the depth at a pixel is that of the cap or the inner wall at an end towards `outward`.
@@ -81,18 +117,13 @@ impl Surroundings<'_> {
     }
 
     /// Looks beyond one point of an end circle.
-    fn look(&self, rim: &Vector3<f64>, outward: f64, votes: &mut Votes) {
+    fn look(&self, rim: &Vector3<f64>, outward: f64) -> Votes {
+        let mut votes = Votes::default();
         let outward = self.cylinder.axis.direction * outward;
-        let Some(at_rim) = self.camera.project(rim) else {
-            votes.cut += 1;
-            return;
-        };
         // Length along the axis of one pixel, by a step of 1 % of the radius.
         let step = 0.01 * self.cylinder.radius;
-        let Some(ahead) = self.camera.project(&(rim + outward * step)) else {
-            votes.cut += 1;
-            return;
-        };
+        let pixels = [*rim, rim + outward * step].map(|point| self.camera.project(&point));
+        let [Some(at_rim), Some(ahead)] = pixels else { return Votes { cut: 1, ..votes } };
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
@@ -105,6 +136,7 @@ impl Surroundings<'_> {
             };
             let Some((column, row)) = pixel_at(&at) else { continue };
             if self.mask.contains(column, row) {
+                votes.in_mask += 1;
                 continue;
             }
             match self.depth.and_then(|depth| depth.depth(column, row)) {
@@ -117,6 +149,7 @@ impl Surroundings<'_> {
         } else {
             votes.seen += steps.len();
         }
+        votes
     }
 
     /// Points of the visible arc of the surface around the axis point at a position.

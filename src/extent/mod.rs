@@ -180,6 +180,7 @@ impl Fitter {
             camera,
             mask: if locates_ends { view.for_ends(mask) } else { mask },
             content,
+            drawn: view.mask_is_drawn(),
             depth: view.depth(),
             image: view.image(),
             tolerance: depth_tolerance(&view.cloud, &seen),

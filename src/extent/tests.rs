@@ -123,6 +123,21 @@ fn a_cut_end_is_the_last_of_the_surface_in_the_image() {
     assert!((axis.position_of(&found.end) - last).abs() < 1e-12);
 }
 
+/// The last of the surface inside the image, which was taken for the end, lies 3 to 10 pixels beyond it.
+#[test]
+fn an_end_that_the_border_cuts_off_in_part_is_where_the_rest_of_it_is() {
+    for (tilt, end) in [(0.0, 0.112), (0.0, 0.118), (0.2, 0.116), (-0.2, 0.116), (0.4, 0.118)] {
+        let scene = Scene { ends: (-0.0613, end), ..Scene::tilted(tilt) };
+        for (bias, with_image) in [(0, true), (2, true), (-2, true), (0, false)] {
+            let found = extent(&scene, bias, ExtentRule::Located, with_image);
+            let error = errors(&scene, &found)[1];
+            let most = if found.end_source == EndSource::Image { 0.2 } else { 0.7 };
+            assert!(error.abs() < most, "tilt {tilt}, end {end}, bias {bias}: {error} pixels");
+            assert_eq!(found.end_state, EndState::Seen, "tilt {tilt}, end {end}, bias {bias}");
+        }
+    }
+}
+
 /// Where each pixel of the border looked at all that the mask may be off by, and generators were followed as far or by steps
 /// as small as any number, this never ended.
 #[test]
@@ -176,6 +191,7 @@ fn offsets_of_rims(tilt: f64, blur: bool) -> [[Vec<f64>; 2]; 2] {
         camera: &camera,
         mask: fitter.mask().unwrap(),
         content: MaskContent::Anything,
+        drawn: true,
         depth: fitter.depth(),
         image: fitter.image(),
         tolerance: depth_tolerance(fitter.cloud(), &scene.cylinder),

@@ -141,6 +141,7 @@ fn arcs(
             true => MaskContent::Body,
             false => MaskContent::Anything,
         },
+        drawn: view.view.mask_is_drawn(),
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),

@@ -60,6 +60,7 @@ fn ends(beside: impl Fn(&Vector2<f64>) -> f64) -> [End; 2] {
         camera: &camera,
         mask: &mask,
         content: MaskContent::Body,
+        drawn: true,
         depth: None,
         image: Some(&image),
         tolerance: 0.01,
