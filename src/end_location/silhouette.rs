@@ -2,7 +2,7 @@
 
 use super::EndState;
 use super::surface::{Generator, Surface};
-use super::surroundings::Surroundings;
+use super::surroundings::{Border, Surroundings};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, pixel_at};
@@ -113,15 +113,20 @@ impl<'a> Silhouette<'a> {
             let Some(crossing) = generator.crossing(extreme) else { continue };
             let step = STEP_PIXELS.get() * noise.pixel / crossing.along;
             let Some(position) = self.last_in_mask(&generator, step, outward) else { continue };
-            let state = surroundings.state_on(&generator.point(position), outward);
-            ends.push(GeneratorEnd { state, position, across: crossing.across });
+            let (state, border) = surroundings.state_on(&generator.point(position), outward);
+            ends.push(GeneratorEnd { state, position, across: crossing.across, border });
         }
         let mean = |ends: &[GeneratorEnd]| robust_mean(ends, ROBUST_DEVIATION.get() * noise.boundary);
-        // Generators that an occluder covers end early.
-        let open = chosen(&ends, |state| state != EndState::Hidden);
-        let uncut = chosen(&open, |state| state != EndState::Cut);
-        let enough = surroundings.drawn && uncut.len() >= LEAST_INSIDE.count();
-        // So do those that the border cuts off. Where they go on beyond the others, it cuts off the end.
+        // Generators that an occluder covers end early, and so do those that the border of the image cuts off.
+        let open = chosen(&ends, |end| end.state != EndState::Hidden);
+        let uncut = chosen(&open, |end| end.state != EndState::Cut);
+        // Beside the border a mask that stops short of it looks like an end. One that reaches it elsewhere does not.
+        let some =
+            |border: Border| open.iter().filter(|end| end.border == border).count() >= LEAST_INSIDE.count();
+        let enough = surroundings.drawn
+            && uncut.len() >= LEAST_INSIDE.count()
+            && (some(Border::Far) || some(Border::Reached));
+        // Of an end inside the image those that are cut off do not go on beyond the others.
         let is_off = |end: &&GeneratorEnd, position: f64| {
             let off = (end.position - position) * outward * end.across;
             off > noise.beyond()[0] || off < -noise.beyond()[0] && end.state != EndState::Cut
@@ -236,11 +241,11 @@ struct GeneratorEnd {
     position: f64,
     /// Pixels across the arc of the end by length along the axis.
     across: f64,
+    border: Border,
 }
 
-/// Those of some states.
-fn chosen(ends: &[GeneratorEnd], choose: impl Fn(EndState) -> bool) -> List<GeneratorEnd> {
-    ends.iter().filter(|end| choose(end.state)).copied().collect()
+fn chosen(ends: &[GeneratorEnd], choose: impl Fn(&GeneratorEnd) -> bool) -> List<GeneratorEnd> {
+    ends.iter().filter(|end| choose(end)).copied().collect()
 }
 
 /// Whether a mask holds the pixel at a place.

@@ -41,6 +41,19 @@ struct Votes {
     unknown: usize,
     /// Places that the mask holds: there the surface goes on.
     in_mask: usize,
+    /// Ends that lie at the border of the image, up to half of what a mask may be off by.
+    at_border: usize,
+}
+
+/// Where the border of the image is beyond an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Border {
+    /// Beyond all that is looked at.
+    Far,
+    /// Nearer.
+    Near,
+    /// At the end.
+    Reached,
 }
 
 impl Votes {
@@ -50,6 +63,7 @@ impl Votes {
         self.seen += other.seen;
         self.unknown += other.unknown;
         self.in_mask += other.in_mask;
+        self.at_border += other.at_border;
     }
 
     /// Those inside the image; `None` where there are none.
@@ -97,11 +111,15 @@ impl Surroundings<'_> {
         (f64::from(lines) >= INSIDE_PART.get() * GENERATORS.get()).then(|| votes.state())
     }
 
-    /// The same for one point of an end circle.
-    pub fn state_on(&self, rim: &Vector3<f64>, outward: f64) -> EndState {
+    /// The same for one point of an end circle, by what lies inside the image for a mask that was drawn, and where the border is.
+    pub fn state_on(&self, rim: &Vector3<f64>, outward: f64) -> (EndState, Border) {
         let votes = self.look(rim, outward);
-        // A mask that was drawn goes on to the border, or is no further off than the first place.
-        votes.inside().filter(|_| self.drawn).unwrap_or(votes).state()
+        let border = match (votes.at_border, votes.cut) {
+            (0, 0) => Border::Far,
+            (0, _) => Border::Near,
+            _ => Border::Reached,
+        };
+        (votes.inside().filter(|_| self.drawn).unwrap_or(votes).state(), border)
     }
 
     /// Whether the depth at a pixel is that of the cap or the inner wall at an end towards `outward`.
@@ -125,12 +143,17 @@ impl Surroundings<'_> {
         let pixels = [*rim, rim + outward * step].map(|point| self.camera.project(&point));
         let [Some(at_rim), Some(ahead)] = pixels else { return Votes { cut: 1, ..votes } };
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
+        let seen_at = |beyond: f64| {
+            let point = rim + outward * (pixel * beyond);
+            let at = self.camera.project(&point).filter(|at| self.camera.contains(at));
+            (point, at)
+        };
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
         let mut steps: SmallVec<[(f64, f64); 4]> = SmallVec::new();
+        votes.at_border = usize::from(seen_at(0.5 * places[0]).1.is_none());
         for beyond in places {
-            let point = rim + outward * (pixel * beyond);
-            let Some(at) = self.camera.project(&point).filter(|at| self.camera.contains(at)) else {
+            let (point, Some(at)) = seen_at(beyond) else {
                 votes.cut += 1;
                 continue;
             };
