@@ -39,10 +39,14 @@ struct Votes {
     hidden: usize,
     seen: usize,
     unknown: usize,
-    /// Places that the mask holds: there the surface goes on.
-    in_mask: usize,
-    /// Ends that lie at the border of the image, up to half of what a mask may be off by.
-    at_border: usize,
+}
+
+/// What lies beyond one point of an end circle.
+struct Beyond {
+    votes: Votes,
+    /// Whether the mask holds any of it: there the surface goes on.
+    in_mask: bool,
+    border: Border,
 }
 
 /// Where the border of the image is beyond an end.
@@ -52,7 +56,7 @@ pub(super) enum Border {
     Far,
     /// Nearer.
     Near,
-    /// At the end.
+    /// At the end, up to half of what a mask may be off by.
     Reached,
 }
 
@@ -62,8 +66,6 @@ impl Votes {
         self.hidden += other.hidden;
         self.seen += other.seen;
         self.unknown += other.unknown;
-        self.in_mask += other.in_mask;
-        self.at_border += other.at_border;
     }
 
     /// Those inside the image; `None` where there are none.
@@ -72,7 +74,7 @@ impl Votes {
     }
 
     fn state(&self) -> EndState {
-        let Self { cut, hidden, seen, unknown, .. } = *self;
+        let Self { cut, hidden, seen, unknown } = *self;
         let most = cut.max(hidden).max(seen).max(unknown);
         match most {
             0 => EndState::Unknown,
@@ -90,7 +92,7 @@ impl Surroundings<'_> {
     pub fn state(&self, position: f64, outward: f64) -> EndState {
         let mut votes = Votes::default();
         for rim in self.rim(position) {
-            votes.add(&self.look(&rim, outward));
+            votes.add(&self.look(&rim, outward).votes);
         }
         votes.state()
     }
@@ -103,7 +105,8 @@ impl Surroundings<'_> {
         }
         let (mut votes, mut lines) = (Votes::default(), 0);
         for rim in self.rim(position) {
-            if let Some(inside) = self.look(&rim, outward).inside().filter(|inside| inside.in_mask == 0) {
+            let beyond = self.look(&rim, outward);
+            if let Some(inside) = beyond.votes.inside().filter(|_| !beyond.in_mask) {
                 votes.add(&inside);
                 lines += 1;
             }
@@ -113,12 +116,7 @@ impl Surroundings<'_> {
 
     /// The same for one point of an end circle, by what lies inside the image for a mask that was drawn, and where the border is.
     pub fn state_on(&self, rim: &Vector3<f64>, outward: f64) -> (EndState, Border) {
-        let votes = self.look(rim, outward);
-        let border = match (votes.at_border, votes.cut) {
-            (0, 0) => Border::Far,
-            (0, _) => Border::Near,
-            _ => Border::Reached,
-        };
+        let Beyond { votes, border, .. } = self.look(rim, outward);
         (votes.inside().filter(|_| self.drawn).unwrap_or(votes).state(), border)
     }
 
@@ -135,13 +133,15 @@ impl Surroundings<'_> {
     }
 
     /// Looks beyond one point of an end circle.
-    fn look(&self, rim: &Vector3<f64>, outward: f64) -> Votes {
-        let mut votes = Votes::default();
+    fn look(&self, rim: &Vector3<f64>, outward: f64) -> Beyond {
+        let (mut votes, mut in_mask) = (Votes::default(), false);
         let outward = self.cylinder.axis.direction * outward;
         // Length along the axis of one pixel, by a step of 1 % of the radius.
         let step = 0.01 * self.cylinder.radius;
         let pixels = [*rim, rim + outward * step].map(|point| self.camera.project(&point));
-        let [Some(at_rim), Some(ahead)] = pixels else { return Votes { cut: 1, ..votes } };
+        let [Some(at_rim), Some(ahead)] = pixels else {
+            return Beyond { votes: Votes { cut: 1, ..votes }, in_mask, border: Border::Near };
+        };
         let pixel = step / (ahead - at_rim).norm().max(1e-6);
         let seen_at = |beyond: f64| {
             let point = rim + outward * (pixel * beyond);
@@ -151,7 +151,6 @@ impl Surroundings<'_> {
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
         let mut steps: SmallVec<[(f64, f64); 4]> = SmallVec::new();
-        votes.at_border = usize::from(seen_at(0.5 * places[0]).1.is_none());
         for beyond in places {
             let (point, Some(at)) = seen_at(beyond) else {
                 votes.cut += 1;
@@ -159,7 +158,7 @@ impl Surroundings<'_> {
             };
             let Some((column, row)) = pixel_at(&at) else { continue };
             if self.mask.contains(column, row) {
-                votes.in_mask += 1;
+                in_mask = true;
                 continue;
             }
             match self.depth.and_then(|depth| depth.depth(column, row)) {
@@ -172,7 +171,12 @@ impl Surroundings<'_> {
         } else {
             votes.seen += steps.len();
         }
-        votes
+        let border = match votes.cut {
+            0 => Border::Far,
+            _ if seen_at(0.5 * places[0]).1.is_some() => Border::Near,
+            _ => Border::Reached,
+        };
+        Beyond { votes, in_mask, border }
     }
 
     /// Points of the visible arc of the surface around the axis point at a position.
