@@ -33,18 +33,24 @@ constants! {
     /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
     SCAN_STEP = 0.5, "px";
 
-    /// Twice the log-likelihood within which two places of a limb are both followed up: the blur is not known yet.
-    pub(super) AMBIGUOUS = 100.0, "";
+    /// The cost within which two places of a limb are both followed up, the square of as many standard deviations: the blur is
+    /// not known yet.
+    pub(super) AMBIGUOUS = 9.0, "";
 
     /// The least distance of such places in pixels: blur moves a minimum by less.
     pub(super) ELSEWHERE = 1.0, "px";
 
-    /// By how much twice the log-likelihood is divided when places are weighed against each other: what is odd about one
-    /// pixel is odd about its neighbours, too.
-    pub(super) TEMPERATURE = 4.0, "";
+    /// By how much twice the log-likelihood of the mean block is divided when places are weighed against each other. What is
+    /// odd about a place, an edge of a label or of a shadow, is odd about all blocks and about many pixels of each: together
+    /// they say no more than half of one block (docs/measurements-limbs.md).
+    PARTS_OF_BLOCK = 2.0, "";
 
-    /// By how much twice the log-likelihood is divided before it pays for the slopes of a background: 1 if no pixel shared
-    /// anything with its neighbours (docs/measurements-limbs.md).
+    /// By how much twice the log-likelihood is divided before it pays for the slopes of a background that choose a place: what
+    /// is odd about one pixel is odd about its neighbours, too.
+    TEMPERATURE = 4.0, "";
+
+    /// The same for slopes beside a place that was chosen without: 1 if no pixel shared anything with its neighbours
+    /// (docs/measurements-limbs.md).
     SLOPE_TEMPERATURE = 1.4, "";
 }
 
@@ -87,6 +93,8 @@ pub(super) struct Limb<'a> {
     pub background: Background,
     /// Where the scan found the limb without slopes of the background, if these explain it better there.
     sloped_at: Option<f64>,
+    /// The blocks that the scan compared places by.
+    scanned: usize,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
@@ -97,6 +105,16 @@ pub(super) struct Limb<'a> {
     pub covariance: Matrix2<f64>,
     /// Variance of the offset for what the profile does not describe: see [`super::refine`].
     pub misfit: f64,
+}
+
+/// A place of a limb that the scan looked at.
+#[derive(Clone, Copy)]
+struct Scanned {
+    state: LimbState,
+    /// Twice the negative log-likelihood of the pixels.
+    of_pixels: f64,
+    /// What speaks against it: see [`Limb::cost`].
+    cost: f64,
 }
 
 impl<'a> Limb<'a> {
@@ -117,6 +135,7 @@ impl<'a> Limb<'a> {
             shading_deviation,
             background: Background::Flat,
             sloped_at: None,
+            scanned: 0,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             near: line,
@@ -196,16 +215,18 @@ impl<'a> Limb<'a> {
                 (limb, sums_of_blocks(profile, &limb.line, near))
             })
             .collect();
-        let places_on = |background: Background| -> List<(f64, LimbState)> {
+        self.scanned = sums[0].1.len();
+        let places_on = |background: Background| -> List<Scanned> {
             let place = |(limb, blocks): &(LimbState, List<BlockSums>)| {
-                let limb = LimbState { shading: self.best_shading(blocks, background), ..*limb };
-                (self.cost(blocks, &limb, background), limb)
+                let state = LimbState { shading: self.best_shading(blocks, background), ..*limb };
+                let of_pixels = self.cost_of_pixels(blocks, &state, background);
+                Scanned { state, of_pixels, cost: self.cost_beside(of_pixels, &state) }
             };
             sums.iter().map(place).collect()
         };
         let [flat, sloped] = [Background::Flat, Background::Sloped].map(places_on);
-        let least = |places: &mut dyn Iterator<Item = &(f64, LimbState)>| {
-            places.min_by(|a, b| a.0.total_cmp(&b.0)).copied()
+        let least = |places: &mut dyn Iterator<Item = &Scanned>| {
+            places.min_by(|a, b| a.cost.total_cmp(&b.cost)).copied()
         };
         let [Some(of_flat), Some(of_sloped)] = [&flat, &sloped].map(|places| least(&mut places.iter()))
         else {
@@ -213,40 +234,59 @@ impl<'a> Limb<'a> {
         };
         // The price of a slope in each block (Schwarz, Annals of Statistics 6, 1978).
         let price: f64 = sums[0].1.iter().map(|block| block.count.ln()).sum();
-        let apart = |a: &LimbState, b: &LimbState| (a.line.offset - b.line.offset).abs();
-        let (places, best) = if of_sloped.0 + TEMPERATURE.get() * price < of_flat.0 {
+        let pays = |sloped: &Scanned, price: f64| sloped.of_pixels + price < of_flat.of_pixels;
+        let apart = |a: &Scanned, b: &Scanned| (a.state.line.offset - b.state.line.offset).abs();
+        let (places, best) = if pays(&of_sloped, TEMPERATURE.get() * price) {
             self.background = Background::Sloped;
             (&sloped, of_sloped)
         } else {
-            let beside = |place: &&(f64, LimbState)| apart(&place.1, &of_flat.1) < ELSEWHERE.get();
-            let there = least(&mut sloped.iter().filter(beside));
-            let there = there.filter(|there| there.0 + SLOPE_TEMPERATURE.get() * price < of_flat.0);
-            self.sloped_at = there.map(|_| of_flat.1.line.offset);
+            let there = least(&mut sloped.iter().filter(|place| apart(place, &of_flat) < ELSEWHERE.get()));
+            let there = there.filter(|there| pays(there, SLOPE_TEMPERATURE.get() * price));
+            self.sloped_at = there.map(|_| of_flat.state.line.offset);
             (&flat, of_flat)
         };
         // A blur that is not known yet turns a second minimum into a shoulder.
         let other = least(&mut places.iter().filter(|place| {
-            apart(&place.1, &best.1) >= ELSEWHERE.get() && place.0 < best.0 + AMBIGUOUS.get()
+            apart(place, &best) >= ELSEWHERE.get() && place.cost < best.cost + AMBIGUOUS.get()
         }));
-        [Some(best), other].into_iter().flatten().map(|place| place.1).collect()
+        [Some(best), other].into_iter().flatten().map(|place| place.state).collect()
     }
 
-    /// Twice the negative log-likelihood of the pixels of the blocks, and of what is expected of line and shading.
+    /// What speaks against a place of the limb by the blocks that the scan compared places by: infinitely much where the
+    /// profile does not reach all of them.
     pub fn cost(&self, blocks: &[BlockSums], state: &LimbState, background: Background) -> f64 {
+        if blocks.len() < self.scanned {
+            return f64::INFINITY;
+        }
+        self.cost_beside(self.cost_of_pixels(blocks, state, background), state)
+    }
+
+    /// The same by what their pixels say, with what is expected of line and shading.
+    fn cost_beside(&self, of_pixels: f64, state: &LimbState) -> f64 {
+        let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
+        let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
+        let of_shading = state.shading.norm_squared() / self.shading_deviation.powi(2);
+        of_pixels / self.alike() + far + of_shading
+    }
+
+    /// Twice the negative log-likelihood of the pixels of the blocks.
+    fn cost_of_pixels(&self, blocks: &[BlockSums], state: &LimbState, background: Background) -> f64 {
         let floor = self.noise * self.noise;
         let cost = |block: &BlockSums| {
             let squares = block.squared_residuals(&state.shading, self.noise, background)?;
             Some(block.count * (squares / block.count + floor).ln())
         };
-        let blocks: f64 = blocks.iter().filter_map(cost).sum();
-        let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
-        let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
-        blocks + far + state.shading.norm_squared() / self.shading_deviation.powi(2)
+        blocks.iter().filter_map(cost).sum()
     }
 
-    /// The shading that suits the blocks best.
+    /// By how much twice the log-likelihood of the pixels of all blocks is divided when places are weighed against each other.
+    fn alike(&self) -> f64 {
+        PARTS_OF_BLOCK.get() * self.scanned.max(1) as f64
+    }
+
+    /// The shading with which least speaks against a place.
     fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
-        let mut normal = Matrix2::identity() * self.shading_deviation.powi(-2);
+        let mut normal = Matrix2::identity() * (self.alike() * self.shading_deviation.powi(-2));
         let mut right = Vector2::zeros();
         for (information, gradient) in
             blocks.iter().filter_map(|block| block.of_shading(self.noise, background))

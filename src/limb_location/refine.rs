@@ -7,7 +7,7 @@
 
 use super::block::{LimbState, ShadedSums, StripLine, Window, fit_blocks, shaded_sums, sums_of_blocks};
 use super::gather::Near;
-use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH, TEMPERATURE};
+use super::limb::{AMBIGUOUS, BLUR, ELSEWHERE, LONGEST_STEP, Limb, SCAN_REACH};
 use super::profile::{Kernel, MARGIN, ShadedProfile};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -91,8 +91,10 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], stated_blur: f64) -> RefinedImage {
     modes[0].take_slopes(&blur);
     limbs.clone_from_slice(&modes[0].limbs);
     see_less(limbs, &blur, modes[0].blur);
-    let weights: List<f64> =
-        modes.iter().map(|mode| ((modes[0].cost - mode.cost) / (2.0 * TEMPERATURE.get())).exp()).collect();
+    let least = modes[0].cost;
+    // Lines that ran away from their places are all alike, and stay only where no others are.
+    let weight = |cost: f64| if cost > least { ((least - cost) / 2.0).exp() } else { 1.0 };
+    let weights: List<f64> = modes.iter().map(|mode| weight(mode.cost)).collect();
     let sum: f64 = weights.iter().sum();
     for (k, limb) in limbs.iter_mut().enumerate() {
         let line = |mode: &Mode<'_>| mode.limbs[k].state.line.vector();
@@ -232,7 +234,7 @@ impl Mode<'_> {
     }
 }
 
-/// The cost of the limbs over the pixels of some windows.
+/// What speaks against the limbs by the pixels of some windows.
 fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[Near]) -> f64 {
     let kernel = Kernel::new(blur, SCAN_REACH.get());
     let cost = |(limb, window): (&Limb<'_>, &Near)| {
@@ -351,6 +353,8 @@ mod tests {
     use crate::observations::{GreyImage, ImageView, ReducedImage};
 
     const SIZE: (usize, usize) = (80, 80);
+    const LENGTH: f64 = 79.0;
+
     /// An upright limb at 40.3 before a background of brightness 100.
     struct Scene {
         contrast: f64,
@@ -382,8 +386,8 @@ mod tests {
         }
     }
 
-    /// Does something with the limb of an image, from a rough line 0.3 pixels beside it.
-    fn with_limb<R>(image: &GreyImage, noise: f64, then: impl FnOnce(Limb<'_>) -> R) -> R {
+    /// Does something with so much of the limb of an image, from a rough line 0.3 pixels beside it.
+    fn with_limb<R>(image: &GreyImage, noise: f64, length: f64, then: impl FnOnce(Limb<'_>) -> R) -> R {
         let intrinsics = Intrinsics {
             width: SIZE.0 as u32,
             height: SIZE.1 as u32,
@@ -399,7 +403,7 @@ mod tests {
             Grid { image: ReducedImage::new(image, 1), camera: &camera, noise: of_image, least_noise: 0.0 };
         let ideal =
             |x: f64, y: f64| camera.ideal_pixel(&camera.unproject(&Vector2::new(x, y)).unwrap()).unwrap();
-        let baseline = Baseline::new(&[ideal(40.0, 0.0), ideal(40.0, 79.0)], &ideal(60.0, 40.0)).unwrap();
+        let baseline = Baseline::new(&[ideal(40.0, 0.0), ideal(40.0, length)], &ideal(60.0, 40.0)).unwrap();
         let strip = Strip::gather(&grid, &baseline, 10.0);
         let rough = RoughLine { ends: [0.0; 2], score: 0.0, visible: true };
         let half_length = baseline.half_length;
@@ -425,7 +429,7 @@ mod tests {
     fn slopes_are_taken_where_the_scan_asked_for_them_and_nowhere_else() {
         let scanned = |shadow: f64, beside: f64| {
             let scene = Scene { contrast: 100.0, noise: 1.0, shadow };
-            with_limb(&scene.image(1), scene.noise, |mut limb| {
+            with_limb(&scene.image(1), scene.noise, LENGTH, |mut limb| {
                 let near = Near::new(limb.strip, &limb.state.line, Window::full());
                 limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()), &near)[0];
                 limb.state.line.offset += beside;
@@ -438,9 +442,38 @@ mod tests {
     }
 
     #[test]
+    fn a_line_that_ran_away_is_no_place_of_a_limb() {
+        let scene = Scene { contrast: 100.0, noise: 1.0, shadow: 0.0 };
+        let costs = with_limb(&scene.image(1), scene.noise, LENGTH, |mut limb| {
+            let windows = [Near::new(limb.strip, &limb.state.line, Window::full())];
+            limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()), &windows[0])[0];
+            let mut away = limb.clone();
+            away.state.line.offset += 2.0 * SCAN_REACH.get();
+            [limb, away].map(|limb| cost(&[limb], FIRST_BLUR.get(), &windows))
+        });
+        assert!(costs[0] < costs[1], "{costs:?}");
+    }
+
+    #[test]
+    fn more_blocks_are_no_more_certain_of_a_place() {
+        let scene = Scene { contrast: 20.0, noise: 3.0, shadow: 0.0 };
+        let [short, long] = [0.5, 1.0].map(|part| {
+            with_limb(&scene.image(1), scene.noise, part * LENGTH, |mut limb| {
+                let windows = [Near::new(limb.strip, &limb.state.line, Window::full())];
+                limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()), &windows[0])[0];
+                let mut beside = limb.clone();
+                beside.state.line.offset += 1.0;
+                let [there, beside] = [limb, beside].map(|limb| cost(&[limb], FIRST_BLUR.get(), &windows));
+                beside - there
+            })
+        });
+        assert!(long > 1.0 && (0.8..1.25).contains(&(long / short)), "{short} and {long}");
+    }
+
+    #[test]
     fn faint_limbs_settle() {
         let settled = (0..20)
-            .filter(|seed| with_limb(&FAINT.image(*seed), FAINT.noise, last_step) < SETTLED.get())
+            .filter(|seed| with_limb(&FAINT.image(*seed), FAINT.noise, LENGTH, last_step) < SETTLED.get())
             .count();
         // With pixels that enter and leave at each step it was 8.
         assert!(settled >= 14, "{settled} of 20");
